@@ -1,0 +1,9 @@
+//! nullray
+
+pub mod error;
+pub mod mesh;
+pub mod scene;
+pub mod spacetime;
+pub mod time_texture;
+
+pub use error::{Error, Result};

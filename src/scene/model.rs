@@ -1,0 +1,322 @@
+//! The scene, resolved: every quantity typed and in metres, every name looked up, nothing loaded.
+
+use std::path::PathBuf;
+
+use glam::{DAffine3, DVec3};
+
+use crate::spacetime::{Event, Quantity, Velocity, World};
+
+/// The speed of light in vacuum, metres per second (exact).
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+
+/// A scene, ready to be planned. All lengths and times are in metres (time is ct).
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The scene file as named by the user, or "built-in scene".
+    pub name: String,
+    /// The text that was parsed, after overrides; goes into the metadata of outputs.
+    pub text: String,
+    /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
+    pub speed_of_light: f64,
+    /// Refractive index η ≥ 1 of the world-static medium; affects the delay only.
+    pub medium_index: f64,
+    /// The camera.
+    pub camera: CameraModel,
+    /// The objects, in the order of the file.
+    pub objects: Vec<Object>,
+    /// Time-resolved sources, in the order of the file.
+    pub sources: Vec<Source>,
+    /// What the radiance of base colours measures, and of sources that do not say otherwise.
+    pub quantity: Quantity,
+    /// The four effects, each on unless turned off.
+    pub effects: Effects,
+    /// What stands in for data that a source does not have.
+    pub outside: Outside,
+    /// Back faces, where the scene overrides the files.
+    pub back_faces: BackFaces,
+    /// Linear RGB radiance of rays that meet nothing.
+    pub background: [f64; 3],
+    /// Display of the PNG: exposure.
+    pub exposure: Exposure,
+    /// Samples per pixel (a square number is stratified evenly in both directions).
+    pub samples_per_pixel: u32,
+}
+
+/// The camera: a rigid pinhole camera with all rays through one event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraModel {
+    /// Where the pinhole is in the world when the camera's clock shows 0, and the world time then.
+    pub origin: Event<World>,
+    /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation):
+    /// right, up, forward.
+    pub axes: [DVec3; 3],
+    /// Horizontal field of view in the camera frame, radians, in (0, π).
+    pub horizontal_fov: f64,
+    /// Image size in pixels, width and height.
+    pub size: [u32; 2],
+    /// Velocity in the world.
+    pub velocity: Velocity,
+    /// The camera's proper time of the shot, metres.
+    pub time: f64,
+}
+
+/// A thing with geometry, at rest in its own frame.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// Unique name.
+    pub name: String,
+    /// Where its triangles come from.
+    pub geometry: Geometry,
+    /// Object coordinates from the file's (or shape's) coordinates.
+    pub transform: DAffine3,
+    /// Velocity in the world.
+    pub velocity: Velocity,
+    /// The world event at which the object's origin is when its clock shows 0.
+    pub origin: Event<World>,
+    /// A byte range of the scene text to point at in messages.
+    pub span: std::ops::Range<usize>,
+}
+
+/// Where an object's triangles come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// A glTF or GLB file, and a node of it by name (with all below it), or its default scene.
+    Gltf {
+        /// Path, relative paths already resolved against the scene file.
+        path: PathBuf,
+        /// Only this node and its children.
+        node: Option<String>,
+    },
+    /// A built-in shape.
+    Shape {
+        /// Which.
+        shape: Shape,
+        /// Linear RGB base colour.
+        colour: [f32; 3],
+    },
+}
+
+/// Shapes that need no file; each is closed or flat, with outward normals and TEXCOORD_0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// An axis-aligned box centred on the origin, edge lengths in metres.
+    Box {
+        /// Edge lengths along x, y, z.
+        size: [f64; 3],
+    },
+    /// An icosphere centred on the origin.
+    Sphere {
+        /// Radius of the vertices, metres.
+        radius: f64,
+        /// Subdivisions of the icosahedron, 0 to 8; 20·4ⁿ triangles.
+        subdivisions: u32,
+    },
+    /// A rectangle in the plane y = 0 centred on the origin, facing +y.
+    Plane {
+        /// Edge lengths along x and z.
+        size: [f64; 2],
+    },
+    /// A wire lattice of square bars along the edges of cubic cells: the classic subject for seeing aberration.
+    Lattice {
+        /// Cells along x, y, z, each 1 to 64.
+        cells: [u32; 3],
+        /// Edge length of a cell, metres.
+        spacing: f64,
+        /// Thickness of a bar, metres, below `spacing`.
+        bar: f64,
+    },
+}
+
+/// A time-resolved source of radiance on surfaces.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// Unique name.
+    pub name: String,
+    /// The surfaces that it gives radiance to.
+    pub binding: Binding,
+    /// The radiance.
+    pub kind: SourceKind,
+    /// What its radiance measures.
+    pub quantity: Quantity,
+    /// A byte range of the scene text to point at in messages.
+    pub span: std::ops::Range<usize>,
+}
+
+/// Which surfaces a source is bound to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Binding {
+    /// All objects of the scene.
+    All,
+    /// Objects (indices into [`Scene::objects`]) and, where not empty, only these materials of them
+    /// (names in the glTF file).
+    Only {
+        /// Object indices, ascending.
+        objects: Vec<usize>,
+        /// Material names.
+        materials: Vec<String>,
+    },
+}
+
+/// Where a source's radiance comes from.
+#[derive(Debug, Clone)]
+pub enum SourceKind {
+    /// A stored x-y-t cube.
+    Cube(CubeSource),
+    /// A spherical pulse of light.
+    Pulse(Pulse),
+}
+
+/// A stored cube (H, W, T[, C]) and how it lies on surface and time.
+#[derive(Debug, Clone)]
+pub struct CubeSource {
+    /// `.npy` or `.npz` file.
+    pub path: PathBuf,
+    /// The array of an `.npz`; needed where it holds several.
+    pub array: Option<String>,
+    /// How surface points address it.
+    pub mapping: Mapping,
+    /// Which clock its time axis shows.
+    pub clock: Clock,
+    /// The axis: time at the *start* of bin 0, metres.
+    pub start: f64,
+    /// Width of a bin, metres, above 0.
+    pub bin_width: f64,
+    /// Whether values are per bin or per metre.
+    pub values: BinValues,
+    /// Reconstruction along time.
+    pub filter: TimeFilter,
+    /// Factor on all values.
+    pub scale: f64,
+}
+
+/// How a surface point addresses a cube.
+#[derive(Debug, Clone)]
+pub enum Mapping {
+    /// By texture coordinates of this set; row 0 of the cube is v = 0.
+    Uv {
+        /// TEXCOORD set.
+        set: usize,
+    },
+    /// By projection into a capture camera, as far as it saw the point.
+    Capture(CaptureCamera),
+}
+
+/// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaptureCamera {
+    /// Pinhole. For objects at rest in the world: world coordinates. For moving ones: their own.
+    pub eye: DVec3,
+    /// Orthonormal axes: right, up, forward.
+    pub axes: [DVec3; 3],
+    /// Horizontal field of view, radians. The aspect follows from the cube's shape.
+    pub horizontal_fov: f64,
+}
+
+/// The clock that a time axis shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// World time of the emission event.
+    World,
+    /// The emitting object's own time.
+    Object,
+    /// Arrival at the capture camera ("warped"): the frame's time of emission plus
+    /// η × *distance* to the capture pinhole. Needs [`Mapping::Capture`]. The frame's time is world time
+    /// for objects at rest in the world and the object's own for others.
+    Capture,
+}
+
+/// What a stored value is along time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BinValues {
+    /// The integral over the bin.
+    PerBin,
+    /// The mean density per metre over the bin.
+    Density,
+}
+
+/// Reconstruction along time from bin-centred values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeFilter {
+    /// The bin's own value.
+    Nearest,
+    /// Linear between bin centres.
+    Linear,
+    /// Cubic (Catmull–Rom) through bin centres.
+    Cubic,
+}
+
+/// A spherical pulse from a point at rest in the world, falling on diffuse surfaces.
+///
+/// Irradiance at distance r: I(t − ηr) cos θ / r², with I(t) = intensity · g((t − t₀)/σ)/σ per metre
+/// of time, g the unit Gaussian; reflected as albedo/π of it. The albedo is the surface's base colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pulse {
+    /// Where and when the centre of the pulse is emitted.
+    pub origin: Event<World>,
+    /// Standard deviation of the Gaussian in time, metres, above 0.
+    pub sigma: f64,
+    /// Energy per solid angle, by channel.
+    pub intensity: [f64; 3],
+    /// Whether other surfaces shadow it.
+    pub shadows: bool,
+}
+
+/// The effects of relativity and of light's delay; each can be turned off alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effects {
+    /// Off: a look direction of the camera frame is taken as the same direction of the world.
+    pub aberration: bool,
+    /// Off: colours are those of the emitted wavelength.
+    pub doppler: bool,
+    /// Off: the observed radiance is the emitted one.
+    pub searchlight: bool,
+    /// Off: light takes no time (η = 0 in the ray): surfaces are met, and their radiance looked up,
+    /// at the world time of the shot.
+    pub retardation: bool,
+}
+
+/// What stands in for data that a source does not have; coverage says where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outside {
+    /// Before the first bin.
+    pub before: Fill,
+    /// After the last bin.
+    pub after: Fill,
+    /// Beyond the texture's edge (UV outside [0, 1] or outside the capture camera's image).
+    pub off_texture: Fill,
+    /// Not seen by the capture camera.
+    pub occluded: Fill,
+}
+
+/// A substitute for missing data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fill {
+    /// Radiance 0.
+    Black,
+    /// A linear RGB radiance to stand out; not multiplied by any factor.
+    Mark([f64; 3]),
+    /// The nearest data there are (time or place clamped).
+    Hold,
+}
+
+/// Which faces of a triangle are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BackFaces {
+    /// As each file's materials say: double-sided, or else culled.
+    AsFile,
+    /// Both faces alike.
+    TwoSided,
+    /// Back faces are black, and hide what is behind them.
+    Black,
+    /// Back faces are not there.
+    Culled,
+}
+
+/// The factor between linear radiance and the display.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exposure {
+    /// This percentile of the brightest channel (of lit pixels) becomes white, in (0, 100].
+    Percentile(f64),
+    /// Radiance of white, above 0.
+    White(f64),
+}

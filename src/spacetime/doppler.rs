@@ -1,0 +1,85 @@
+//! Wavelength ratio and the radiance factors that follow from it.
+//!
+//! W = λ′/λ = ω_emitter/ω_observer = (k·u_emitter)/(k·u_observer) for light with null vector k.
+//! Photon number in a phase-space cell is invariant, so I_ν/ν³ is: with ν′ = ν/W,
+//!
+//! | the radiance holds | dimension beyond L_ν | observed / emitted |
+//! |---|---|---|
+//! | energy per frequency, L_ν | | W⁻³ |
+//! | energy per wavelength, L_λ = L_ν |dν/dλ|, at λ = λ′/W | ν² | W⁻⁵ |
+//! | energy over the spectrum, or of one line, ∫L_ν dν | ν | W⁻⁴ |
+//! | photons over the spectrum, ∫L_ν/(hν) dν | | W⁻³ |
+//! | photons per wavelength | ν | W⁻⁴ |
+//! | photons per frequency | 1/ν | W⁻² |
+//!
+//! Emission is tracked over dt_emit = dt′/W of the observer's time, hence the energy received per
+//! exposure from a flash carries one power of W more. The irradiance that falls on a moving surface
+//! carries dΩ′ = W² dΩ: two powers more. Source: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.
+
+/// The ratio λ′/λ of the observed to the emitted wavelength; below 1 is a blueshift.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct WavelengthRatio(pub f64);
+
+impl WavelengthRatio {
+    /// No shift.
+    pub const NONE: WavelengthRatio = WavelengthRatio(1.0);
+}
+
+/// What a stored radiance measures. The exponent of W follows from it, and from nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quantity {
+    /// Energy per area, solid angle and wavelength (the paper's D⁻⁵).
+    PerWavelength,
+    /// Energy per area, solid angle and frequency.
+    PerFrequency,
+    /// Energy per area and solid angle, over the whole spectrum (bolometric).
+    Integrated,
+    /// Energy per area and solid angle of one spectral line.
+    Line {
+        /// The emitted wavelength λ₀ in the emitter's rest frame, metres.
+        wavelength: f64,
+    },
+    /// Photons per area and solid angle, over the whole spectrum.
+    Photons,
+    /// Photons per area, solid angle and wavelength.
+    PhotonsPerWavelength,
+    /// Photons per area, solid angle and frequency.
+    PhotonsPerFrequency,
+}
+
+impl Quantity {
+    /// p in L′ = W⁻ᵖ L.
+    pub const fn exponent(self) -> u32 {
+        match self {
+            Quantity::PerWavelength => 5,
+            Quantity::Integrated | Quantity::Line { .. } | Quantity::PhotonsPerWavelength => 4,
+            Quantity::PerFrequency | Quantity::Photons => 3,
+            Quantity::PhotonsPerFrequency => 2,
+        }
+    }
+
+    /// Observed radiance for an emitted radiance of 1.
+    #[inline]
+    pub fn radiance_factor(self, w: WavelengthRatio) -> f64 {
+        power(1.0 / w.0, self.exponent())
+    }
+
+    /// Irradiance on a surface in its own frame for an irradiance of 1 (per area across the light)
+    /// in the source's, `w` the ratio of wavelengths surface / source.
+    #[inline]
+    pub fn irradiance_factor(self, w: WavelengthRatio) -> f64 {
+        power(1.0 / w.0, self.exponent() - 2)
+    }
+
+    /// Energy (or photons) received per exposure for a flash of time integral 1 at the emitter.
+    #[inline]
+    pub fn exposure_factor(self, w: WavelengthRatio) -> f64 {
+        power(1.0 / w.0, self.exponent() - 1)
+    }
+}
+
+/// xⁿ by multiplications in a fixed order: the same bits on every machine.
+#[inline]
+fn power(x: f64, n: u32) -> f64 {
+    (1..n).fold(if n == 0 { 1.0 } else { x }, |p, _| p * x)
+}

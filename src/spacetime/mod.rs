@@ -1,0 +1,24 @@
+//! Special relativity in f64: events, velocities, boosts, null rays, wavelength ratios, radiance.
+//!
+//! Conventions, used everywhere in this crate:
+//! - c = 1: an event is `(ct, x, y, z)`, all four in metres.
+//! - A frame's velocity is held as a rapidity vector w: β = tanh|w| ŵ, γ = cosh|w|.
+//! - Boosts are rotation-free. Transforms are named target-from-source (`world_from_camera`), and
+//!   typed that way too: a [`Boost<World, Camera>`](Boost) takes camera quantities to the world, and
+//!   nothing else compiles.
+//! - A look direction points *out of* the camera, against the light's propagation. The past-directed
+//!   null vector of a ray is k = (−ω, ω d).
+//!
+//! Nothing here knows of images, meshes or files.
+
+mod boost;
+mod doppler;
+mod event;
+mod ray;
+mod velocity;
+
+pub use boost::{Boost, InertialFrame};
+pub use doppler::{Quantity, WavelengthRatio};
+pub use event::{Camera, Direction, Displacement, Event, Frame, Rest, World};
+pub use ray::NullRay;
+pub use velocity::{MAX_RAPIDITY, Velocity, VelocityError};

@@ -1,8 +1,11 @@
 //! nullray
 
+pub mod camera;
 pub mod error;
 pub mod mesh;
+pub mod sampler;
 pub mod scene;
+pub mod shapes;
 pub mod spacetime;
 pub mod time_texture;
 

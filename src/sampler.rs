@@ -1,0 +1,138 @@
+//! Where in a pixel the samples lie: multi-jittered strata, a pure function of pixel and index.
+//!
+//! n = a·b samples fill an a × b grid of cells, one each; within its cell a sample takes a sub-row and
+//! a sub-column of its own, so that the n samples also project onto n different strata of x and of y
+//! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
+//! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
+
+/// The sample positions of every pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sampler {
+    columns: u32,
+    rows: u32,
+    centred: bool,
+}
+
+impl Sampler {
+    /// `samples` ≥ 1 stratified samples per pixel.
+    pub fn stratified(samples: u32) -> Self {
+        let samples = samples.max(1);
+        let root = (1..=samples)
+            .take_while(|d| d * d <= samples)
+            .filter(|d| samples.is_multiple_of(*d))
+            .last()
+            .unwrap_or(1);
+        Sampler {
+            columns: root,
+            rows: samples / root,
+            centred: false,
+        }
+    }
+
+    /// One sample, at the pixel's centre.
+    pub fn centred() -> Self {
+        Sampler {
+            columns: 1,
+            rows: 1,
+            centred: true,
+        }
+    }
+
+    /// Samples per pixel.
+    pub fn samples(&self) -> u32 {
+        self.columns * self.rows
+    }
+
+    /// The offset of sample `index` in pixel `(column, row)`, each in [0, 1).
+    #[inline]
+    pub fn offset(&self, column: u32, row: u32, index: u32) -> [f64; 2] {
+        if self.centred {
+            return [0.5, 0.5];
+        }
+        let pixel = hash(column as u64 | ((row as u64) << 32));
+        let (i, j) = (index % self.columns, index / self.columns);
+        let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let x = sub_cell(j, self.rows, pixel) + unit(noise as u32);
+        let y = sub_cell(i, self.columns, pixel.rotate_left(31)) + unit((noise >> 32) as u32);
+        [
+            (i as f64 + x / self.rows as f64) / self.columns as f64,
+            (j as f64 + y / self.columns as f64) / self.rows as f64,
+        ]
+    }
+}
+
+/// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
+fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
+    let shift = (seed % n as u64) as u32;
+    let stride = (1 + (seed >> 32) % n as u64) as u32;
+    let stride = (stride..stride + n).find(|a| coprime(*a, n)).unwrap_or(1);
+    ((k as u64 * stride as u64 + shift as u64) % n as u64) as f64
+}
+
+fn coprime(mut a: u32, mut b: u32) -> bool {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a == 1
+}
+
+/// A number in [0, 1) from 32 random bits.
+fn unit(bits: u32) -> f64 {
+    bits as f64 * (1.0 / 4_294_967_296.0)
+}
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+fn hash(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_fill_every_stratum_of_x_and_y_once() {
+        for n in [1, 2, 4, 7, 12, 16, 64] {
+            let sampler = Sampler::stratified(n);
+            for pixel in [(0, 0), (3, 5), (1000, 17)] {
+                for axis in 0..2 {
+                    let mut strata: Vec<u32> = (0..n)
+                        .map(|i| {
+                            (sampler.offset(pixel.0, pixel.1, i)[axis] * n as f64).floor() as u32
+                        })
+                        .collect();
+                    strata.sort_unstable();
+                    assert_eq!(
+                        strata,
+                        (0..n).collect::<Vec<_>>(),
+                        "{n} samples, axis {axis}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn square_numbers_fill_the_cells_of_a_square_grid() {
+        let sampler = Sampler::stratified(16);
+        let mut cells: Vec<u32> = (0..16)
+            .map(|i| {
+                let [x, y] = sampler.offset(2, 9, i);
+                (x * 4.0) as u32 + 4 * (y * 4.0) as u32
+            })
+            .collect();
+        cells.sort_unstable();
+        assert_eq!(cells, (0..16).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_mean_offset_over_many_pixels_is_the_centre() {
+        let sampler = Sampler::stratified(1);
+        let sum: f64 = (0..10_000).map(|i| sampler.offset(i, 3, 0)[0]).sum();
+        // Standard error of the mean of 10⁴ uniform numbers: 1/√(12·10⁴) = 0.0029.
+        assert!((sum / 10_000.0 - 0.5).abs() < 0.012);
+    }
+}

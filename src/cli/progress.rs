@@ -1,0 +1,44 @@
+//! The progress bar: on a terminal only, with rate and time left.
+
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use nullray::render::Progress;
+
+use super::interrupt::Interrupt;
+
+/// Shows rays done on standard error, and passes Ctrl-C on.
+pub struct Bar {
+    bar: ProgressBar,
+    interrupt: &'static Interrupt,
+}
+
+impl Bar {
+    /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
+    pub fn new(rays: u64, quiet: bool) -> Self {
+        let visible = !quiet && std::io::stderr().is_terminal();
+        let target = if visible { ProgressDrawTarget::stderr_with_hz(8) } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(rays), target);
+        if let Ok(style) = ProgressStyle::with_template(
+            "{bar:40} {percent:>3} %  {human_pos} of {human_len} rays  {per_sec}  {eta} left",
+        ) {
+            bar.set_style(style);
+        }
+        Bar { bar, interrupt: Interrupt::install() }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn rays_done(&self, rays: u64) {
+        self.bar.inc(rays);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.interrupt.is_pressed()
+    }
+}

@@ -1,0 +1,85 @@
+//! Loads and builds what the plan lists, and nothing else.
+
+mod geometry;
+mod light;
+
+use crate::camera::Shot;
+use crate::error::{Error, Result};
+use crate::film::Layout;
+use crate::plan::{Plan, ViewKind};
+use crate::render::Progress;
+use crate::sampler::Sampler;
+use crate::scene::model::Scene;
+use crate::trace::{BaseColours, RestFrame, TimeResolved};
+
+/// A scene with everything loaded and built that its plan lists.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The camera at the moment of the shot.
+    pub shot: Shot,
+    /// How film points become world directions.
+    pub view: ViewKind,
+    /// The rest frames with their BVHs.
+    pub frames: Vec<RestFrame>,
+    /// Radiance of surfaces.
+    pub light: Light,
+    /// Refractive index that delays camera rays; 0 where retardation is turned off.
+    pub ray_index: f64,
+    /// Observed radiance of rays that meet nothing.
+    pub background: [f64; 3],
+    /// Where samples lie in a pixel.
+    pub sampler: Sampler,
+    /// The film.
+    pub layout: Layout,
+    /// What was odd in the files, but no error.
+    pub warnings: Vec<String>,
+}
+
+/// Radiance of surfaces: constant, or varying with time.
+#[derive(Debug)]
+pub enum Light {
+    /// Base colours only.
+    Constant(BaseColours),
+    /// Cubes, pulses, base colours.
+    TimeResolved(TimeResolved),
+}
+
+impl Prepared {
+    /// Carries out `plan`, which must be that of `scene`.
+    ///
+    /// # Errors
+    /// Broken files, and [`Error::Cancelled`] when `progress` says so.
+    pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
+        let shot = Shot::new(&scene.camera);
+        let mut light = light::Builder::new(scene);
+        let mut warnings = Vec::new();
+        let mut frames = Vec::with_capacity(plan.frames.len());
+        for planned in &plan.frames {
+            stop_if_cancelled(progress)?;
+            frames.push(geometry::frame(scene, plan, planned, &mut light, &mut warnings)?);
+        }
+        stop_if_cancelled(progress)?;
+        let light = light.finish(plan, &frames, progress)?;
+        let ray_index = if scene.effects.retardation { scene.medium_index } else { 0.0 };
+        let sampler = if plan.pixel_centers {
+            Sampler::centred()
+        } else {
+            Sampler::stratified(plan.film.samples)
+        };
+        Ok(Prepared {
+            shot,
+            view: plan.view,
+            frames,
+            light,
+            ray_index,
+            background: scene.background,
+            sampler,
+            layout: plan.film.clone(),
+            warnings,
+        })
+    }
+}
+
+fn stop_if_cancelled(progress: &dyn Progress) -> Result<()> {
+    if progress.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+}

@@ -1,0 +1,137 @@
+//! Rest frames: the triangles of all objects at rest in one, and the BVH over them.
+
+use glam::DVec3;
+
+use super::light::Builder;
+use crate::accel::{Bvh, Facing};
+use crate::error::{Error, Result};
+use crate::import::gltf;
+use crate::mesh::Mesh;
+use crate::plan::{Plan, PlannedFrame, PlannedObject};
+use crate::scene::model::{BackFaces, Geometry, Object, Scene};
+use crate::shapes;
+use crate::spacetime::{Event, InertialFrame, Rest};
+use crate::trace::{Patch, RestFrame};
+
+/// Loads the objects of `planned` and builds their BVH.
+pub(super) fn frame(
+    scene: &Scene,
+    plan: &Plan,
+    planned: &PlannedFrame,
+    light: &mut Builder,
+    warnings: &mut Vec<String>,
+) -> Result<RestFrame> {
+    let first = &scene.objects[planned.objects[0]];
+    let frame = InertialFrame::new(first.velocity, first.origin);
+    let mut gathered = Gathered::default();
+    for &index in &planned.objects {
+        let object = &scene.objects[index];
+        let (mesh, images) = load(object, &plan.objects[index], warnings)?;
+        let emitters = light.materials(index, &mesh, images)?;
+        let origin = frame.event_from_world(object.origin);
+        gathered.add(scene, index, mesh, origin, &emitters);
+    }
+    gathered.check(scene)?;
+    let Gathered { triangles, patches, culled, meshes } = gathered;
+    let facing = |triangle: u32| {
+        let patch = patches.partition_point(|p| p.first <= triangle).saturating_sub(1);
+        if culled[patch] { Facing::FrontOnly } else { Facing::TwoSided }
+    };
+    let bvh = Bvh::build(triangles, facing);
+    Ok(RestFrame { frame, bvh, patches, meshes })
+}
+
+/// The mesh of an object in object coordinates, and the images of its file where they are wanted.
+fn load(
+    object: &Object,
+    planned: &PlannedObject,
+    warnings: &mut Vec<String>,
+) -> Result<(Mesh, Vec<gltf::EncodedImage>)> {
+    let (mut mesh, images) = match &object.geometry {
+        Geometry::Gltf { path, node } => {
+            let want = gltf::Want { uvs: planned.uvs, textures: planned.textures };
+            let imported = gltf::load(path, node.as_deref(), want)?;
+            let named = |w: String| format!("{}: {w}", path.display());
+            warnings.extend(imported.warnings.into_iter().map(named));
+            (imported.mesh, imported.images)
+        }
+        Geometry::Shape { shape, colour } => (shapes::mesh(*shape, *colour), Vec::new()),
+    };
+    if !planned.uvs {
+        mesh.uvs.clear();
+    }
+    let transform = object.transform;
+    for p in &mut mesh.positions {
+        *p = transform.transform_point3(*p);
+    }
+    if transform.matrix3.determinant() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    Ok((mesh, images))
+}
+
+/// The triangles of a frame while they are gathered.
+#[derive(Default)]
+struct Gathered {
+    triangles: Vec<[DVec3; 3]>,
+    patches: Vec<Patch>,
+    /// Per patch: whether its back faces are not there.
+    culled: Vec<bool>,
+    meshes: Vec<Mesh>,
+}
+
+impl Gathered {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        object: usize,
+        mut mesh: Mesh,
+        origin: Event<Rest>,
+        emitters: &[u32],
+    ) {
+        let object_first = self.triangles.len() as u32;
+        self.triangles.reserve_exact(mesh.triangles.len());
+        for index in 0..mesh.triangles.len() as u32 {
+            self.triangles.push(mesh.corners(index).map(|p| p + origin.x));
+        }
+        for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
+            let double_sided = mesh.materials[part.material as usize].double_sided;
+            self.culled.push(is_culled(scene.back_faces, double_sided));
+            self.patches.push(Patch {
+                first: object_first + part.first_triangle,
+                object: object as u32,
+                mesh: self.meshes.len() as u32,
+                object_first,
+                object_origin: origin,
+                emitter: emitters[part.material as usize],
+                black_back: scene.back_faces == BackFaces::Black,
+            });
+        }
+        // The BVH holds the corners from here on; what addresses textures stays.
+        mesh.positions = Vec::new();
+        if mesh.uvs.is_empty() {
+            mesh.triangles = Vec::new();
+        }
+        self.meshes.push(mesh);
+    }
+
+    fn check(&self, scene: &Scene) -> Result<()> {
+        if self.triangles.len() < (1 << 31) {
+            return Ok(());
+        }
+        Err(Error::unsupported(
+            &scene.name,
+            "object",
+            format!("{} triangles at rest in one frame", self.triangles.len()),
+            "fewer than 2³¹ triangles per rest frame",
+        ))
+    }
+}
+
+fn is_culled(policy: BackFaces, double_sided: bool) -> bool {
+    match policy {
+        BackFaces::AsFile => !double_sided,
+        BackFaces::TwoSided | BackFaces::Black => false,
+        BackFaces::Culled => true,
+    }
+}

@@ -1,0 +1,224 @@
+//! Emitters: base colours, cubes with their capture cameras, pulses.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::Light;
+use crate::accel::Ray;
+use crate::error::{Error, Result};
+use crate::image::Texture;
+use crate::import::gltf::EncodedImage;
+use crate::import::npy;
+use crate::mesh::{Material, Mesh};
+use crate::plan::{Lit, Plan, lit_by};
+use crate::render::Progress;
+use crate::scene::model::{Binding, CaptureCamera, Clock, CubeSource, Effects, Geometry, Mapping, Scene, SourceKind};
+use crate::spacetime::Quantity;
+use crate::time_texture::{Capture, Cube, SeenPoint, TimeAxis, TimeTexture};
+use crate::trace::{
+    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Response, RestFrame, TimeResolved,
+};
+
+/// Gathers emitters object by object, then loads cubes.
+pub(super) struct Builder<'a> {
+    scene: &'a Scene,
+    colours: Vec<BaseColour>,
+    textures: Vec<Texture>,
+    /// Per emitter: what lights it, and the base colour that goes with it.
+    emitters: Vec<(Lit, usize)>,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        Builder { scene, colours: Vec::new(), textures: Vec::new(), emitters: Vec::new() }
+    }
+
+    /// Emitter indices for the materials of object `object`.
+    pub(super) fn materials(&mut self, object: usize, mesh: &Mesh, images: Vec<EncodedImage>) -> Result<Vec<u32>> {
+        let first_texture = self.textures.len();
+        let file = match &self.scene.objects[object].geometry {
+            Geometry::Gltf { path, .. } => path.clone(),
+            Geometry::Shape { .. } => PathBuf::new(),
+        };
+        for image in images {
+            self.textures.push(Texture::decode(&image.bytes, &image.place, &file)?);
+        }
+        let has_textures = self.textures.len() > first_texture;
+        let emitter = |material: &Material| {
+            let lit = lit_by(self.scene, object, &material.name);
+            let colour = base_colour(material, has_textures.then_some(first_texture));
+            self.colours.push(colour);
+            self.emitters.push((lit, self.colours.len() - 1));
+            self.emitters.len() as u32 - 1
+        };
+        Ok(mesh.materials.iter().map(emitter).collect())
+    }
+
+    /// Loads the cubes that the plan lists and traces their capture cameras.
+    pub(super) fn finish(self, plan: &Plan, frames: &[RestFrame], progress: &dyn Progress) -> Result<Light> {
+        let scene = self.scene;
+        let base = BaseColours {
+            colours: self.colours,
+            textures: self.textures,
+            response: response(scene.quantity, scene.effects),
+        };
+        // Without time, emitter k is base colour k.
+        if !plan.time_resolved {
+            return Ok(Light::Constant(base));
+        }
+        let mut stores = Stores::default();
+        let mut sources = Vec::new();
+        for (index, source) in scene.sources.iter().enumerate() {
+            super::stop_if_cancelled(progress)?;
+            let planned = plan.cubes.get(index).is_some_and(Option::is_some);
+            sources.push(match &source.kind {
+                SourceKind::Cube(cube) if planned => Some(stores.cube(scene, index, cube, frames)?),
+                _ => None,
+            });
+        }
+        let pulses = scene.sources.iter().map(|source| match &source.kind {
+            SourceKind::Pulse(pulse) => Some((pulse.clone(), source.quantity)),
+            SourceKind::Cube(_) => None,
+        });
+        let emitters = self.emitters.into_iter().map(|(lit, colour)| match lit {
+            Lit::Base => (Emitter::Base(colour), base.response),
+            Lit::Pulses(pulses) => {
+                let quantity = scene.sources[pulses[0]].quantity;
+                (Emitter::Pulses { albedo: colour, pulses }, response(quantity, scene.effects))
+            }
+            Lit::Cube(source) => {
+                let emitter = sources[source].clone().unwrap_or(Emitter::Base(colour));
+                (emitter, response(scene.sources[source].quantity, scene.effects))
+            }
+        });
+        let emitters = emitters.collect();
+        Ok(Light::TimeResolved(TimeResolved {
+            emitters,
+            base,
+            cubes: stores.cubes,
+            captures: stores.captures,
+            pulses: pulses.collect(),
+            index: scene.medium_index,
+        }))
+    }
+}
+
+fn base_colour(material: &Material, first_texture: Option<usize>) -> BaseColour {
+    let texture = first_texture
+        .zip(material.texture.as_ref())
+        .map(|(first, t)| (first + t.image, t.uv_set, t.wrap));
+    BaseColour { factor: material.base_colour.map(f64::from), texture }
+}
+
+/// What an observer makes of radiance of `quantity` with these effects.
+fn response(quantity: Quantity, effects: Effects) -> Response {
+    let colour = match (quantity, effects.doppler) {
+        (Quantity::Line { wavelength }, true) => Colouring::ShiftedLine(wavelength),
+        (Quantity::Line { wavelength }, false) => Colouring::UnshiftedLine(wavelength),
+        _ => Colouring::Channels,
+    };
+    Response { scaled: effects.searchlight.then_some(quantity), colour }
+}
+
+/// Cubes and capture cameras, each file loaded once.
+#[derive(Default)]
+struct Stores {
+    files: HashMap<(PathBuf, Option<String>), Arc<Cube>>,
+    cubes: Vec<TimeTexture>,
+    captures: Vec<Capture>,
+}
+
+impl Stores {
+    fn cube(&mut self, scene: &Scene, source: usize, cube: &CubeSource, frames: &[RestFrame]) -> Result<Emitter> {
+        let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
+            .map_err(|e| refused(scene, source, e))?;
+        let size = texture.size();
+        self.cubes.push(texture);
+        let place = Place::of(scene, source, frames);
+        let clock = place.clock(cube.clock);
+        let index = self.cubes.len() - 1;
+        Ok(match &cube.mapping {
+            Mapping::Uv { set } => Emitter::Uv { cube: index, set: *set, clock },
+            Mapping::Capture(camera) => {
+                let camera = CaptureCamera { eye: place.eye(camera.eye), ..camera.clone() };
+                let warped = cube.clock == Clock::Capture;
+                let trace = |origin, direction| place.seen(origin, direction);
+                self.captures.push(Capture::new(&camera, size, warped, scene.medium_index, trace));
+                Emitter::Capture { cube: index, capture: self.captures.len() - 1, clock }
+            }
+        })
+    }
+
+    fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
+        let key = (cube.path.clone(), cube.array.clone());
+        if let Some(loaded) = self.files.get(&key) {
+            return Ok(loaded.clone());
+        }
+        let loaded = Arc::new(npy::load(&cube.path, cube.array.as_deref())?);
+        self.files.insert(key, loaded.clone());
+        Ok(loaded)
+    }
+}
+
+fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
+    let place = format!("source \"{}\"", scene.sources[source].name);
+    Error::invalid(&scene.name, place, error.to_string(), "a cube (H, W, T) or (H, W, T, 1 or 3) and a time axis that fits it")
+}
+
+/// The rest frame of the objects that a source is bound to, and the first of these objects.
+struct Place<'a> {
+    rest: Option<&'a RestFrame>,
+    /// Origin of the object in the frame.
+    object: DVec3,
+    /// The object's time zero in the frame.
+    object_time: f64,
+    /// World coordinates of the frame's origin where the frame rests in the world.
+    world: Option<DVec3>,
+}
+
+impl<'a> Place<'a> {
+    fn of(scene: &Scene, source: usize, frames: &'a [RestFrame]) -> Self {
+        let object = match &scene.sources[source].binding {
+            Binding::All => 0,
+            Binding::Only { objects, .. } => objects.first().copied().unwrap_or(0),
+        };
+        let has = |f: &&RestFrame| f.patches.iter().any(|p| p.object as usize == object);
+        let rest = frames.iter().find(has);
+        let origin = rest
+            .and_then(|f| f.patches.iter().find(|p| p.object as usize == object))
+            .map(|p| p.object_origin);
+        let still = rest.filter(|f| f.frame.velocity().is_rest());
+        Place {
+            rest,
+            object: origin.map_or(DVec3::ZERO, |o| o.x),
+            object_time: origin.map_or(0.0, |o| o.ct),
+            world: still.map(|f| f.frame.origin().x),
+        }
+    }
+
+    /// A cube's clock where it is bound. A capture camera's clock runs in world time for objects at
+    /// rest in the world, and in the object's own for others.
+    fn clock(&self, clock: Clock) -> EmissionClock {
+        match (clock, self.world) {
+            (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,
+            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Rest(self.object_time),
+        }
+    }
+
+    /// The capture pinhole in frame coordinates.
+    fn eye(&self, eye: DVec3) -> DVec3 {
+        match self.world {
+            Some(frame_origin) => eye - frame_origin,
+            None => eye + self.object,
+        }
+    }
+
+    fn seen(&self, origin: DVec3, direction: DVec3) -> Option<SeenPoint> {
+        let bvh = &self.rest?.bvh;
+        let hit = bvh.closest(&Ray { origin, direction, s_min: 0.0 }, f64::INFINITY)?;
+        Some(SeenPoint { distance: hit.s, normal: bvh.normal(&hit) })
+    }
+}

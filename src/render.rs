@@ -1,0 +1,123 @@
+//! The whole image: tiles over threads, the same bits on any number of them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::camera::{self, View};
+use crate::error::{Error, Result};
+use crate::film::{Film, Layout, Tile, TileFilm};
+use crate::prepare::{Light, Prepared};
+use crate::trace::{self, AovRecorder, NoAovs, Pipeline, Radiance, Recorder, Surfaces};
+
+/// What a caller can watch, and stop. All methods are called from worker threads.
+pub trait Progress: Sync {
+    /// `rays` more camera rays are done.
+    fn rays_done(&self, _rays: u64) {}
+
+    /// Whether to stop as soon as possible.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Watches nothing, stops never.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}
+
+/// Can be stopped from another thread.
+impl Progress for AtomicBool {
+    fn is_cancelled(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
+
+/// Renders a prepared scene on rayon's current thread pool.
+///
+/// # Errors
+/// [`Error::Cancelled`] when `progress` says so.
+pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
+    use crate::plan::ViewKind;
+    let shot = &scene.shot;
+    match scene.view {
+        ViewKind::Still => scene.seen(camera::Still(shot.pinhole.clone()), progress),
+        ViewKind::Moving => scene.seen(camera::Moving::new(shot), progress),
+        ViewKind::Unaberrated => {
+            scene.seen(camera::Unaberrated(camera::Moving::new(shot)), progress)
+        }
+    }
+}
+
+// Each step fixes one type of the pipeline; every combination is compiled for itself.
+impl Prepared {
+    fn seen<V: View>(&self, view: V, progress: &dyn Progress) -> Result<Film> {
+        let (event, index) = (self.shot.event, self.ray_index);
+        match self.frames.as_slice() {
+            [rest] if rest.frame.velocity().is_rest() => {
+                self.met(view, trace::Still::new(rest, event, index), progress)
+            }
+            frames => self.met(view, trace::Frames::new(frames, event, index), progress),
+        }
+    }
+
+    fn met<V: View, S: Surfaces>(&self, view: V, surfaces: S, progress: &dyn Progress) -> Result<Film> {
+        match &self.light {
+            Light::Constant(light) => self.lit(view, surfaces, light, progress),
+            Light::TimeResolved(light) => self.lit(view, surfaces, light, progress),
+        }
+    }
+
+    fn lit<V: View, S: Surfaces, R: Radiance>(
+        &self,
+        view: V,
+        surfaces: S,
+        radiance: &R,
+        progress: &dyn Progress,
+    ) -> Result<Film> {
+        let pipeline = Pipeline {
+            view,
+            surfaces,
+            radiance,
+            event: self.shot.event,
+            index: self.ray_index,
+            background: self.background,
+            sampler: self.sampler,
+        };
+        if self.layout.channels.is_empty() {
+            run(&pipeline, &NoAovs, &self.layout, progress)
+        } else {
+            let recorder = AovRecorder { channels: self.layout.channels.clone() };
+            run(&pipeline, &recorder, &self.layout, progress)
+        }
+    }
+}
+
+fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
+    pipeline: &Pipeline<'_, V, S, R>,
+    recorder: &A,
+    layout: &Layout,
+    progress: &dyn Progress,
+) -> Result<Film> {
+    let film = Mutex::new(Film::new(layout.clone()));
+    (0..Tile::count(layout.size)).into_par_iter().try_for_each_init(
+        trace::Buffers::default,
+        |buffers, index| {
+            let tile = Tile::of_image(layout.size, index);
+            let mut tile_film = TileFilm::new(tile, layout);
+            for sample in 0..layout.samples {
+                if progress.is_cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                pipeline.sample(tile, sample, recorder, buffers, &mut tile_film);
+                progress.rays_done(tile.pixels() as u64);
+            }
+            // A poisoned lock means a panic elsewhere, which rayon passes on.
+            film.lock().unwrap_or_else(PoisonError::into_inner).place(&tile_film);
+            Ok(())
+        },
+    )?;
+    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+}

@@ -1,0 +1,157 @@
+//! One sample: event → null ray → nearest hit over all rest frames → retarded event → radiance × factor.
+//!
+//! A [`Pipeline`] is put together from the plan: which [`View`], which [`Surfaces`], which
+//! [`Radiance`] and which recorder of auxiliary channels. Each combination is compiled for itself, so
+//! that a scene pays nothing for what it does not need. Rays go in batches: one sample of every pixel
+//! of a tile, which share the camera's event and are coherent.
+
+mod emission;
+mod record;
+mod surfaces;
+
+pub use emission::{
+    BaseColour, BaseColours, Colouring, Emission, EmissionClock, Emitter, Radiance, Response,
+    SurfacePoint, TimeResolved,
+};
+pub use record::{AovRecorder, NoAovs, Recorder, Seen};
+pub use surfaces::{Found, Frames, Patch, RestFrame, Scratch, Still, Surfaces};
+
+use crate::camera::View;
+use crate::colour;
+use crate::film::{Tile, TileFilm};
+use crate::sampler::Sampler;
+use crate::spacetime::{Direction, Event, NullRay, WavelengthRatio, World};
+use crate::time_texture::Coverage;
+
+/// Everything that turns film points into radiance.
+#[derive(Debug)]
+pub struct Pipeline<'a, V, S, R> {
+    /// Film point → world direction and W.
+    pub view: V,
+    /// Ray → nearest hit.
+    pub surfaces: S,
+    /// Hit → emitted radiance.
+    pub radiance: &'a R,
+    /// The event from which all rays leave.
+    pub event: Event<World>,
+    /// Refractive index that delays the rays; 0 where retardation is turned off.
+    pub index: f64,
+    /// Observed radiance of rays that meet nothing.
+    pub background: [f64; 3],
+    /// Where samples lie in a pixel.
+    pub sampler: Sampler,
+}
+
+/// Observed radiance of one sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Observed {
+    /// Linear RGB.
+    pub radiance: [f64; 3],
+    /// How much of it is known.
+    pub coverage: Coverage,
+}
+
+/// Buffers of one thread's tile.
+#[derive(Debug, Default)]
+pub struct Buffers {
+    offsets: Vec<[f64; 2]>,
+    directions: Vec<Direction<World>>,
+    ratios: Vec<f64>,
+    scratch: Scratch,
+}
+
+impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
+    /// Renders sample `index` of every pixel of `tile`.
+    pub fn sample<A: Recorder>(
+        &self,
+        tile: Tile,
+        index: u32,
+        recorder: &A,
+        buffers: &mut Buffers,
+        film: &mut TileFilm,
+    ) {
+        self.shoot(tile, index, buffers);
+        self.surfaces.nearest(&buffers.directions, &mut buffers.scratch);
+        for pixel in 0..tile.pixels() {
+            self.develop(pixel, recorder, buffers, film);
+        }
+    }
+
+    /// Look directions and wavelength ratios of sample `index` of every pixel.
+    fn shoot(&self, tile: Tile, index: u32, buffers: &mut Buffers) {
+        buffers.offsets.clear();
+        buffers.directions.clear();
+        buffers.ratios.clear();
+        for (column, row) in tile.coordinates() {
+            let offset = self.sampler.offset(column, row, index);
+            let (d, w) = self.view.look(column as f64 + offset[0], row as f64 + offset[1]);
+            buffers.offsets.push(offset);
+            buffers.directions.push(d);
+            buffers.ratios.push(w);
+        }
+    }
+
+    /// Adds what one ray has met to its pixel.
+    #[inline]
+    fn develop<A: Recorder>(&self, pixel: usize, recorder: &A, buffers: &Buffers, film: &mut TileFilm) {
+        let d = buffers.directions[pixel];
+        let Some(found) = buffers.scratch.found[pixel] else {
+            film.add::<R>(pixel, self.unmet());
+            recorder.record(pixel, buffers.offsets[pixel], d, None, film);
+            return;
+        };
+        let point = self.point(found, d);
+        let (_, rho) = self.surfaces.turned(found.frame, d);
+        let w = WavelengthRatio(buffers.ratios[pixel] * rho);
+        film.add::<R>(pixel, self.observe(&point, w));
+        recorder.record(pixel, buffers.offsets[pixel], d, Some(&Seen { point, w }), film);
+    }
+
+    fn point(&self, found: Found, d: Direction<World>) -> SurfacePoint<'_> {
+        let rest = self.surfaces.rest(found.frame);
+        SurfacePoint {
+            rest,
+            frame: found.frame,
+            patch: rest.patch(found.hit.triangle),
+            hit: found.hit,
+            ray: NullRay::new(self.event, d, self.index),
+            local: self.surfaces.local(found.frame, d),
+        }
+    }
+
+    fn unmet(&self) -> Observed {
+        Observed { radiance: self.background, coverage: Coverage::HELD }
+    }
+
+    /// Observed radiance of a surface point seen with wavelength ratio `w`.
+    #[inline]
+    fn observe(&self, point: &SurfacePoint, w: WavelengthRatio) -> Observed {
+        if point.patch.black_back && !point.hit.front {
+            return Observed { radiance: [0.0; 3], coverage: Coverage::HELD };
+        }
+        let emission = self.radiance.emission(&self.surfaces, point);
+        let factor = emission.response.scaled.map_or(1.0, |q| q.radiance_factor(w));
+        let colour = emission.colour(w);
+        Observed {
+            radiance: std::array::from_fn(|c| emission.unscaled[c] + factor * colour[c]),
+            coverage: emission.coverage,
+        }
+    }
+}
+
+impl Emission {
+    /// Linear RGB before the radiance factor, seen with wavelength ratio `w`.
+    #[inline]
+    fn colour(&self, w: WavelengthRatio) -> [f64; 3] {
+        match self.response.colour {
+            Colouring::Channels => self.radiance,
+            Colouring::ShiftedLine(wavelength) => self.line(wavelength * self.wavelength_scale * w.0),
+            Colouring::UnshiftedLine(wavelength) => self.line(wavelength),
+        }
+    }
+
+    fn line(&self, wavelength: f64) -> [f64; 3] {
+        let [r, g, b] = self.radiance;
+        colour::line_colour(wavelength).map(|c| c * ((r + g + b) / 3.0))
+    }
+}

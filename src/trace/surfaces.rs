@@ -1,0 +1,214 @@
+//! What a ray can meet: static meshes in their rest frames.
+//!
+//! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is
+//! carried into each frame with its parameter unchanged, so the nearest hit over all frames is the
+//! one with the smallest s. Two implementations: one frame at rest in the world, where nothing is
+//! boosted, and any number of frames.
+
+use glam::DVec3;
+
+use crate::accel::{Bvh, Hit, Ray};
+use crate::mesh::Mesh;
+use crate::spacetime::{Direction, Displacement, Event, InertialFrame, NullRay, Rest, World};
+
+/// Everything at rest in one inertial frame.
+#[derive(Debug)]
+pub struct RestFrame {
+    /// The frame; its origin is that of its first object.
+    pub frame: InertialFrame<Rest>,
+    /// All triangles, in rest-frame coordinates relative to the frame's origin.
+    pub bvh: Bvh,
+    /// Runs of triangles that look alike, ascending by first triangle.
+    pub patches: Vec<Patch>,
+    /// Per object of the frame: triangles and texture coordinates, where something needs them.
+    pub meshes: Vec<Mesh>,
+}
+
+/// A run of triangles of one object with one emitter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patch {
+    /// First triangle (index in the frame's BVH).
+    pub first: u32,
+    /// Index of the object in the scene.
+    pub object: u32,
+    /// Index into [`RestFrame::meshes`].
+    pub mesh: u32,
+    /// Triangle of the frame's BVH that is triangle 0 of the object.
+    pub object_first: u32,
+    /// The object's origin event in the frame: subtract it for the object's own coordinates.
+    pub object_origin: Event<Rest>,
+    /// Index into the emitters.
+    pub emitter: u32,
+    /// Whether the back face is black.
+    pub black_back: bool,
+}
+
+impl RestFrame {
+    /// The patch that triangle `triangle` belongs to.
+    #[inline]
+    pub fn patch(&self, triangle: u32) -> &Patch {
+        let after = self.patches.partition_point(|p| p.first <= triangle);
+        &self.patches[after.saturating_sub(1)]
+    }
+}
+
+/// A hit and the rest frame that it is in.
+#[derive(Debug, Clone, Copy)]
+pub struct Found {
+    /// The hit; its s is the world distance in metres.
+    pub hit: Hit,
+    /// Index of the rest frame.
+    pub frame: u32,
+}
+
+/// The nearest surfaces along rays that share the camera's event, and occlusion between any events.
+pub trait Surfaces: Sync {
+    /// Sets `found[i]` to the nearest hit along `directions[i]`.
+    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch);
+
+    /// The rest frame of index `frame`.
+    fn rest(&self, frame: u32) -> &RestFrame;
+
+    /// The ray along `d` in the coordinates of rest frame `frame`.
+    fn local(&self, frame: u32, d: Direction<World>) -> NullRay<Rest>;
+
+    /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
+    fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
+
+    /// Whether anything but triangle `skip.1` of frame `skip.0` is met from the event `from` along `d`
+    /// in a medium of index `index` within `0 < s < distance`.
+    fn occluded(&self, from: Event<World>, d: Direction<World>, index: f64, distance: f64, skip: (u32, u32)) -> bool;
+}
+
+/// Buffers of one tile, reused from batch to batch.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// Per ray: what it met.
+    pub found: Vec<Option<Found>>,
+    hits: Vec<Option<Hit>>,
+    local: Vec<DVec3>,
+}
+
+/// One rest frame, at rest in the world.
+#[derive(Debug)]
+pub struct Still<'a> {
+    rest: &'a RestFrame,
+    origin: Event<Rest>,
+    index: f64,
+}
+
+/// Any number of rest frames.
+#[derive(Debug)]
+pub struct Frames<'a> {
+    rests: &'a [RestFrame],
+    /// The camera's event in each rest frame.
+    origins: Vec<Event<Rest>>,
+    index: f64,
+}
+
+impl<'a> Still<'a> {
+    /// `rest` seen from `camera` in a medium of index `index`.
+    pub fn new(rest: &'a RestFrame, camera: Event<World>, index: f64) -> Self {
+        Still { rest, origin: shifted(rest, camera), index }
+    }
+}
+
+/// Rest coordinates of a world event, for a frame at rest in the world.
+fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
+    let d = event - rest.frame.origin();
+    Event::new(d.ct, d.x)
+}
+
+impl Surfaces for Still<'_> {
+    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
+        scratch.start(directions.len());
+        scratch.local.extend(directions.iter().map(|d| d.unit()));
+        self.rest.bvh.closest_many(self.origin.x, &scratch.local, &mut scratch.hits);
+        scratch.merge(0);
+    }
+
+    #[inline]
+    fn rest(&self, _: u32) -> &RestFrame {
+        self.rest
+    }
+
+    #[inline]
+    fn local(&self, _: u32, d: Direction<World>) -> NullRay<Rest> {
+        NullRay { origin: self.origin, tangent: Displacement::new(-self.index, d.unit()) }
+    }
+
+    #[inline]
+    fn turned(&self, _: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
+        (Direction::from_unit(d.unit()), 1.0)
+    }
+
+    fn occluded(&self, from: Event<World>, d: Direction<World>, _: f64, distance: f64, skip: (u32, u32)) -> bool {
+        let ray = Ray { origin: shifted(self.rest, from).x, direction: d.unit(), s_min: 0.0 };
+        self.rest.bvh.any(&ray, distance, Some(skip.1))
+    }
+}
+
+impl<'a> Frames<'a> {
+    /// `rests` seen from `camera` in a medium of index `index`.
+    pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
+        let origins = rests.iter().map(|r| r.frame.event_from_world(camera)).collect();
+        Frames { rests, origins, index }
+    }
+}
+
+impl Surfaces for Frames<'_> {
+    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
+        scratch.start(directions.len());
+        for (k, (rest, origin)) in self.rests.iter().zip(&self.origins).enumerate() {
+            let boost = rest.frame.frame_from_world();
+            scratch.local.clear();
+            scratch.local.extend(directions.iter().map(|d| boost.tangent(self.index, *d).x));
+            rest.bvh.closest_many(origin.x, &scratch.local, &mut scratch.hits);
+            scratch.merge(k as u32);
+        }
+    }
+
+    #[inline]
+    fn rest(&self, frame: u32) -> &RestFrame {
+        &self.rests[frame as usize]
+    }
+
+    #[inline]
+    fn local(&self, frame: u32, d: Direction<World>) -> NullRay<Rest> {
+        let boost = self.rests[frame as usize].frame.frame_from_world();
+        NullRay { origin: self.origins[frame as usize], tangent: boost.tangent(self.index, d) }
+    }
+
+    #[inline]
+    fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
+        self.rests[frame as usize].frame.frame_from_world().direction(d)
+    }
+
+    fn occluded(&self, from: Event<World>, d: Direction<World>, index: f64, distance: f64, skip: (u32, u32)) -> bool {
+        self.rests.iter().enumerate().any(|(k, rest)| {
+            let local = rest.frame.ray_from_world(from, d, index);
+            let ray = Ray { origin: local.origin.x, direction: local.tangent.x, s_min: 0.0 };
+            rest.bvh.any(&ray, distance, (k as u32 == skip.0).then_some(skip.1))
+        })
+    }
+}
+
+impl Scratch {
+    fn start(&mut self, rays: usize) {
+        self.local.clear();
+        self.hits.clear();
+        self.hits.resize(rays, None);
+        self.found.clear();
+        self.found.resize(rays, None);
+    }
+
+    /// Takes over the hits that `frame` has brought nearer.
+    fn merge(&mut self, frame: u32) {
+        for (found, hit) in self.found.iter_mut().zip(&self.hits) {
+            let Some(hit) = hit else { continue };
+            if found.is_none_or(|f| hit.s < f.hit.s) {
+                *found = Some(Found { hit: *hit, frame });
+            }
+        }
+    }
+}

@@ -145,6 +145,7 @@ fn relative_error(look: impl Fn(&SurfacePoint, f64) -> Sampled) -> (f64, usize) 
         for shift in [-0.15, 0.0, 0.1] {
             let t = point.position.distance(LIGHT) + shift;
             let (sampled, truth) = (look(&point, t), wave(point.position, t));
+            assert!((sampled.coverage.total() - 1.0).abs() < 1e-12);
             if sampled.coverage.held > 0.999 {
                 error += (sampled.radiance[0] - truth).powi(2);
                 norm += truth * truth;

@@ -6,7 +6,14 @@ use nullray::time_texture::{Coverage, Cube, CubeError, Samples, TimeAxis, TimeTe
 use proptest::prelude::*;
 
 const MARK: Fill = Fill::Mark([0.25, 0.5, 4.0]);
-const FILTERS: [TimeFilter; 3] = [TimeFilter::Nearest, TimeFilter::Linear, TimeFilter::Cubic];
+const THROUGH_CENTRES: [TimeFilter; 3] =
+    [TimeFilter::Nearest, TimeFilter::Linear, TimeFilter::Cubic];
+const FILTERS: [TimeFilter; 4] = [
+    TimeFilter::Nearest,
+    TimeFilter::Linear,
+    TimeFilter::Cubic,
+    TimeFilter::CubicMeans,
+];
 
 fn everywhere(fill: Fill) -> Outside {
     Outside {
@@ -78,6 +85,21 @@ fn cubic_reproduces_quadratics_and_misses_a_cube_by_the_closed_form() {
 }
 
 #[test]
+fn cubic_from_means_reproduces_a_quadratic_from_its_bin_means() {
+    // The mean of x² over [k − ½, k + ½] is k² + 1/12.
+    let f = |x: f64| 1.0 - x + 3.0 * x * x;
+    let texture = column(20, TimeFilter::CubicMeans, Fill::Black, |k| {
+        f(k) + 3.0 / 12.0
+    });
+    let uncorrected = column(20, TimeFilter::Cubic, Fill::Black, |k| f(k) + 3.0 / 12.0);
+    for i in 0..=150 {
+        let t = 7.625 + 0.025 * i as f64;
+        close(at(&texture, t), f(x(t)), 1e-11);
+        close(at(&uncorrected, t), f(x(t)) + 3.0 / 12.0, 1e-11);
+    }
+}
+
+#[test]
 fn nearest_gives_the_bin_that_contains_the_time() {
     let texture = column(4, TimeFilter::Nearest, Fill::Black, |k| 10.0 + k);
     for (t, value) in [
@@ -93,8 +115,8 @@ fn nearest_gives_the_bin_that_contains_the_time() {
 }
 
 #[test]
-fn bin_centres_give_the_stored_values_in_every_filter() {
-    for filter in FILTERS {
+fn bin_centres_give_the_stored_values() {
+    for filter in THROUGH_CENTRES {
         let texture = column(6, filter, Fill::Black, |k| (k * k) - 7.0);
         for k in 0..6 {
             let k = k as f64;
@@ -144,7 +166,7 @@ fn a_held_end_joins_without_a_step_and_becomes_the_end_value() {
         for (end, outwards, value) in [(7.0, -1.0, 3.0), (8.25, 1.0, 19.0)] {
             let outside = at(&texture, end + outwards * 1e-12);
             close(at(&texture, end), outside, 1e-9);
-            for distance in [0.3751, 1.0, 1e30, f64::INFINITY] {
+            for distance in [0.6251, 1.0, 1e30, f64::INFINITY] {
                 close(at(&texture, end + outwards * distance), value, 1e-12);
             }
         }
@@ -230,7 +252,7 @@ fn rows_count_from_the_top_and_bins_and_channels_are_innermost() {
         }
     }
     let cube = Cube::new([h, w, bins, 3], Samples::F32(samples)).unwrap();
-    for filter in FILTERS {
+    for filter in THROUGH_CENTRES {
         let texture =
             TimeTexture::new(cube.clone(), axis(filter), everywhere(Fill::Black)).unwrap();
         let sampled = texture.sample_uv(DVec2::new(2.5 / 4.0, 1.5 / 3.0), 7.0 + 3.5 * 0.25);

@@ -6,13 +6,16 @@
 //! - nearest: 1 on the bin that contains t (the later one on a border);
 //! - linear: 1 − f, f;
 //! - cubic (Catmull–Rom, Keys 1981 with a = −½): ½(−f + 2f² − f³), ½(2 − 5f² + 3f³),
-//!   ½(f + 4f² − 3f³), ½(−f² + f³). It reproduces quadratics; a cubic a·t³ is off by a·w³ f(1−f)(1−2f).
+//!   ½(f + 4f² − 3f³), ½(−f² + f³). It reproduces quadratics; a cubic a·t³ is off by a·w³ f(1−f)(1−2f);
+//! - cubic from means: the same on a_k − (a_{k−1} − 2a_k + a_{k+1})/24. A bin holds a *mean*, which for a
+//!   smooth function exceeds the value at its centre by w²L″/24; this takes it off, so that quadratics are
+//!   reproduced from their means.
 //!
 //! Times in [start, start + T·w], both ends included, are inside. Near the ends the filter reaches
 //! over bins that there are not. It sees there what the policy for that side says the radiance is:
 //! zero for `Black`; the end bin's value for `Hold`; a `Mark` is no radiance, and the end bin's value
 //! stands in too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data
-//! (so it joins smoothly, and is the end bin's value alone from 1½ bins on).
+//! (so it joins smoothly, and is the end bin's value alone from 2½ bins on at the latest).
 
 use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeFilter};
 
@@ -98,10 +101,10 @@ pub(super) enum Phase {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BinWeights {
     pub first: usize,
-    /// 0 to 4.
+    /// 0 to 6.
     pub count: usize,
     /// Only the first `count` count.
-    pub weights: [f64; 4],
+    pub weights: [f64; 6],
 }
 
 /// What a time reads.
@@ -166,8 +169,8 @@ impl Timeline {
         let last = self.bins as f64 - 1.0;
         // Clamped where a held end is constant already; max first, it turns NaN into a number.
         let b = ((t - self.start) * self.bins_per_metre)
-            .max(-2.0)
-            .min(last + 3.0);
+            .max(-3.0)
+            .min(last + 4.0);
         match self.filter {
             TimeFilter::Nearest => self.run(b.max(0.0).min(last) as i64, [1.0]),
             TimeFilter::Linear => {
@@ -178,6 +181,10 @@ impl Timeline {
                 let (k, f) = split(b - 0.5);
                 self.run(k - 1, catmull_rom(f))
             }
+            TimeFilter::CubicMeans => {
+                let (k, f) = split(b - 0.5);
+                self.run(k - 2, less_curvature(catmull_rom(f)))
+            }
         }
     }
 
@@ -185,7 +192,7 @@ impl Timeline {
     #[inline]
     fn run<const N: usize>(&self, first: i64, run: [f64; N]) -> BinWeights {
         if first >= 0 && first + N as i64 <= self.bins as i64 {
-            let mut weights = [0.0; 4];
+            let mut weights = [0.0; 6];
             weights[..N].copy_from_slice(&run);
             BinWeights {
                 first: first as usize,
@@ -221,7 +228,7 @@ impl Timeline {
 const NOTHING: BinWeights = BinWeights {
     first: 0,
     count: 0,
-    weights: [0.0; 4],
+    weights: [0.0; 6],
 };
 
 /// ⌊x⌋ and x − ⌊x⌋, for x of the size of a bin index.
@@ -239,5 +246,19 @@ fn catmull_rom(f: f64) -> [f64; 4] {
         0.5 * ((3.0 * f - 5.0) * f * f + 2.0),
         0.5 * f * ((4.0 - 3.0 * f) * f + 1.0),
         0.5 * (f - 1.0) * f * f,
+    ]
+}
+
+/// Weights on a_k − (a_{k−1} − 2a_k + a_{k+1})/24, as weights on a: one bin more on each side.
+#[inline]
+fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
+    let spread = |before: f64, own: f64, after: f64| (26.0 * own - before - after) / 24.0;
+    [
+        spread(0.0, 0.0, p),
+        spread(0.0, p, q),
+        spread(p, q, r),
+        spread(q, r, s),
+        spread(r, s, 0.0),
+        spread(s, 0.0, 0.0),
     ]
 }

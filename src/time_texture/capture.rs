@@ -19,7 +19,7 @@
 //! A plane passes exactly, a curved surface as long as a pixel resolves it; an occluder, and what
 //! lies behind a silhouette or across an edge, does not pass.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::scene::model::CaptureCamera;
@@ -63,19 +63,19 @@ struct View {
     size: [usize; 2],
 }
 
-/// What one pixel saw. Distance 0: nothing.
+/// What one pixel saw, in camera coordinates. Place and normal are only compared with footprints, so
+/// f32 does for them. Distance 0: nothing.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     distance: f64,
-    /// Along the forward axis; only compared with footprints, so f32 does.
-    depth: f32,
-    /// Camera coordinates, facing the pinhole.
+    position: [f32; 3],
+    /// On the side of the pinhole.
     normal: [f32; 3],
 }
 
 const NOTHING: Seen = Seen {
     distance: 0.0,
-    depth: 0.0,
+    position: [0.0; 3],
     normal: [0.0; 3],
 };
 
@@ -161,8 +161,8 @@ impl Capture {
         let Some(seen) = self.seen.get(pixel).filter(|seen| seen.distance > 0.0) else {
             return false;
         };
-        let apart = self.view.ray(pixel) * f64::from(seen.depth) - aim.position;
-        let normal = glam::Vec3::from_array(seen.normal).as_dvec3();
+        let apart = Vec3::from_array(seen.position).as_dvec3() - aim.position;
+        let normal = Vec3::from_array(seen.normal).as_dvec3();
         aim.normal.dot(apart).abs() <= aim.footprint
             && normal.dot(apart).abs() <= aim.footprint
             && aim.normal.dot(normal) >= LEAST_NORMAL_AGREEMENT
@@ -197,7 +197,6 @@ impl View {
     }
 
     /// The ray through a pixel's centre in camera coordinates, of depth 1.
-    #[inline]
     fn ray(&self, pixel: usize) -> DVec3 {
         let [width, height] = self.size;
         let (row, column) = ((pixel / width) as f64, (pixel % width) as f64);
@@ -218,7 +217,7 @@ impl View {
         match trace(self.eye, direction) {
             Some(hit) if hit.distance > 0.0 && hit.distance.is_finite() => Seen {
                 distance: hit.distance,
-                depth: (hit.distance / length) as f32,
+                position: (ray * (hit.distance / length)).as_vec3().to_array(),
                 normal: self.facing(hit.normal, ray).as_vec3().to_array(),
             },
             _ => NOTHING,

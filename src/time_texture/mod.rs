@@ -8,8 +8,8 @@
 //! - b: bilinear, texel (i, j) centred at u = (j + ½)/W, v = (i + ½)/H. Within half a texel of the
 //!   edge the missing taps are the edge texels themselves: all of [0, 1]² is held.
 //! - f: nearest, linear or Catmull–Rom (see [`TimeFilter`](crate::scene::model::TimeFilter)) about
-//!   bin centres. A stored value is the mean over its bin and is taken as the value at the centre.
-//!   Catmull–Rom has negative lobes: beside a step it dips below zero, and is left so.
+//!   bin centres. A stored value is the mean over its bin; all but `CubicMeans` take it as the value at
+//!   the centre. Catmull–Rom has negative lobes: beside a step it dips below zero, and is left so.
 //! - t_tap: the time asked for; for a cube in capture-camera time, that time plus η × the distance
 //!   *of that tap's own* surface point from the capture pinhole ([`Capture`]).
 //!

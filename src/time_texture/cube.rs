@@ -12,10 +12,143 @@ pub enum Samples {
 }
 
 /// A cube of finite samples, shape (H, W, T, C), C order; row 0 is the top row.
+///
+/// [`Cube::new`] checks all of this; [`TimeTexture::new`](super::TimeTexture::new) checks again
+/// what reading relies on, so that a cube put together by hand cannot be read out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// H, W, T, C; each at least 1.
     pub shape: [usize; 4],
     /// H·W·T·C samples.
     pub samples: Samples,
+}
+
+/// Why something is not a cube, or not one that can be looked up. The reader of the file adds its name.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CubeError {
+    /// An axis has no entries.
+    #[error("the {0} axis is empty; every axis of (H, W, T, C) needs at least one entry")]
+    EmptyAxis(&'static str),
+    /// The shape and the number of samples disagree (or the shape's product overflows).
+    #[error("shape {shape:?} does not hold {samples} samples")]
+    Length {
+        /// H, W, T, C.
+        shape: [usize; 4],
+        /// Samples that there are.
+        samples: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("the sample at (row, column, bin, channel) = {0:?} is not finite")]
+    NotFinite([usize; 4]),
+    /// Neither one channel nor three.
+    #[error("{0} channels: a cube holds 1 (grey) or 3 (linear RGB)")]
+    Channels(usize),
+    /// Start, bin width or scale of the time axis is no usable number.
+    #[error("the time axis has {quantity} {value}; it must be {right}")]
+    Axis {
+        /// Which.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+}
+
+impl Samples {
+    /// How many samples.
+    pub fn len(&self) -> usize {
+        match self {
+            Samples::F16(s) => s.len(),
+            Samples::F32(s) => s.len(),
+            Samples::F64(s) => s.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The place of the first sample that is not finite.
+    fn first_not_finite(&self) -> Option<usize> {
+        match self {
+            Samples::F16(s) => s.iter().position(|x| !x.is_finite()),
+            Samples::F32(s) => s.iter().position(|x| !x.is_finite()),
+            Samples::F64(s) => s.iter().position(|x| !x.is_finite()),
+        }
+    }
+}
+
+impl Cube {
+    /// A cube of `shape` (H, W, T, C).
+    ///
+    /// # Errors
+    /// An empty axis, a number of samples other than H·W·T·C, a sample that is not finite.
+    pub fn new(shape: [usize; 4], samples: Samples) -> Result<Cube, CubeError> {
+        let cube = Cube { shape, samples };
+        cube.check_shape()?;
+        match cube.samples.first_not_finite() {
+            Some(place) => Err(CubeError::NotFinite(cube.place(place))),
+            None => Ok(cube),
+        }
+    }
+
+    /// Whether the shape is that of the samples: all that reading in range relies on.
+    pub(super) fn check_shape(&self) -> Result<(), CubeError> {
+        let names = ["row", "column", "time", "channel"];
+        if let Some((name, _)) = names.iter().zip(self.shape).find(|(_, n)| *n == 0) {
+            return Err(CubeError::EmptyAxis(name));
+        }
+        let product = self
+            .shape
+            .iter()
+            .try_fold(1usize, |product, n| product.checked_mul(*n));
+        if product == Some(self.samples.len()) {
+            Ok(())
+        } else {
+            Err(CubeError::Length {
+                shape: self.shape,
+                samples: self.samples.len(),
+            })
+        }
+    }
+
+    /// (row, column, bin, channel) of sample `index`.
+    fn place(&self, index: usize) -> [usize; 4] {
+        let [_, w, t, c] = self.shape;
+        [
+            index / (w * t * c),
+            index / (t * c) % w,
+            index / c % t,
+            index % c,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_that_disagrees_with_the_samples_is_refused() {
+        let samples = || Samples::F32(vec![0.0; 24]);
+        assert!(Cube::new([2, 3, 4, 1], samples()).is_ok());
+        for shape in [[2, 3, 4, 2], [usize::MAX, usize::MAX, 2, 12]] {
+            let refused = Cube::new(shape, samples());
+            assert_eq!(refused, Err(CubeError::Length { shape, samples: 24 }));
+        }
+        let empty = Cube::new([2, 0, 4, 1], Samples::F64(vec![]));
+        assert_eq!(empty, Err(CubeError::EmptyAxis("column")));
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_is_named_by_its_place() {
+        let mut samples = vec![1.0; 2 * 3 * 4 * 3];
+        samples[((3 + 2) * 4 + 3) * 3 + 1] = f64::NAN;
+        let refused = Cube::new([2, 3, 4, 3], Samples::F64(samples));
+        assert_eq!(refused, Err(CubeError::NotFinite([1, 2, 3, 1])));
+        let half = Samples::F16(vec![half::f16::INFINITY]);
+        assert!(Cube::new([1, 1, 1, 1], half).is_err());
+    }
 }

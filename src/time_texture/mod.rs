@@ -1,5 +1,35 @@
 //! Time-resolved textures: radiance on (v, u, t, channel), with what they do not hold.
+//!
+//! A cube holds samples a(i, j, k, c); row i counts from the top, bin k covers
+//! `[start + k·w, start + (k+1)·w]` of its clock (metres of ct). A lookup is separable:
+//!
+//! L(u, v, t) = scale · Σ_taps b(tap; u, v) Σ_k f((t_tap − start)/w − ½ − k) a(tap, k)  [/ w if per bin]
+//!
+//! - b: bilinear, texel (i, j) centred at u = (j + ½)/W, v = (i + ½)/H. Within half a texel of the
+//!   edge the missing taps are the edge texels themselves: all of [0, 1]² is held.
+//! - f: nearest, linear or Catmull–Rom (see [`TimeFilter`](crate::scene::model::TimeFilter)) about
+//!   bin centres. A stored value is the mean over its bin; all but `CubicMeans` take it as the value at
+//!   the centre. Catmull–Rom has negative lobes: beside a step it dips below zero, and is left so.
+//! - t_tap: the time asked for; for a cube in capture-camera time, that time plus η × the distance
+//!   *of that tap's own* surface point from the capture pinhole ([`Capture`]).
+//!
+//! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
+//! counted in [`Coverage`]; nothing is clamped silently.
+//!
+//! `axis` knows time, `bilinear` texels, `capture` cameras; `reader` alone touches samples. All that
+//! `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
+//! integral over prefix sums) is another producer of such runs.
 
+mod axis;
+mod bilinear;
+mod capture;
+mod coverage;
 mod cube;
+mod reader;
+mod texture;
 
-pub use cube::{Cube, Samples};
+pub use axis::TimeAxis;
+pub use capture::{Capture, SeenPoint, SurfacePoint};
+pub use coverage::Coverage;
+pub use cube::{Cube, CubeError, Samples};
+pub use texture::{Sampled, TimeTexture};

@@ -1,0 +1,264 @@
+//! Time to bins: which bins a time reads, with which weights.
+//!
+//! Bin k covers [start + k·w, start + (k+1)·w], and its value sits at the centre. With
+//! x = (t − start)/w − ½ and f = x − ⌊x⌋ the weights are, from bin ⌊x⌋ (cubic: ⌊x⌋ − 1) on,
+//!
+//! - nearest: 1 on the bin that contains t (the later one on a border);
+//! - linear: 1 − f, f;
+//! - cubic (Catmull–Rom, Keys 1981 with a = −½): ½(−f + 2f² − f³), ½(2 − 5f² + 3f³),
+//!   ½(f + 4f² − 3f³), ½(−f² + f³). It reproduces quadratics; a cubic a·t³ is off by a·w³ f(1−f)(1−2f);
+//! - cubic from means: the same on a_k − (a_{k−1} − 2a_k + a_{k+1})/24. A bin holds a *mean*, which for a
+//!   smooth function exceeds the value at its centre by w²L″/24; this takes it off, so that quadratics are
+//!   reproduced from their means.
+//!
+//! Times in [start, start + T·w], both ends included, are inside. Near the ends the filter reaches
+//! over bins that there are not. It sees there what the policy for that side says the radiance is:
+//! zero for `Black`; the end bin's value for `Hold`; a `Mark` is no radiance, and the end bin's value
+//! stands in too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data
+//! (so it joins smoothly, and is the end bin's value alone from 2½ bins on at the latest).
+
+use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeFilter};
+
+use super::CubeError;
+
+/// The time axis of a cube. Times are metres of ct on the clock that the scene declares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeAxis {
+    /// Time at the *start* of bin 0.
+    pub start: f64,
+    /// Width of a bin, above 0.
+    pub bin_width: f64,
+    /// Whether values are per bin or per metre.
+    pub values: BinValues,
+    /// Reconstruction along time.
+    pub filter: TimeFilter,
+    /// Factor on all values.
+    pub scale: f64,
+}
+
+impl From<&CubeSource> for TimeAxis {
+    fn from(source: &CubeSource) -> TimeAxis {
+        TimeAxis {
+            start: source.start,
+            bin_width: source.bin_width,
+            values: source.values,
+            filter: source.filter,
+            scale: source.scale,
+        }
+    }
+}
+
+impl TimeAxis {
+    /// The end of the last of `bins` bins.
+    pub fn end(&self, bins: usize) -> f64 {
+        self.start + bins as f64 * self.bin_width
+    }
+
+    /// What turns a stored value into radiance per metre of ct.
+    pub(super) fn factor(&self) -> f64 {
+        match self.values {
+            BinValues::PerBin => self.scale / self.bin_width,
+            BinValues::Density => self.scale,
+        }
+    }
+
+    fn check(&self, bins: usize) -> Result<(), CubeError> {
+        let refuse = |quantity, value, right| {
+            Err(CubeError::Axis {
+                quantity,
+                value,
+                right,
+            })
+        };
+        if !self.start.is_finite() {
+            return refuse("start", self.start, "finite");
+        }
+        let inverse = 1.0 / self.bin_width;
+        if !(self.bin_width > 0.0 && self.bin_width.is_finite() && inverse.is_finite()) {
+            return refuse("bin width", self.bin_width, "finite and above 0");
+        }
+        // A bin below the spacing of f64 at its place could not be told from its neighbour.
+        let end = self.end(bins);
+        if !(self.end(1) > self.start && end - self.bin_width < end && end.is_finite()) {
+            return refuse("bin width", self.bin_width, "resolvable beside the times");
+        }
+        if !self.factor().is_finite() {
+            return refuse("scale", self.scale, "finite, also per bin width");
+        }
+        Ok(())
+    }
+}
+
+/// On which side of the data a time lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Phase {
+    Before,
+    Inside,
+    After,
+}
+
+/// A run of bins, all of them existing, and their weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BinWeights {
+    pub first: usize,
+    /// 0 to 6.
+    pub count: usize,
+    /// Only the first `count` count.
+    pub weights: [f64; 6],
+}
+
+/// What a time reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Moment {
+    pub phase: Phase,
+    pub bins: BinWeights,
+}
+
+/// A time axis with its number of bins and its ends' policies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Timeline {
+    start: f64,
+    end: f64,
+    bins_per_metre: f64,
+    bins: usize,
+    filter: TimeFilter,
+    before: Fill,
+    after: Fill,
+}
+
+impl Timeline {
+    pub fn new(axis: &TimeAxis, bins: usize, outside: &Outside) -> Result<Self, CubeError> {
+        axis.check(bins)?;
+        Ok(Timeline {
+            start: axis.start,
+            end: axis.end(bins),
+            bins_per_metre: 1.0 / axis.bin_width,
+            bins,
+            filter: axis.filter,
+            before: outside.before,
+            after: outside.after,
+        })
+    }
+
+    /// The bins that time `t` reads. A time that is not a number counts as before.
+    #[inline]
+    pub fn moment(&self, t: f64) -> Moment {
+        let phase = self.phase(t);
+        let reads = match phase {
+            Phase::Inside => true,
+            Phase::Before => self.before == Fill::Hold,
+            Phase::After => self.after == Fill::Hold,
+        };
+        let bins = if reads { self.bins(t) } else { NOTHING };
+        Moment { phase, bins }
+    }
+
+    #[inline]
+    fn phase(&self, t: f64) -> Phase {
+        if t >= self.start && t <= self.end {
+            Phase::Inside
+        } else if t > self.end {
+            Phase::After
+        } else {
+            Phase::Before
+        }
+    }
+
+    #[inline]
+    fn bins(&self, t: f64) -> BinWeights {
+        let last = self.bins as f64 - 1.0;
+        // Clamped where a held end is constant already; max first, it turns NaN into a number.
+        let b = ((t - self.start) * self.bins_per_metre)
+            .max(-3.0)
+            .min(last + 4.0);
+        match self.filter {
+            TimeFilter::Nearest => self.run(b.max(0.0).min(last) as i64, [1.0]),
+            TimeFilter::Linear => {
+                let (k, f) = split(b - 0.5);
+                self.run(k, [1.0 - f, f])
+            }
+            TimeFilter::Cubic => {
+                let (k, f) = split(b - 0.5);
+                self.run(k - 1, catmull_rom(f))
+            }
+            TimeFilter::CubicMeans => {
+                let (k, f) = split(b - 0.5);
+                self.run(k - 2, less_curvature(catmull_rom(f)))
+            }
+        }
+    }
+
+    /// Weights on the bins from `first` on, folded onto those that there are.
+    #[inline]
+    fn run<const N: usize>(&self, first: i64, run: [f64; N]) -> BinWeights {
+        if first >= 0 && first + N as i64 <= self.bins as i64 {
+            let mut weights = [0.0; 6];
+            weights[..N].copy_from_slice(&run);
+            BinWeights {
+                first: first as usize,
+                count: N,
+                weights,
+            }
+        } else {
+            self.folded(first, &run)
+        }
+    }
+
+    #[cold]
+    fn folded(&self, first: i64, run: &[f64]) -> BinWeights {
+        let last = self.bins as i64 - 1;
+        let start = first.clamp(0, last);
+        let mut folded = BinWeights {
+            first: start as usize,
+            ..NOTHING
+        };
+        for (bin, weight) in (first..).zip(run) {
+            let black = (bin < 0 && self.before == Fill::Black)
+                || (bin > last && self.after == Fill::Black);
+            let slot = (bin.clamp(0, last) - start) as usize;
+            if !black {
+                folded.weights[slot] += weight;
+                folded.count = folded.count.max(slot + 1);
+            }
+        }
+        folded
+    }
+}
+
+const NOTHING: BinWeights = BinWeights {
+    first: 0,
+    count: 0,
+    weights: [0.0; 6],
+};
+
+/// ⌊x⌋ and x − ⌊x⌋, for x of the size of a bin index.
+#[inline]
+fn split(x: f64) -> (i64, f64) {
+    let truncated = x as i64;
+    let floor = truncated - i64::from(x < truncated as f64);
+    (floor, x - floor as f64)
+}
+
+#[inline]
+fn catmull_rom(f: f64) -> [f64; 4] {
+    [
+        0.5 * f * ((2.0 - f) * f - 1.0),
+        0.5 * ((3.0 * f - 5.0) * f * f + 2.0),
+        0.5 * f * ((4.0 - 3.0 * f) * f + 1.0),
+        0.5 * (f - 1.0) * f * f,
+    ]
+}
+
+/// Weights on a_k − (a_{k−1} − 2a_k + a_{k+1})/24, as weights on a: one bin more on each side.
+#[inline]
+fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
+    let spread = |before: f64, own: f64, after: f64| (26.0 * own - before - after) / 24.0;
+    [
+        spread(0.0, 0.0, p),
+        spread(0.0, p, q),
+        spread(p, q, r),
+        spread(q, r, s),
+        spread(r, s, 0.0),
+        spread(s, 0.0, 0.0),
+    ]
+}

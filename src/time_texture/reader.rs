@@ -1,0 +1,116 @@
+//! Reading of samples: the only place that knows their stored type. Monomorphised over type and
+//! channels; the choice is made once per lookup, and nothing is allocated or converted ahead.
+
+use super::axis::{BinWeights, Moment};
+use super::bilinear::Tap;
+use super::{Cube, Samples};
+
+/// A stored number.
+trait Sample: Copy {
+    /// Exact in f64.
+    fn value(self) -> f64;
+}
+
+impl Sample for half::f16 {
+    /// For finite numbers, as all samples are: the exponent and mantissa bits stand in an f64 that is
+    /// too small by the difference of the exponents' biases, 1023 − 15.
+    #[inline]
+    fn value(self) -> f64 {
+        const BIAS: f64 = f64::from_bits((1023 + 1023 - 15) << 52);
+        let bits = u64::from(self.to_bits());
+        let magnitude = f64::from_bits((bits & 0x7fff) << 42) * BIAS;
+        f64::from_bits(magnitude.to_bits() | (bits & 0x8000) << 48)
+    }
+}
+
+impl Sample for f32 {
+    #[inline]
+    fn value(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Sample for f64 {
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+}
+
+/// The weighted sum over taps and over the bins of each; one channel is given to all three.
+#[inline]
+pub(super) fn read(cube: &Cube, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+    match &cube.samples {
+        Samples::F16(samples) => by_channels(samples, cube.shape, taps, moments),
+        Samples::F32(samples) => by_channels(samples, cube.shape, taps, moments),
+        Samples::F64(samples) => by_channels(samples, cube.shape, taps, moments),
+    }
+}
+
+#[inline]
+fn by_channels<S: Sample>(
+    samples: &[S],
+    [_, _, bins, channels]: [usize; 4],
+    taps: &[Tap; 4],
+    moments: [&Moment; 4],
+) -> [f64; 3] {
+    if channels == 3 {
+        blend::<S, 3>(samples, bins, taps, moments)
+    } else {
+        let [grey] = blend::<S, 1>(samples, bins, taps, moments);
+        [grey; 3]
+    }
+}
+
+#[inline]
+fn blend<S: Sample, const C: usize>(
+    samples: &[S],
+    bins: usize,
+    taps: &[Tap; 4],
+    moments: [&Moment; 4],
+) -> [f64; C] {
+    let mut sum = [0.0; C];
+    for (tap, moment) in taps.iter().zip(moments) {
+        let texel = along_time::<S, C>(samples, tap.texel * bins, &moment.bins);
+        for (sum, value) in sum.iter_mut().zip(texel) {
+            *sum += tap.weight * value;
+        }
+    }
+    sum
+}
+
+/// The weighted sum over a run of bins of the texel whose bin 0 is the `origin`-th of all bins.
+#[inline]
+fn along_time<S: Sample, const C: usize>(
+    samples: &[S],
+    origin: usize,
+    run: &BinWeights,
+) -> [f64; C] {
+    let first = (origin + run.first) * C;
+    let mut sum = [0.0; C];
+    // A texture is made of a checked cube, so the run is always there.
+    let Some(values) = samples.get(first..first + run.count * C) else {
+        return sum;
+    };
+    for (bin, weight) in values.chunks_exact(C).zip(run.weights) {
+        for (sum, sample) in sum.iter_mut().zip(bin) {
+            *sum += weight * sample.value();
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_finite_half_is_read_exactly() {
+        for bits in 0..=u16::MAX {
+            let half = half::f16::from_bits(bits);
+            if half.is_finite() {
+                assert_eq!(half.value().to_bits(), half.to_f64().to_bits(), "{bits:#x}");
+            }
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! One time-resolved texture: a cube, its time axis, and what stands in where it holds nothing.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use crate::scene::model::{Fill, Outside};
+
+use super::axis::{Moment, Phase, Timeline};
+use super::bilinear::{Tap, taps};
+use super::capture::{Capture, SurfacePoint};
+use super::reader;
+use super::{Coverage, Cube, CubeError, TimeAxis};
+
+/// The answer to one lookup.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sampled {
+    /// Emitted radiance per metre of ct, linear RGB; to be multiplied by the observer's factors.
+    /// May be negative beside a step in time (cubic filter).
+    pub radiance: [f64; 3],
+    /// Colour that marks missing data ([`Fill::Mark`]), already weighted by how much is missing; to be
+    /// added after all factors.
+    pub unscaled: [f64; 3],
+    /// Where it came from; sums to 1.
+    pub coverage: Coverage,
+}
+
+/// A cube on its time axis, ready for lookups from any thread.
+#[derive(Debug, Clone)]
+pub struct TimeTexture {
+    cube: Arc<Cube>,
+    axis: TimeAxis,
+    outside: Outside,
+    timeline: Timeline,
+    factor: f64,
+}
+
+impl TimeTexture {
+    /// A cube (shared, where several sources use one file) with its axis and policies.
+    ///
+    /// # Errors
+    /// A shape that the samples do not have, channels other than 1 or 3, a bin width that is not above 0
+    /// or too small to be told apart at the start, a start or scale that is not finite.
+    pub fn new(
+        cube: impl Into<Arc<Cube>>,
+        axis: TimeAxis,
+        outside: Outside,
+    ) -> Result<TimeTexture, CubeError> {
+        let cube = cube.into();
+        cube.check_shape()?;
+        let [_, _, bins, channels] = cube.shape;
+        if channels != 1 && channels != 3 {
+            return Err(CubeError::Channels(channels));
+        }
+        Ok(TimeTexture {
+            timeline: Timeline::new(&axis, bins, &outside)?,
+            factor: axis.factor(),
+            cube,
+            axis,
+            outside,
+        })
+    }
+
+    /// The cube.
+    pub fn cube(&self) -> &Cube {
+        &self.cube
+    }
+
+    /// The time axis.
+    pub fn axis(&self) -> &TimeAxis {
+        &self.axis
+    }
+
+    /// Width and height, texels: the size of the image of a [`Capture`].
+    pub fn size(&self) -> [usize; 2] {
+        [self.cube.shape[1], self.cube.shape[0]]
+    }
+
+    /// The times between which it holds data, metres of ct on its own clock.
+    pub fn span(&self) -> [f64; 2] {
+        [self.axis.start, self.axis.end(self.cube.shape[2])]
+    }
+
+    /// Radiance at texture coordinates `uv` (v = 0 is the top edge) and time `t`, metres of ct.
+    ///
+    /// Coordinates outside [0, 1] are off the texture, with no tiling; [`Fill::Hold`] clamps them.
+    #[inline]
+    pub fn sample_uv(&self, uv: DVec2, t: f64) -> Sampled {
+        let [width, height] = self.size().map(|n| n as f64);
+        let on_texture = uv.x >= 0.0 && uv.x <= 1.0 && uv.y >= 0.0 && uv.y <= 1.0;
+        let read = || self.sample_texels([uv.x * width, uv.y * height], t);
+        if on_texture {
+            read()
+        } else {
+            self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, read)
+        }
+    }
+
+    /// Radiance of a surface point as the capture camera recorded it.
+    ///
+    /// `t` is the time of emission, metres of ct in the frame in which capture camera and surface
+    /// rest (for a cube in object or world time: on that clock). `occluded(point, eye)` says whether
+    /// the scene blocks the line between them; it is asked last, and only where a pixel saw the
+    /// surface. Taps that saw another surface or nothing are left out, the others' weights made up to 1.
+    ///
+    /// Off the image: the point projects outside it or lies behind the pinhole. Occluded: the side looked
+    /// at faces away, none of the four taps saw the surface, or `occluded` says so. Held places take the
+    /// nearest pixels, whatever surface they saw; behind the pinhole none is near, and they are black.
+    #[inline]
+    pub fn sample_capture(
+        &self,
+        capture: &Capture,
+        point: &SurfacePoint,
+        t: f64,
+        occluded: impl FnOnce(DVec3, DVec3) -> bool,
+    ) -> Sampled {
+        let Some(place) = capture.project(point.position) else {
+            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                Sampled::default()
+            });
+        };
+        if !self.on_image(place) {
+            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                self.sample_anything(capture, place, t)
+            });
+        }
+        let seen = self.taps_on(capture, place, point);
+        match seen.filter(|_| !occluded(point.position, capture.eye())) {
+            Some(taps) => self.sample_pixels(capture, &taps, t),
+            None => self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
+                self.sample_anything(capture, place, t)
+            }),
+        }
+    }
+
+    fn on_image(&self, [x, y]: [f64; 2]) -> bool {
+        let [width, height] = self.size().map(|n| n as f64);
+        x >= 0.0 && x <= width && y >= 0.0 && y <= height
+    }
+
+    /// The bilinear taps that saw the surface around `point`, if any did.
+    #[inline]
+    fn taps_on(
+        &self,
+        capture: &Capture,
+        place: [f64; 2],
+        point: &SurfacePoint,
+    ) -> Option<[Tap; 4]> {
+        let aim = capture.aim(point)?;
+        self.taps_where(place, |pixel| capture.saw(pixel, &aim))
+    }
+
+    /// The nearest pixels that saw anything.
+    fn sample_anything(&self, capture: &Capture, place: [f64; 2], t: f64) -> Sampled {
+        match self.taps_where(place, |pixel| capture.distance(pixel).is_some()) {
+            Some(taps) => self.sample_pixels(capture, &taps, t),
+            None => Sampled::default(),
+        }
+    }
+
+    /// The bilinear taps at `place` without those that are not `valid`; weights sum to 1.
+    #[inline]
+    fn taps_where(&self, [x, y]: [f64; 2], valid: impl Fn(usize) -> bool) -> Option<[Tap; 4]> {
+        let [width, height] = self.size();
+        let mut taps = taps(x, y, width, height);
+        let mut sum = 0.0;
+        let mut complete = true;
+        for tap in &mut taps {
+            if valid(tap.texel) {
+                sum += tap.weight;
+            } else {
+                tap.weight = 0.0;
+                complete = false;
+            }
+        }
+        if complete {
+            return Some(taps);
+        }
+        (sum > 0.0).then(|| {
+            taps.map(|tap| Tap {
+                weight: tap.weight / sum,
+                ..tap
+            })
+        })
+    }
+
+    /// All taps at one time.
+    #[inline]
+    fn sample_texels(&self, [x, y]: [f64; 2], t: f64) -> Sampled {
+        let [width, height] = self.size();
+        let moment = self.timeline.moment(t);
+        self.blend(&taps(x, y, width, height), [&moment; 4])
+    }
+
+    /// Every tap at the time at which its own light reached the capture camera.
+    #[inline]
+    fn sample_pixels(&self, capture: &Capture, taps: &[Tap; 4], t: f64) -> Sampled {
+        if capture.is_warped() {
+            let moments = taps.map(|tap| self.timeline.moment(t + capture.delay_of(tap.texel)));
+            self.blend(taps, moments.each_ref())
+        } else {
+            self.blend(taps, [&self.timeline.moment(t); 4])
+        }
+    }
+
+    #[inline]
+    fn blend(&self, taps: &[Tap; 4], moments: [&Moment; 4]) -> Sampled {
+        let sum = reader::read(&self.cube, taps, moments);
+        let mut sampled = Sampled {
+            radiance: sum.map(|value| value * self.factor),
+            ..Sampled::default()
+        };
+        for (tap, moment) in taps.iter().zip(moments) {
+            self.account(&mut sampled, tap.weight, moment.phase);
+        }
+        sampled
+    }
+
+    /// Books a tap's weight where its time lies, with the colour that marks it.
+    #[inline]
+    fn account(&self, sampled: &mut Sampled, weight: f64, phase: Phase) {
+        let fill = match phase {
+            Phase::Inside => {
+                sampled.coverage.held += weight;
+                return;
+            }
+            Phase::Before => {
+                sampled.coverage.before += weight;
+                self.outside.before
+            }
+            Phase::After => {
+                sampled.coverage.after += weight;
+                self.outside.after
+            }
+        };
+        if let Fill::Mark(colour) = fill {
+            for (sum, channel) in sampled.unscaled.iter_mut().zip(colour) {
+                *sum += weight * channel;
+            }
+        }
+    }
+
+    /// A place without data: `hold` reads the nearest, whose times may be missing too and are filled.
+    #[cold]
+    fn fill(&self, fill: Fill, coverage: Coverage, hold: impl FnOnce() -> Sampled) -> Sampled {
+        let sampled = match fill {
+            Fill::Black => Sampled::default(),
+            Fill::Mark(colour) => Sampled {
+                unscaled: colour,
+                ..Sampled::default()
+            },
+            Fill::Hold => hold(),
+        };
+        Sampled {
+            coverage,
+            ..sampled
+        }
+    }
+}

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 /// An indexed triangle mesh in the coordinates of its object, metres.
 ///
-/// Every mesh that reaches the renderer is [valid](Mesh::check): indices in range, all numbers finite.
+/// Whoever makes one sees to it that indices are in range and all numbers finite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions, metres, object coordinates. f32 positions of a file are exact here.

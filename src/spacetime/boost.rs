@@ -7,21 +7,69 @@
 //! t + x∥ → e^φ (t + x∥),     t − x∥ → e^−φ (t − x∥),     x⊥ → x⊥.
 //! ```
 //!
-//! As increments, which leave a tiny boost or a tiny component its digits:
+//! A nearly null displacement, one of whose two coordinates is small, keeps its digits that way. A
+//! slow boost (φ < ½) is written as increments instead, which leave a tiny boost or component its digits:
 //!
 //! ```text
-//! Δt = ½ ((e^φ − 1)(t + x∥) + (e^−φ − 1)(t − x∥)),   Δx = ½ ((e^φ − 1)(t + x∥) − (e^−φ − 1)(t − x∥)) n.
+//! Δt = (γ − 1) t + sinh φ x∥,     Δx = ((γ − 1) x∥ + sinh φ t) n,     γ − 1 = 2 sinh²(φ/2).
 //! ```
 //!
 //! A look direction d′ is the null vector k = (−1, d′). With c∥ = n·d′, of the two numbers 1 ± c∥
-//! the small one is |d⊥|²/(1 + |c∥|), so that nothing cancels:
+//! the small one is |d⊥|²/(1 + |c∥|), and d⊥ is that of the small difference d′ ∓ n, so that nothing
+//! cancels:
 //!
 //! ```text
 //! W  = ½ (e^−φ (1 + c∥) + e^φ (1 − c∥)),   W d∥ = ½ (e^−φ (1 + c∥) − e^φ (1 − c∥)),   W d⊥ = d⊥.
 //! ```
 //!
 //! Both terms of W are positive. The textbook form γ(1 − β·d′) loses every digit near the forward
-//! direction. Source: the light-cone form of the Lorentz transformation, e.g. Weiskopf, Kraus,
+//! direction, and so would increments. With eps = 2⁻⁵³ what is left are the effects of rounding n, φ
+//! and d′ themselves: W is right to a few eps (1 + φ + sinh φ (|d⊥| + eps)/W), and d to a
+//! few eps (1 + φ + 1/W), because aberration magnifies small angles by 1/W; |d| = 1 holds to a few
+//! eps (1 + eps/W).
+//!
+//! The boost of a frame at rest is the identity, bit for bit.
+//!
+//! Only quantities of the frame named second are accepted:
+//!
+//! ```
+//! use nullray::spacetime::{Boost, Camera, Direction, Displacement, Velocity, World};
+//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
+//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
+//! let metre = Displacement::<Camera>::new(0.0, glam::DVec3::Z);
+//! let (ahead, _): (Direction<World>, f64) = world_from_camera.direction(ahead);
+//! let metre: Displacement<World> = world_from_camera.displacement(metre);
+//! ```
+//!
+//! The displacement of another frame does not compile,
+//!
+//! ```compile_fail,E0308
+//! use nullray::spacetime::{Boost, Camera, Displacement, Rest, Velocity, World};
+//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
+//! let metre = Displacement::<Rest>::new(0.0, glam::DVec3::Z);
+//! world_from_camera.displacement(metre); // not the camera's
+//! ```
+//!
+//! nor does a direction that has been boosted already,
+//!
+//! ```compile_fail,E0308
+//! use nullray::spacetime::{Boost, Camera, Direction, Velocity, World};
+//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
+//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
+//! let (ahead, _) = world_from_camera.direction(ahead);
+//! world_from_camera.direction(ahead); // the world's by now
+//! ```
+//!
+//! nor the boost the wrong way round.
+//!
+//! ```compile_fail,E0308
+//! use nullray::spacetime::{Boost, Camera, Direction, Velocity, World};
+//! let world_from_camera = Boost::<World, Camera>::new(Velocity::REST);
+//! let ahead: Direction<Camera> = Direction::new(glam::DVec3::Z).unwrap();
+//! world_from_camera.inverse().direction(ahead); // takes world directions
+//! ```
+//!
+//! Source: the light-cone form of the Lorentz transformation, e.g. Weiskopf, Kraus,
 //! Ruder 1999 for aberration and Doppler factor; the arrangement is ours.
 
 use std::marker::PhantomData;
@@ -29,6 +77,9 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use super::{Direction, Displacement, Event, Frame, NullRay, Velocity, World};
+
+/// e^φ below which displacements are boosted by increments.
+const SLOW: f64 = 1.65;
 
 /// A rotation-free Lorentz boost that takes quantities of frame `From` to frame `To`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +90,10 @@ pub struct Boost<To, From> {
     up: f64,
     /// e^−φ.
     down: f64,
-    /// e^φ − 1.
-    up_minus_one: f64,
-    /// e^−φ − 1.
-    down_minus_one: f64,
+    /// sinh φ = γβ.
+    sinh: f64,
+    /// γ − 1.
+    gamma_minus_one: f64,
     frames: PhantomData<(To, From)>,
 }
 
@@ -54,44 +105,55 @@ impl<To: Frame, From: Frame> Boost<To, From> {
             n,
             up: libm::exp(phi),
             down: libm::exp(-phi),
-            up_minus_one: libm::expm1(phi),
-            down_minus_one: libm::expm1(-phi),
+            sinh: libm::sinh(phi),
+            gamma_minus_one: velocity.gamma_minus_one(),
             frames: PhantomData,
         }
     }
 
     /// The boost back.
     pub fn inverse(self) -> Boost<From, To> {
-        let Boost {
-            n,
-            up,
-            down,
-            up_minus_one,
-            down_minus_one,
-            ..
-        } = self;
         Boost {
-            n: -n,
-            up,
-            down,
-            up_minus_one,
-            down_minus_one,
+            n: -self.n,
+            up: self.up,
+            down: self.down,
+            sinh: self.sinh,
+            gamma_minus_one: self.gamma_minus_one,
             frames: PhantomData,
         }
     }
 
-    /// A displacement in the other frame's coordinates.
-    pub fn displacement(&self, d: Displacement<From>) -> Displacement<To> {
-        let along = self.n.dot(d.x);
-        self.light_cone(d, d.ct + along, d.ct - along)
+    /// Whether the frames are at rest relative to each other.
+    #[inline]
+    fn is_identity(&self) -> bool {
+        self.sinh == 0.0
     }
 
-    /// Scales the light-cone coordinates `plus` = t + x∥ and `minus` = t − x∥ of `d`.
+    /// A displacement in the other frame's coordinates.
+    ///
+    /// Each component is right to a few eps (1 + φ) times the sum of its terms' absolute values, at
+    /// most γ (|Δct| + |Δx|).
+    pub fn displacement(&self, d: Displacement<From>) -> Displacement<To> {
+        if self.is_identity() {
+            return Displacement::new(d.ct, d.x);
+        }
+        let along = self.n.dot(d.x);
+        if self.up < SLOW {
+            return Displacement::new(
+                d.ct + (self.gamma_minus_one * d.ct + self.sinh * along),
+                d.x + self.n * (self.gamma_minus_one * along + self.sinh * d.ct),
+            );
+        }
+        let across = d.x - self.n * along;
+        self.light_cone(d.ct + along, d.ct - along, across)
+    }
+
+    /// The boosted displacement with `plus` = t + x∥, `minus` = t − x∥ and `across` = x⊥.
     #[inline]
-    fn light_cone(&self, d: Displacement<From>, plus: f64, minus: f64) -> Displacement<To> {
-        let plus = 0.5 * self.up_minus_one * plus;
-        let minus = 0.5 * self.down_minus_one * minus;
-        Displacement::new(d.ct + (plus + minus), d.x + self.n * (plus - minus))
+    fn light_cone(&self, plus: f64, minus: f64, across: DVec3) -> Displacement<To> {
+        let plus = 0.5 * self.up * plus;
+        let minus = 0.5 * self.down * minus;
+        Displacement::new(plus + minus, across + self.n * (plus - minus))
     }
 
     /// The look direction d of `To` for the look direction d′ of `From`, and the ratio ω_To/ω_From
@@ -100,42 +162,62 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// For camera → world the ratio is W = γ(1 − β·d′) = λ′/λ of a world-static source.
     #[inline]
     pub fn direction(&self, d: Direction<From>) -> (Direction<To>, f64) {
-        let d = d.unit();
-        let along = self.n.dot(d);
-        let across = d - self.n * along;
-        let (one_plus, one_minus) = one_plus_minus(along, across);
-        let back = self.down * one_plus;
-        let ahead = self.up * one_minus;
+        if self.is_identity() {
+            return (Direction::from_unit(d.unit()), 1.0);
+        }
+        let parts = Parts::of(d.unit(), self.n);
+        let back = self.down * parts.one_plus;
+        let ahead = self.up * parts.one_minus;
         let ratio = 0.5 * (back + ahead);
-        let unit = (across + self.n * (0.5 * (back - ahead))) / ratio;
+        let unit = (parts.across + self.n * (0.5 * (back - ahead))) / ratio;
         (Direction::from_unit(unit), ratio)
     }
 
     /// The tangent (−η, d) of a light path in `To`, with the same parameter.
+    ///
+    /// In vacuum (η = 1) it is ω (−1, d) of [`Boost::direction`], with ω the ratio, to the same digits.
     #[inline]
     pub fn tangent(&self, index: f64, d: Direction<From>) -> Displacement<To> {
-        let d = d.unit();
-        let along = self.n.dot(d);
-        let (one_plus, one_minus) = one_plus_minus(along, d - self.n * along);
-        // t + x∥ = −η + c∥ and t − x∥ = −η − c∥, from the stable 1 ∓ c∥.
+        if self.is_identity() {
+            return Displacement::new(-index, d.unit());
+        }
+        let parts = Parts::of(d.unit(), self.n);
+        // t + x∥ = −η + c∥ and t − x∥ = −η − c∥, from the stable 1 ∓ c∥. For η ≥ 1 no sign differs.
         let slow = 1.0 - index;
-        self.light_cone(
-            Displacement::new(-index, d),
-            slow - one_minus,
-            slow - one_plus,
-        )
+        self.light_cone(slow - parts.one_minus, slow - parts.one_plus, parts.across)
     }
 }
 
-/// (1 + c, 1 − c) for the component c of a unit vector along n and its remainder across n.
-#[inline]
-fn one_plus_minus(along: f64, across: DVec3) -> (f64, f64) {
-    let large = 1.0 + along.abs();
-    let small = across.length_squared() / large;
-    if along > 0.0 {
-        (large, small)
-    } else {
-        (small, large)
+/// A unit vector d relative to a unit vector n, with c = n·d.
+pub(super) struct Parts {
+    /// d⊥ = d − c n.
+    pub across: DVec3,
+    /// 1 + c.
+    pub one_plus: f64,
+    /// 1 − c.
+    pub one_minus: f64,
+}
+
+impl Parts {
+    /// The parts of `d`, none of them by the difference of nearly equal numbers.
+    #[inline]
+    pub fn of(d: DVec3, n: DVec3) -> Self {
+        let along = n.dot(d);
+        // d − n and d + n have the same d⊥ as d; the shorter of them has less else to take away.
+        let near = if along > 0.0 { d - n } else { d + n };
+        let across = near - n * n.dot(near);
+        let large = 1.0 + along.abs();
+        let small = across.length_squared() / large;
+        let (one_plus, one_minus) = if along > 0.0 {
+            (large, small)
+        } else {
+            (small, large)
+        };
+        Parts {
+            across,
+            one_plus,
+            one_minus,
+        }
     }
 }
 

@@ -12,9 +12,9 @@
 //! | photons per wavelength | ν | W⁻⁴ |
 //! | photons per frequency | 1/ν | W⁻² |
 //!
-//! Emission is tracked over dt_emit = dt′/W of the observer's time, hence the energy received per
-//! exposure from a flash carries one power of W more. The irradiance that falls on a moving surface
-//! carries dΩ′ = W² dΩ: two powers more. Source: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.
+//! What the emitter emits within dt arrives within dt′ = W dt: the energy received from a whole flash
+//! carries one power of W more, W⁻ᵖ⁺¹. The irradiance that falls on a moving surface carries
+//! dΩ′ = W² dΩ: two powers more, W⁻ᵖ⁺². Source: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.
 
 /// The ratio λ′/λ of the observed to the emitted wavelength; below 1 is a blueshift.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -61,20 +61,20 @@ impl Quantity {
     /// Observed radiance for an emitted radiance of 1.
     #[inline]
     pub fn radiance_factor(self, w: WavelengthRatio) -> f64 {
-        power(1.0 / w.0, self.exponent())
+        1.0 / power(w.0, self.exponent())
     }
 
     /// Irradiance on a surface in its own frame for an irradiance of 1 (per area across the light)
     /// in the source's, `w` the ratio of wavelengths surface / source.
     #[inline]
     pub fn irradiance_factor(self, w: WavelengthRatio) -> f64 {
-        power(1.0 / w.0, self.exponent() - 2)
+        1.0 / power(w.0, self.exponent() - 2)
     }
 
     /// Energy (or photons) received per exposure for a flash of time integral 1 at the emitter.
     #[inline]
     pub fn exposure_factor(self, w: WavelengthRatio) -> f64 {
-        power(1.0 / w.0, self.exponent() - 1)
+        1.0 / power(w.0, self.exponent() - 1)
     }
 }
 

@@ -106,12 +106,7 @@ impl<F: Frame> Displacement<F> {
 impl<F: Frame> Direction<F> {
     /// The direction of `v`, or none where `v` is zero or not finite.
     pub fn new(v: DVec3) -> Option<Self> {
-        // Scaled first: squares of very small or very large components leave f64's range.
-        let scale = v.abs().max_element();
-        (scale > 0.0 && scale.is_finite()).then(|| {
-            let v = v / scale;
-            Self::from_unit(v / v.length())
-        })
+        unit_and_length(v).map(|(unit, _)| Self::from_unit(unit))
     }
 
     /// A vector that is known to be of unit length.
@@ -126,6 +121,22 @@ impl<F: Frame> Direction<F> {
     pub const fn unit(self) -> DVec3 {
         self.unit
     }
+}
+
+/// The unit vector along `v` and |v|, or none where `v` is zero or not finite.
+pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
+    let largest = v.abs().max_element();
+    // Squares of very small or very large components leave f64's range.
+    let scale = if (1e-140..1e140).contains(&largest) {
+        1.0
+    } else {
+        largest
+    };
+    (v.is_finite() && largest > 0.0).then(|| {
+        let v = v / scale;
+        let length = v.length();
+        (v / length, scale * length)
+    })
 }
 
 impl<F: Frame> Sub for Event<F> {
@@ -164,5 +175,34 @@ impl<F: Frame> fmt::Debug for Displacement<F> {
 impl<F: Frame> fmt::Debug for Direction<F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} direction {}", F::NAME, self.unit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_is_unit_at_every_scale_of_its_vector() {
+        for scale in [5e-324, 1e-300, 1e-5, 1.0, 1e200, 1.2e308] {
+            let d = Direction::<World>::new(DVec3::new(1.0, 1.0, -1.0) * scale);
+            let unit = d.map(Direction::unit);
+            let expected = DVec3::new(1.0, 1.0, -1.0) / 3f64.sqrt();
+            assert!(
+                unit.is_some_and(|u| (u - expected).length() < 3e-16),
+                "{scale}"
+            );
+        }
+    }
+
+    #[test]
+    fn zero_infinity_and_nan_in_any_component_are_no_direction() {
+        assert_eq!(Direction::<World>::new(DVec3::ZERO), None);
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                let v = DVec3::select(axis.cmpgt(DVec3::ZERO), DVec3::splat(bad), DVec3::ONE);
+                assert_eq!(Direction::<World>::new(v), None, "{v}");
+            }
+        }
     }
 }

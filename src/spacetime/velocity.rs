@@ -2,10 +2,13 @@
 //!
 //! w = artanh(β) β̂. Rapidity stays exact where β rounds to 1: at γ = 10⁸, 1 − β is 5·10⁻¹⁷, below
 //! the spacing of f64 at 1. Conversions avoid the subtraction that would lose it:
-//! γ − 1 = 2 sinh²(|w|/2); from 1 − β = q, |w| = ½ ln((2 − q)/q); from γ = 1 + t,
-//! |w| = ln(1 + t + √(t(t + 2))).
+//! γ − 1 = 2 sinh²(|w|/2), both ways; from 1 − β = q, |w| = ½ (ln(2 − q) − ln q), or artanh(1 − q)
+//! where q is near 1.
 
 use glam::DVec3;
+
+use super::boost::Parts;
+use super::event::unit_and_length;
 
 /// The largest rapidity accepted; γ = 1.2·10¹⁷. Beyond it a metre of one frame is less than the
 /// rounding of a metre in the other, and no digit of a boosted event is left.
@@ -55,19 +58,19 @@ impl Velocity {
         if !rapidity.is_finite() {
             return Err(VelocityError::NotFinite);
         }
-        let magnitude = rapidity.length();
+        let magnitude = unit_and_length(rapidity).map_or(0.0, |(_, length)| length);
         if magnitude > MAX_RAPIDITY {
             return Err(VelocityError::TooFast(magnitude));
         }
         Ok(Velocity { rapidity })
     }
 
-    /// From β = v/c, |β| < 1.
+    /// From β = v/c, |β| < 1. Near 1 few digits of 1 − β are left in β: prefer γ or 1 − β there.
     pub fn from_beta(beta: DVec3) -> Result<Self, VelocityError> {
         if !beta.is_finite() {
             return Err(VelocityError::NotFinite);
         }
-        let magnitude = length(beta);
+        let magnitude = unit_and_length(beta).map_or(0.0, |(_, length)| length);
         if magnitude >= 1.0 {
             return Err(VelocityError::NotSlowerThanLight(magnitude));
         }
@@ -82,8 +85,7 @@ impl Velocity {
         if gamma < 1.0 {
             return Err(VelocityError::GammaBelowOne(gamma));
         }
-        let t = gamma - 1.0;
-        Self::along(direction, libm::log1p(t + (t * (t + 2.0)).sqrt()))
+        Self::along(direction, 2.0 * libm::asinh((0.5 * (gamma - 1.0)).sqrt()))
     }
 
     /// From 1 − β in (0, 1] and a direction (any length but 0).
@@ -91,10 +93,15 @@ impl Velocity {
         if !(q > 0.0 && q <= 1.0) {
             return Err(VelocityError::OneMinusBeta(q));
         }
-        Self::along(direction, 0.5 * libm::log((2.0 - q) / q))
+        let magnitude = if q < 0.5 {
+            0.5 * (libm::log(2.0 - q) - libm::log(q))
+        } else {
+            libm::atanh(1.0 - q) // 1 − q is exact here
+        };
+        Self::along(direction, magnitude)
     }
 
-    /// Rapidity `magnitude` along `direction` (any length but 0).
+    /// Rapidity `magnitude` along `direction` (any length but 0), against it where negative.
     pub fn along(direction: DVec3, magnitude: f64) -> Result<Self, VelocityError> {
         if !direction.is_finite() || !magnitude.is_finite() {
             return Err(VelocityError::NotFinite);
@@ -102,11 +109,37 @@ impl Velocity {
         if magnitude == 0.0 {
             return Ok(Self::REST);
         }
-        let length = length(direction);
-        if length == 0.0 {
-            return Err(VelocityError::NoDirection);
+        if magnitude.abs() > MAX_RAPIDITY {
+            return Err(VelocityError::TooFast(magnitude.abs()));
         }
-        Self::from_rapidity(direction / length * magnitude)
+        let (unit, _) = unit_and_length(direction).ok_or(VelocityError::NoDirection)?;
+        Ok(Velocity {
+            rapidity: unit * magnitude,
+        })
+    }
+
+    /// This velocity as seen from a frame that moves with `observer`, both relative to the world.
+    ///
+    /// Components refer to the axes of that frame, which are the world's, boosted without rotation.
+    /// Collinear rapidities subtract. Fails where the relative rapidity is above [`MAX_RAPIDITY`].
+    pub fn relative_to(self, observer: Velocity) -> Result<Velocity, VelocityError> {
+        if observer.is_rest() {
+            return Ok(self);
+        }
+        // γ′β′ = Λ⁻¹ (γ, γβ), its part along the observer's motion from sinh of φ ∓ ψ.
+        let (n, phi) = self.split();
+        let (m, psi) = observer.split();
+        let parts = Parts::of(n, m);
+        let sinh = libm::sinh(phi);
+        let along = if parts.one_minus < parts.one_plus {
+            libm::sinh(phi - psi) - sinh * libm::cosh(psi) * parts.one_minus
+        } else {
+            sinh * libm::cosh(psi) * parts.one_plus - libm::sinh(phi + psi)
+        };
+        let proper = parts.across * sinh + m * along;
+        unit_and_length(proper).map_or(Ok(Self::REST), |(unit, length)| {
+            Self::along(unit, libm::asinh(length))
+        })
     }
 
     /// The rapidity vector w.
@@ -114,7 +147,7 @@ impl Velocity {
         self.rapidity
     }
 
-    /// β = tanh|w| ŵ. Rounds to unit length at rapidities above 19.
+    /// β = tanh|w| ŵ. Its length rounds to 1 at rapidities above about 19.
     pub fn beta(self) -> DVec3 {
         let (n, phi) = self.split();
         n * libm::tanh(phi)
@@ -138,12 +171,7 @@ impl Velocity {
 
     /// The unit direction of motion (+x at rest) and the rapidity |w|.
     pub(crate) fn split(self) -> (DVec3, f64) {
-        let phi = length(self.rapidity);
-        if phi == 0.0 {
-            (DVec3::X, 0.0)
-        } else {
-            (self.rapidity / phi, phi)
-        }
+        unit_and_length(self.rapidity).unwrap_or((DVec3::X, 0.0))
     }
 }
 
@@ -153,16 +181,6 @@ impl std::ops::Neg for Velocity {
         Velocity {
             rapidity: -self.rapidity,
         }
-    }
-}
-
-/// |v| without underflow of the squares of small components.
-fn length(v: DVec3) -> f64 {
-    let scale = v.abs().max_element();
-    if scale == 0.0 {
-        0.0
-    } else {
-        scale * (v / scale).length()
     }
 }
 
@@ -213,5 +231,73 @@ mod tests {
     fn a_body_at_rest_needs_no_direction() {
         assert_eq!(Velocity::from_gamma(1.0, DVec3::ZERO), Ok(Velocity::REST));
         assert_eq!(Velocity::from_beta(DVec3::ZERO), Ok(Velocity::REST));
+    }
+
+    #[test]
+    fn the_length_of_the_direction_does_not_matter_even_at_the_ends_of_f64() {
+        let v = DVec3::new(1.0, -1.0, 1.0);
+        let expected = v / 3f64.sqrt() * 0.5;
+        for scale in [5e-324, 1e-200, 1.0, 1e200, 1.7e308] {
+            let w = Velocity::along(v * scale, 0.5).unwrap().rapidity();
+            assert!((w - expected).length() < 2e-16, "{scale}: {w}");
+        }
+    }
+
+    #[test]
+    fn the_smallest_velocities_have_a_unit_direction_of_motion() {
+        for tiny in [5e-324, 1e-310, 1e-200] {
+            let velocity = Velocity::from_beta(DVec3::new(tiny, tiny, 0.0)).unwrap();
+            let (n, phi) = velocity.split();
+            assert!((n.length() - 1.0).abs() < 3e-16, "{tiny}: {n}");
+            assert!(phi >= tiny && phi <= 2.0 * tiny);
+            assert_eq!(velocity.gamma(), 1.0);
+        }
+    }
+
+    #[test]
+    fn a_small_beta_keeps_its_digits_when_given_as_one_minus_beta() {
+        // β = 2⁻³³: artanh β = β + β³/3 + …
+        let beta = 2f64.powi(-33);
+        let w = Velocity::from_one_minus_beta(1.0 - beta, DVec3::X).unwrap();
+        assert_eq!(w.rapidity().x, beta + beta * beta * beta / 3.0);
+    }
+
+    #[test]
+    fn the_largest_rapidity_is_accepted_in_every_direction_and_nothing_above_it() {
+        for x in -9..=9 {
+            let direction = DVec3::new(f64::from(x) * 0.3, 1.7, -0.9);
+            let v = Velocity::along(direction, MAX_RAPIDITY).unwrap();
+            assert!(v.gamma().is_finite());
+            assert!(Velocity::along(direction, MAX_RAPIDITY.next_up()).is_err());
+        }
+        let too_fast = |v| matches!(v, Err(VelocityError::TooFast(w)) if w > MAX_RAPIDITY);
+        assert!(too_fast(Velocity::from_gamma(1e200, DVec3::X)));
+        assert!(too_fast(Velocity::from_gamma(f64::MAX, DVec3::X)));
+        assert!(too_fast(Velocity::from_one_minus_beta(5e-324, DVec3::X)));
+        assert!(too_fast(Velocity::from_rapidity(DVec3::splat(1e300))));
+    }
+
+    #[test]
+    fn the_fastest_beta_below_one_is_accepted() {
+        // 1 − β = 2⁻⁵³: |w| = ½ ln((2 − q)/q) = ½ (54 ln 2 − q/2).
+        let v = Velocity::from_beta(DVec3::Z * 1f64.next_down()).unwrap();
+        assert!((v.rapidity().z / (27.0 * 2f64.ln()) - 1.0).abs() < 4e-16);
+    }
+
+    #[test]
+    fn collinear_rapidities_subtract_and_a_frame_is_at_rest_in_itself() {
+        // An axis: at γ = 10⁸, rounding any other direction differently is a relative motion.
+        let n = DVec3::NEG_Z;
+        for (a, b) in [(20.0, 19.5), (3.0, -4.0), (1e-9, 2e-9), (0.0, 17.0)] {
+            let v = Velocity::along(n, a).unwrap();
+            let observer = Velocity::along(n, b).unwrap();
+            let seen = v.relative_to(observer).unwrap().rapidity();
+            let allowed = 8.0 * f64::EPSILON * (a - b).abs().max(a).max(b.abs());
+            assert!((seen - n * (a - b)).length() <= allowed, "{a} {b}: {seen}");
+            assert_eq!(v.relative_to(v), Ok(Velocity::REST));
+            assert_eq!(v.relative_to(Velocity::REST), Ok(v));
+        }
+        let fast = Velocity::along(n, 39.0).unwrap();
+        assert!(fast.relative_to(-fast).is_err());
     }
 }

@@ -46,8 +46,9 @@ fn text(frame: &Frame, source: usize, filter: &str) -> String {
     let (_, cube) = SOURCES[source];
     let capture = if source == 0 { "" } else { CAPTURE };
     format!(
-        "back_faces = \"black\"
-outside = \"black\"
+        "outside = \"black\"
+[display]
+back_faces = \"black\"
 samples_per_pixel = 16
 [camera]
 eye = {:?}

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::{self, Aov};
 use nullray::scene::Overrides;
+use nullray::units::Time;
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -81,7 +82,7 @@ pub struct RenderArguments {
     pub isochrones: Option<PathBuf>,
     /// Distance between isochrones, with its unit. Default: a round number.
     #[arg(long, value_name = "TIME", requires = "isochrones")]
-    pub isochrone_step: Option<String>,
+    pub isochrone_step: Option<Time>,
     /// Worker threads. Default: one per core. The pictures do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

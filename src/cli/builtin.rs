@@ -1,7 +1,7 @@
 //! The scene that is compiled in, and what happens without a command.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;

@@ -89,7 +89,11 @@ impl Outputs {
 impl Isochrones {
     fn write(&self, scene: &Scene, film: &Film) -> Result<()> {
         let [width, height] = film.size();
-        let options = isochrones::Options { step: self.step, speed_of_light: scene.speed_of_light };
+        let options = isochrones::Options {
+            step: self.step,
+            speed_of_light: scene.speed_of_light,
+            ..isochrones::Options::default()
+        };
         let times = film.aov(RETARDED_TIME).unwrap_or_default();
         let picture = isochrones::draw(width, height, times, &options)?;
         image::png::write(&self.path, picture.width, picture.height, &picture.rgb, &metadata(scene))
@@ -99,7 +103,7 @@ impl Isochrones {
 /// Writes the tone-mapped picture; says how bright white is.
 fn display(path: &Path, scene: &Scene, film: &Film) -> Result<String> {
     let [width, height] = film.size();
-    let mapped = tonemap::tonemap(film.radiance(), scene.exposure);
+    let mapped = tonemap::tonemap(film.radiance(), scene.exposure)?;
     let mut metadata = metadata(scene);
     metadata.push(("white".into(), mapped.white.to_string()));
     image::png::write(path, width, height, &mapped.rgb, &metadata)?;

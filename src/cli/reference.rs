@@ -31,8 +31,9 @@ pub fn man(directory: Option<&Path>) -> Result<()> {
     let subcommands: Vec<_> = command.get_subcommands().cloned().collect();
     write(directory, "nullray", command)?;
     for subcommand in subcommands.into_iter().filter(|c| c.get_name() != "help") {
-        let name = format!("nullray-{}", subcommand.get_name());
-        write(directory, &name, subcommand.name(name.clone()))?;
+        // "nullray-render", as clap names the built subcommand.
+        let name = subcommand.get_display_name().unwrap_or("nullray").to_string();
+        write(directory, &name, subcommand)?;
     }
     Ok(())
 }

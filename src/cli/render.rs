@@ -21,7 +21,7 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     let scene = builtin::scene_or_builtin(&arguments.scene)?;
     let outputs = Outputs {
         images: outputs(arguments, &scene),
-        isochrones: isochrones(arguments, &scene)?,
+        isochrones: isochrones(arguments, &scene),
         aovs: arguments.scene.request().aovs,
     };
     let mut request = arguments.scene.request();
@@ -82,15 +82,10 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Vec<PathBuf> {
     vec![PathBuf::from(stem).with_extension("png")]
 }
 
-fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Result<Option<Isochrones>> {
-    let Some(path) = arguments.isochrones.clone() else { return Ok(None) };
-    let step = match &arguments.isochrone_step {
-        Some(text) => Some(nullray::units::time(text, scene.speed_of_light).map_err(|e| {
-            Error::invalid("command line", "--isochrone-step", e.to_string(), "a time with its unit, \"0.5 m\" or \"1 ns\"")
-        })?),
-        None => None,
-    };
-    Ok(Some(Isochrones { path, step }))
+fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Option<Isochrones> {
+    let path = arguments.isochrones.clone()?;
+    let step = arguments.isochrone_step.map(|time| time.metres(scene.speed_of_light));
+    Some(Isochrones { path, step })
 }
 
 /// What part of the picture the data cover, in words; empty where nothing was missing.

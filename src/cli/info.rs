@@ -1,0 +1,4 @@
+//! `nullray info`.
+use nullray::Result;
+use super::args::InfoArguments;
+pub fn run(_: &InfoArguments) -> Result<()> { Ok(()) }

@@ -1,6 +1,7 @@
 //! nullray
 
 pub mod error;
+pub mod import;
 pub mod mesh;
 pub mod scene;
 pub mod spacetime;

@@ -10,7 +10,8 @@ pub struct Mesh {
     /// Vertex positions, metres, object coordinates. f32 positions of a file are exact here.
     pub positions: Vec<DVec3>,
     /// Texture coordinates per vertex, one list per coordinate set of the file (v = 0 is the
-    /// top row of an image); a set is empty where a primitive has none.
+    /// top row of an image). A set that no vertex has is empty; otherwise vertices that lack it
+    /// hold NaN.
     pub uvs: Vec<Vec<[f32; 2]>>,
     /// Three vertex indices per triangle, in the order of the file.
     pub triangles: Vec<[u32; 3]>,
@@ -81,6 +82,7 @@ impl Mesh {
         let [a, b, c] = self.triangles[index as usize].map(|v| {
             uvs.get(v as usize)
                 .map(|t| DVec2::new(t[0] as f64, t[1] as f64))
+                .filter(|t| t.is_finite())
         });
         let (a, b, c, [u, v]) = (a?, b?, c?, barycentric);
         Some(a + (b - a) * u + (c - a) * v)

@@ -1,0 +1,187 @@
+//! From checked headers to the mesh: reads the data, makes triangles, gathers materials and images.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::accessor;
+use super::buffers::Buffers;
+use super::document::{Document, shortened};
+use super::draft::{Draft, Materials};
+use super::materials::Resolved;
+use super::pieces::Placement;
+use super::primitive::Piece;
+use super::vertices::Vertices;
+use super::warnings::Warnings;
+use super::{EncodedImage, Imported, Want, images};
+use crate::Result;
+use crate::mesh::{Material, Mesh, Part};
+
+pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> Result<Imported> {
+    let draft = Draft::new(document, node, want)?;
+    let mut builder = Builder {
+        buffers: Buffers::new(document),
+        vertices: Vertices::new(draft.uv_sets()),
+        triangles: Vec::new(),
+        parts: Vec::new(),
+        palette: Palette::default(),
+        warnings: draft.warnings,
+    };
+    for (at, piece) in draft.pieces.all() {
+        builder.add(at, piece, &draft.materials)?;
+    }
+    Ok(builder.finish())
+}
+
+struct Builder<'d, 'a> {
+    buffers: Buffers<'d, 'a>,
+    vertices: Vertices,
+    triangles: Vec<[u32; 3]>,
+    parts: Vec<Part>,
+    palette: Palette,
+    warnings: Warnings,
+}
+
+impl Builder<'_, '_> {
+    fn add(&mut self, at: &Placement, piece: &Piece, materials: &Materials) -> Result<()> {
+        let place = &piece.positions.place;
+        let Some(resolved) = materials.get(&piece.material) else {
+            let what = "its material is not there";
+            return Err(self.buffers.document.invalid(place, what, ""));
+        };
+        self.warn_of_missing_uvs(piece, resolved);
+        let transformed_set = self.vertices.transformed_set;
+        let (buffers, palette) = (&mut self.buffers, &mut self.palette);
+        let material = palette.number(buffers, piece.material, resolved, transformed_set)?;
+        let base = self.vertices.of(buffers, at, piece, resolved)?;
+        let first_triangle = self.triangles.len() as u32;
+        self.add_triangles(at, piece, base)?;
+        self.parts.push(Part {
+            first_triangle,
+            triangles: piece.triangles as u32,
+            material,
+            node: self.node_name(at.placed.node),
+        });
+        Ok(())
+    }
+
+    /// Makes the triangles; a mirroring transform turns the winding back.
+    fn add_triangles(&mut self, at: &Placement, piece: &Piece, base: u32) -> Result<()> {
+        let corners = corners(&mut self.buffers, piece)?;
+        let mirrored = at.placed.world.matrix3.determinant() < 0.0;
+        let mut without_area = 0;
+        for triangle in 0..piece.triangles as usize {
+            let [a, b, c] = (piece.topology.corners(triangle)).map(|at| base + corners[at]);
+            let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
+            let [a, b, c] = triangle.map(|vertex| self.vertices.positions[vertex as usize]);
+            without_area += u64::from((b - a).cross(c - a) == DVec3::ZERO);
+            self.triangles.push(triangle);
+        }
+        let what = "triangles without area, which are never seen";
+        self.warnings
+            .add_many(what, &piece.positions.place, without_area);
+        Ok(())
+    }
+
+    fn node_name(&self, node: usize) -> String {
+        let described = self.buffers.document.root.nodes.get(node);
+        let name = described.and_then(|node| node.name.as_deref());
+        name.map_or_else(|| format!("node {node}"), shortened)
+    }
+
+    fn warn_of_missing_uvs(&mut self, piece: &Piece, resolved: &Resolved) {
+        let texture = resolved.material.texture.as_ref();
+        if texture.is_some_and(|texture| !piece.uvs.contains_key(&texture.uv_set)) {
+            let what = "it lacks the texture coordinates of its material's texture";
+            self.warnings.add(what, &piece.positions.place);
+        }
+    }
+
+    fn finish(mut self) -> Imported {
+        self.vertices.pad_uvs();
+        Imported {
+            mesh: Mesh {
+                positions: self.vertices.positions,
+                uvs: self.vertices.uvs,
+                triangles: self.triangles,
+                parts: self.parts,
+                materials: self.palette.materials,
+            },
+            images: self.palette.images,
+            warnings: self.warnings.into_sentences(),
+        }
+    }
+}
+
+/// The corners of a primitive as indices of its own vertices, each in range.
+fn corners(buffers: &mut Buffers, piece: &Piece) -> Result<Vec<u32>> {
+    let vertices = piece.positions.count;
+    let Some(layout) = &piece.indices else {
+        return Ok((0..vertices as u32).collect());
+    };
+    // Through the list, because a sparse accessor gives some indices twice.
+    let mut corners = vec![0; layout.count as usize];
+    accessor::read::<1>(buffers, layout, &mut |at, [index]| {
+        corners[at as usize] = index as u32;
+    })?;
+    let out_of_range = |&index: &u32| u64::from(index) >= vertices;
+    match corners.iter().position(out_of_range) {
+        None => Ok(corners),
+        Some(at) => Err(buffers.document.invalid(
+            &layout.place,
+            format!(
+                "index {at} is {}, and there are {vertices} vertices",
+                corners[at]
+            ),
+            "every index must be below the number of vertices",
+        )),
+    }
+}
+
+/// The materials and images in use, in order of their first use.
+#[derive(Default)]
+struct Palette {
+    materials: Vec<Material>,
+    images: Vec<EncodedImage>,
+    /// From materials and images of the document to those of the import.
+    material_numbers: BTreeMap<Option<usize>, u32>,
+    image_numbers: BTreeMap<usize, usize>,
+}
+
+impl Palette {
+    /// The number of a material in the import; a new one is added, with its image.
+    fn number(
+        &mut self,
+        buffers: &mut Buffers,
+        index: Option<usize>,
+        resolved: &Resolved,
+        transformed_set: usize,
+    ) -> Result<u32> {
+        if let Some(&number) = self.material_numbers.get(&index) {
+            return Ok(number);
+        }
+        let mut material = resolved.material.clone();
+        if let Some(texture) = &mut material.texture {
+            texture.image = self.image(buffers, texture.image)?;
+            if resolved.transform.is_some() {
+                texture.uv_set = transformed_set;
+            }
+        }
+        let number = self.materials.len() as u32;
+        self.materials.push(material);
+        self.material_numbers.insert(index, number);
+        Ok(number)
+    }
+
+    fn image(&mut self, buffers: &mut Buffers, index: usize) -> Result<usize> {
+        if let Some(&number) = self.image_numbers.get(&index) {
+            return Ok(number);
+        }
+        let number = self.images.len();
+        let used = self.images.iter().map(|image| image.bytes.len() as u64);
+        let left = images::MOST_BYTES.saturating_sub(used.sum());
+        self.images.push(images::read(buffers, index, left)?);
+        self.image_numbers.insert(index, number);
+        Ok(number)
+    }
+}

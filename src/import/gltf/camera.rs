@@ -1,0 +1,176 @@
+//! Cameras of a file (glTF 2.0 §3.10): they look along their local −Z, with +Y up.
+
+use ::gltf::json::camera::{Camera, Perspective, Type};
+use ::gltf::json::scene::Node;
+use ::gltf::json::validation::Checked;
+use glam::{DAffine3, DVec3};
+
+use super::document::{Document, listed, shortened};
+use super::nodes::{Hierarchy, named};
+use super::warnings::Warnings;
+use crate::Result;
+
+/// A perspective camera, placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GltfCamera {
+    /// The pinhole, metres, in the coordinates of the file's root.
+    pub eye: DVec3,
+    /// Right, up, forward: orthonormal.
+    pub axes: [DVec3; 3],
+    /// Horizontal field of view, radians, where the file gives an aspect ratio:
+    /// tan(h/2) = aspect · tan(v/2).
+    pub horizontal_fov: Option<f64>,
+    /// Vertical field of view, radians, in (0, π).
+    pub vertical_fov: f64,
+    /// Width divided by height, where the file gives it.
+    pub aspect: Option<f64>,
+}
+
+/// Names of the cameras: of their nodes, or else of the cameras themselves.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    let nodes = document.root.nodes.iter();
+    nodes
+        .filter_map(|node| camera_name(document, node))
+        .collect()
+}
+
+fn camera_name(document: &Document, node: &Node) -> Option<String> {
+    let camera = node.camera?;
+    let own = document
+        .root
+        .get(camera)
+        .and_then(|camera| camera.name.clone());
+    Some(shortened(&node.name.clone().or(own).unwrap_or_default()))
+}
+
+/// The camera of this name, or the only one.
+pub(super) fn find(document: &Document, name: Option<&str>) -> Result<GltfCamera> {
+    let hierarchy = Hierarchy::new(document, &mut Warnings::default())?;
+    match candidates(document, &hierarchy, name)?.as_slice() {
+        &[node] => placed(document, node, hierarchy.world(node)),
+        several => Err(not_one(document, name, several.len())),
+    }
+}
+
+/// The nodes with a camera that `name` may mean.
+fn candidates(
+    document: &Document,
+    hierarchy: &Hierarchy,
+    name: Option<&str>,
+) -> Result<Vec<usize>> {
+    let nodes = &document.root.nodes;
+    let has_camera = |&node: &usize| nodes.get(node).is_some_and(|n| n.camera.is_some());
+    let all = (0..nodes.len()).filter(has_camera);
+    let Some(name) = name else {
+        return Ok(all.collect());
+    };
+    let called: Vec<usize> = all
+        .filter(|&node| is_called(document, node, name))
+        .collect();
+    if called.is_empty() && nodes.iter().any(|node| node.name.as_deref() == Some(name)) {
+        // Some exporters hang the camera below the node that carries its name.
+        let below = hierarchy.with_all_below(vec![named(document, name)?]);
+        let below = below.iter().map(|placed| placed.node);
+        return Ok(below.filter(has_camera).collect());
+    }
+    Ok(called)
+}
+
+fn is_called(document: &Document, node: usize, name: &str) -> bool {
+    let Some(node) = document.root.nodes.get(node) else {
+        return false;
+    };
+    let camera = node.camera.and_then(|camera| document.root.get(camera));
+    node.name.as_deref() == Some(name) || camera.and_then(|c| c.name.as_deref()) == Some(name)
+}
+
+fn not_one(document: &Document, name: Option<&str>, count: usize) -> crate::Error {
+    let place = match name {
+        Some(name) => format!("camera {:?}", shortened(name)),
+        None => "cameras".to_owned(),
+    };
+    let what = match (count, name) {
+        (0, Some(_)) => {
+            "there is no camera of this name, nor a node of this name with one".to_owned()
+        }
+        (0, None) => "no node of the file has a camera".to_owned(),
+        (n, _) => format!("there are {n} cameras to choose from"),
+    };
+    let names = names(document);
+    let help = match names.is_empty() {
+        true => "export the model with its cameras, or give eye, look_at and up".to_owned(),
+        false => format!("name one of: {}", listed(names.iter().map(String::as_str))),
+    };
+    document.invalid(place, what, help)
+}
+
+fn placed(document: &Document, node: usize, world: DAffine3) -> Result<GltfCamera> {
+    let place = document.node_label(node);
+    let index = document.root.nodes.get(node).and_then(|node| node.camera);
+    let camera = match index {
+        Some(index) => document.get(index, "camera", &place)?,
+        None => return Err(document.invalid(place, "the node has no camera", "")),
+    };
+    let perspective = perspective(document, camera, &place)?;
+    let vertical_fov = f64::from(perspective.yfov);
+    if !(vertical_fov > 0.0 && vertical_fov < std::f64::consts::PI) {
+        let what = format!("the vertical field of view is {vertical_fov}");
+        return Err(document.invalid(place, what, "yfov is in radians, between 0 and π"));
+    }
+    let aspect = perspective.aspect_ratio.map(f64::from);
+    if aspect.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
+        let what = format!("the aspect ratio is {}", aspect.unwrap_or_default());
+        return Err(document.invalid(place, what, "aspectRatio is above 0: width over height"));
+    }
+    let half_height = libm::tan(vertical_fov / 2.0);
+    Ok(GltfCamera {
+        eye: world.translation,
+        axes: axes(document, world, &place)?,
+        horizontal_fov: aspect.map(|aspect| 2.0 * libm::atan(aspect * half_height)),
+        vertical_fov,
+        aspect,
+    })
+}
+
+fn perspective<'c>(
+    document: &Document,
+    camera: &'c Camera,
+    place: &str,
+) -> Result<&'c Perspective> {
+    match (&camera.type_, &camera.perspective) {
+        (Checked::Valid(Type::Perspective), Some(perspective)) => Ok(perspective),
+        (Checked::Valid(Type::Orthographic), _) => Err(document.unsupported(
+            place,
+            "the camera is orthographic: its rays share no event",
+            "use a perspective camera",
+        )),
+        _ => Err(document.invalid(
+            place,
+            "the camera is not described",
+            "a camera of type \"perspective\" has a property \"perspective\"",
+        )),
+    }
+}
+
+/// Right, up, forward: −Z keeps its direction, +Y is made perpendicular to it; scale drops out.
+fn axes(document: &Document, world: DAffine3, place: &str) -> Result<[DVec3; 3]> {
+    let axes = world.matrix3;
+    let mirrors = axes.determinant() < 0.0;
+    let forward = unit(-axes.z_axis);
+    let up = forward.and_then(|f| unit(unit(axes.y_axis)?.reject_from_normalized(f)));
+    match (forward, up) {
+        (Some(forward), Some(up)) if !mirrors => Ok([forward.cross(up), up, forward]),
+        _ => Err(document.invalid(
+            place,
+            "the camera's transform is singular or mirrors",
+            "place cameras by rotation and translation",
+        )),
+    }
+}
+
+/// `v` at length 1; scaled first, since the square of a small number may vanish.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let scale = v.abs().max_element();
+    let v = (scale > 0.0 && scale.is_finite()).then(|| v / scale)?;
+    Some(v / v.length())
+}

@@ -1,0 +1,81 @@
+//! Everything about an import that headers tell: what will be read, and that it can be.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Want;
+use super::document::Document;
+use super::materials::{Resolved, resolve};
+use super::nodes::Hierarchy;
+use super::pieces::Pieces;
+use super::warnings::Warnings;
+use crate::Result;
+
+/// Materials by index in the document; none is the default material.
+pub(super) type Materials = BTreeMap<Option<usize>, Resolved>;
+
+/// An import whose headers have been checked and whose data have not been read.
+pub(super) struct Draft {
+    pub pieces: Pieces,
+    pub materials: Materials,
+    pub warnings: Warnings,
+    /// The nodes that are imported, top down.
+    pub nodes: Vec<usize>,
+}
+
+impl Draft {
+    /// Checks all headers of what `node` and `want` ask for.
+    pub fn new(document: &Document, node: Option<&str>, want: Want) -> Result<Self> {
+        let mut warnings = Warnings::default();
+        let hierarchy = Hierarchy::new(document, &mut warnings)?;
+        let placed = hierarchy.select(document, node, &mut warnings)?;
+        let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
+        let used = materials_of(document, &nodes)?;
+        let materials = resolve(document, used, want.textures, &mut warnings)?;
+        let wanted = |material: Option<usize>, set: usize| {
+            want.uvs || texture_set(&materials, material) == Some(set)
+        };
+        let pieces = Pieces::new(document, &placed, &wanted, &mut warnings)?;
+        Ok(Draft {
+            pieces,
+            materials,
+            warnings,
+            nodes,
+        })
+    }
+
+    /// How many texture coordinate sets of the file are read: the highest number, plus one.
+    pub fn uv_sets(&self) -> usize {
+        let pieces = self.pieces.of_mesh.values().flatten();
+        let sets = pieces.flat_map(|piece| piece.uvs.keys());
+        sets.max().map_or(0, |last| last + 1)
+    }
+}
+
+/// The set that a material's texture is addressed by.
+fn texture_set(materials: &Materials, material: Option<usize>) -> Option<usize> {
+    let texture = materials.get(&material)?.material.texture.as_ref()?;
+    Some(texture.uv_set)
+}
+
+/// The materials of the meshes of these nodes, each of which is there.
+fn materials_of(document: &Document, nodes: &[usize]) -> Result<BTreeSet<Option<usize>>> {
+    let root = &document.root;
+    let mesh = |&node: &usize| Some(root.nodes.get(node)?.mesh?.value());
+    let meshes: BTreeSet<usize> = nodes.iter().filter_map(mesh).collect();
+    let mut materials = BTreeSet::new();
+    for (index, mesh) in meshes
+        .iter()
+        .filter_map(|&m| Some((m, root.meshes.get(m)?)))
+    {
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            if let Some(material) = primitive.material
+                && root.get(material).is_none()
+            {
+                let place = document.primitive_label(index, number);
+                document.get(material, "material", &place)?;
+            }
+            materials.insert(primitive.material.map(|material| material.value()));
+        }
+    }
+    Ok(materials)
+}

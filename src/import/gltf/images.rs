@@ -1,0 +1,69 @@
+//! Encoded images, as they stand in the file; they are decoded elsewhere, under limits.
+
+use std::io::Read;
+
+use ::gltf::json::{Index, image};
+
+use super::EncodedImage;
+use super::buffers::{Buffers, Resource, resource, view_range};
+use super::document::{Document, label};
+use crate::{Error, Result};
+
+/// The most bytes of encoded images of one import: several images may name the same bytes.
+pub(super) const MOST_BYTES: u64 = 1 << 30;
+
+/// The encoded bytes of image `index` of the document, of which `most` bytes may be read.
+pub(super) fn read(buffers: &mut Buffers, index: usize, most: u64) -> Result<EncodedImage> {
+    let document = &*buffers.document;
+    let number = Index::<image::Image>::new(u32::try_from(index).unwrap_or(u32::MAX));
+    let image = document.get(number, "image", "images")?;
+    let place = label("image", index, image.name.as_deref());
+    let bytes = match (image.buffer_view, &image.uri) {
+        (Some(view), _) => {
+            let range = view_range(document, view, &place)?;
+            check_size(document, range.length, most, &place)?;
+            buffers.bytes(range, &place)?
+        }
+        (None, Some(uri)) => match resource(document, uri, &place)? {
+            Resource::Data(bytes) => bytes,
+            Resource::File(file, length) => {
+                check_size(document, length, most, &place)?;
+                let mut bytes = Vec::new();
+                let read = file.take(length).read_to_end(&mut bytes);
+                read.map_err(Error::io(&document.file, "cannot read an image"))?;
+                bytes
+            }
+        },
+        (None, None) => {
+            let help = "an image has a bufferView or a uri";
+            return Err(document.invalid(place, "it has no data", help));
+        }
+    };
+    match is_png(&bytes) || is_jpeg(&bytes) {
+        true => Ok(EncodedImage { bytes, place }),
+        false => Err(buffers.document.unsupported(
+            place,
+            "it is neither PNG nor JPEG",
+            "store textures as PNG or JPEG, the formats of glTF",
+        )),
+    }
+}
+
+fn check_size(document: &Document, bytes: u64, most: u64, place: &str) -> Result<()> {
+    match bytes <= most {
+        true => Ok(()),
+        false => Err(document.unsupported(
+            place,
+            format!("with it, the images of the file have more than {MOST_BYTES} bytes"),
+            "use smaller images, or import fewer nodes",
+        )),
+    }
+}
+
+fn is_png(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG\r\n\x1a\n")
+}
+
+fn is_jpeg(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xff\xd8\xff")
+}

@@ -1,0 +1,113 @@
+//! glTF and GLB 2.0 (Khronos, "glTF 2.0 Specification", ISO/IEC 12113:2022).
+//!
+//! Axes, units and winding are the file's, which are also ours: right-handed, +Y up, metres,
+//! counter-clockwise front faces, texture v = 0 at the top row. All node transforms are applied in
+//! f64; a mirroring one turns the winding, so that front faces stay front faces.
+//!
+//! The crate `gltf` parses the JSON. Buffers and images are read here, because that crate's readers
+//! trust counts and offsets: here each is checked against what it lies in before anything is read,
+//! and only the bytes that are wanted are read at all.
+//!
+//! Not read, each with a warning where it would be seen: skins, morph targets, vertex colours,
+//! alpha, emission, points and lines. Animations and lights are ignored. Extensions that a file
+//! *requires* and that are not known here are refused.
+
+mod accessor;
+mod assemble;
+mod buffers;
+mod camera;
+mod container;
+mod document;
+mod draft;
+mod images;
+mod layout;
+mod materials;
+mod nodes;
+mod pieces;
+mod primitive;
+mod summary;
+mod uri;
+mod vertices;
+mod warnings;
+
+use std::path::Path;
+
+pub use camera::GltfCamera;
+pub use summary::Summary;
+
+use crate::Result;
+use crate::mesh::Mesh;
+use document::Document;
+
+/// What an import is to read besides positions and indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Want {
+    /// All texture coordinate sets. Without it, only those that textures need are read.
+    pub uvs: bool,
+    /// Base colour textures: their images, and the coordinates that address them.
+    pub textures: bool,
+}
+
+/// What was read.
+#[derive(Debug, Clone)]
+pub struct Imported {
+    /// The triangles, in the coordinates of the file's root, metres. Vertices of a primitive
+    /// without a texture coordinate set that others have hold NaN in it, which
+    /// [`Mesh::uv`] takes for none. A texture with a transform of its own
+    /// (KHR_texture_transform) has its coordinates in one more list after the file's sets.
+    pub mesh: Mesh,
+    /// Encoded base colour images of the materials in use; [`TextureRef::image`] counts these.
+    ///
+    /// [`TextureRef::image`]: crate::mesh::TextureRef::image
+    pub images: Vec<EncodedImage>,
+    /// What was passed over, a sentence each, with the place.
+    pub warnings: Vec<String>,
+}
+
+/// An image as it stands in the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EncodedImage {
+    /// A PNG or JPEG file; only its first bytes have been looked at.
+    pub bytes: Vec<u8>,
+    /// Where it stands, for messages: `image 2 "bricks"`.
+    pub place: String,
+}
+
+/// The triangles of the default scene of a `.gltf` or `.glb` file, or of the node called `node`
+/// and all below it (placed as in the whole scene).
+///
+/// # Errors
+/// The file or one that it refers to cannot be read, or is not glTF 2.0; it requires an extension
+/// that is not known; any count, offset or index is out of range; a vertex is not finite; there
+/// are no triangles, or more than 2²⁶.
+pub fn load(path: &Path, node: Option<&str>, want: Want) -> Result<Imported> {
+    assemble::load(&mut Document::open(path)?, node, want)
+}
+
+/// As [`load`], from bytes in memory; `name` stands for the file in messages. The document cannot
+/// refer to other files.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> Result<Imported> {
+    assemble::load(&mut Document::from_bytes(bytes, name)?, node, want)
+}
+
+/// What [`load`] would read, from JSON and headers only: no buffer or image is read, nor need they
+/// be there.
+///
+/// # Errors
+/// As for [`load`], as far as it shows without reading data.
+pub fn inspect(path: &Path, node: Option<&str>) -> Result<Summary> {
+    summary::summary(&Document::open(path)?, node)
+}
+
+/// The camera called `node` (the name of a node that has a camera, of the only one with a camera below
+/// it, or of a camera); without a name, the only camera of the file.
+///
+/// # Errors
+/// The file cannot be read or is not glTF 2.0; there is no such camera, or more than one; the
+/// camera is orthographic, or its transform is singular or mirrors.
+pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
+    camera::find(&Document::open(path)?, node)
+}

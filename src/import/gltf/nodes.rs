@@ -1,0 +1,263 @@
+//! The node hierarchy (glTF 2.0 §3.5): world transforms, and which nodes are asked for.
+//!
+//! A node's local transform is T·R·S or a matrix; its world transform is the product from the root
+//! down. The f32 numbers of the file are exact in f64, and all products are taken in f64. A rotation
+//! is used as the quaternion divided by its length, because f32 cannot hold a unit quaternion.
+
+use ::gltf::json::scene::Node;
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+
+use super::document::{Document, label, listed, shortened};
+use super::warnings::Warnings;
+use crate::Result;
+
+/// A node and where it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed {
+    /// Index in the document.
+    pub node: usize,
+    /// Coordinates of the file's root from those of the node.
+    pub world: DAffine3,
+}
+
+/// The hierarchy, known to be a forest.
+pub(super) struct Hierarchy {
+    /// World transform of every node.
+    worlds: Vec<DAffine3>,
+    children: Vec<Vec<usize>>,
+    has_parent: Vec<bool>,
+}
+
+impl Hierarchy {
+    pub fn new(document: &Document, warnings: &mut Warnings) -> Result<Self> {
+        let (children, has_parent) = links(document)?;
+        let nodes = &document.root.nodes;
+        let mut hierarchy = Hierarchy {
+            worlds: vec![DAffine3::IDENTITY; nodes.len()],
+            children,
+            has_parent,
+        };
+        let mut reached = vec![false; nodes.len()];
+        let roots = hierarchy.roots().map(|root| (root, DAffine3::IDENTITY));
+        let mut stack: Vec<_> = roots.collect();
+        while let Some((index, parent)) = stack.pop() {
+            let Some(node) = nodes.get(index) else {
+                continue;
+            };
+            let world = parent * local(document, node, index, warnings)?;
+            if !world.is_finite() {
+                let what = "its transform leaves the range of numbers";
+                return Err(document.invalid(document.node_label(index), what, FINITE));
+            }
+            hierarchy.worlds[index] = world;
+            reached[index] = true;
+            stack.extend(hierarchy.below(index).iter().map(|&child| (child, world)));
+        }
+        // Every node has one parent at most, so what no root leads to is in or below a cycle.
+        match reached.iter().position(|&reached| !reached) {
+            None => Ok(hierarchy),
+            Some(node) => Err(document.invalid(
+                document.node_label(node),
+                "the node is part of a cycle or hangs below one",
+                "a node may not be its own ancestor: remove the cycle from \"children\"",
+            )),
+        }
+    }
+
+    fn roots(&self) -> impl Iterator<Item = usize> {
+        let roots = self.has_parent.iter().enumerate();
+        roots
+            .filter(|(_, has_parent)| !**has_parent)
+            .map(|(node, _)| node)
+    }
+
+    fn below(&self, node: usize) -> &[usize] {
+        self.children.get(node).map_or(&[], Vec::as_slice)
+    }
+
+    /// Where `node` is.
+    pub fn world(&self, node: usize) -> DAffine3 {
+        self.worlds.get(node).copied().unwrap_or(DAffine3::IDENTITY)
+    }
+
+    /// The nodes of the default scene, or the node called `name` and all below it, in file order
+    /// from the top down.
+    pub fn select(
+        &self,
+        document: &Document,
+        name: Option<&str>,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<Placed>> {
+        let tops = match name {
+            Some(name) => vec![named(document, name)?],
+            None => self.scene(document, warnings)?,
+        };
+        Ok(self.with_all_below(tops))
+    }
+
+    /// `tops` and all nodes below them, each before its children.
+    pub fn with_all_below(&self, tops: Vec<usize>) -> Vec<Placed> {
+        let mut stack: Vec<usize> = tops.into_iter().rev().collect();
+        let mut placed = Vec::new();
+        while let Some(node) = stack.pop() {
+            let world = self.world(node);
+            placed.push(Placed { node, world });
+            stack.extend(self.below(node).iter().rev());
+        }
+        placed
+    }
+
+    /// The root nodes of the default scene; of the first where none is the default; all root nodes
+    /// where there is no scene.
+    fn scene(&self, document: &Document, warnings: &mut Warnings) -> Result<Vec<usize>> {
+        let root = &document.root;
+        let (index, scene) = match (root.scene, root.scenes.as_slice()) {
+            (Some(index), _) => (index.value(), document.get(index, "scene", "scene")?),
+            (None, []) => return Ok(self.roots().collect()),
+            (None, [first, rest @ ..]) => {
+                let several = u64::from(!rest.is_empty());
+                warnings.add_many(
+                    "of several scenes, none the default: taken",
+                    "scene 0",
+                    several,
+                );
+                (0, first)
+            }
+        };
+        let place = label("scene", index, scene.name.as_deref());
+        let mut seen = vec![false; root.nodes.len()];
+        for node in scene.nodes.iter().map(|node| node.value()) {
+            let what = match seen.get_mut(node) {
+                None => format!("it refers to node {node}, which is not there"),
+                Some(true) => format!("node {node} stands in it twice"),
+                Some(_) if self.has_parent.get(node) == Some(&true) => {
+                    format!("node {node} is the child of another node")
+                }
+                Some(seen) => {
+                    *seen = true;
+                    continue;
+                }
+            };
+            let help = "a scene lists root nodes, each once";
+            return Err(document.invalid(place, what, help));
+        }
+        Ok(scene.nodes.iter().map(|node| node.value()).collect())
+    }
+}
+
+const FINITE: &str = "transforms must be finite numbers, and so must their products";
+
+type Links = (Vec<Vec<usize>>, Vec<bool>);
+
+/// The children of every node, and whether it has a parent; no node may have two.
+fn links(document: &Document) -> Result<Links> {
+    let nodes = &document.root.nodes;
+    let mut has_parent = vec![false; nodes.len()];
+    let mut links = Vec::with_capacity(nodes.len());
+    for (index, node) in nodes.iter().enumerate() {
+        let children = node.children.iter().flatten().map(|child| child.value());
+        let children: Vec<usize> = children.collect();
+        for &child in &children {
+            let what = match has_parent.get_mut(child) {
+                Some(has_parent) if !*has_parent => {
+                    *has_parent = true;
+                    continue;
+                }
+                Some(_) => format!("its child, node {child}, has another parent already"),
+                None => format!("its child, node {child}, is not there"),
+            };
+            let help = "every node has one parent at most: the nodes must form a tree";
+            return Err(document.invalid(document.node_label(index), what, help));
+        }
+        links.push(children);
+    }
+    Ok((links, has_parent))
+}
+
+/// The one node of this name.
+pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
+    let nodes = &document.root.nodes;
+    let is_named = |node: &Node| node.name.as_deref() == Some(name);
+    let mut found = (0..nodes.len()).filter(|&node| nodes.get(node).is_some_and(is_named));
+    let place = format!("node {:?}", shortened(name));
+    match (found.next(), found.next()) {
+        (Some(node), None) => Ok(node),
+        (Some(first), Some(second)) => Err(document.invalid(
+            place,
+            format!("nodes {first} and {second} both have this name"),
+            "give the node that is meant a name of its own",
+        )),
+        _ => {
+            let names = listed(nodes.iter().filter_map(|node| node.name.as_deref()));
+            let help = format!("the nodes of the file: {names}");
+            Err(document.invalid(place, "the file has no node of this name", help))
+        }
+    }
+}
+
+/// The transform of the node itself.
+fn local(
+    document: &Document,
+    node: &Node,
+    index: usize,
+    warnings: &mut Warnings,
+) -> Result<DAffine3> {
+    let invalid = |what: &str, help: &str| {
+        let place = document.node_label(index);
+        Err(document.invalid(place, what, help))
+    };
+    let has_parts = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
+    if let Some(matrix) = node.matrix {
+        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+        return match (matrix.row(3) == DVec4::W, has_parts) {
+            (true, false) => Ok(DAffine3::from_mat4(matrix)),
+            (false, _) => invalid(
+                "its matrix is not affine",
+                "the last row must be 0, 0, 0, 1 (matrices are stored column by column)",
+            ),
+            (true, true) => invalid(
+                "it has both a matrix and translation, rotation or scale",
+                "give one of the two",
+            ),
+        };
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+    let norm = x * x + y * y + z * z + w * w;
+    if !(norm > 0.0 && norm.is_finite()) {
+        let help = "a rotation is a quaternion x, y, z, w of length 1";
+        return invalid("its rotation has no direction", help);
+    }
+    if (norm - 1.0).abs() > 2e-3 {
+        let what = "the rotation is not of length 1: used at length 1";
+        warnings.add(what, &document.node_label(index));
+    }
+    let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]).map(f64::from));
+    let [right, up, back] = rotation([x, y, z, w], norm);
+    let translation = node.translation.unwrap_or_default().map(f64::from);
+    Ok(DAffine3 {
+        matrix3: DMat3::from_cols(right * scale.x, up * scale.y, back * scale.z),
+        translation: DVec3::from_array(translation),
+    })
+}
+
+/// The columns of the rotation by the quaternion `[x, y, z, w]` whose squared length is `norm`.
+fn rotation([x, y, z, w]: [f64; 4], norm: f64) -> [DVec3; 3] {
+    let s = 2.0 / norm;
+    [
+        DVec3::new(
+            1.0 - s * (y * y + z * z),
+            s * (x * y + w * z),
+            s * (x * z - w * y),
+        ),
+        DVec3::new(
+            s * (x * y - w * z),
+            1.0 - s * (x * x + z * z),
+            s * (y * z + w * x),
+        ),
+        DVec3::new(
+            s * (x * z + w * y),
+            s * (y * z - w * x),
+            1.0 - s * (x * x + y * y),
+        ),
+    ]
+}

@@ -1,0 +1,197 @@
+//! One primitive of a mesh (glTF 2.0 §3.7.2.1), its headers checked.
+
+use std::collections::BTreeMap;
+
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+
+use super::document::Document;
+use super::layout::{Layout, Purpose};
+use super::warnings::Warnings;
+use crate::Result;
+
+/// The most texture coordinate sets.
+const MOST_SETS: u32 = 16;
+
+/// A primitive of triangles.
+#[derive(Debug, Clone)]
+pub(super) struct Piece {
+    pub topology: Topology,
+    pub positions: Layout,
+    /// By set; sets that are not wanted are absent.
+    pub uvs: BTreeMap<usize, Layout>,
+    pub indices: Option<Layout>,
+    /// Index in the document; none is the default material.
+    pub material: Option<usize>,
+    pub triangles: u64,
+}
+
+/// Which texture coordinate sets are wanted of a material.
+pub(super) type WantedSets<'w> = &'w dyn Fn(Option<usize>, usize) -> bool;
+
+/// How corners make triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Topology {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+/// The primitives of triangles of a mesh.
+pub(super) fn of_mesh(
+    document: &Document,
+    mesh: usize,
+    wanted: WantedSets,
+    warnings: &mut Warnings,
+) -> Result<Vec<Piece>> {
+    let primitives = document
+        .root
+        .meshes
+        .get(mesh)
+        .map_or(&[][..], |m| &m.primitives);
+    let mut pieces = Vec::new();
+    for (number, primitive) in primitives.iter().enumerate() {
+        let at = Place {
+            document,
+            primitive,
+            label: document.primitive_label(mesh, number),
+        };
+        if let Some(topology) = at.topology(warnings)? {
+            pieces.push(at.piece(topology, wanted)?);
+        }
+    }
+    Ok(pieces)
+}
+
+struct Place<'p, 'a> {
+    document: &'p Document<'a>,
+    primitive: &'p Primitive,
+    label: String,
+}
+
+impl Place<'_, '_> {
+    /// How it makes triangles, or none where there is nothing to be seen.
+    fn topology(&self, warnings: &mut Warnings) -> Result<Option<Topology>> {
+        let has = |semantic| (self.primitive.attributes).contains_key(&Checked::Valid(semantic));
+        let topology = match self.primitive.mode {
+            Checked::Valid(Mode::Triangles) => Topology::Triangles,
+            Checked::Valid(Mode::TriangleStrip) => Topology::Strip,
+            Checked::Valid(Mode::TriangleFan) => Topology::Fan,
+            Checked::Valid(_) => {
+                warnings.add("points and lines have no surface: skipped", &self.label);
+                return Ok(None);
+            }
+            Checked::Invalid => {
+                let help = "mode must be 0 to 6; 4 is triangles";
+                return Err(self.invalid("its mode is not of glTF", help));
+            }
+        };
+        if !has(Semantic::Positions) {
+            warnings.add("a primitive without positions: skipped", &self.label);
+            return Ok(None);
+        }
+        if has(Semantic::Colors(0)) {
+            warnings.add("vertex colours are not read", &self.label);
+        }
+        if self
+            .primitive
+            .targets
+            .as_ref()
+            .is_some_and(|targets| !targets.is_empty())
+        {
+            warnings.add("morph targets are not applied", &self.label);
+        }
+        Ok(Some(topology))
+    }
+
+    fn piece(&self, topology: Topology, wanted: WantedSets) -> Result<Piece> {
+        let material = self.primitive.material.map(|material| material.value());
+        let (positions, indices) = (self.positions()?, self.indices()?);
+        let corners = indices.as_ref().unwrap_or(&positions).count;
+        Ok(Piece {
+            topology,
+            triangles: self.triangles(topology, corners)?,
+            uvs: self.uvs(positions.count, &|set| wanted(material, set))?,
+            positions,
+            indices,
+            material,
+        })
+    }
+
+    fn positions(&self) -> Result<Layout> {
+        match self
+            .primitive
+            .attributes
+            .get(&Checked::Valid(Semantic::Positions))
+        {
+            Some(&index) => Layout::new(self.document, index, Purpose::Positions, &self.label),
+            None => Err(self.invalid("it has no positions", "")),
+        }
+    }
+
+    fn indices(&self) -> Result<Option<Layout>> {
+        (self.primitive.indices)
+            .map(|index| Layout::new(self.document, index, Purpose::Indices, &self.label))
+            .transpose()
+    }
+
+    fn uvs(
+        &self,
+        vertices: u64,
+        wanted: &dyn Fn(usize) -> bool,
+    ) -> Result<BTreeMap<usize, Layout>> {
+        let mut uvs = BTreeMap::new();
+        for (semantic, &index) in &self.primitive.attributes {
+            let set = match semantic {
+                Checked::Valid(Semantic::TexCoords(set)) if wanted(*set as usize) => *set,
+                _ => continue,
+            };
+            if set >= MOST_SETS {
+                let what = format!("it has TEXCOORD_{set}");
+                let help = "at most 16 texture coordinate sets are read, TEXCOORD_0 to TEXCOORD_15";
+                return Err(self.document.unsupported(&self.label, what, help));
+            }
+            let layout = Layout::new(self.document, index, Purpose::TexCoords, &self.label)?;
+            if layout.count != vertices {
+                let what = format!(
+                    "TEXCOORD_{set} has {} elements and POSITION {vertices}",
+                    layout.count
+                );
+                let help = "all attributes of a primitive must have the same count";
+                return Err(self.document.invalid(layout.place, what, help));
+            }
+            uvs.insert(set as usize, layout);
+        }
+        Ok(uvs)
+    }
+
+    fn triangles(&self, topology: Topology, corners: u64) -> Result<u64> {
+        match topology {
+            Topology::Triangles if corners.is_multiple_of(3) => Ok(corners / 3),
+            Topology::Strip | Topology::Fan if corners >= 3 => Ok(corners - 2),
+            Topology::Triangles => Err(self.invalid(
+                &format!("{corners} corners do not make whole triangles"),
+                "the number of indices (or vertices, without indices) must be a multiple of 3",
+            )),
+            Topology::Strip | Topology::Fan => Err(self.invalid(
+                &format!("{corners} corners do not make a triangle"),
+                "a strip or fan needs at least three",
+            )),
+        }
+    }
+
+    fn invalid(&self, what: &str, help: &str) -> crate::Error {
+        self.document.invalid(&self.label, what, help)
+    }
+}
+
+impl Topology {
+    /// Corners of triangle `i` of a list of corners (glTF 2.0 §3.7.2.1), all of one winding.
+    pub fn corners(self, i: usize) -> [usize; 3] {
+        match self {
+            Topology::Triangles => [3 * i, 3 * i + 1, 3 * i + 2],
+            Topology::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Topology::Fan => [i + 1, i + 2, 0],
+        }
+    }
+}

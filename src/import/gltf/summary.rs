@@ -1,0 +1,109 @@
+//! What a file holds, from its JSON alone.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use super::document::Document;
+use super::draft::Draft;
+use super::pieces::Pieces;
+use super::{Want, camera};
+use crate::Result;
+use crate::mesh::Material;
+
+/// What an import would give, and what else there is to choose from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// The program that wrote the file, where it says so.
+    pub generator: Option<String>,
+    /// Names of the nodes that would be imported, top down; "" for a node without one.
+    pub nodes: Vec<String>,
+    /// How many different meshes they use.
+    pub meshes: usize,
+    /// How many primitives of triangles they place.
+    pub primitives: usize,
+    /// Triangles.
+    pub triangles: u64,
+    /// Vertices of all primitives (fewer are stored where primitives share them).
+    pub vertices: u64,
+    /// Names of the materials in use; "" for one without a name, and for the default material.
+    pub materials: Vec<String>,
+    /// How many different base colour images they use.
+    pub images: usize,
+    /// How many texture coordinate sets there are: the highest number, plus one.
+    pub uv_sets: usize,
+    /// Names by which [`camera`](super::camera) finds the cameras of the whole file.
+    pub cameras: Vec<String>,
+    /// The least and the greatest corner of a box around all vertices, metres, as the file declares
+    /// it (which is not checked); none where it does not say.
+    pub bounds: Option<[DVec3; 2]>,
+    /// What would be passed over, a sentence each, with the place.
+    pub warnings: Vec<String>,
+}
+
+pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary> {
+    let want = Want {
+        uvs: true,
+        textures: true,
+    };
+    let draft = Draft::new(document, node, want)?;
+    let (pieces, materials) = (&draft.pieces, used_materials(&draft));
+    let all = || pieces.all().map(|(_, piece)| piece);
+    let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
+    let textures = materials.iter().filter_map(|m| m.texture.as_ref());
+    let images: BTreeSet<usize> = textures.map(|texture| texture.image).collect();
+    Ok(Summary {
+        generator: document.root.asset.generator.clone(),
+        nodes: draft.nodes.iter().map(|&n| name(document, n)).collect(),
+        meshes: meshes.len(),
+        primitives: all().count(),
+        triangles: all().map(|piece| piece.triangles).sum(),
+        vertices: all().map(|piece| piece.positions.count).sum(),
+        images: images.len(),
+        uv_sets: draft.uv_sets(),
+        materials: materials.iter().map(|m| m.name.clone()).collect(),
+        cameras: camera::names(document),
+        bounds: bounds(document, pieces),
+        warnings: draft.warnings.into_sentences(),
+    })
+}
+
+fn name(document: &Document, node: usize) -> String {
+    let node = document.root.nodes.get(node);
+    node.and_then(|node| node.name.clone()).unwrap_or_default()
+}
+
+/// The materials of the pieces, each once, in order of their first use.
+fn used_materials(draft: &Draft) -> Vec<&Material> {
+    let mut seen = BTreeSet::new();
+    (draft.pieces.all().map(|(_, piece)| piece.material))
+        .filter(|&material| seen.insert(material))
+        .filter_map(|material| draft.materials.get(&material))
+        .map(|resolved| &resolved.material)
+        .collect()
+}
+
+/// A box around the declared boxes of all pieces, placed.
+fn bounds(document: &Document, pieces: &Pieces) -> Option<[DVec3; 2]> {
+    let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    for (at, piece) in pieces.all() {
+        let accessor = document.root.accessors.get(piece.positions.accessor)?;
+        let least = corner(accessor.min.as_ref()?)?;
+        let greatest = corner(accessor.max.as_ref()?)?;
+        for which in 0..8 {
+            let pick = |axis: usize| [least, greatest][which >> axis & 1][axis];
+            let corner = DVec3::new(pick(0), pick(1), pick(2));
+            let placed = at.placed.world.transform_point3(corner);
+            bounds = [bounds[0].min(placed), bounds[1].max(placed)];
+        }
+    }
+    let finite = bounds.iter().all(|corner| corner.is_finite());
+    finite.then_some(bounds)
+}
+
+fn corner(value: &::gltf::json::Value) -> Option<DVec3> {
+    match value.as_array()?.as_slice() {
+        [x, y, z] => Some(DVec3::new(x.as_f64()?, y.as_f64()?, z.as_f64()?)),
+        _ => None,
+    }
+}

@@ -1,0 +1,210 @@
+//! From a file to one of its arrays: `.npy` holds one, `.npz` is a zip archive of many.
+
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use super::{CubeInfo, Header, MEMBERS, Place, WRITE_AGAIN, header};
+use crate::{Error, Result};
+
+/// Deflate makes at most 1032 bytes of one.
+const LARGEST_EXPANSION: u64 = 1032;
+
+/// One array, positioned at its magic string.
+pub(super) struct Stored<'a> {
+    pub reader: &'a mut dyn Read,
+    pub place: Place,
+    /// Bytes of the array, header included, as the file system or the archive's directory says.
+    length: u64,
+    /// The most that these bytes can be, by what the archive really holds.
+    most: u64,
+}
+
+impl Stored<'_> {
+    /// Reads the header and checks that a cube of this size can follow.
+    pub fn cube_layout(&mut self) -> Result<(Header, CubeInfo)> {
+        let (header, header_bytes) = header::read(self.reader, &self.place)?;
+        let info = header.cube(&self.place)?;
+        let expected = header_bytes.saturating_add(info.bytes);
+        let what = if self.length > self.most {
+            format!(
+                "the archive claims {} bytes, more than it can hold",
+                self.length
+            )
+        } else if self.length < expected {
+            format!(
+                "it is {} bytes long and should be {expected}: it is truncated",
+                self.length
+            )
+        } else if self.length > expected {
+            format!(
+                "it has {} bytes after the last sample",
+                self.length - expected
+            )
+        } else {
+            return Ok((header, info));
+        };
+        Err(self.place.invalid("samples", what, WRITE_AGAIN))
+    }
+}
+
+/// Calls `then` with the array of the file, or the one named `array`.
+pub(super) fn with_array<R: Read + Seek, T>(
+    reader: &mut R,
+    file: &Path,
+    array: Option<&str>,
+    then: impl FnOnce(&mut Stored) -> Result<T>,
+) -> Result<T> {
+    if is_zip(reader, file)? {
+        let mut archive = open(reader, file)?;
+        let (index, name) = choose(members(&archive, file)?, file, array)?;
+        return with_member(&mut archive, index, Place::new(file, Some(&name)), then);
+    }
+    let length = reader
+        .seek(SeekFrom::End(0))
+        .and_then(|length| reader.rewind().map(|()| length))
+        .map_err(Error::io(file, "cannot read"))?;
+    let mut stored = Stored {
+        reader,
+        place: Place::new(file, None),
+        length,
+        most: length,
+    };
+    match array {
+        Some(name) if has_magic(&mut stored)? => Err(stored.place.invalid(
+            &format!("array {name:?}"),
+            "a .npy file holds one array, which has no name",
+            "leave out the name of the array",
+        )),
+        _ => then(&mut stored),
+    }
+}
+
+/// Whether the header reads well; otherwise that is the better message.
+fn has_magic(stored: &mut Stored) -> Result<bool> {
+    header::read(stored.reader, &stored.place).map(|_| true)
+}
+
+/// The headers of all arrays, or of the one named `array`.
+pub(super) fn headers<R: Read + Seek>(
+    mut reader: R,
+    file: &Path,
+    array: Option<&str>,
+) -> Result<Vec<Header>> {
+    let one = |stored: &mut Stored| Ok(header::read(stored.reader, &stored.place)?.0);
+    if array.is_some() || !is_zip(&mut reader, file)? {
+        return Ok(vec![with_array(&mut reader, file, array, one)?]);
+    }
+    let mut archive = open(&mut reader, file)?;
+    members(&archive, file)?
+        .into_iter()
+        .map(|(index, name)| with_member(&mut archive, index, Place::new(file, Some(&name)), one))
+        .collect()
+}
+
+/// Whether the file starts as a zip archive does; leaves the reader at the start.
+fn is_zip<R: Read + Seek>(reader: &mut R, file: &Path) -> Result<bool> {
+    let mut start = Vec::with_capacity(4);
+    (reader.by_ref().take(4).read_to_end(&mut start))
+        .and_then(|_| reader.rewind())
+        .map_err(Error::io(file, "cannot read"))?;
+    // A local file header, or the end record of an archive without members.
+    Ok(start == *b"PK\x03\x04" || start == *b"PK\x05\x06")
+}
+
+fn open<'a, R: Read + Seek>(reader: &'a mut R, file: &Path) -> Result<ZipArchive<&'a mut R>> {
+    let place = Place::new(file, None);
+    let archive = ZipArchive::new(reader).map_err(|error| zip_error(&place, error))?;
+    match archive.has_duplicate_names() {
+        true => Err(place.invalid("archive", "two members have the same name", WRITE_AGAIN)),
+        false => Ok(archive),
+    }
+}
+
+/// Index and name of every array; members that are not `name.npy` are none.
+fn members<R: Read + Seek>(archive: &ZipArchive<R>, file: &Path) -> Result<Vec<(usize, String)>> {
+    let mut members = Vec::new();
+    for (index, name) in archive.file_names().enumerate() {
+        let name = name.map_err(|error| zip_error(&Place::new(file, None), error))?;
+        if let Some(name) = name.strip_suffix(".npy") {
+            members.push((index, name.to_owned()));
+        }
+    }
+    Ok(members)
+}
+
+fn choose(
+    members: Vec<(usize, String)>,
+    file: &Path,
+    array: Option<&str>,
+) -> Result<(usize, String)> {
+    let names = names(&members);
+    let (place, what, help) = match array {
+        Some(wanted) => match members.into_iter().find(|(_, name)| name == wanted) {
+            Some(member) => return Ok(member),
+            None => (
+                format!("array {wanted:?}"),
+                "there is no such array in the archive".to_owned(),
+                format!("it holds {names}"),
+            ),
+        },
+        None => match <[_; 1]>::try_from(members) {
+            Ok([member]) => return Ok(member),
+            Err(members) if members.is_empty() => (
+                "archive".to_owned(),
+                "it holds no arrays".to_owned(),
+                "an archive as numpy.savez writes it has members that end in .npy".to_owned(),
+            ),
+            Err(members) => (
+                "archive".to_owned(),
+                format!("it holds {} arrays, and none is named", members.len()),
+                format!("name one of them: {names}"),
+            ),
+        },
+    };
+    Err(Error::invalid(file, place, what, help))
+}
+
+fn names(members: &[(usize, String)]) -> String {
+    const MOST: usize = 20;
+    let mut names: Vec<String> = (members.iter().take(MOST))
+        .map(|(_, name)| format!("{name:?}"))
+        .collect();
+    match members.len() {
+        0 => names.push("no arrays".into()),
+        n if n > MOST => names.push("…".into()),
+        _ => {}
+    }
+    names.join(", ")
+}
+
+fn with_member<R: Read + Seek, T>(
+    archive: &mut ZipArchive<R>,
+    index: usize,
+    place: Place,
+    then: impl FnOnce(&mut Stored) -> Result<T>,
+) -> Result<T> {
+    let mut member = (archive.by_index(index)).map_err(|error| zip_error(&place, error))?;
+    let (length, compressed) = (member.size(), member.compressed_size());
+    then(&mut Stored {
+        reader: &mut member,
+        place,
+        length,
+        most: compressed.saturating_mul(LARGEST_EXPANSION),
+    })
+}
+
+fn zip_error(place: &Place, error: ZipError) -> Error {
+    let what = match error {
+        ZipError::Io(error) => return place.read_error("archive", error),
+        ZipError::UnsupportedArchive(_)
+        | ZipError::CompressionMethodNotSupported(_)
+        | ZipError::InvalidPassword => {
+            return place.unsupported("archive", error.to_string(), MEMBERS);
+        }
+        _ => error.to_string(),
+    };
+    place.invalid("archive", what, WRITE_AGAIN)
+}

@@ -1,0 +1,333 @@
+//! What glTF files give, against positions worked out by hand.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use nullray::import::gltf::{self, Imported, Want};
+use nullray::mesh::{Mesh, Wrap};
+
+const ALL: Want = Want {
+    uvs: true,
+    textures: true,
+};
+
+fn valid(file: &str) -> PathBuf {
+    Path::new("tests/data/valid").join(file)
+}
+
+fn load(file: &str, node: Option<&str>) -> Imported {
+    gltf::load(&valid(file), node, ALL).unwrap()
+}
+
+/// The corners of all triangles.
+fn triangles(mesh: &Mesh) -> Vec<[DVec3; 3]> {
+    let indices = 0..mesh.triangles.len() as u32;
+    indices.map(|index| mesh.corners(index)).collect()
+}
+
+fn assert_near(found: &[[DVec3; 3]], expected: &[[[f64; 3]; 3]]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        let error = (*found - DVec3::from_array(*expected)).abs().max_element();
+        assert!(error <= 1e-14, "{found} is not {expected:?}");
+    }
+}
+
+const FLAT: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+/// The root maps (x, y, z) to (1 − 2y, 2 + 2x, 3 + 2z): a quarter turn about z, doubled, moved. The
+/// wheel's matrix maps it to (10 + x, −z, ½ + y) first.
+#[test]
+fn transforms_multiply_from_the_root_down_and_mirroring_turns_the_winding() {
+    let imported = load("hierarchy.glb", None);
+    let wheel = [[1.0, 22.0, 4.0], [1.0, 24.0, 4.0], [1.0, 22.0, 6.0]];
+    let mirrored = [[1.0, 2.0, 3.0], [-1.0, 2.0, 3.0], [1.0, 0.0, 3.0]];
+    let twice = [[1.0, 2.0, 3.0], [1.0, 0.0, 3.0], [3.0, 2.0, 3.0]];
+    assert_near(&triangles(&imported.mesh), &[wheel, mirrored, twice]);
+    let nodes: Vec<&str> = imported
+        .mesh
+        .parts
+        .iter()
+        .map(|p| p.node.as_str())
+        .collect();
+    assert_eq!(nodes, ["wheel", "mirrored", "twice mirrored"]);
+}
+
+#[test]
+fn one_node_brings_those_below_it_and_the_transforms_above_it() {
+    let all = triangles(&load("hierarchy.glb", None).mesh);
+    let below = triangles(&load("hierarchy.glb", Some("mirrored")).mesh);
+    assert_eq!(below, all[1..]);
+}
+
+#[test]
+fn single_precision_is_exact_and_nodes_outside_the_scene_can_be_named() {
+    let mesh = load("hierarchy.glb", Some("elsewhere")).mesh;
+    assert_eq!(mesh.positions[0], DVec3::new(f64::from(0.1_f32), 0.0, 0.0));
+    assert_eq!(mesh.positions[1].x, f64::from(0.1_f32) + 1.0);
+}
+
+#[test]
+fn an_unknown_node_is_refused_with_the_names_there_are() {
+    let error = gltf::load(&valid("hierarchy.glb"), Some("whel"), ALL).unwrap_err();
+    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    assert!(
+        help.contains("\"wheel\"") && help.contains("\"elsewhere\""),
+        "{help}"
+    );
+}
+
+#[test]
+fn every_topology_gives_its_triangles_with_and_without_indices() {
+    for (node, expected) in [
+        ("list", vec![[0, 1, 2], [3, 4, 5]]),
+        ("indexed list", vec![[0, 1, 2], [2, 1, 3]]),
+        ("strip", vec![[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]]),
+        (
+            "indexed strip",
+            vec![[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]],
+        ),
+        ("fan", vec![[1, 2, 0], [2, 3, 0]]),
+        ("indexed fan", vec![[0, 1, 3], [1, 2, 3]]),
+    ] {
+        assert_eq!(
+            load("topologies.glb", Some(node)).mesh.triangles,
+            expected,
+            "{node}"
+        );
+    }
+}
+
+/// All strips and fans of the file lie counter-clockwise in the plane z = 0.
+#[test]
+fn strips_and_fans_keep_one_winding() {
+    for node in ["strip", "indexed strip", "fan", "indexed fan"] {
+        for [a, b, c] in triangles(&load("topologies.glb", Some(node)).mesh) {
+            assert!((b - a).cross(c - a).z > 0.0, "{node}: {a} {b} {c}");
+        }
+    }
+}
+
+#[test]
+fn points_and_lines_are_skipped_with_a_warning() {
+    let imported = load("topologies.glb", None);
+    assert_eq!(imported.mesh.parts.len(), 6);
+    let skipped = "mesh 6 \"dots\", primitive 0: points and lines have no surface: skipped";
+    assert_eq!(imported.warnings, [format!("{skipped} (2 times in all)")]);
+}
+
+#[test]
+fn parts_cover_all_triangles_and_primitives_share_their_vertices() {
+    let mesh = load("textured.glb", None).mesh;
+    let runs: Vec<_> = (mesh.parts.iter())
+        .map(|p| (p.first_triangle, p.triangles, p.material))
+        .collect();
+    assert_eq!(runs, [(0, 1, 0), (1, 1, 1), (2, 1, 2), (3, 1, 0)]);
+    // The second and the fourth primitive share; the third has texture coordinates of its own.
+    assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5], [6, 7, 8], [3, 4, 5]]);
+    assert_eq!(mesh.positions.len(), 9);
+}
+
+#[test]
+fn materials_are_those_in_use_and_so_are_images() {
+    let imported = load("textured.glb", None);
+    let [plain, default, shifted] = &imported.mesh.materials[..] else {
+        panic!("three materials");
+    };
+    assert_eq!(
+        [&plain.name, &default.name, &shifted.name],
+        ["plain", "", "shifted"]
+    );
+    assert_eq!(plain.base_colour, [0.5, 0.25, 0.125]);
+    assert_eq!((default.base_colour, &default.texture), ([1.0; 3], &None));
+    assert!(plain.double_sided && !default.double_sided && !shifted.double_sided);
+    let plain = plain.texture.as_ref().unwrap();
+    assert_eq!(
+        (plain.image, plain.uv_set, plain.wrap),
+        (0, 1, [Wrap::Clamp, Wrap::Mirror])
+    );
+    let shifted = shifted.texture.as_ref().unwrap();
+    assert_eq!(
+        (shifted.image, shifted.uv_set, shifted.wrap),
+        (0, 3, [Wrap::Repeat; 2])
+    );
+    assert_eq!(imported.images.len(), 1);
+    assert_eq!(imported.images[0].place, "image 1 \"stripes\"");
+    let pixels = image::load_from_memory(&imported.images[0].bytes)
+        .unwrap()
+        .into_rgb8();
+    assert_eq!(pixels.into_raw(), [255, 0, 0, 0, 0, 255]);
+}
+
+#[test]
+fn texture_coordinates_are_floats_or_normalized_integers() {
+    let mesh = load("textured.glb", None).mesh;
+    assert_eq!(mesh.uvs[0][..3], [[0.0, 0.0], [1.0, 0.0], [0.25, 0.75]]);
+    for set in [1, 2] {
+        assert_eq!(
+            mesh.uvs[set][..3],
+            [[0.0, 1.0], [0.2, 0.4], [1.0, 0.0]],
+            "set {set}"
+        );
+    }
+}
+
+/// Offset (½, ¼) and scale (2, 4) of set 0, which the extension names instead of set 1.
+#[test]
+fn a_texture_transform_makes_coordinates_of_its_own_and_leaves_the_set_alone() {
+    let mesh = load("textured.glb", None).mesh;
+    assert_eq!(mesh.uvs[3][6..], [[0.5, 0.25], [2.5, 0.25], [1.0, 3.25]]);
+    assert_eq!(mesh.uvs[0][6..], [[0.0, 0.0], [1.0, 0.0], [0.25, 0.75]]);
+}
+
+#[test]
+fn a_primitive_without_coordinates_has_none_among_those_that_have() {
+    let imported = load("textured.glb", None);
+    let mesh = &imported.mesh;
+    assert!(mesh.uvs.iter().all(|set| set.len() == mesh.positions.len()));
+    assert_eq!(mesh.uv(0, 1, [0.25, 0.25]), None);
+    assert!(mesh.uv(0, 0, [0.25, 0.25]).is_some());
+    assert!(
+        imported
+            .warnings
+            .iter()
+            .any(|w| w.contains("lacks the texture coordinates"))
+    );
+}
+
+#[test]
+fn only_the_sets_that_textures_need_are_read_unless_all_are_wanted() {
+    let want = Want {
+        uvs: false,
+        textures: true,
+    };
+    let mesh = gltf::load(&valid("textured.glb"), None, want).unwrap().mesh;
+    let read: Vec<bool> = mesh.uvs.iter().map(|set| !set.is_empty()).collect();
+    // Sets 0 and 1, and the transformed coordinates after them.
+    assert_eq!(read, [true, true, true]);
+    assert_eq!(mesh.materials[2].texture.as_ref().unwrap().uv_set, 2);
+}
+
+#[test]
+fn sparse_elements_replace_dense_ones_or_zeros() {
+    let mesh = load("sparse.glb", None).mesh;
+    let over_dense = [[0.0, 0.0, 0.0], [7.0, 8.0, 9.0], [0.0, 1.0, 0.0]];
+    let over_zeros = [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0, 1.0]];
+    assert_near(&triangles(&mesh), &[over_dense, over_zeros]);
+}
+
+#[test]
+fn interleaved_vertices_are_read_from_another_file_and_from_a_data_uri() {
+    for file in ["external.gltf", "embedded.gltf"] {
+        let mesh = load(file, None).mesh;
+        assert_eq!(mesh.positions, FLAT.map(DVec3::from_array), "{file}");
+        assert_eq!(mesh.uvs, [[[0.0, 0.0], [0.25, 0.5], [0.5, 1.0]]], "{file}");
+        assert_eq!(mesh.triangles, [[2, 0, 1]], "{file}");
+    }
+}
+
+#[test]
+fn quantized_positions_are_read_where_the_extension_is_used() {
+    let mesh = load("quantized.glb", None).mesh;
+    let plain = [[0.0; 3], [127.0, -128.0, 64.0], [1.0, 2.0, 3.0]];
+    let n = |c: f64| c / 127.0;
+    let normalized = [[0.0; 3], [1.0, -1.0, n(64.0)], [n(1.0), n(2.0), n(3.0)]];
+    assert_near(&triangles(&mesh), &[plain, normalized]);
+}
+
+#[test]
+fn a_triangle_without_area_is_kept_and_counted() {
+    let json = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":6}],
+        "bufferViews":[{"buffer":0,"byteLength":72}],
+        "buffers":[{"byteLength":72,"uri":"data:;base64,DATA"}]}"#;
+    let zeros = json.replace("DATA", &"A".repeat(96));
+    let imported = gltf::load_bytes(zeros.as_bytes(), "memory", None, ALL).unwrap();
+    assert_eq!(imported.mesh.triangles.len(), 2);
+    let [warning] = &imported.warnings[..] else {
+        panic!("one warning");
+    };
+    assert!(
+        warning.contains("without area, which are never seen (2 times in all)"),
+        "{warning}"
+    );
+}
+
+#[test]
+fn inspecting_tells_what_loading_gives_without_the_data() {
+    let summary = gltf::inspect(&valid("textured.glb"), None).unwrap();
+    assert_eq!(summary.nodes, ["card"]);
+    assert_eq!(summary.materials, ["plain", "", "shifted"]);
+    assert_eq!(
+        (summary.meshes, summary.primitives, summary.images),
+        (1, 4, 1)
+    );
+    assert_eq!(
+        (summary.triangles, summary.vertices, summary.uv_sets),
+        (4, 12, 3)
+    );
+    let card = [DVec3::ZERO, DVec3::ONE];
+    assert_eq!(summary.bounds, Some(card));
+    let summary = gltf::inspect(&valid("hierarchy.glb"), None).unwrap();
+    let [least, greatest] = summary.bounds.unwrap();
+    assert!(
+        (least - DVec3::new(-1.0, 0.0, 3.0)).length() < 1e-14,
+        "{least}"
+    );
+    assert!(
+        (greatest - DVec3::new(3.0, 24.0, 6.0)).length() < 1e-14,
+        "{greatest}"
+    );
+    // The buffer's file is not even there.
+    let missing = Path::new("tests/data/invalid/buffer-file-missing.gltf");
+    assert_eq!(gltf::inspect(missing, None).unwrap().triangles, 1);
+}
+
+/// The rig turns −Z to −X, triples and lifts by 5: the camera 2 behind it is at (6, 5, 0).
+#[test]
+fn a_camera_is_placed_by_its_node_and_scale_drops_out_of_its_axes() {
+    let camera = gltf::camera(&valid("cameras.glb"), Some("main")).unwrap();
+    assert!(
+        (camera.eye - DVec3::new(6.0, 5.0, 0.0)).length() < 1e-14,
+        "{}",
+        camera.eye
+    );
+    for (axis, expected) in camera
+        .axes
+        .iter()
+        .zip([DVec3::NEG_Z, DVec3::Y, DVec3::NEG_X])
+    {
+        assert!(
+            (*axis - expected).length() < 1e-15,
+            "{axis} is not {expected}"
+        );
+    }
+    // A right angle high, and twice as wide: 2 atan 2.
+    assert!((camera.horizontal_fov.unwrap() - 2.0 * 2_f64.atan()).abs() < 1e-7);
+    assert_eq!(camera.aspect, Some(2.0));
+}
+
+#[test]
+fn a_camera_is_found_by_its_own_name_and_below_a_node() {
+    let file = valid("cameras.glb");
+    let wide = gltf::camera(&file, Some("wide")).unwrap();
+    assert_eq!(wide, gltf::camera(&file, Some("main")).unwrap());
+    let tall = gltf::camera(&file, Some("tall")).unwrap();
+    assert_eq!(gltf::camera(&file, Some("boom")).unwrap(), tall);
+    assert_eq!((tall.vertical_fov, tall.horizontal_fov), (1.0, None));
+    assert!(
+        gltf::camera(&file, Some("plan"))
+            .unwrap_err()
+            .to_string()
+            .contains("orthographic")
+    );
+    assert!(
+        gltf::camera(&file, Some("rig"))
+            .unwrap_err()
+            .to_string()
+            .contains("2 cameras")
+    );
+    let names = gltf::inspect(&file, None).unwrap().cameras;
+    assert_eq!(names, ["main", "tall", "plan"]);
+}

@@ -1,0 +1,88 @@
+//! `[camera]` and every `velocity`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::at::At;
+use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
+use crate::units::{Angle, Time};
+
+/// The camera: a rigid pinhole camera with all rays of an image through one event.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { eye = [0, 1, 5], look_at = [0, 0, 0] }"
+)]
+pub(in crate::scene) struct Camera {
+    /// World position of the pinhole when the camera's clock shows 0, metres, like [0, 1, 5].
+    pub eye: Option<At<Vector>>,
+    /// look_at − eye is the forward axis in the *camera* frame, whose axes are the world's, boosted
+    /// without rotation. For a moving camera it is a direction, not a point that is met: aberration
+    /// moves what is seen there.
+    pub look_at: Option<At<Vector>>,
+    /// A direction of the camera frame that is up in the picture; only its part across the forward axis
+    /// counts. Default: [0, 1, 0].
+    pub up: Option<At<Vector>>,
+    /// Takes the pose (and the field of view, unless `hfov` is given) from a camera of this glTF file,
+    /// in place of `eye`, `look_at` and `up`. The path is relative to the scene file.
+    pub gltf: Option<At<String>>,
+    /// The node of the glTF file that holds the camera. Default: the file's only camera.
+    pub node: Option<At<String>>,
+    /// Horizontal field of view in the camera frame, above 0 and below 180 deg. Default: the glTF
+    /// camera's, or else "60 deg".
+    pub hfov: Option<At<Angle>>,
+    /// Width and height in pixels, each 1 to 65536, together at most 2^28. Default: [640, 480].
+    pub size: At<[u32; 2]>,
+    /// Velocity in the world. Default: at rest.
+    pub velocity: Option<At<Velocity>>,
+    /// World time (ct) at which the camera's clock shows 0 and the pinhole is at `eye`. Default: "0 m".
+    pub clock_zero: At<Time>,
+    /// The camera's proper time of the shot, like "3.2 m" or "2 ns". Default: "0 m".
+    pub time: At<Time>,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Camera {
+            eye: None,
+            look_at: None,
+            up: None,
+            gltf: None,
+            node: None,
+            hfov: None,
+            size: At::nowhere([640, 480]),
+            velocity: None,
+            clock_zero: At::nowhere(Time::customary(0.0)),
+            time: At::nowhere(Time::customary(0.0)),
+        }
+    }
+}
+
+impl Camera {
+    /// What `up` is unless the file says otherwise.
+    pub const UP: Vector = Numbers([0.0, 1.0, 0.0]);
+
+    /// What `hfov` is unless the file or its glTF camera says otherwise.
+    pub const HFOV: Angle = Angle::customary(60.0);
+}
+
+/// A velocity in the world, said in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;
+/// a plain number goes with a `direction`.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { beta = [0.9, 0, 0] } or { gamma = 7, direction = [1, 0, 0] }"
+)]
+pub(in crate::scene) struct Velocity {
+    /// v/c: a vector of length below 1, or a number in (−1, 1) along `direction`.
+    pub beta: Option<At<NumberOrVector>>,
+    /// 1/√(1 − β²), at least 1, along `direction`.
+    pub gamma: Option<At<Number>>,
+    /// artanh β: a vector along the motion, or a number along `direction`; at most 40.
+    pub rapidity: Option<At<NumberOrVector>>,
+    /// 1 − β in (0, 1], along `direction`: for speeds at which β rounds to 1.
+    pub one_minus_beta: Option<At<Number>>,
+    /// The direction of motion, of any length but 0.
+    pub direction: Option<At<Vector>>,
+}

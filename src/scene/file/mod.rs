@@ -1,0 +1,291 @@
+//! The scene file as it is written: its tables and keys, with their places kept.
+//!
+//! The doc comments here are the descriptions in the JSON schema and the help of refusals. Tables are
+//! plain structs; which keys exclude each other is told apart in `resolve`.
+
+mod camera;
+mod object;
+mod source;
+
+use schemars::JsonSchema;
+use serde::de::value::{MapAccessDeserializer, StrDeserializer};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::at::At;
+use super::values::{Number, Vector};
+use crate::units::{Percentage, Speed, Wavelength};
+
+pub(super) use camera::{Camera, Velocity};
+pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
+pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};
+
+/// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
+/// texts with a unit, like "2 ps", "0.6 m", "60 deg".
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a scene")]
+#[schemars(title = "nullray scene")]
+pub(in crate::scene) struct Scene {
+    /// The speed of light, with which times in seconds become metres. Any positive speed, for teaching.
+    /// Default: "299792458 m/s".
+    #[serde(default = "Scene::speed_of_light")]
+    pub speed_of_light: At<Speed>,
+    /// What light travels through.
+    #[serde(default)]
+    pub medium: Medium,
+    /// Where the picture is taken from, how and when.
+    pub camera: At<Camera>,
+    /// The things of the scene: at least one.
+    #[serde(default)]
+    pub object: Vec<At<Object>>,
+    /// Time-resolved radiance on the surfaces of objects.
+    #[serde(default)]
+    pub source: Vec<At<Source>>,
+    /// What the radiance of base colours measures, and of sources that do not say otherwise.
+    #[serde(default)]
+    pub radiance: At<Radiance>,
+    /// The effects of relativity and of light's delay, each of which can be turned off alone.
+    #[serde(default)]
+    pub effects: Effects,
+    /// What stands in for time-resolved data that a source does not have: "black", "hold", or a table
+    /// that says it by case. Default: "black".
+    #[serde(default)]
+    pub outside: Outside,
+    /// How radiance becomes a picture to look at.
+    #[serde(default)]
+    pub display: At<Display>,
+}
+
+impl Scene {
+    fn speed_of_light() -> At<Speed> {
+        At::nowhere(Speed::customary(super::model::SPEED_OF_LIGHT))
+    }
+}
+
+/// What light travels through.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { index = 1.33 }"
+)]
+pub(in crate::scene) struct Medium {
+    /// Refractive index η ≥ 1 of the medium, which rests in the world. It lengthens the delay of light
+    /// (η metres per metre) and does nothing else: no refraction. Default: 1.
+    pub index: At<Number>,
+}
+
+impl Default for Medium {
+    fn default() -> Self {
+        Medium {
+            index: At::nowhere(Number(1.0)),
+        }
+    }
+}
+
+/// What a radiance measures. The power of the wavelength ratio that the searchlight effect applies
+/// follows from it.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { quantity = \"integrated\" }"
+)]
+pub(in crate::scene) struct Radiance {
+    /// The quantity: "integrated" over the spectrum, "per_wavelength", "per_frequency", "line" (one
+    /// spectral line, needs `wavelength`), "photons", "photons_per_wavelength" or
+    /// "photons_per_frequency". Default: "integrated".
+    pub quantity: At<Quantity>,
+    /// The emitted wavelength of the line, like "532 nm", in the emitter's rest frame. Required with
+    /// quantity = "line", refused with any other.
+    pub wavelength: Option<At<Wavelength>>,
+}
+
+impl Default for Radiance {
+    fn default() -> Self {
+        Radiance {
+            quantity: At::nowhere(Quantity::Integrated),
+            wavelength: None,
+        }
+    }
+}
+
+impl<T: Default> Default for At<T> {
+    fn default() -> Self {
+        At::nowhere(T::default())
+    }
+}
+
+/// What a radiance measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Quantity {
+    Integrated,
+    PerWavelength,
+    PerFrequency,
+    Line,
+    Photons,
+    PhotonsPerWavelength,
+    PhotonsPerFrequency,
+}
+
+/// The effects of relativity and of light's delay.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { doppler = false }"
+)]
+pub(in crate::scene) struct Effects {
+    /// Off: a look direction of the camera is taken as the same direction of the world. Default: true.
+    pub aberration: bool,
+    /// Off: colours are those of the emitted wavelength. Default: true.
+    pub doppler: bool,
+    /// Off: the observed radiance is the emitted one. Default: true.
+    pub searchlight: bool,
+    /// Off: light takes no time; everything is seen where, and as bright as, it is at the world time of
+    /// the shot. Default: true.
+    pub retardation: bool,
+}
+
+impl Default for Effects {
+    fn default() -> Self {
+        Effects {
+            aberration: true,
+            doppler: true,
+            searchlight: true,
+            retardation: true,
+        }
+    }
+}
+
+/// What stands in for data that a source does not have, by case.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { before = \"hold\" }"
+)]
+pub(in crate::scene) struct OutsideTable {
+    /// Before the first bin: "black", "hold" (the first bin) or { mark = [r, g, b] }. Default: `mark`,
+    /// or else "black".
+    pub before: Option<Fill>,
+    /// After the last bin: "black", "hold" (the last bin) or { mark = [r, g, b] }. Default: `mark`, or
+    /// else "black".
+    pub after: Option<Fill>,
+    /// Beyond the texture's edge: "black", "hold" (the edge) or { mark = [r, g, b] }. Default: `mark`,
+    /// or else "black".
+    pub off_texture: Option<Fill>,
+    /// Not seen by the capture camera: "black", "hold" (what the capture camera saw in that direction)
+    /// or { mark = [r, g, b] }. Default: `mark`, or else "black".
+    pub occluded: Option<Fill>,
+    /// Linear RGB that marks every case that the other keys do not say.
+    pub mark: Option<Vector>,
+}
+
+/// What stands in for data that a source does not have: one answer for all, or by case.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(in crate::scene) enum Outside {
+    All(Fill),
+    ByCase(Box<OutsideTable>),
+}
+
+impl Default for Outside {
+    fn default() -> Self {
+        Outside::All(Fill::default())
+    }
+}
+
+impl Serialize for Outside {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Outside::All(fill) => fill.serialize(serializer),
+            Outside::ByCase(table) => table.serialize(serializer),
+        }
+    }
+}
+
+struct OutsideVisitor;
+
+impl<'de> Visitor<'de> for OutsideVisitor {
+    type Value = Outside;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("\"black\", \"hold\" or a table like { before = \"hold\" }")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Outside, E> {
+        Fill::deserialize(StrDeserializer::new(text)).map(Outside::All)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Outside, A::Error> {
+        let table = OutsideTable::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Outside::ByCase(Box::new(table)))
+    }
+}
+
+impl<'de> Deserialize<'de> for Outside {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OutsideVisitor)
+    }
+}
+
+/// A substitute for missing data.
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Fill {
+    #[default]
+    Black,
+    Hold,
+    /// A linear RGB radiance to stand out.
+    Mark(Vector),
+}
+
+/// How radiance becomes a picture to look at.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { exposure = \"99 %\" }"
+)]
+pub(in crate::scene) struct Display {
+    /// The percentile of the lit pixels' brightest channel that becomes white, in (0, 100] %. Excludes
+    /// `white`. Default: "99 %".
+    pub exposure: Option<At<Percentage>>,
+    /// The radiance that becomes white, above 0. Excludes `exposure`.
+    pub white: Option<At<Number>>,
+    /// Linear RGB radiance of rays that meet nothing. Default: [0, 0, 0].
+    pub background: At<Vector>,
+    /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
+    /// "two_sided", "black" (back faces are black and hide what is behind them) or "culled".
+    /// Default: "as_file".
+    pub back_faces: BackFaces,
+    /// Samples per pixel, 1 to 65536; a square number is stratified evenly. Default: 4.
+    pub samples_per_pixel: At<u32>,
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Display {
+            exposure: None,
+            white: None,
+            background: At::nowhere(super::values::Numbers([0.0; 3])),
+            back_faces: BackFaces::AsFile,
+            samples_per_pixel: At::nowhere(4),
+        }
+    }
+}
+
+/// Which faces of a triangle are seen.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum BackFaces {
+    AsFile,
+    TwoSided,
+    Black,
+    Culled,
+}

@@ -1,0 +1,179 @@
+//! `[[source]]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Radiance;
+use crate::scene::at::At;
+use crate::scene::values::{Number, NumberOrVector, Vector};
+use crate::units::{Angle, Time};
+
+/// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It takes
+/// the place of the base colour as the surface's radiance; a surface has at most one source.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { pulse = { position = [0, 2, 0], sigma = \"5 cm\" } }"
+)]
+pub(in crate::scene) struct Source {
+    /// A name of its own, for messages and `--set`. Default: the cube file's name without its
+    /// extension, or "pulse", numbered where it is taken.
+    pub name: Option<At<String>>,
+    /// Names of the objects that it gives radiance to. Default: all objects.
+    pub objects: Option<At<Vec<At<String>>>>,
+    /// Names of the glTF materials that it gives radiance to. Default: all materials of those objects.
+    pub materials: Option<At<Vec<At<String>>>>,
+    /// A stored x-y-t cube. Excludes `pulse`.
+    pub cube: Option<At<Cube>>,
+    /// A spherical pulse of light from a point. Excludes `cube`.
+    pub pulse: Option<At<Pulse>>,
+    /// What this source's radiance measures. Default: the scene's `radiance`.
+    pub radiance: Option<At<Radiance>>,
+}
+
+/// A stored cube (rows, columns, time bins[, channels]) and how it lies on surface and time.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { file = \"a.npy\", bin_width = \"0.05 m\" }"
+)]
+pub(in crate::scene) struct Cube {
+    /// A .npy or .npz file, relative to the scene file.
+    pub file: At<String>,
+    /// The array of an .npz file. Default: its only array.
+    pub array: Option<At<String>>,
+    /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
+    #[serde(default = "Cube::start")]
+    pub start: At<Time>,
+    /// Width of a bin, above 0, like "0.05 m" or "4 ps".
+    pub bin_width: At<Time>,
+    /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
+    /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
+    /// pinhole). Default: "world".
+    #[serde(default = "Cube::clock")]
+    pub clock: At<Clock>,
+    /// Whether a value is the integral over its bin, "per_bin", or the mean per metre, "density".
+    /// Default: "per_bin".
+    #[serde(default = "Cube::values")]
+    pub values: BinValues,
+    /// Reconstruction along time: "nearest", "linear" or "cubic". Default: "linear".
+    #[serde(default = "Cube::filter")]
+    pub filter: TimeFilter,
+    /// Factor on all values. Default: 1.
+    #[serde(default = "Cube::scale")]
+    pub scale: Number,
+    /// Surface points address the cube by their texture coordinates TEXCOORD_n of this number n; row 0
+    /// of the cube is v = 0. Excludes `capture`. Default: 0.
+    pub uv: Option<At<u32>>,
+    /// Surface points address the cube by projection into the camera that captured it, as far as that
+    /// saw them. Excludes `uv`.
+    pub capture: Option<At<Capture>>,
+}
+
+impl Cube {
+    fn start() -> At<Time> {
+        At::nowhere(Time::customary(0.0))
+    }
+
+    fn clock() -> At<Clock> {
+        At::nowhere(Clock::World)
+    }
+
+    fn values() -> BinValues {
+        BinValues::PerBin
+    }
+
+    fn filter() -> TimeFilter {
+        TimeFilter::Linear
+    }
+
+    fn scale() -> Number {
+        Number(1.0)
+    }
+}
+
+/// The clock of a time axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Clock {
+    World,
+    Object,
+    Capture,
+}
+
+/// What a stored value is along time.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum BinValues {
+    PerBin,
+    Density,
+}
+
+/// Reconstruction along time.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum TimeFilter {
+    Nearest,
+    Linear,
+    Cubic,
+}
+
+/// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its
+/// coordinates are the world's where those rest in the world, and the objects' own otherwise.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { eye = [0, 1, 5], look_at = [0, 0, 0], hfov = \"40 deg\" }"
+)]
+pub(in crate::scene) struct Capture {
+    /// Position of the pinhole, metres.
+    pub eye: Option<At<Vector>>,
+    /// A point on the forward axis.
+    pub look_at: Option<At<Vector>>,
+    /// A direction that is up in the data. Default: [0, 1, 0].
+    pub up: Option<At<Vector>>,
+    /// Takes the pose (and the field of view, unless `hfov` is given) from a camera of this glTF file,
+    /// in place of `eye`, `look_at` and `up`.
+    pub gltf: Option<At<String>>,
+    /// The node of the glTF file that holds the camera. Default: the file's only camera.
+    pub node: Option<At<String>>,
+    /// Horizontal field of view, above 0 and below 180 deg; the vertical one follows from the cube's
+    /// shape (square pixels). Required unless the glTF camera says it.
+    pub hfov: Option<At<Angle>>,
+}
+
+/// A spherical pulse of light from a point at rest in the world, Gaussian in time, that falls on
+/// diffuse surfaces: irradiance ∝ cos θ / r² at the time that light needs to get there.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { position = [0, 2, 0], sigma = \"5 cm\" }"
+)]
+pub(in crate::scene) struct Pulse {
+    /// World position of the point, metres.
+    pub position: At<Vector>,
+    /// World time at which the pulse's centre is emitted. Default: "0 m".
+    #[serde(default = "Cube::start")]
+    pub time: At<Time>,
+    /// Standard deviation of the Gaussian in time, above 0, like "5 cm" or "20 ps".
+    pub sigma: At<Time>,
+    /// Energy per solid angle, at least 0: one number, or linear RGB. Default: 1.
+    #[serde(default = "Pulse::intensity")]
+    pub intensity: At<NumberOrVector>,
+    /// Whether other surfaces shadow it. Default: true.
+    #[serde(default = "Pulse::shadows")]
+    pub shadows: bool,
+}
+
+impl Pulse {
+    fn intensity() -> At<NumberOrVector> {
+        At::nowhere(NumberOrVector::Number(1.0))
+    }
+
+    fn shadows() -> bool {
+        true
+    }
+}

@@ -1,0 +1,268 @@
+//! What the command line changes in a scene: edits of the document, made before it is read.
+//!
+//! A dotted key names what is set: `camera.velocity.beta`, `object.cube.velocity` (by name) or
+//! `object.0.velocity` (by number, from 0). Tables that are missing are made. The value is a TOML value;
+//! bare words are taken as a text. Spans and refusals then refer to the text after the edits.
+
+use std::str::FromStr;
+
+use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
+
+use super::names;
+use super::place::{Place, Step};
+use super::suggest::nearest;
+use crate::error::{Error, Result};
+use crate::units::quoted;
+
+/// What the command line says in place of the scene file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Overrides {
+    /// Dotted keys and the TOML text of their values; bare words are taken as a text.
+    pub set: Vec<(String, String)>,
+    /// Width and height of the picture, in place of `camera.size`.
+    pub size: Option<[u32; 2]>,
+    /// In place of `display.samples_per_pixel`.
+    pub samples_per_pixel: Option<u32>,
+    /// The camera's proper time of the shot, with its unit, in place of `camera.time`.
+    pub time: Option<String>,
+}
+
+/// An edit that was made.
+pub(super) struct Edit {
+    /// As it stood on the command line.
+    pub flag: String,
+    /// What it set.
+    pub place: Place,
+}
+
+/// An edit to be made.
+struct Request {
+    flag: String,
+    path: Vec<String>,
+    value: Value,
+}
+
+/// The keys of a path, at most: more than any that exists.
+const LONGEST_PATH: usize = 16;
+
+/// Makes the edits in `text`. A text that is not TOML stays as it is: reading it says why.
+pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Edit>)> {
+    let requests = requests(overrides)?;
+    if requests.is_empty() {
+        return Ok((text.to_string(), Vec::new()));
+    }
+    let Ok(mut document) = DocumentMut::from_str(text) else {
+        return Ok((text.to_string(), Vec::new()));
+    };
+    let mut edits = Vec::new();
+    for request in requests {
+        edits.push(make(&mut document, request)?);
+    }
+    Ok((document.to_string(), edits))
+}
+
+fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
+    let set = overrides.set.iter().map(|(key, text)| {
+        let flag = format!("--set {key}={text}");
+        let (path, value) = (parse_path(key, &flag)?, parse_value(text, &flag)?);
+        Ok(Request { flag, path, value })
+    });
+    let fixed = |flag: String, table: &str, key: &str, value: Value| {
+        let path = vec![table.to_string(), key.to_string()];
+        Ok(Request { flag, path, value })
+    };
+    let size = overrides.size.map(|[w, h]| {
+        let value = [w, h].into_iter().map(i64::from).collect();
+        fixed(format!("--size {w}x{h}"), "camera", "size", value)
+    });
+    let samples = overrides.samples_per_pixel.map(|n| {
+        let (flag, value) = (format!("--spp {n}"), i64::from(n).into());
+        fixed(flag, "display", "samples_per_pixel", value)
+    });
+    let time = overrides.time.as_ref().map(|text| {
+        let (flag, value) = (format!("--time {text}"), text.as_str().into());
+        fixed(flag, "camera", "time", value)
+    });
+    set.chain(size).chain(samples).chain(time).collect()
+}
+
+fn refuse(flag: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
+    let short: String = flag.chars().take(200).collect();
+    let place = format!("`{}`", short.escape_debug());
+    Error::invalid("command line", place, what, help)
+}
+
+fn parse_path(key: &str, flag: &str) -> Result<Vec<String>> {
+    let path = Key::parse(key)
+        .ok()
+        .filter(|path| path.len() <= LONGEST_PATH);
+    let path = path.ok_or_else(|| {
+        let what = format!("{} is not a dotted key", quoted(key));
+        let help = "write keys with dots between, like camera.velocity.beta=[0.5,0,0]; a name with other \
+                    characters than letters, digits, - and _ goes in quotes";
+        refuse(flag, what, help)
+    })?;
+    Ok(path.iter().map(|key| key.get().to_string()).collect())
+}
+
+fn parse_value(text: &str, flag: &str) -> Result<Value> {
+    let trimmed = text.trim();
+    match Value::from_str(trimmed) {
+        Ok(mut value) => {
+            value.decor_mut().clear();
+            Ok(value)
+        }
+        Err(error) if trimmed.is_empty() || trimmed.starts_with(['[', '{', '"', '\'']) => {
+            let what = format!("{} is not a TOML value: {}", quoted(text), error.message());
+            let help = "write a number, a text, [x, y, z], or { key = value }";
+            Err(refuse(flag, what.replace('\n', ", "), help))
+        }
+        Err(_) => Ok(Value::from(trimmed)),
+    }
+}
+
+fn make(document: &mut DocumentMut, request: Request) -> Result<Edit> {
+    let Request { flag, path, value } = request;
+    let mut walk = Walk {
+        flag: &flag,
+        place: Place::default(),
+    };
+    walk.set_in_table(document.as_table_mut(), &path, value)?;
+    let place = walk.place;
+    Ok(Edit { flag, place })
+}
+
+/// A walk down the document to where a value is to be set.
+struct Walk<'a> {
+    flag: &'a str,
+    /// Where it has come to.
+    place: Place,
+}
+
+impl Walk<'_> {
+    fn set_in_table(
+        &mut self,
+        table: &mut dyn TableLike,
+        path: &[String],
+        value: Value,
+    ) -> Result<()> {
+        let Some((key, rest)) = path.split_first() else {
+            let help = "name a key of it";
+            return Err(refuse(
+                self.flag,
+                format!("{} is a whole table", self.place),
+                help,
+            ));
+        };
+        let at_root = self.place == Place::default();
+        self.place.0.push(Step::Key(key.clone()));
+        if rest.is_empty() {
+            set(table, key, value);
+            return Ok(());
+        }
+        if table.get(key).is_none_or(Item::is_none) {
+            self.refuse_new_entry(key)?;
+            table.insert(key, empty_table(at_root));
+        }
+        match table.get_mut(key) {
+            Some(item) => self.set_in_item(item, rest, value),
+            None => Ok(()),
+        }
+    }
+
+    /// `object.x` and `source.x` pick an entry; they cannot make one.
+    fn refuse_new_entry(&self, key: &str) -> Result<()> {
+        if self.place.0.len() == 1 && matches!(key, "object" | "source") {
+            let help = format!("add a [[{key}]] table to the scene file");
+            return Err(refuse(self.flag, format!("the scene has no {key}"), help));
+        }
+        Ok(())
+    }
+
+    fn set_in_item(&mut self, item: &mut Item, path: &[String], value: Value) -> Result<()> {
+        if let Item::ArrayOfTables(tables) = item {
+            let entries: Vec<&dyn TableLike> = tables.iter().map(|t| t as _).collect();
+            let (index, rest) = self.choose(&entries, path)?;
+            let table = tables.get_mut(index);
+            return table.map_or(Ok(()), |table| self.set_in_table(table, rest, value));
+        }
+        if let Item::Value(Value::Array(array)) = item
+            && array.iter().all(Value::is_inline_table)
+        {
+            let tables = array.iter().filter_map(Value::as_inline_table);
+            let entries: Vec<&dyn TableLike> = tables.map(|t| t as _).collect();
+            let (index, rest) = self.choose(&entries, path)?;
+            let table = array.get_mut(index).and_then(Value::as_inline_table_mut);
+            return table.map_or(Ok(()), |table| self.set_in_table(table, rest, value));
+        }
+        let Some(table) = item.as_table_like_mut() else {
+            let what = format!("{} is not a table, and has no keys", self.place);
+            let help = format!("set {} itself, or another key", self.place);
+            return Err(refuse(self.flag, what, help));
+        };
+        self.set_in_table(table, path, value)
+    }
+
+    /// The entry of an array of tables that the path names, and the rest of the path.
+    fn choose<'p>(
+        &mut self,
+        entries: &[&dyn TableLike],
+        path: &'p [String],
+    ) -> Result<(usize, &'p [String])> {
+        let names = names::unique(entries.iter().map(|table| entry_names(*table)).collect());
+        let (word, rest) = path
+            .split_first()
+            .map_or(("", path), |(w, r)| (w.as_str(), r));
+        let by_name = names.iter().position(|name| name == word);
+        let by_number = || word.parse().ok().filter(|&n: &usize| n < entries.len());
+        let Some(index) = by_name.or_else(by_number) else {
+            return Err(self.no_such_entry(word, &names));
+        };
+        self.place.0.push(Step::Index(index));
+        Ok((index, rest))
+    }
+
+    fn no_such_entry(&self, word: &str, names: &[String]) -> Error {
+        let what = format!("there is no {} {}", self.place, quoted(word));
+        let known: Vec<String> = names.iter().take(12).map(|name| quoted(name)).collect();
+        let meant = nearest(word, names.iter().map(String::as_str));
+        let meant = meant.map(|name| format!("did you mean {}? ", quoted(name)));
+        let (meant, known) = (meant.unwrap_or_default(), known.join(", "));
+        let help = format!("{meant}there are: {known} (or a number, from 0)");
+        refuse(self.flag, what, help)
+    }
+}
+
+/// The name that an object or source has in the file, and the one that it has otherwise.
+fn entry_names(table: &dyn TableLike) -> (Option<String>, String) {
+    let text = |key: &str| table.get(key).and_then(Item::as_str);
+    let first_key = |item: &Item| {
+        let (key, _) = item.as_table_like()?.iter().next()?;
+        Some(key.to_string())
+    };
+    let shape = table.get("shape").and_then(first_key);
+    let cube = table.get("cube").and_then(Item::as_table_like);
+    let default = if table.contains_key("cube") || table.contains_key("pulse") {
+        names::source(cube.and_then(|cube| cube.get("file")?.as_str()))
+    } else {
+        names::object(text("gltf"), text("node"), shape.as_deref())
+    };
+    (text("name").map(str::to_string), default)
+}
+
+/// A new table: under a header of its own at the root, inline further down.
+fn empty_table(at_root: bool) -> Item {
+    if at_root {
+        Item::Table(Table::new())
+    } else {
+        Item::Value(Value::InlineTable(InlineTable::new()))
+    }
+}
+
+/// Sets a key; a value that it replaces leaves its place on the line, and the comment after it.
+fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    if let Some(Item::Value(old)) = table.get(key) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(value));
+}

@@ -1,0 +1,202 @@
+//! Refusals: what is wrong, labelled in the text, named by its key, with what would be right.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use miette::LabeledSpan;
+use serde_json::Value;
+
+use super::file;
+use super::overrides::Edit;
+use super::place::{Place, Step, place_of};
+use super::schema;
+use super::suggest::nearest;
+use crate::error::{Error, Problem, Result};
+
+/// The text of a scene, and who said what in it.
+pub(super) struct Report {
+    /// The scene's name.
+    pub name: String,
+    /// The text, after edits.
+    pub text: Arc<str>,
+    /// What the command line changed in it.
+    pub edits: Vec<Edit>,
+}
+
+impl Report {
+    /// Parses the text into the file's structure.
+    pub fn read(&self) -> Result<file::Scene> {
+        toml::from_str(&self.text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            let place = place_of(&self.text, &span);
+            if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
+                return self.not_toml(span, error.message());
+            }
+            let (what, help) = explain(error.message(), &place);
+            self.refuse_at(&place, &span, what, help)
+        })
+    }
+
+    /// The refusal of what stands at `span`.
+    pub fn refuse(
+        &self,
+        span: &Range<usize>,
+        what: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Error {
+        self.refuse_at(&place_of(&self.text, span), span, what, help)
+    }
+
+    /// The refusal of what stands at `span`, which disagrees with what stands at `other`.
+    pub fn refuse_two(
+        &self,
+        span: &Range<usize>,
+        (other, label): (&Range<usize>, &str),
+        what: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Error {
+        let mut error = self.refuse(span, what, help);
+        let edit = self.edit_within(&place_of(&self.text, other));
+        if let Error::Invalid(problem) = &mut error
+            && let Some((_, labels)) = &mut problem.source
+        {
+            let label = Some(label.to_string());
+            labels.push(LabeledSpan::new_with_span(label, other.clone()));
+            cite(&mut problem.help, edit);
+        }
+        error
+    }
+
+    fn refuse_at(
+        &self,
+        place: &Place,
+        span: &Range<usize>,
+        what: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Error {
+        let mut help = help.into();
+        cite(&mut help, self.edit_within(place));
+        Problem::new(&self.name, place.to_string(), what, help)
+            .labelled(self.text.clone(), span.clone(), "here")
+            .invalid()
+    }
+
+    /// The edit that said what stands at `place`.
+    fn edit_within(&self, place: &Place) -> Option<&Edit> {
+        self.edits.iter().find(|edit| place.is_within(&edit.place))
+    }
+
+    fn not_toml(&self, span: Range<usize>, message: &str) -> Error {
+        let span = self.visible(span);
+        let before = self.text.get(..span.start).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        let what = format!("not TOML: {}", printable(message));
+        let help =
+            "a scene is a TOML file: `key = value` lines under [table] headers, texts in quotes";
+        Problem::new(&self.name, format!("line {line}"), what, help)
+            .labelled(self.text.clone(), span, "here")
+            .invalid()
+    }
+
+    /// The span, or the last character of the text where the span lies behind that.
+    fn visible(&self, span: Range<usize>) -> Range<usize> {
+        let text = self.text.trim_end();
+        match text.char_indices().next_back() {
+            Some((last, _)) if span.start >= text.len() => last..text.len(),
+            _ => span,
+        }
+    }
+}
+
+/// Names the command line's flag in the help, once.
+fn cite(help: &mut String, edit: Option<&Edit>) {
+    let Some(edit) = edit else { return };
+    let cited = format!("(`{}` on the command line says so.)", edit.flag);
+    if !help.contains(&cited) {
+        let space = if help.is_empty() { "" } else { " " };
+        help.push_str(&format!("{space}{cited}"));
+    }
+}
+
+/// What a message of serde means at `place`, and what would be right.
+fn explain(message: &str, place: &Place) -> (String, String) {
+    let schema = schema::schema();
+    let described = |place: &[Step]| {
+        let node = schema::at(&schema, place)?;
+        Some(format!(
+            "`{}`: {}",
+            last_key(place)?,
+            schema::description(node)?
+        ))
+    };
+    if message.starts_with("unknown field") {
+        return unknown_key(&schema, place);
+    }
+    if let Some(key) = ticked(message, "missing field ") {
+        let mut missing = place.0.clone();
+        missing.push(Step::Key(key.to_string()));
+        let what = format!("the key `{key}` is missing");
+        return (what, described(&missing).unwrap_or_default());
+    }
+    if let Some(word) = ticked(message, "unknown variant ") {
+        let known = message
+            .split_once("expected")
+            .map_or("", |(_, known)| known);
+        let words: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
+        let what = format!("{} is not one of {}", printable(word), words.join(", "));
+        let meant = nearest(word, words.iter().copied());
+        let meant = meant.map(|word| format!("did you mean \"{word}\"? "));
+        let help = meant.unwrap_or_default() + &described(&place.0).unwrap_or_default();
+        return (what, help);
+    }
+    let help = (0..place.0.len())
+        .rev()
+        .find_map(|n| described(place.0.get(..=n)?));
+    (printable(message), help.unwrap_or_default())
+}
+
+fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
+    let parent = Place(place.parent().to_vec());
+    let node = schema::at(schema, &parent.0);
+    let keys = node.map_or_else(Vec::new, |node| schema::keys(schema, node));
+    let key = last_key(&place.0).unwrap_or_default();
+    let meant = nearest(key, keys.iter().copied());
+    let meant = meant.map(|key| format!("did you mean `{key}`? "));
+    let what = format!("unknown key `{}`", printable(key));
+    let (table, keys) = (parent.to_string(), keys.join(", "));
+    let table = if table.is_empty() {
+        "a scene".into()
+    } else {
+        format!("`{table}`")
+    };
+    (
+        what,
+        format!(
+            "{}the keys of {table} are: {keys}",
+            meant.unwrap_or_default()
+        ),
+    )
+}
+
+fn last_key(place: &[Step]) -> Option<&str> {
+    match place.last()? {
+        Step::Key(key) => Some(key),
+        Step::Index(_) => None,
+    }
+}
+
+/// The name in backticks after `prefix`.
+fn ticked<'m>(message: &'m str, prefix: &str) -> Option<&'m str> {
+    let rest = message.strip_prefix(prefix)?.strip_prefix('`')?;
+    rest.split_once('`').map(|(name, _)| name)
+}
+
+/// A message without control characters, of bounded length.
+fn printable(message: &str) -> String {
+    let mut short: String = message.chars().take(300).collect();
+    if short.len() < message.len() {
+        short.push('…');
+    }
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    short.chars().map(plain).collect()
+}

@@ -1,0 +1,192 @@
+//! Which surfaces a source is bound to. A surface takes its radiance from one source at most.
+
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+use super::context::Context;
+use super::source::span;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{Binding, Object};
+use crate::scene::suggest::nearest;
+use crate::units::quoted;
+
+/// Surfaces (objects × materials) that sources may name one by one, in total.
+const MOST_SURFACES: usize = 1 << 20;
+
+/// The surfaces that sources have been bound to so far.
+pub(super) struct Bindings<'a> {
+    cx: &'a Context<'a>,
+    objects: &'a [Object],
+    index: HashMap<&'a str, usize>,
+    /// By object: all its surfaces, or some.
+    whole: HashMap<usize, Range<usize>>,
+    partly: HashMap<usize, Range<usize>>,
+    /// By object and material.
+    surfaces: HashMap<(usize, &'a str), Range<usize>>,
+}
+
+impl<'a> Bindings<'a> {
+    pub fn new(cx: &'a Context<'a>, objects: &'a [Object]) -> Self {
+        let named = objects.iter().enumerate();
+        Bindings {
+            cx,
+            objects,
+            index: named.map(|(i, object)| (object.name.as_str(), i)).collect(),
+            whole: HashMap::new(),
+            partly: HashMap::new(),
+            surfaces: HashMap::new(),
+        }
+    }
+
+    /// The binding of a source; refused where it names what is not there, or meets another source.
+    pub fn bind(&mut self, at: &'a At<file::Source>) -> Result<Binding> {
+        let objects = self.objects_of(at)?;
+        let materials = self.materials_of(at)?;
+        let all = objects.is_none() && materials.is_empty();
+        let bound = objects.unwrap_or_else(|| (0..self.objects.len()).collect());
+        self.refuse_two_frames(at, &bound)?;
+        self.claim(at, &bound, &materials)?;
+        Ok(match all {
+            true => Binding::All,
+            false => Binding::Only {
+                objects: bound,
+                materials: materials.into_iter().map(str::to_string).collect(),
+            },
+        })
+    }
+
+    /// The named objects, ascending; none for all.
+    fn objects_of(&self, at: &At<file::Source>) -> Result<Option<Vec<usize>>> {
+        let Some(names) = &at.value.objects else {
+            return Ok(None);
+        };
+        self.refuse_empty_or_repeated(names, "object")?;
+        let find = |name: &At<String>| {
+            let index = self.index.get(name.value.as_str()).copied();
+            index.ok_or_else(|| self.unknown_object(name))
+        };
+        let mut indices: Vec<usize> = names.value.iter().map(find).collect::<Result<_>>()?;
+        indices.sort_unstable();
+        Ok(Some(indices))
+    }
+
+    fn unknown_object(&self, name: &At<String>) -> crate::Error {
+        let names = self.objects.iter().map(|object| object.name.as_str());
+        let meant = nearest(&name.value, names.clone());
+        let meant = meant.map(|name| format!("did you mean {}? ", quoted(name)));
+        let known: Vec<String> = names.take(12).map(quoted).collect();
+        let what = format!("no object is called {}", quoted(&name.value));
+        let (meant, known) = (meant.unwrap_or_default(), known.join(", "));
+        self.cx
+            .refuse(name, what, format!("{meant}the objects are: {known}"))
+    }
+
+    /// The named materials; empty for all. Whether the files have them is known once those are read.
+    fn materials_of(&self, at: &'a At<file::Source>) -> Result<Vec<&'a str>> {
+        let Some(names) = &at.value.materials else {
+            return Ok(Vec::new());
+        };
+        self.refuse_empty_or_repeated(names, "material")?;
+        Ok(names.value.iter().map(|name| name.value.as_str()).collect())
+    }
+
+    fn refuse_empty_or_repeated(&self, names: &At<Vec<At<String>>>, thing: &str) -> Result<()> {
+        if names.value.is_empty() {
+            let what = format!("the list of {thing}s is empty: this source would light nothing");
+            let help = format!("name {thing}s, or leave the key out for all");
+            return Err(self.cx.refuse(names, what, help));
+        }
+        let mut seen = HashSet::new();
+        match names.value.iter().find(|name| !seen.insert(&name.value)) {
+            None => Ok(()),
+            Some(twice) => {
+                let what = format!("{} is named twice", quoted(&twice.value));
+                Err(self
+                    .cx
+                    .refuse(twice, what, format!("name each {thing} once")))
+            }
+        }
+    }
+
+    /// A capture camera rests in the frame of what it captured, in whose coordinates it is placed.
+    fn refuse_two_frames(&self, at: &At<file::Source>, bound: &[usize]) -> Result<()> {
+        let cube = at.value.cube.as_ref();
+        let capture = cube.and_then(|cube| cube.value.capture.as_ref());
+        let mut objects = bound.iter().filter_map(|&i| self.objects.get(i));
+        let (Some(capture), Some(first)) = (capture, objects.next()) else {
+            return Ok(());
+        };
+        let same_frame = |object: &&Object| {
+            let at_rest = object.velocity.is_rest() && first.velocity.is_rest();
+            at_rest || (object.velocity == first.velocity && object.origin == first.origin)
+        };
+        let Some(other) = objects.find(|object| !same_frame(object)) else {
+            return Ok(());
+        };
+        let (a, b) = (quoted(&first.name), quoted(&other.name));
+        let what = format!(
+            "one capture camera cannot be at rest in the frames of both {a} and {b}, which differ in \
+             velocity or origin"
+        );
+        let help = "give the source `objects` that share one frame, and each frame its own source";
+        Err(self.cx.refuse(capture, what, help))
+    }
+
+    /// Takes the surfaces for this source.
+    fn claim(
+        &mut self,
+        at: &At<file::Source>,
+        bound: &[usize],
+        materials: &[&'a str],
+    ) -> Result<()> {
+        let here = span(at);
+        for &object in bound {
+            let taken = match materials.is_empty() {
+                true => self.claim_whole(object, &here),
+                false => self.claim_materials(object, materials, &here),
+            };
+            if let Some(other) = taken {
+                return Err(self.taken(&here, &other, object));
+            }
+            if self.surfaces.len() > MOST_SURFACES {
+                let what = "the sources name too many surfaces (objects × materials)";
+                let help = format!("name at most {MOST_SURFACES} in all");
+                return Err(self.cx.report.refuse(&here, what, help));
+            }
+        }
+        Ok(())
+    }
+
+    /// The source that has some of the object already, if any.
+    fn claim_whole(&mut self, object: usize, here: &Range<usize>) -> Option<Range<usize>> {
+        let partly = self.partly.get(&object).cloned();
+        self.whole.insert(object, here.clone()).or(partly)
+    }
+
+    fn claim_materials(
+        &mut self,
+        object: usize,
+        materials: &[&'a str],
+        here: &Range<usize>,
+    ) -> Option<Range<usize>> {
+        self.partly.insert(object, here.clone());
+        let whole = self.whole.get(&object).cloned();
+        let claimed = materials.iter().take(MOST_SURFACES + 1);
+        let mut earlier = claimed.map(|name| self.surfaces.insert((object, name), here.clone()));
+        whole.or_else(|| earlier.find_map(|taken| taken))
+    }
+
+    fn taken(&self, here: &Range<usize>, other: &Range<usize>, object: usize) -> crate::Error {
+        let name = self.objects.get(object).map_or("", |object| &object.name);
+        let what = format!(
+            "two sources are bound to the same surface of {}",
+            quoted(name)
+        );
+        let help = "a surface takes its radiance from one source: tell them apart by `objects` or \
+                    `materials`";
+        let other = (other, "the other source");
+        self.cx.report.refuse_two(here, other, what, help)
+    }
+}

@@ -1,0 +1,49 @@
+//! From the file's structure to the model: units, names, alternatives, ranges. Nothing is loaded; of
+//! files it is only asked that they are there (a glTF camera excepted, which is read for its pose).
+
+mod binding;
+mod camera;
+mod context;
+mod gltf_camera;
+mod object;
+mod pose;
+mod radiance;
+mod settings;
+mod shape;
+mod source;
+mod transform;
+mod velocity;
+
+use std::path::Path;
+
+use super::file;
+use super::model::Scene;
+use super::report::Report;
+use crate::error::Result;
+use context::Context;
+
+/// The scene that `file`, read from the report's text, means; relative paths resolve against `base`.
+pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<Scene> {
+    let cx = Context::new(report, base, &file.speed_of_light)?;
+    let medium_index = settings::medium_index(&cx, &file.medium)?;
+    let camera = camera::resolve(&cx, &file.camera)?;
+    let objects = object::resolve_all(&cx, &file.object, &file.camera.span)?;
+    let quantity = radiance::resolve(&cx, &file.radiance)?;
+    let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
+    Ok(Scene {
+        speed_of_light: cx.speed_of_light,
+        medium_index,
+        camera,
+        objects,
+        sources,
+        quantity,
+        effects: settings::effects(&file.effects),
+        outside: settings::outside(&file.outside),
+        back_faces: settings::back_faces(file.display.value.back_faces),
+        background: cx.colour(&file.display.value.background)?,
+        exposure: settings::exposure(&cx, &file.display)?,
+        samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
+        text: cx.report.text.to_string(),
+        name: cx.report.name,
+    })
+}

@@ -1,0 +1,115 @@
+//! Objects and their names.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use super::context::Context;
+use super::{shape, transform, velocity};
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{Geometry, Object};
+use crate::scene::names;
+use crate::spacetime::Event;
+use crate::units::quoted;
+
+/// All objects; `camera` is where a scene without any is pointed at.
+pub(super) fn resolve_all(
+    cx: &Context,
+    objects: &[At<file::Object>],
+    camera: &Range<usize>,
+) -> Result<Vec<Object>> {
+    if objects.is_empty() {
+        let what = "the scene has no object: there is nothing for this camera to see";
+        let help =
+            "add [[object]] with gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }";
+        return Err(cx.report.refuse(camera, what, help));
+    }
+    refuse_duplicates(
+        cx,
+        objects.iter().filter_map(|at| at.value.name.as_ref()),
+        "object",
+    )?;
+    let names = names::unique(objects.iter().map(|at| entry_names(&at.value)).collect());
+    let named = objects.iter().zip(names);
+    named.map(|(at, name)| resolve(cx, at, name)).collect()
+}
+
+/// Refuses a name that two objects, or two sources, have.
+pub(super) fn refuse_duplicates<'a>(
+    cx: &Context,
+    names: impl Iterator<Item = &'a At<String>>,
+    thing: &str,
+) -> Result<()> {
+    let mut seen: HashMap<&str, &At<String>> = HashMap::new();
+    for name in names {
+        cx.text(name, "the name")?;
+        if let Some(first) = seen.insert(&name.value, name) {
+            let what = format!("two {thing}s are called {}", quoted(&name.value));
+            let help = format!("give each {thing} a name of its own");
+            let other = (&first.span, "first here");
+            return Err(cx.report.refuse_two(&name.span, other, what, help));
+        }
+    }
+    Ok(())
+}
+
+fn entry_names(object: &file::Object) -> (Option<String>, String) {
+    let text = |at: &'_ Option<At<String>>| at.as_ref().map(|at| at.value.clone());
+    let (gltf, node) = (text(&object.gltf), text(&object.node));
+    let shape = object
+        .shape
+        .as_ref()
+        .and_then(|shape| shape::kind(&shape.value));
+    let default = names::object(gltf.as_deref(), node.as_deref(), shape);
+    (text(&object.name), default)
+}
+
+fn resolve(cx: &Context, at: &At<file::Object>, name: String) -> Result<Object> {
+    let object = &at.value;
+    let origin = &object.origin;
+    Ok(Object {
+        name,
+        geometry: geometry(cx, at)?,
+        transform: transform::resolve(cx, &object.transform)?,
+        velocity: velocity::resolve(cx, &object.velocity)?,
+        origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
+        span: span(at),
+    })
+}
+
+/// What messages point at: the name, or what stands in for it.
+fn span(at: &At<file::Object>) -> Range<usize> {
+    let object = &at.value;
+    let name = object.name.as_ref().or(object.gltf.as_ref());
+    let shape = || object.shape.as_ref().map(|shape| shape.span.clone());
+    let span = name.map(|name| name.span.clone()).or_else(shape);
+    span.unwrap_or_else(|| at.span.clone())
+}
+
+fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
+    let object = &at.value;
+    cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;
+    if let Some(gltf) = &object.gltf {
+        cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
+        return Ok(Geometry::Gltf {
+            path: cx.path(gltf, ["glb", "gltf"])?,
+            node: cx.optional_text(&object.node, "the node's name")?,
+        });
+    }
+    cx.exclusive((&object.shape, "shape"), (&object.node, "node"))?;
+    let Some(shape) = &object.shape else {
+        let help = "add gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }";
+        return Err(cx.refuse(at, "this object has no geometry", help));
+    };
+    Ok(Geometry::Shape {
+        shape: shape::resolve(cx, shape)?,
+        colour: colour(cx, object)?,
+    })
+}
+
+fn colour(cx: &Context, object: &file::Object) -> Result<[f32; 3]> {
+    let colour = object.colour.as_ref();
+    let colour = colour.map_or(Ok(file::Object::COLOUR.0), |colour| cx.colour(colour))?;
+    Ok(colour.map(|c| c as f32))
+}

@@ -1,0 +1,44 @@
+//! What a radiance measures.
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file::{self, Radiance};
+use crate::spacetime::Quantity;
+
+pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
+    let Radiance {
+        quantity,
+        wavelength,
+    } = &radiance.value;
+    if quantity.value == file::Quantity::Line {
+        return line(cx, radiance);
+    }
+    if let Some(wavelength) = wavelength {
+        let what = "only the radiance of a spectral line has one wavelength";
+        let help = "leave `wavelength` out, or say quantity = \"line\"";
+        return Err(cx.refuse(wavelength, what, help));
+    }
+    Ok(match quantity.value {
+        file::Quantity::Integrated | file::Quantity::Line => Quantity::Integrated,
+        file::Quantity::PerWavelength => Quantity::PerWavelength,
+        file::Quantity::PerFrequency => Quantity::PerFrequency,
+        file::Quantity::Photons => Quantity::Photons,
+        file::Quantity::PhotonsPerWavelength => Quantity::PhotonsPerWavelength,
+        file::Quantity::PhotonsPerFrequency => Quantity::PhotonsPerFrequency,
+    })
+}
+
+fn line(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
+    let quantity = &radiance.value.quantity;
+    let Some(at) = &radiance.value.wavelength else {
+        let help = "add its wavelength in the emitter's rest frame, like wavelength = \"532 nm\"";
+        return Err(cx.refuse(quantity, "a spectral line needs its wavelength", help));
+    };
+    let wavelength = at.value.metres();
+    if wavelength <= 0.0 {
+        let what = format!("a wavelength of {} is not above 0", at.value);
+        return Err(cx.refuse(at, what, "a wavelength is above 0, like \"532 nm\""));
+    }
+    Ok(Quantity::Line { wavelength })
+}

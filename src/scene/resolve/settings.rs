@@ -1,0 +1,108 @@
+//! Medium, effects, outside data, display.
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{BackFaces, Effects, Exposure, Fill, Outside};
+
+/// What `exposure` is unless the file says otherwise, per cent.
+const PERCENTILE: f64 = 99.0;
+const MOST_SAMPLES: u32 = 65536;
+
+pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
+    let index = medium.index.value.0;
+    if index >= 1.0 {
+        return Ok(index);
+    }
+    let what = format!("a refractive index of {index} is below 1, that of vacuum");
+    Err(cx.refuse(
+        &medium.index,
+        what,
+        "give 1 (vacuum) or more, like 1.33 for water",
+    ))
+}
+
+pub(super) fn effects(effects: &file::Effects) -> Effects {
+    Effects {
+        aberration: effects.aberration,
+        doppler: effects.doppler,
+        searchlight: effects.searchlight,
+        retardation: effects.retardation,
+    }
+}
+
+pub(super) fn outside(outside: &file::Outside) -> Outside {
+    let table = match outside {
+        file::Outside::All(one) => return all(fill(*one)),
+        file::Outside::ByCase(table) => table,
+    };
+    let otherwise = all(table.mark.map_or(Fill::Black, |mark| Fill::Mark(mark.0)));
+    Outside {
+        before: table.before.map_or(otherwise.before, fill),
+        after: table.after.map_or(otherwise.after, fill),
+        off_texture: table.off_texture.map_or(otherwise.off_texture, fill),
+        occluded: table.occluded.map_or(otherwise.occluded, fill),
+    }
+}
+
+fn all(fill: Fill) -> Outside {
+    Outside {
+        before: fill,
+        after: fill,
+        off_texture: fill,
+        occluded: fill,
+    }
+}
+
+fn fill(fill: file::Fill) -> Fill {
+    match fill {
+        file::Fill::Black => Fill::Black,
+        file::Fill::Hold => Fill::Hold,
+        file::Fill::Mark(colour) => Fill::Mark(colour.0),
+    }
+}
+
+pub(super) fn back_faces(back_faces: file::BackFaces) -> BackFaces {
+    match back_faces {
+        file::BackFaces::AsFile => BackFaces::AsFile,
+        file::BackFaces::TwoSided => BackFaces::TwoSided,
+        file::BackFaces::Black => BackFaces::Black,
+        file::BackFaces::Culled => BackFaces::Culled,
+    }
+}
+
+pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure> {
+    let file::Display {
+        exposure, white, ..
+    } = &at.value;
+    cx.exclusive((exposure, "exposure"), (white, "white"))?;
+    if let Some(white) = white {
+        return Ok(Exposure::White(cx.positive(white, "`white`")?));
+    }
+    let Some(percentile) = exposure else {
+        return Ok(Exposure::Percentile(PERCENTILE));
+    };
+    let percent = percentile.value.percent();
+    if percent > 0.0 && percent <= 100.0 {
+        return Ok(Exposure::Percentile(percent));
+    }
+    let what = format!(
+        "a percentile of {} is not above 0 and at most 100 %",
+        percentile.value
+    );
+    Err(cx.refuse(
+        percentile,
+        what,
+        "give a percentile like \"99 %\", or white = 1.0",
+    ))
+}
+
+pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {
+    let samples = &at.value.samples_per_pixel;
+    if (1..=MOST_SAMPLES).contains(&samples.value) {
+        return Ok(samples.value);
+    }
+    let what = format!("{} samples per pixel cannot be taken", samples.value);
+    Err(cx.refuse(samples, what, format!("give 1 to {MOST_SAMPLES}, like 16")))
+}

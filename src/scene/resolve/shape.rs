@@ -1,0 +1,103 @@
+//! Built-in shapes.
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::Shape;
+
+const HELP: &str = "give exactly one shape: { box = { size = [1, 1, 1] } }, { sphere = { radius = 1 } }, \
+                    { plane = { size = [1, 1] } } or \
+                    { lattice = { cells = [4, 4, 4], spacing = 1, bar = 0.1 } }";
+
+pub(super) fn resolve(cx: &Context, at: &At<file::Shape>) -> Result<Shape> {
+    match &at.value {
+        file::Shape {
+            cuboid: Some(cuboid),
+            sphere: None,
+            plane: None,
+            lattice: None,
+        } => cuboid_shape(cx, &cuboid.value),
+        file::Shape {
+            cuboid: None,
+            sphere: Some(sphere),
+            plane: None,
+            lattice: None,
+        } => sphere_shape(cx, &sphere.value),
+        file::Shape {
+            cuboid: None,
+            sphere: None,
+            plane: Some(plane),
+            lattice: None,
+        } => plane_shape(cx, &plane.value),
+        file::Shape {
+            cuboid: None,
+            sphere: None,
+            plane: None,
+            lattice: Some(lattice),
+        } => lattice_shape(cx, &lattice.value),
+        shape => {
+            let what = match kind(shape) {
+                Some(_) => "this says more than one shape",
+                None => "this says no shape",
+            };
+            Err(cx.refuse(at, what, HELP))
+        }
+    }
+}
+
+/// The key of the (first) shape.
+pub(super) fn kind(shape: &file::Shape) -> Option<&'static str> {
+    let kinds = [
+        (shape.cuboid.is_some(), "box"),
+        (shape.sphere.is_some(), "sphere"),
+        (shape.plane.is_some(), "plane"),
+        (shape.lattice.is_some(), "lattice"),
+    ];
+    kinds.iter().find(|(said, _)| *said).map(|(_, kind)| *kind)
+}
+
+fn cuboid_shape(cx: &Context, cuboid: &file::BoxShape) -> Result<Shape> {
+    let size = cuboid.size.value.0;
+    cx.all_positive(&cuboid.size, &size, "an edge")?;
+    Ok(Shape::Box { size })
+}
+
+fn sphere_shape(cx: &Context, sphere: &file::Sphere) -> Result<Shape> {
+    let subdivisions = sphere.subdivisions.value;
+    if subdivisions > 8 {
+        let what = format!("{subdivisions} subdivisions would be 20·4^{subdivisions} triangles");
+        return Err(cx.refuse(&sphere.subdivisions, what, "give 0 to 8"));
+    }
+    Ok(Shape::Sphere {
+        radius: cx.positive(&sphere.radius, "`radius`")?,
+        subdivisions,
+    })
+}
+
+fn plane_shape(cx: &Context, plane: &file::Plane) -> Result<Shape> {
+    let size = plane.size.value.0;
+    cx.all_positive(&plane.size, &size, "an edge")?;
+    Ok(Shape::Plane { size })
+}
+
+fn lattice_shape(cx: &Context, lattice: &file::Lattice) -> Result<Shape> {
+    let cells = lattice.cells.value;
+    if !cells.iter().all(|n| (1..=64).contains(n)) {
+        let what = "a lattice has 1 to 64 cells along each axis";
+        return Err(cx.refuse(&lattice.cells, what, "give numbers like [4, 4, 4]"));
+    }
+    let spacing = cx.positive(&lattice.spacing, "`spacing`")?;
+    let bar = cx.positive(&lattice.bar, "`bar`")?;
+    if bar >= spacing {
+        let what = format!("a bar of {bar} m fills the whole cell of {spacing} m");
+        let help = "`bar` is the thickness of the wires, below `spacing`";
+        let other = (&lattice.spacing.span, "the cell");
+        return Err(cx.report.refuse_two(&lattice.bar.span, other, what, help));
+    }
+    Ok(Shape::Lattice {
+        cells,
+        spacing,
+        bar,
+    })
+}

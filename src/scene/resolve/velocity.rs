@@ -1,0 +1,135 @@
+//! The ways to say a velocity.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::context::Context;
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::values::NumberOrVector::{Number, Vector};
+use crate::spacetime::{Velocity, VelocityError};
+
+const HELP: &str = "say it in one way: { beta = [0.9, 0, 0] }, { beta = 0.9, direction = [1, 0, 0] }, \
+                    { gamma = 7, direction = … }, { rapidity = [2, 0, 0] }, { rapidity = 2, direction = … } \
+                    or { one_minus_beta = 1e-9, direction = … }";
+
+/// The velocity that the file says; at rest where it says none.
+pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Result<Velocity> {
+    let Some(velocity) = velocity else {
+        return Ok(Velocity::REST);
+    };
+    only_one_way(cx, velocity)?;
+    let said = Said { cx, velocity };
+    let v = &velocity.value;
+    if let Some(beta) = &v.beta {
+        return match beta.value {
+            Vector(vector) => said.vector(beta, vector, Velocity::from_beta),
+            Number(beta_number) => said.along(beta, beta_number, from_signed_beta),
+        };
+    }
+    if let Some(rapidity) = &v.rapidity {
+        return match rapidity.value {
+            Vector(vector) => said.vector(rapidity, vector, Velocity::from_rapidity),
+            Number(magnitude) => said.along(rapidity, magnitude, |w, d| Velocity::along(d, w)),
+        };
+    }
+    if let Some(gamma) = &v.gamma {
+        return said.along(gamma, gamma.value.0, Velocity::from_gamma);
+    }
+    if let Some(q) = &v.one_minus_beta {
+        return said.along(q, q.value.0, Velocity::from_one_minus_beta);
+    }
+    Err(cx.refuse(velocity, "this says no velocity", HELP))
+}
+
+/// Refuses all but one of `beta`, `gamma`, `rapidity`, `one_minus_beta`.
+fn only_one_way(cx: &Context, velocity: &At<file::Velocity>) -> Result<()> {
+    let v = &velocity.value;
+    let ways: [(&str, Option<&Range<usize>>); 4] = [
+        ("beta", v.beta.as_ref().map(|at| &at.span)),
+        ("gamma", v.gamma.as_ref().map(|at| &at.span)),
+        ("rapidity", v.rapidity.as_ref().map(|at| &at.span)),
+        (
+            "one_minus_beta",
+            v.one_minus_beta.as_ref().map(|at| &at.span),
+        ),
+    ];
+    let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
+    let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
+        return Ok(());
+    };
+    let what = format!("the velocity is said twice, as `{first}` and as `{second}`");
+    Err(cx.report.refuse_two(there, (here, "and here"), what, HELP))
+}
+
+/// β along a direction; a negative one is against it.
+fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityError> {
+    if beta.abs() >= 1.0 {
+        return Err(VelocityError::NotSlowerThanLight(beta.abs()));
+    }
+    Velocity::along(direction, libm::atanh(beta))
+}
+
+/// A velocity's table while it is read.
+struct Said<'a> {
+    cx: &'a Context<'a>,
+    velocity: &'a At<file::Velocity>,
+}
+
+impl Said<'_> {
+    /// A vector, which needs no direction.
+    fn vector<T>(
+        &self,
+        at: &At<T>,
+        vector: [f64; 3],
+        velocity: fn(DVec3) -> Result<Velocity, VelocityError>,
+    ) -> Result<Velocity> {
+        if let Some(direction) = &self.velocity.value.direction {
+            let what = "a vector has its own direction";
+            let help = "leave `direction` out, or give a number with it";
+            let other = (&at.span, "this vector");
+            return Err(self
+                .cx
+                .report
+                .refuse_two(&direction.span, other, what, help));
+        }
+        velocity(DVec3::from_array(vector)).map_err(|error| self.refuse(at, error))
+    }
+
+    /// A number along the table's direction.
+    fn along<T>(
+        &self,
+        at: &At<T>,
+        number: f64,
+        velocity: fn(f64, DVec3) -> Result<Velocity, VelocityError>,
+    ) -> Result<Velocity> {
+        let direction = self.velocity.value.direction.as_ref();
+        let vector = direction.map_or(DVec3::ZERO, |direction| direction.value.vec());
+        velocity(number, vector).map_err(|error| match (error, direction) {
+            (VelocityError::NoDirection, Some(direction)) => self.refuse(direction, error),
+            (VelocityError::NoDirection, None) => {
+                let what = "a number alone has no direction of motion";
+                self.cx
+                    .refuse(at, what, "add direction = [1, 0, 0], or the like")
+            }
+            _ => self.refuse(at, error),
+        })
+    }
+
+    fn refuse<T>(&self, at: &At<T>, error: VelocityError) -> Error {
+        let help = match error {
+            VelocityError::NotSlowerThanLight(_) => {
+                "|β| is below 1; for speeds so near 1 that β rounds to it, give one_minus_beta, gamma \
+                 or rapidity"
+            }
+            VelocityError::GammaBelowOne(_) => "γ = 1/√(1 − β²) is at least 1",
+            VelocityError::OneMinusBeta(_) => "1 − β is above 0 and at most 1, which is rest",
+            VelocityError::NoDirection => "any direction of length above 0 will do",
+            VelocityError::TooFast(_) => "give a smaller rapidity",
+            VelocityError::NotFinite => "give finite numbers",
+        };
+        self.cx.refuse(at, error.to_string(), help)
+    }
+}

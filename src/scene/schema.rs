@@ -1,0 +1,105 @@
+//! The JSON schema of a scene file, made from the types that parse it, and questions to it.
+
+use serde_json::{Map, Value};
+
+use super::file;
+use super::place::Step;
+
+/// The JSON schema (draft 2020-12) of a scene file, for editors: descriptions, defaults, and what is
+/// refused.
+pub fn schema() -> Value {
+    let mut schema = schemars::schema_for!(file::Scene).to_value();
+    tidy(&mut schema);
+    schema
+}
+
+/// Takes out `null`, which TOML does not have, and the repeated defaults of whole tables.
+fn tidy(value: &mut Value) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(tidy),
+        Value::Object(map) => {
+            map.retain(|key, value| key != "default" || !(value.is_null() || value.is_object()));
+            tidy_type(map);
+            tidy_alternatives(map);
+            map.values_mut().for_each(tidy);
+        }
+        _ => {}
+    }
+}
+
+fn tidy_type(map: &mut Map<String, Value>) {
+    let Some(Value::Array(types)) = map.get_mut("type") else {
+        return;
+    };
+    types.retain(|name| name != "null");
+    if let [only] = types.as_slice() {
+        let only = only.clone();
+        map.insert("type".into(), only);
+    }
+}
+
+fn tidy_alternatives(map: &mut Map<String, Value>) {
+    let Some(Value::Array(alternatives)) = map.get_mut("anyOf") else {
+        return;
+    };
+    alternatives.retain(|schema| schema.get("type") != Some(&Value::from("null")));
+    if let [Value::Object(only)] = alternatives.as_slice() {
+        let only = only.clone();
+        map.remove("anyOf");
+        for (key, value) in only {
+            map.entry(key).or_insert(value);
+        }
+    }
+}
+
+/// The part of `schema` that describes `place`.
+pub(super) fn at<'s>(schema: &'s Value, place: &[Step]) -> Option<&'s Value> {
+    place.iter().try_fold(schema, |node, step| {
+        alternatives(schema, node)
+            .into_iter()
+            .find_map(|node| match step {
+                Step::Key(key) => node.get("properties")?.get(key),
+                Step::Index(_) => node.get("items"),
+            })
+    })
+}
+
+/// The keys of the table that `node` describes.
+pub(super) fn keys<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s str> {
+    let tables = alternatives(schema, node).into_iter();
+    let properties = tables.filter_map(|node| node.get("properties")?.as_object());
+    properties
+        .flat_map(|map| map.keys().map(String::as_str))
+        .collect()
+}
+
+/// What `node` says about itself, on one line.
+pub(super) fn description(node: &Value) -> Option<String> {
+    let text = node.get("description")?.as_str()?;
+    Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+/// `node`, its definition where it refers to one, and its alternatives.
+fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
+    let definition = node
+        .get("$ref")
+        .and_then(Value::as_str)
+        .and_then(|reference| reference.strip_prefix('#'))
+        .and_then(|pointer| schema.pointer(pointer));
+    let mut found = vec![node];
+    found.extend(definition);
+    for key in ["anyOf", "oneOf"] {
+        let list = node.get(key).and_then(Value::as_array);
+        found.extend(list.into_iter().flatten());
+    }
+    let referred: Vec<&Value> = found
+        .iter()
+        .skip(1)
+        .filter_map(|node| {
+            let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
+            schema.pointer(pointer)
+        })
+        .collect();
+    found.extend(referred);
+    found
+}

@@ -79,27 +79,23 @@ pub(super) fn description(node: &Value) -> Option<String> {
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// `node`, its definition where it refers to one, and its alternatives.
+/// `node`, the definition that it refers to, and its alternatives, and theirs.
 fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
-    let definition = node
-        .get("$ref")
-        .and_then(Value::as_str)
-        .and_then(|reference| reference.strip_prefix('#'))
-        .and_then(|pointer| schema.pointer(pointer));
+    let definition = |node: &'s Value| {
+        let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
+        schema.pointer(pointer)
+    };
+    let listed = |node: &'s Value| {
+        let lists = ["anyOf", "oneOf"].map(|key| node.get(key).and_then(Value::as_array));
+        lists.into_iter().flatten().flatten()
+    };
     let mut found = vec![node];
-    found.extend(definition);
-    for key in ["anyOf", "oneOf"] {
-        let list = node.get(key).and_then(Value::as_array);
-        found.extend(list.into_iter().flatten());
+    let mut next = 0;
+    // The definitions do not refer to themselves, so that this ends.
+    while let Some(&node) = found.get(next) {
+        found.extend(definition(node));
+        found.extend(listed(node));
+        next += 1;
     }
-    let referred: Vec<&Value> = found
-        .iter()
-        .skip(1)
-        .filter_map(|node| {
-            let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
-            schema.pointer(pointer)
-        })
-        .collect();
-    found.extend(referred);
     found
 }

@@ -1,3 +1,95 @@
 //! The scene: from the text of a file to a typed model, with nothing loaded yet.
+//!
+//! ```text
+//! text ── overrides ──▶ text ── toml ──▶ file structure ── resolve ──▶ model::Scene
+//! ```
+//!
+//! # The format of a scene file
+//!
+//! TOML (UTF-8, at most 4 MiB). Unknown keys are refused. [`schema`] gives a JSON schema with every
+//! description and default, made from the types that parse the file.
+//!
+//! | table | what it says |
+//! |---|---|
+//! | `speed_of_light` | a key at the top: with what speed seconds become metres |
+//! | `[medium]` | refractive index of what light travels through |
+//! | `[camera]` | pose, field of view, image size, velocity, time of the shot (required) |
+//! | `[[object]]` | geometry from glTF or a shape, transform, velocity, origin event (at least one) |
+//! | `[[source]]` | time-resolved radiance of surfaces: a stored cube, or a pulse of light |
+//! | `[radiance]` | what radiance measures, from which the searchlight exponent follows |
+//! | `[effects]` | aberration, Doppler shift, searchlight effect, retardation: each on or off |
+//! | `[outside]` | what stands in for data that a cube does not have |
+//! | `[display]` | exposure, background, back faces, samples per pixel |
+//!
+//! ## Numbers and units
+//!
+//! - Positions, sizes and translations are plain numbers in metres; directions are of any length but 0.
+//!   All numbers are finite and at most 10³⁰ in magnitude.
+//! - Everything else that has a dimension is a text with its unit; a bare number is refused. Times:
+//!   `"0.6 m"`, `"3 mm"` (optical path length ct: m, cm, mm, um or µm, nm, km) or `"2 ps"` (s, ms, us or
+//!   µs, ns, ps, fs, as), the latter converted with the scene's speed of light. Angles: deg, rad.
+//!   Wavelengths: nm, um, mm, cm, m. Speeds: m/s, km/s, km/h. Percentages: %.
+//! - Colours are linear red, green, blue.
+//!
+//! ## Frames and clocks
+//!
+//! - The world is right-handed with +Y up; the medium and the scene's coordinates rest in it.
+//! - The *camera frame* has the world's axes, boosted without rotation. `look_at − eye` is the forward
+//!   axis **in the camera frame**; `eye` is the world position of the pinhole when the camera's clock
+//!   shows 0, which is at world time `clock_zero`. `time` is the camera's proper time of the shot. For
+//!   a camera at rest all this is what it seems; at 0.9 c the point `look_at` is in general not seen in
+//!   the middle of the picture.
+//! - An *object* is at rest in its own frame. `transform` takes the file's coordinates to the object's
+//!   (scale, then rotation, then translation, or one matrix by rows); `origin` is the world event at
+//!   which the object's own origin is when the object's clock shows 0. Lengths in the object's frame are
+//!   rest lengths: contraction is computed, never modelled.
+//! - A velocity is said in one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`. A vector has its own
+//!   direction, a number needs `direction`.
+//! - The pose of a camera may come from a glTF file (`gltf`, `node`) in place of `eye`, `look_at`, `up`.
+//!
+//! ## Sources
+//!
+//! A source takes the place of the base colour as the radiance of the surfaces that it is bound to: all,
+//! or those of the named `objects` and `materials`. A surface has at most one source. A cube's samples
+//! are addressed by texture coordinates (`uv`) or by projection into the camera that captured it
+//! (`capture`); that camera rests in the frame of the objects it captured, so that a source with
+//! `capture` is bound to objects of one frame. Its coordinates are the world's where those objects rest
+//! in the world, and the objects' own otherwise.
+//!
+//! The clock of a cube's time axis: `"world"` and `"object"` are times of emission, in the world and by the
+//! emitting object's clock; `"capture"` is arrival at the capture camera: the frame's time of emission
+//! plus η × *distance* (not depth) to its pinhole.
+//!
+//! ## Names, paths and overrides
+//!
+//! Relative paths resolve against the scene file's folder. Objects and sources have unique names; without
+//! a `name`, the glTF node, the file's name without its extension, or the shape, numbered (`box-2`) where
+//! that is taken. [`Overrides`] set any key by a dotted path, entries by name or by number:
+//! `camera.velocity.beta=[0.5,0,0]`, `object.cube.velocity={gamma=2,direction=[1,0,0]}`,
+//! `source.flash.pulse.sigma="1 cm"`, `object.0.origin.time="2 ns"`.
+//!
+//! ## Every key
+//!
+//! With its default where it has one (`scenes/reference.toml`):
+//!
+//! ```toml
+#![doc = include_str!("../../scenes/reference.toml")]
+//! ```
 
+mod at;
+mod derived;
+mod file;
+mod load;
 pub mod model;
+mod names;
+mod overrides;
+mod place;
+mod report;
+mod resolve;
+mod schema;
+mod suggest;
+mod values;
+
+pub use load::{load, parse};
+pub use overrides::Overrides;
+pub use schema::schema;

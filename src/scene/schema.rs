@@ -79,6 +79,7 @@ pub(super) fn description(node: &Value) -> Option<String> {
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
+<<<<<<< HEAD
 /// `node`, its definition where it refers to one, and its alternatives.
 fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
     let definition = node
@@ -101,5 +102,25 @@ fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
         })
         .collect();
     found.extend(referred);
+=======
+/// `node`, the definition that it refers to, and its alternatives, and theirs.
+fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
+    let definition = |node: &'s Value| {
+        let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
+        schema.pointer(pointer)
+    };
+    let listed = |node: &'s Value| {
+        let lists = ["anyOf", "oneOf"].map(|key| node.get(key).and_then(Value::as_array));
+        lists.into_iter().flatten().flatten()
+    };
+    let mut found = vec![node];
+    let mut next = 0;
+    // The definitions do not refer to themselves, so that this ends.
+    while let Some(&node) = found.get(next) {
+        found.extend(definition(node));
+        found.extend(listed(node));
+        next += 1;
+    }
+>>>>>>> scenefile
     found
 }

@@ -64,3 +64,57 @@ fn image_size(cx: &Context, at: &At<[u32; 2]>) -> Result<[u32; 2]> {
     }
     Ok(at.value)
 }
+<<<<<<< HEAD
+=======
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use glam::DVec3;
+
+    use super::super::gltf_camera::GltfCamera;
+    use super::*;
+    use crate::scene::report::Report;
+
+    /// A camera of the file with a vertical field of view of 90 degrees and no aspect ratio.
+    fn upright(_: &Path, node: Option<&str>) -> Result<GltfCamera> {
+        assert_eq!(node, Some("cam"));
+        Ok(GltfCamera {
+            eye: DVec3::new(1.0, 2.0, 3.0),
+            axes: [DVec3::X, DVec3::Y, DVec3::NEG_Z],
+            horizontal_fov: None,
+            vertical_fov: std::f64::consts::FRAC_PI_2,
+        })
+    }
+
+    fn resolved(keys: &str) -> CameraModel {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.glb"), "").unwrap();
+        let report = Report {
+            name: "test".into(),
+            text: format!("[camera]\ngltf = 'a.glb'\nnode = 'cam'\n{keys}").into(),
+            edits: Vec::new(),
+        };
+        let file = report.read().unwrap();
+        let mut cx = Context::new(report, folder.path(), &file.speed_of_light).unwrap();
+        cx.read_gltf_camera = upright;
+        resolve(&cx, &file.camera).unwrap()
+    }
+
+    #[test]
+    fn a_gltf_camera_gives_pose_and_field_of_view() {
+        let camera = resolved("size = [200, 100]");
+        assert_eq!(camera.origin.x, DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(camera.axes[2], DVec3::NEG_Z);
+        // tan 45° = 1 vertically, 2 horizontally.
+        assert!((libm::tan(camera.horizontal_fov / 2.0) - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_field_of_view_in_the_scene_goes_before_that_of_the_gltf_camera() {
+        let camera = resolved("hfov = \"1 rad\"");
+        assert_eq!(camera.horizontal_fov, 1.0);
+    }
+}
+>>>>>>> scenefile

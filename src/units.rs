@@ -1,0 +1,296 @@
+//! Quantities with units, as they stand at the edges: in scene files and on the command line.
+//!
+//! Inside, all times are ct in metres and all angles radians, as plain `f64`. Outside, every quantity
+//! is a text with its unit: `"2 ps"`, `"0.6 m"`, `"60 deg"`. A number without a unit is refused.
+//!
+//! A time may be given in seconds or, as optical path length, in metres: Δ(ct) = c Δt with the speed
+//! of light *of the scene*, so that converting waits until that is known ([`Time::metres`]).
+//!
+//! Decimal units are applied as one correctly rounded multiplication or division: "12 cm" is the f64
+//! nearest to 0.12.
+
+mod table;
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::str::FromStr;
+
+pub use table::{
+    Angle, AngleDimension, Dimension, Length, LengthDimension, Percentage, PercentageDimension,
+    Speed, SpeedDimension, Time, TimeDimension, Unit, Wavelength, WavelengthDimension,
+};
+
+/// The largest magnitude accepted of any number, in base units. The observable universe is 9·10²⁶ m
+/// wide; products of four such numbers still fit f64.
+pub const LARGEST: f64 = 1e30;
+
+/// A finite number and its unit, as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure<D> {
+    number: f64,
+    unit: &'static Unit,
+    dimension: PhantomData<D>,
+}
+
+/// Why a text is not a measure; says what would be right.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct UnitError(String);
+
+impl<D: Dimension> Measure<D> {
+    /// `number` in the dimension's customary unit: metres, degrees, nanometres, m/s, %.
+    pub const fn customary(number: f64) -> Self {
+        Measure {
+            number,
+            unit: &D::UNITS[0],
+            dimension: PhantomData,
+        }
+    }
+
+    /// In base units: metres (or seconds, of a time given so), radians, m/s, per cent.
+    fn base(self) -> f64 {
+        if self.unit.times == 1.0 {
+            self.number / self.unit.over
+        } else {
+            self.number * self.unit.times / self.unit.over
+        }
+    }
+
+    /// The symbols of all units, for messages: "m, cm or mm".
+    pub fn units() -> String {
+        let symbols: Vec<&str> = D::UNITS.iter().map(|unit| unit.symbol).collect();
+        match symbols.split_last() {
+            Some((last, [])) => (*last).to_string(),
+            Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
+            None => String::new(),
+        }
+    }
+
+    /// All spellings of all units.
+    pub(crate) fn spellings() -> impl Iterator<Item = &'static str> {
+        D::UNITS
+            .iter()
+            .flat_map(|unit| std::iter::once(unit.symbol).chain(unit.spellings.iter().copied()))
+    }
+
+    /// What is wrong with `number` alone, and what would be right.
+    pub(crate) fn without_unit(number: impl fmt::Display) -> UnitError {
+        let (name, symbol, units) = (D::NAME, D::UNITS[0].symbol, Self::units());
+        UnitError(format!(
+            "the number {number} has no unit: {name} is a text like \"{number} {symbol}\" (units: {units})"
+        ))
+    }
+}
+
+impl Time {
+    /// ct in metres, with the speed of light `c` in metres per second.
+    pub fn metres(self, c: f64) -> f64 {
+        if self.unit.seconds {
+            self.base() * c
+        } else {
+            self.base()
+        }
+    }
+}
+
+impl Length {
+    /// In metres.
+    pub fn metres(self) -> f64 {
+        self.base()
+    }
+}
+
+impl Angle {
+    /// In radians.
+    pub fn radians(self) -> f64 {
+        self.base()
+    }
+
+    /// Sine and cosine; exact at multiples of 90 degrees.
+    pub fn sin_cos(self) -> (f64, f64) {
+        if self.unit == &AngleDimension::UNITS[0] && self.number % 90.0 == 0.0 {
+            return match (self.number / 90.0).rem_euclid(4.0) {
+                1.0 => (1.0, 0.0),
+                2.0 => (0.0, -1.0),
+                3.0 => (-1.0, 0.0),
+                _ => (0.0, 1.0),
+            };
+        }
+        libm::sincos(self.radians())
+    }
+}
+
+impl Wavelength {
+    /// In metres.
+    pub fn metres(self) -> f64 {
+        self.base()
+    }
+}
+
+impl Speed {
+    /// In metres per second.
+    pub fn metres_per_second(self) -> f64 {
+        self.base()
+    }
+}
+
+impl Percentage {
+    /// In per cent.
+    pub fn percent(self) -> f64 {
+        self.base()
+    }
+}
+
+impl<D> fmt::Display for Measure<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.number, self.unit.symbol)
+    }
+}
+
+impl<D: Dimension> FromStr for Measure<D> {
+    type Err = UnitError;
+
+    fn from_str(text: &str) -> Result<Self, UnitError> {
+        let (number, symbol) = split_number(text.trim());
+        let number: f64 = number.parse().map_err(|_| not_a_measure::<D>(text))?;
+        if symbol.is_empty() {
+            return Err(Self::without_unit(number));
+        }
+        let measure = Measure {
+            number,
+            unit: find_unit::<D>(symbol)?,
+            dimension: PhantomData,
+        };
+        let value = measure.base();
+        if !value.is_finite() || value.abs() > LARGEST {
+            let text = quoted(text);
+            return Err(UnitError(format!("{text} is beyond {LARGEST:e}")));
+        }
+        Ok(measure)
+    }
+}
+
+fn not_a_measure<D: Dimension>(text: &str) -> UnitError {
+    UnitError(format!(
+        "{} is not {}: that is a number and its unit, like \"2.5 {}\"",
+        quoted(text),
+        D::NAME,
+        D::UNITS[0].symbol
+    ))
+}
+
+fn find_unit<D: Dimension>(symbol: &str) -> Result<&'static Unit, UnitError> {
+    let known = |unit: &&Unit| unit.symbol == symbol || unit.spellings.contains(&symbol);
+    D::UNITS.iter().find(known).ok_or_else(|| {
+        let (name, symbol, units) = (D::NAME, quoted(symbol), Measure::<D>::units());
+        UnitError(format!("{symbol} is not a unit of {name} (units: {units})"))
+    })
+}
+
+/// A text in quotes, control characters escaped, shortened for a message.
+pub(crate) fn quoted(text: &str) -> String {
+    let short: String = text.chars().take(60).collect();
+    let dots = if short.len() < text.len() { "…" } else { "" };
+    format!("\"{}{dots}\"", short.escape_debug())
+}
+
+/// Splits "2.5e-3 mm" into the longest decimal number at the start and the trimmed rest.
+fn split_number(text: &str) -> (&str, &str) {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| {
+        let run = bytes.iter().skip(from);
+        from + run.take_while(|b| b.is_ascii_digit()).count()
+    };
+    let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|b| set.contains(b));
+    let mut end = digits(usize::from(is(0, b"+-")));
+    if is(end, b".") {
+        end = digits(end + 1);
+    }
+    if is(end, b"eE") {
+        let exponent = end + 1 + usize::from(is(end + 1, b"+-"));
+        let last = digits(exponent);
+        end = if last > exponent { last } else { end };
+    }
+    let (number, rest) = text.split_at(end);
+    (number, rest.trim())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    const C: f64 = 299_792_458.0;
+
+    fn time(text: &str) -> f64 {
+        text.parse::<Time>().unwrap().metres(C)
+    }
+
+    #[test]
+    fn a_decimal_unit_gives_the_nearest_f64() {
+        assert_eq!(time("12 cm"), 0.12);
+        assert_eq!(time("3mm"), 0.003);
+        assert_eq!(time("-2.5e-1 km"), -250.0);
+        let line: Wavelength = "532 nm".parse().unwrap();
+        assert_eq!(line.metres(), 532e-9);
+        assert_eq!("7 µm".parse::<Length>().unwrap().metres(), 7e-6);
+        assert_eq!("7 μm".parse::<Length>().unwrap().metres(), 7e-6);
+    }
+
+    #[test]
+    fn seconds_use_the_speed_of_light_of_the_scene_and_metres_do_not() {
+        assert_eq!(time("1 s"), C);
+        assert_eq!("2 ns".parse::<Time>().unwrap().metres(1e9), 2.0);
+        assert_eq!("2 m".parse::<Time>().unwrap().metres(1e9), 2.0);
+        // 1 ps of light is 0.299792458 mm.
+        assert!((time("1 ps") - 0.299_792_458e-3).abs() < 1e-19);
+        assert!((time("1e6 as") - time("1 ps")).abs() < 1e-19);
+        assert!((time("1 us") - 299.792_458).abs() < 1e-12);
+    }
+
+    #[test]
+    fn right_angles_have_exact_sines() {
+        for (text, expected) in [
+            ("90 deg", (1.0, 0.0)),
+            ("-90 deg", (-1.0, 0.0)),
+            ("180°", (0.0, -1.0)),
+            ("720 deg", (0.0, 1.0)),
+        ] {
+            assert_eq!(text.parse::<Angle>().unwrap().sin_cos(), expected, "{text}");
+        }
+        let (sin, _) = "30 deg".parse::<Angle>().unwrap().sin_cos();
+        assert!((sin - 0.5).abs() < 1e-16);
+        assert_eq!("180 deg".parse::<Angle>().unwrap().radians(), PI);
+    }
+
+    #[test]
+    fn speeds_and_percentages_have_their_units() {
+        let bicycle: Speed = "36 km/h".parse().unwrap();
+        assert_eq!(bicycle.metres_per_second(), 10.0);
+        assert_eq!("99.5%".parse::<Percentage>().unwrap().percent(), 99.5);
+    }
+
+    #[test]
+    fn refusals_say_what_would_be_right() {
+        let refusal = |text: &str| text.parse::<Time>().unwrap_err().to_string();
+        assert!(refusal("0.6").contains("like \"0.6 m\""));
+        assert!(refusal("0.6 lightyears").contains("\"lightyears\" is not a unit of a time"));
+        assert!(refusal("").contains("not a time"));
+        assert!(refusal("m").contains("not a time"));
+        assert!(refusal("nan m").contains("not a time"));
+        assert!(refusal("1e400 m").contains("beyond"));
+        assert!(refusal("1e29 km").contains("beyond"));
+        assert!(refusal("2 M").contains("not a unit"));
+        assert!(refusal("1 e m").contains("not a unit"));
+        assert!(refusal("1.2.3 m").contains("not a unit"));
+        assert!("5 nm".parse::<Angle>().is_err());
+    }
+
+    #[test]
+    fn a_measure_prints_as_it_is_read() {
+        for text in ["60 deg", "0.25 rad"] {
+            assert_eq!(text.parse::<Angle>().unwrap().to_string(), text);
+        }
+    }
+}

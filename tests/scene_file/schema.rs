@@ -1,0 +1,96 @@
+//! The JSON schema, and the reference scene against it.
+
+use nullray::scene::schema;
+use serde_json::Value;
+
+/// All (key, property) pairs of a schema.
+fn properties(schema: &Value) -> Vec<(String, Value)> {
+    let mut found = Vec::new();
+    let children: Vec<&Value> = match schema {
+        Value::Object(map) => map.values().collect(),
+        Value::Array(items) => items.iter().collect(),
+        _ => Vec::new(),
+    };
+    if let Some(Value::Object(own)) = schema.get("properties") {
+        found.extend(own.iter().map(|(key, value)| (key.clone(), value.clone())));
+    }
+    found.extend(children.into_iter().flat_map(properties));
+    found
+}
+
+fn contains_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::String(text) => text == "null",
+        Value::Array(items) => items.iter().any(contains_null),
+        Value::Object(map) => map.values().any(contains_null),
+        _ => false,
+    }
+}
+
+/// A default as a scene file would write it.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Array(items) => format!(
+            "[{}]",
+            items.iter().map(toml).collect::<Vec<_>>().join(", ")
+        ),
+        Value::Number(number) => number.as_f64().unwrap().to_string(),
+        other => other.to_string(),
+    }
+}
+
+#[test]
+fn every_key_is_described() {
+    let found = properties(&schema());
+    assert!(found.len() > 70, "{}", found.len());
+    for (key, property) in found {
+        let described = property.get("description").is_some() || key == "mark";
+        assert!(described, "{key}: {property}");
+    }
+}
+
+#[test]
+fn descriptions_state_the_defaults_that_are_used() {
+    for (key, property) in properties(&schema()) {
+        let Some(default) = property.get("default") else {
+            continue;
+        };
+        if default.as_array().is_some_and(Vec::is_empty) {
+            continue;
+        }
+        let description = property["description"].as_str().unwrap().replace('\n', " ");
+        let stated = format!("Default: {}.", toml(default));
+        assert!(
+            description.contains(&stated),
+            "{key}: {stated} not in {description}"
+        );
+    }
+}
+
+#[test]
+fn toml_has_no_null_and_the_schema_neither() {
+    assert!(!contains_null(&schema()));
+}
+
+#[test]
+fn unknown_keys_are_refused_in_every_table() {
+    let schema = schema();
+    assert_eq!(schema["additionalProperties"], false);
+    for (name, table) in schema["$defs"].as_object().unwrap() {
+        if table.get("properties").is_some() {
+            assert_eq!(table["additionalProperties"], false, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_scene_shows_every_key() {
+    let reference = include_str!("../../scenes/reference.toml");
+    let words: Vec<&str> = reference
+        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .collect();
+    for (key, _) in properties(&schema()) {
+        assert!(words.contains(&key.as_str()), "{key}");
+    }
+}

@@ -79,30 +79,6 @@ pub(super) fn description(node: &Value) -> Option<String> {
     Some(text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-<<<<<<< HEAD
-/// `node`, its definition where it refers to one, and its alternatives.
-fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
-    let definition = node
-        .get("$ref")
-        .and_then(Value::as_str)
-        .and_then(|reference| reference.strip_prefix('#'))
-        .and_then(|pointer| schema.pointer(pointer));
-    let mut found = vec![node];
-    found.extend(definition);
-    for key in ["anyOf", "oneOf"] {
-        let list = node.get(key).and_then(Value::as_array);
-        found.extend(list.into_iter().flatten());
-    }
-    let referred: Vec<&Value> = found
-        .iter()
-        .skip(1)
-        .filter_map(|node| {
-            let pointer = node.get("$ref")?.as_str()?.strip_prefix('#')?;
-            schema.pointer(pointer)
-        })
-        .collect();
-    found.extend(referred);
-=======
 /// `node`, the definition that it refers to, and its alternatives, and theirs.
 fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
     let definition = |node: &'s Value| {
@@ -121,6 +97,5 @@ fn alternatives<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
         found.extend(listed(node));
         next += 1;
     }
->>>>>>> scenefile
     found
 }

@@ -64,8 +64,6 @@ fn image_size(cx: &Context, at: &At<[u32; 2]>) -> Result<[u32; 2]> {
     }
     Ok(at.value)
 }
-<<<<<<< HEAD
-=======
 
 #[cfg(test)]
 mod tests {
@@ -117,4 +115,3 @@ mod tests {
         assert_eq!(camera.horizontal_fov, 1.0);
     }
 }
->>>>>>> scenefile

@@ -9,12 +9,9 @@ use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
 use crate::units::{LARGEST, Speed, Time, quoted};
 
-<<<<<<< HEAD
-=======
 /// The smallest positive number accepted: powers of smaller ones leave f64's range.
 const SMALLEST: f64 = 1e-30;
 
->>>>>>> scenefile
 /// Reads the pose of a camera from a glTF file: the named node's, or the only one.
 pub(super) type ReadGltfCamera = fn(&Path, Option<&str>) -> Result<GltfCamera>;
 
@@ -112,21 +109,11 @@ impl<'a> Context<'a> {
     }
 
     fn above_zero<T>(&self, at: &At<T>, value: f64, name: &str, like: &str) -> Result<f64> {
-<<<<<<< HEAD
-        // Below this the squares of lengths leave f64's range.
-        let smallest = 1.0 / LARGEST;
-        if value >= smallest {
-            return Ok(value);
-        }
-        let what = match value > 0.0 {
-            true => format!("{name} is below {smallest:e}"),
-=======
         if value >= SMALLEST {
             return Ok(value);
         }
         let what = match value > 0.0 {
             true => format!("{name} is below {SMALLEST:e}"),
->>>>>>> scenefile
             false => format!("{name} is {value}, which is not above 0"),
         };
         Err(self.refuse(at, what, format!("{name} is above 0, {like}")))

@@ -4,14 +4,22 @@ use std::collections::BTreeMap;
 
 use super::contour::{Crossing, Piece};
 
-/// A polyline; closed where its first point is its last.
-pub(super) type Polyline = Vec<[f64; 2]>;
+/// Points in pixels.
+pub(super) type Points = Vec<[f64; 2]>;
+
+/// A line; closed where its first point is its last.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Polyline {
+    pub points: Points,
+    /// How many lines there are to a pixel, on average along this one.
+    pub density: f64,
+}
 
 /// Joins the pieces of one line: at most two pieces meet at an edge of the grid.
 pub(super) fn polylines(pieces: &[Piece]) -> Vec<Polyline> {
     let mut ends: BTreeMap<usize, [Option<usize>; 2]> = BTreeMap::new();
     for (index, piece) in pieces.iter().enumerate() {
-        for crossing in piece {
+        for crossing in piece.ends {
             let pair = ends.entry(crossing.edge).or_default();
             if let Some(free) = pair.iter_mut().find(|end| end.is_none()) {
                 *free = Some(index);
@@ -45,7 +53,10 @@ fn follow(
         pair.iter().flatten().copied().find(|&index| !used[index])
     };
     used[start] = true;
-    let [a, b] = pieces[start];
+    let Piece {
+        ends: [a, b],
+        mut density,
+    } = pieces[start];
     // An open line begins at the end that no other piece shares.
     let a_goes_on = next_at(&a, used).is_some();
     let b_goes_on = next_at(&b, used).is_some();
@@ -54,14 +65,16 @@ fn follow(
     } else {
         (a, b)
     };
-    let mut line = vec![first.at, head.at];
+    let mut points = vec![first.at, head.at];
     while let Some(index) = next_at(&head, used) {
         used[index] = true;
-        let [a, b] = pieces[index];
+        let [a, b] = pieces[index].ends;
+        density += pieces[index].density;
         head = if a.edge == head.edge { b } else { a };
-        line.push(head.at);
+        points.push(head.at);
     }
-    line
+    density /= points.len() as f64 - 1.0;
+    Polyline { points, density }
 }
 
 #[cfg(test)]
@@ -75,7 +88,7 @@ mod tests {
         height: usize,
         f: impl Fn(f64, f64) -> f64,
         step: f64,
-    ) -> Vec<Polyline> {
+    ) -> Vec<Points> {
         let centre = |i: usize| (i % width, i / width);
         let ct: Vec<f64> = (0..width * height)
             .map(centre)
@@ -90,6 +103,7 @@ mod tests {
         pieces(&grid, &range)
             .iter()
             .flat_map(|p| polylines(p))
+            .map(|line| line.points)
             .collect()
     }
 
@@ -137,6 +151,25 @@ mod tests {
             assert!((p[0] < 10.0 && p[1] > 5.0) || p[0] >= 10.0, "{p:?}");
             assert!((p[1] / 10.0 - (p[1] / 10.0).round()).abs() < 1e-9, "{p:?}");
         }
+    }
+
+    #[test]
+    fn a_line_knows_how_close_its_neighbours_are() {
+        let ct: Vec<f64> = (0..10).map(f64::from).flat_map(|x| [x, x]).collect();
+        let range = Range::of(&ct, Some(0.5)).unwrap();
+        let (width, height) = (2, 10);
+        let grid = Grid {
+            width,
+            height,
+            ct: &ct,
+        };
+        let lines = pieces(&grid, &range);
+        assert!(
+            lines
+                .iter()
+                .flat_map(|p| polylines(p))
+                .all(|line| line.density == 2.0)
+        );
     }
 
     #[test]

@@ -23,7 +23,13 @@ pub(super) struct Crossing {
 }
 
 /// A line's piece in one cell.
-pub(super) type Piece = [Crossing; 2];
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    /// Where it enters and leaves.
+    pub ends: [Crossing; 2],
+    /// How many lines there are to a pixel.
+    pub density: f64,
+}
 
 /// The grid of times.
 pub(super) struct Grid<'a> {
@@ -43,14 +49,13 @@ pub(super) fn pieces(grid: &Grid, range: &Range) -> Vec<Vec<Piece>> {
                 continue;
             };
             // A line at the cell's lowest value has no corner below it.
-            let from = ((low / range.step).floor() as i64)
-                .saturating_add(1)
-                .max(first);
-            let to = ((high / range.step).floor() as i64).min(last);
-            for line in from..=to {
+            let from = ((low / range.step).floor() as i64).saturating_add(1);
+            let to = (high / range.step).floor() as i64;
+            let density = (high - low) / range.step;
+            for line in from.max(first)..=to.min(last) {
                 let found = grid.cell_pieces(x, y, line as f64 * range.step);
                 if let Some(list) = pieces.get_mut((line - first) as usize) {
-                    list.extend(found);
+                    list.extend(found.map(|ends| Piece { ends, density }));
                 }
             }
         }
@@ -82,7 +87,7 @@ impl Grid<'_> {
     /// Whether one of the cell's four edges is a jump.
     fn has_jump(&self, x: usize, y: usize) -> bool {
         let row = |x: isize, y: usize| self.at(x, y as isize);
-        let column = |y: isize, x: usize| self.at(x as isize, y as isize);
+        let column = |y: isize, x: usize| self.at(x as isize, y);
         [y, y + 1]
             .into_iter()
             .any(|y| is_jump(|i| row(x as isize + i, y)))
@@ -103,7 +108,7 @@ impl Grid<'_> {
     }
 
     /// The pieces of the line at `level` in a cell.
-    fn cell_pieces(&self, x: usize, y: usize, level: f64) -> impl Iterator<Item = Piece> {
+    fn cell_pieces(&self, x: usize, y: usize, level: f64) -> impl Iterator<Item = [Crossing; 2]> {
         let corners = self.corners(x, y);
         let crossings: Vec<Crossing> = (0..4)
             .filter_map(|side| self.crossing(x, y, side, corners, level))

@@ -6,12 +6,13 @@
 //! linear interpolation between pixel centres, and stop where one surface hides another. Pixels in which
 //! nothing was seen (NaN) are pale grey. The legend has the time both as ct in metres and in seconds.
 //!
-//! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: on that
-//! side the range then ends at the twentieth of the pixels that are farthest, an arrow on the legend says
-//! that there is more, and no lines are drawn beyond it.
+//! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: the range then ends
+//! before them, an arrow on the legend says that there is more, and no lines are drawn beyond it. Lines
+//! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
 
 mod chain;
 mod contour;
+mod legend;
 mod page;
 mod picture;
 mod range;
@@ -30,7 +31,7 @@ const MAX_LINES: f64 = 1000.0;
 /// How isochrones are drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// ct between two lines, metres; none for a round number that gives 10 to 25 lines over the range.
+    /// ct between two lines, metres; none for a round number that gives 10 to 80 lines.
     pub step: Option<f64>,
     /// Speed of light, metres per second, for the legend's seconds.
     pub speed_of_light: f64,
@@ -60,7 +61,7 @@ pub fn draw(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<Rg
     check(width, height, ct, options)?;
     let range = Range::of(ct, options.step);
     let lines = range.map_or(0.0, |range| range.line_count());
-    if lines > MAX_LINES {
+    if lines.is_nan() || lines > MAX_LINES {
         let what = format!("a step of {:?} m gives {lines:.0} isochrones", options.step);
         let help = format!("at most {MAX_LINES} isochrones: a larger step");
         return Err(Error::invalid("isochrones", "step", what, help));

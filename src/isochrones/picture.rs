@@ -4,7 +4,7 @@ use tiny_skia::{
     Color, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform,
 };
 
-use super::chain::{Polyline, polylines};
+use super::chain::{Points, polylines};
 use super::contour::{Grid, pieces};
 use super::range::Range;
 use super::viridis::viridis;
@@ -13,6 +13,8 @@ use super::viridis::viridis;
 const NOTHING: u8 = 232;
 /// Every so many lines one is heavy.
 const HEAVY: i64 = 5;
+/// The least distance between lines, as a multiple of their width.
+const CLOSEST: f64 = 4.0;
 
 /// Where on the pixmap an image lies.
 #[derive(Debug, Clone, Copy)]
@@ -39,11 +41,18 @@ pub(super) fn draw(
         let scale = f64::from(frame.scale);
         [frame.left + scale * x, frame.top + scale * y]
     };
+    // Lines per pixel of the image, at which they are as close as they may be.
+    let crowded = f64::from(frame.scale) / (CLOSEST * stroke);
     for (pieces, number) in pieces(grid, &range).iter().zip(range.lines()) {
-        let lines = polylines(pieces);
-        let lines = lines.into_iter();
-        let lines: Vec<Polyline> = lines
-            .map(|line| line.into_iter().map(place).collect())
+        let most = if number % HEAVY == 0 {
+            HEAVY as f64
+        } else {
+            1.0
+        } * crowded;
+        let lines = polylines(pieces).into_iter();
+        let lines = lines.filter(|line| line.density <= most);
+        let lines: Vec<Points> = lines
+            .map(|line| line.points.into_iter().map(place).collect())
             .collect();
         strokes(pixmap, &lines, &Line::new(&range, number, stroke));
     }
@@ -99,7 +108,7 @@ impl Line {
 }
 
 /// Strokes all lines as one path, so that a translucent line is not darker where its parts meet.
-pub(super) fn strokes(pixmap: &mut Pixmap, lines: &[Polyline], look: &Line) {
+pub(super) fn strokes(pixmap: &mut Pixmap, lines: &[Points], look: &Line) {
     let mut path = PathBuilder::new();
     for line in lines {
         let closed = line.len() > 2 && line.first() == line.last();

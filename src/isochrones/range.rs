@@ -2,10 +2,15 @@
 
 use super::ticks::round_step;
 
-/// About this many lines, where the step is not given.
-const LINES: f64 = 24.0;
-/// Times are outliers beyond the middle nine tenths by more than this many times their range.
-const OUTLIERS: f64 = 3.0;
+/// Lines over the middle half of the pixels, where the step is not given.
+const LINES: f64 = 10.0;
+/// The fewest and the most lines over the whole range then.
+const LINES_IN_ALL: [f64; 2] = [10.0, 80.0];
+/// Outliers lie beyond the middle half of the pixels by more than this many times its range ("far out"
+/// in Tukey's terms).
+const FENCE: f64 = 3.0;
+/// Outliers are cut off if that saves more than this share of the range.
+const WORTH: f64 = 0.3;
 
 /// The times that the colours span, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,24 +27,35 @@ pub(super) struct Range {
 
 impl Range {
     /// The range of the finite values; none where there is none.
+    ///
+    /// A tenth of the pixels may be cut off as too early (a floor that runs to the horizon), a hundredth
+    /// as too late: a small thing in the foreground is to be seen.
     pub fn of(ct: &[f64], step: Option<f64>) -> Option<Range> {
         let mut seen: Vec<f64> = ct.iter().copied().filter(|x| x.is_finite()).collect();
         seen.sort_unstable_by(f64::total_cmp);
         let (first, last) = (*seen.first()?, *seen.last()?);
         let at = |part: f64| seen[((seen.len() - 1) as f64 * part) as usize];
-        let (p05, p95) = (at(0.05), at(0.95));
-        let middle = p95 - p05;
-        let is_far = |distance: f64| middle > 0.0 && distance > OUTLIERS * middle;
-        let low = if is_far(p05 - first) { p05 } else { first };
-        let high = if is_far(last - p95) { p95 } else { last };
+        let (quarter, three_quarters) = (at(0.25), at(0.75));
+        let half = three_quarters - quarter;
+        let low = at(0.1).min(quarter - FENCE * half);
+        let high = at(0.99).max(three_quarters + FENCE * half);
+        let worth_it = |outside: f64| half > 0.0 && outside > WORTH * (high - low);
+        let low = if worth_it(low - first) { low } else { first };
+        let high = if worth_it(last - high) { high } else { last };
         let (low, high) = widened(low, high);
         Some(Range {
             low,
             high,
-            step: step.unwrap_or_else(|| round_step((high - low) / LINES)),
+            step: step.unwrap_or_else(|| Self::step(half, high - low)),
             more_below: first < low,
             more_above: last > high,
         })
+    }
+
+    /// A round step that suits both the middle half of the pixels and the whole.
+    fn step(half: f64, whole: f64) -> f64 {
+        let [fewest, most] = LINES_IN_ALL;
+        round_step((half / LINES).clamp(whole / most, whole / fewest))
     }
 
     /// Where `ct` lies between `low` (0) and `high` (1); outside it is cut off.
@@ -85,12 +101,20 @@ mod tests {
 
     #[test]
     fn a_far_horizon_does_not_squeeze_the_rest() {
-        let far = (1..=30).map(|i| -1e3 * f64::from(i));
-        let near = (0..970).map(|i| f64::from(i) * 0.001);
+        let far = (1..=90).map(|i| -1e3 * f64::from(i));
+        let near = (0..910).map(|i| f64::from(i) * 0.001);
         let ct: Vec<f64> = far.chain(near).collect();
         let range = Range::of(&ct, None).unwrap();
         assert!(range.more_below && !range.more_above);
-        assert!(range.low > -1.0 && range.high == 0.969, "{range:?}");
+        assert!(range.low > -1.5 && range.high == 0.909, "{range:?}");
+    }
+
+    #[test]
+    fn a_small_thing_in_front_of_a_flat_wall_is_within_the_range() {
+        let wall = (0..980).map(|i| -5.0 - 1e-4 * f64::from(i));
+        let ct: Vec<f64> = wall.chain([-2.0; 20]).collect();
+        let range = Range::of(&ct, None).unwrap();
+        assert_eq!((range.high, range.more_above), (-2.0, false));
     }
 
     #[test]

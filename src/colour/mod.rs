@@ -1,0 +1,11 @@
+//! Colours: sRGB, and the colour of monochromatic light.
+//!
+//! RGB is linear, with the primaries and the white point (D65) of sRGB, unless "8-bit" is said.
+
+mod line;
+mod observer;
+mod srgb;
+
+pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
+pub use observer::colour_matching;
+pub use srgb::{RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8};

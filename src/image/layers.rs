@@ -1,0 +1,230 @@
+//! Named channels of one size, in the precision in which they were computed.
+
+use std::collections::HashSet;
+
+use crate::error::{Error, Result};
+
+/// The longest name of a channel, bytes (the EXR format's limit).
+const MAX_NAME: usize = 255;
+/// The longest key of a metadata entry, bytes (the PNG format's limit).
+const MAX_KEY: usize = 79;
+
+/// What a frame holds per pixel, and what it says about itself.
+///
+/// Channel names have the dotted form `layer.component`: `radiance.R`, `event.ct`, or `object` where a
+/// layer has one component. Row 0 is the top row; samples are in row-major order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layers {
+    /// Pixels per row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// The channels, names unique.
+    pub channels: Vec<Channel>,
+    /// Keys and values for the file's header: keys unique, printable ASCII; values free of NUL.
+    pub metadata: Vec<(String, String)>,
+}
+
+/// One number per pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// `layer.component`.
+    pub name: String,
+    /// width · height samples.
+    pub samples: Samples,
+}
+
+/// Samples in the precision in which they were computed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Samples {
+    /// Single precision.
+    F32(Vec<f32>),
+    /// Double precision.
+    F64(Vec<f64>),
+    /// Counts.
+    U32(Vec<u32>),
+    /// Identifiers, −1 where there is none.
+    I32(Vec<i32>),
+}
+
+impl Layers {
+    /// Layers that have been checked: a size above 0, a sample per pixel in every channel, unique
+    /// names and keys.
+    pub fn new(
+        width: u32,
+        height: u32,
+        channels: Vec<Channel>,
+        metadata: Vec<(String, String)>,
+    ) -> Result<Self> {
+        let layers = Layers {
+            width,
+            height,
+            channels,
+            metadata,
+        };
+        layers.check()?;
+        Ok(layers)
+    }
+
+    /// Checks what [`Layers::new`] promises; every writer calls it.
+    pub fn check(&self) -> Result<()> {
+        let pixels = pixel_count(self.width, self.height)?;
+        let mut names = HashSet::new();
+        for channel in &self.channels {
+            check_channel(channel, pixels)?;
+            if !names.insert(channel.name.as_str()) {
+                return Err(wrong(&channel.name, "two channels have this name"));
+            }
+        }
+        let mut keys = HashSet::new();
+        for (key, value) in &self.metadata {
+            check_metadata(key, value)?;
+            if !keys.insert(key.as_str()) {
+                return Err(wrong(key, "two metadata entries have this key"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The channel of this name.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// The pixels of `radiance.R`, `radiance.G`, `radiance.B`, or none where one of them is missing.
+    pub fn radiance(&self) -> Option<Vec<[f64; 3]>> {
+        let r = self.channel("radiance.R")?.samples.to_f64();
+        let g = self.channel("radiance.G")?.samples.to_f64();
+        let b = self.channel("radiance.B")?.samples.to_f64();
+        let rgb = r.into_iter().zip(g).zip(b);
+        Some(rgb.map(|((r, g), b)| [r, g, b]).collect())
+    }
+}
+
+impl Samples {
+    /// How many samples.
+    pub fn len(&self) -> usize {
+        match self {
+            Samples::F32(v) => v.len(),
+            Samples::F64(v) => v.len(),
+            Samples::U32(v) => v.len(),
+            Samples::I32(v) => v.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All samples as f64, exact for every kind.
+    pub fn to_f64(&self) -> Vec<f64> {
+        match self {
+            Samples::F32(v) => v.iter().map(|&x| x.into()).collect(),
+            Samples::F64(v) => v.clone(),
+            Samples::U32(v) => v.iter().map(|&x| x.into()).collect(),
+            Samples::I32(v) => v.iter().map(|&x| x.into()).collect(),
+        }
+    }
+}
+
+/// width · height, where both are above 0 and the product can be addressed.
+pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize> {
+    let pixels = (width as usize).checked_mul(height as usize);
+    // 16 bytes per pixel must be addressable too: the widest thing a writer makes of one.
+    match pixels.filter(|&n| n > 0 && n <= isize::MAX as usize / 16) {
+        Some(pixels) => Ok(pixels),
+        None => Err(wrong(
+            "",
+            format!("a size of {width} × {height} pixels cannot be held"),
+        )),
+    }
+}
+
+fn check_channel(channel: &Channel, pixels: usize) -> Result<()> {
+    let Channel { name, samples } = channel;
+    if name.is_empty() || name.len() > MAX_NAME || name.contains(char::is_control) {
+        let what = "a channel's name has 1 to 255 bytes and no control characters";
+        return Err(wrong(&format!("{name:?}"), what));
+    }
+    if samples.len() != pixels {
+        let what = format!("{} samples for {pixels} pixels", samples.len());
+        return Err(wrong(name, what));
+    }
+    Ok(())
+}
+
+/// Whether every format can hold this entry.
+pub(super) fn check_metadata(key: &str, value: &str) -> Result<()> {
+    let graphic = key.bytes().all(|b| b.is_ascii_graphic());
+    if key.is_empty() || key.len() > MAX_KEY || !graphic {
+        let what = "a metadata key has 1 to 79 characters, printable ASCII without spaces";
+        return Err(wrong(&format!("{key:?}"), what));
+    }
+    if value.contains('\0') {
+        return Err(wrong(key, "a metadata value cannot hold a NUL character"));
+    }
+    Ok(())
+}
+
+fn wrong(place: &str, what: impl Into<String>) -> Error {
+    Error::invalid("image", place, what, "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(name: &str, n: usize) -> Channel {
+        Channel {
+            name: name.into(),
+            samples: Samples::F32(vec![0.0; n]),
+        }
+    }
+
+    fn message(result: Result<Layers>) -> String {
+        result.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_channel_of_another_length_is_refused_by_name() {
+        let layers = Layers::new(2, 2, vec![channel("a", 4), channel("b", 3)], vec![]);
+        assert_eq!(message(layers), "image, b: 3 samples for 4 pixels");
+    }
+
+    #[test]
+    fn names_and_keys_are_unique() {
+        let layers = Layers::new(1, 1, vec![channel("a", 1), channel("a", 1)], vec![]);
+        assert!(message(layers).contains("two channels"));
+        let entry = ("k".to_string(), "v".to_string());
+        let layers = Layers::new(1, 1, vec![], vec![entry.clone(), entry]);
+        assert!(message(layers).contains("two metadata entries"));
+    }
+
+    #[test]
+    fn empty_and_unaddressable_sizes_are_refused() {
+        assert!(message(Layers::new(0, 5, vec![], vec![])).contains("0 × 5"));
+        assert!(Layers::new(u32::MAX, u32::MAX, vec![], vec![]).is_err());
+    }
+
+    #[test]
+    fn names_that_no_file_can_hold_are_refused() {
+        for name in ["", "a\0b", "line\nbreak", &"x".repeat(256)] {
+            assert!(Layers::new(1, 1, vec![channel(name, 1)], vec![]).is_err());
+        }
+        for key in ["", "two words", "µ", &"x".repeat(80)] {
+            let entry = (key.to_string(), String::new());
+            assert!(Layers::new(1, 1, vec![], vec![entry]).is_err(), "{key}");
+        }
+    }
+
+    #[test]
+    fn radiance_needs_its_three_channels() {
+        let names = ["radiance.R", "radiance.G", "radiance.B"];
+        let channels: Vec<_> = names.iter().map(|name| channel(name, 1)).collect();
+        let two = Layers::new(1, 1, channels[..2].to_vec(), vec![]).unwrap();
+        assert_eq!(two.radiance(), None);
+        let three = Layers::new(1, 1, channels, vec![]).unwrap();
+        assert_eq!(three.radiance(), Some(vec![[0.0; 3]]));
+    }
+}

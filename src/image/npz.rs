@@ -1,0 +1,175 @@
+//! Numpy archives: every channel in its own precision.
+//!
+//! `numpy.load` gives arrays of shape (H, W), one per channel, by the channel's name: `<f4`, `<f8`, `<u4`
+//! or `<i4`, C order, row 0 at the top. `radiance.R`, `.G`, `.B` become one array `radiance` of shape
+//! (H, W, 3). `metadata` is a text of JSON, an object of strings:
+//! `json.loads(archive["metadata"].item())`. Nothing needs pickle. The same layers give the same bytes.
+//!
+//! Formats: NEP 1 (npy 1.0) in a deflated zip archive, zip64 where an array needs it.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use super::file::{write_all, write_failed};
+use super::{Channel, Layers, Samples, write_atomically};
+use crate::error::{Error, Result};
+
+const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
+
+type Archive<'a> = ZipWriter<&'a mut BufWriter<File>>;
+
+/// Writes `layers` to `path`, whole or not at all.
+///
+/// # Errors
+/// Layers that fail [`Layers::check`]; names that an archive cannot hold; I/O errors.
+pub fn write(path: &Path, layers: &Layers) -> Result<()> {
+    layers.check()?;
+    let arrays = arrays(layers);
+    check_names(path, &arrays)?;
+    write_atomically(path, |writer| {
+        let mut archive = ZipWriter::new(writer);
+        for array in &arrays {
+            write_array(&mut archive, path, layers, array)?;
+        }
+        write_metadata(&mut archive, path, layers)?;
+        archive.finish().map_err(|e| failure(path, e))?;
+        Ok(())
+    })
+}
+
+/// An array of the archive: its name, and the channels whose samples alternate in it.
+struct Array<'a> {
+    name: &'a str,
+    channels: Vec<&'a Channel>,
+}
+
+/// One array per channel, but one for radiance where its three channels are of one kind.
+fn arrays(layers: &Layers) -> Vec<Array<'_>> {
+    let rgb: Option<Vec<_>> = RADIANCE.iter().map(|name| layers.channel(name)).collect();
+    let rgb = rgb.filter(|c| c.iter().all(|x| descriptor(x) == descriptor(c[0])));
+    let merged = |c: &&Channel| rgb.is_some() && RADIANCE.contains(&c.name.as_str());
+    let single = layers.channels.iter().filter(|c| !merged(c));
+    let single = single.map(|c| Array {
+        name: &c.name,
+        channels: vec![c],
+    });
+    let mut arrays: Vec<_> = single.collect();
+    if let Some(channels) = rgb {
+        let name = "radiance";
+        arrays.insert(0, Array { name, channels });
+    }
+    arrays
+}
+
+fn check_names(path: &Path, arrays: &[Array]) -> Result<()> {
+    let count = |name| arrays.iter().filter(|a| a.name == name).count();
+    let unfit = arrays
+        .iter()
+        .find(|a| a.name.contains(['/', '\\', ':']) || a.name == "metadata" || count(a.name) > 1);
+    match unfit {
+        None => Ok(()),
+        Some(array) => Err(Error::unsupported(
+            path,
+            array.name,
+            "an array of an .npz cannot have this name",
+            "a name without slashes and colons, other than metadata and radiance",
+        )),
+    }
+}
+
+fn write_array(archive: &mut Archive, path: &Path, layers: &Layers, array: &Array) -> Result<()> {
+    let Some(first) = array.channels.first() else {
+        return Ok(());
+    };
+    let (h, w, n) = (layers.height, layers.width, array.channels.len());
+    let shape = match n {
+        1 => format!("({h}, {w})"),
+        _ => format!("({h}, {w}, {n})"),
+    };
+    let descriptor = descriptor(first);
+    let size = first.samples.len() as u64 * n as u64 * 8;
+    start(archive, path, array.name, size)?;
+    write_all(archive, path, &npy_header(descriptor, &shape))?;
+    write_samples(archive, path, &array.channels)
+}
+
+/// The samples of all channels in turn, pixel by pixel, little-endian, by blocks.
+fn write_samples(archive: &mut Archive, path: &Path, channels: &[&Channel]) -> Result<()> {
+    const BLOCK: usize = 1 << 13;
+    let pixels = channels.first().map_or(0, |c| c.samples.len());
+    let mut bytes = Vec::with_capacity(BLOCK * 8 * channels.len());
+    for start in (0..pixels).step_by(BLOCK) {
+        bytes.clear();
+        for i in start..pixels.min(start + BLOCK) {
+            for channel in channels {
+                match &channel.samples {
+                    Samples::F32(v) => bytes.extend(v[i].to_le_bytes()),
+                    Samples::F64(v) => bytes.extend(v[i].to_le_bytes()),
+                    Samples::U32(v) => bytes.extend(v[i].to_le_bytes()),
+                    Samples::I32(v) => bytes.extend(v[i].to_le_bytes()),
+                }
+            }
+        }
+        write_all(archive, path, &bytes)?;
+    }
+    Ok(())
+}
+
+/// The metadata as JSON in a numpy text of UTF-32, shape ().
+fn write_metadata(archive: &mut Archive, path: &Path, layers: &Layers) -> Result<()> {
+    let entries = layers.metadata.iter();
+    let object: serde_json::Map<_, _> = entries
+        .map(|(key, value)| (key.clone(), value.clone().into()))
+        .collect();
+    let json = serde_json::Value::Object(object).to_string();
+    let text: Vec<u8> = json
+        .chars()
+        .flat_map(|c| u32::from(c).to_le_bytes())
+        .collect();
+    start(archive, path, "metadata", text.len() as u64)?;
+    let descriptor = format!("<U{}", text.len() / 4);
+    write_all(archive, path, &npy_header(&descriptor, "()"))?;
+    write_all(archive, path, &text)
+}
+
+/// The npy 1.0 header, padded so that the samples begin at a multiple of 64 bytes.
+fn npy_header(descriptor: &str, shape: &str) -> Vec<u8> {
+    let dict = format!("{{'descr': '{descriptor}', 'fortran_order': False, 'shape': {shape}, }}");
+    let padding = 63 - (10 + dict.len()) % 64;
+    let length = (dict.len() + padding + 1) as u16;
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend(length.to_le_bytes());
+    header.extend(dict.as_bytes());
+    header.extend(vec![b' '; padding]);
+    header.push(b'\n');
+    header
+}
+
+fn start(archive: &mut Archive, path: &Path, name: &str, bytes: u64) -> Result<()> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        // Fast: of f64 samples the mantissas do not compress at any level.
+        .compression_level(Some(1))
+        .last_modified_time(DateTime::default())
+        .large_file(bytes > u64::from(u32::MAX) / 2);
+    archive
+        .start_file(format!("{name}.npy"), options)
+        .map_err(|e| failure(path, e))
+}
+
+fn descriptor(channel: &Channel) -> &'static str {
+    match channel.samples {
+        Samples::F32(_) => "<f4",
+        Samples::F64(_) => "<f8",
+        Samples::U32(_) => "<u4",
+        Samples::I32(_) => "<i4",
+    }
+}
+
+fn failure(path: &Path, error: zip::result::ZipError) -> Error {
+    write_failed(path)(error.into())
+}

@@ -1,0 +1,167 @@
+//! Linear radiance → 8-bit sRGB.
+//!
+//! Radiance is divided by that of white. Above white a colour goes on to white instead of being cut off
+//! per component, which would turn a bright blue to magenta: with m > 1 its largest component, it becomes
+//! c/m + (1 − 1/m)(1 − c/m). That is c itself at m = 1, keeps the hue, and tends to white. A neutral
+//! colour is simply clipped.
+
+use crate::colour::srgb_encode_8;
+use crate::error::{Error, Result};
+use crate::scene::model::Exposure;
+
+/// Pixels without a number, to be noticed: magenta.
+pub const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
+
+/// What a display shows, and by which factor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Display {
+    /// 8-bit sRGB, 3 bytes per pixel.
+    pub rgb: Vec<u8>,
+    /// The radiance that became white. 1 where a percentile was asked of an image without a lit pixel.
+    pub white: f64,
+}
+
+/// Shows linear RGB `pixels`.
+///
+/// A percentile p is the nearest-rank one: of the n pixels whose brightest component is above 0 and
+/// finite, in ascending order of that component, the ⌈p n / 100⌉-th becomes white. Negative components
+/// are 0, infinite ones white; a pixel with NaN is [`NOT_A_NUMBER`].
+///
+/// # Errors
+/// A percentile outside (0, 100], a white that is not above 0 and finite.
+pub fn tonemap<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<Display> {
+    let white = white(pixels, exposure)?;
+    let rgb = pixels.iter().flat_map(|p| show(p.map(Into::into), white));
+    Ok(Display {
+        rgb: rgb.collect(),
+        white,
+    })
+}
+
+/// The radiance that becomes white.
+fn white<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<f64> {
+    match exposure {
+        Exposure::White(white) if white > 0.0 && white.is_finite() => Ok(white),
+        Exposure::White(white) => Err(wrong(format!("{white} as the radiance of white"))),
+        Exposure::Percentile(p) if p > 0.0 && p <= 100.0 => Ok(percentile(pixels, p)),
+        Exposure::Percentile(p) => Err(wrong(format!("a percentile of {p}"))),
+    }
+}
+
+fn wrong(what: String) -> Error {
+    let help = "a percentile in (0, 100], or a radiance above 0";
+    Error::invalid("exposure", "", what, help)
+}
+
+fn percentile<T: Copy + Into<f64>>(pixels: &[[T; 3]], p: f64) -> f64 {
+    let brightest = pixels.iter().map(|pixel| brightest(pixel.map(Into::into)));
+    let mut lit: Vec<f64> = brightest.filter(|&x| x > 0.0 && x.is_finite()).collect();
+    if lit.is_empty() {
+        return 1.0;
+    }
+    // 99.9 % of 1000 pixels is the 999th, though the product is 999.0000000000001.
+    let rank = (p * lit.len() as f64 / 100.0 * (1.0 - 1e-12)).ceil();
+    let index = (rank as usize).clamp(1, lit.len()) - 1;
+    *lit.select_nth_unstable_by(index, f64::total_cmp).1
+}
+
+/// The largest component; NaN where there is one.
+fn brightest(rgb: [f64; 3]) -> f64 {
+    let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+    larger(larger(rgb[0], rgb[1]), rgb[2])
+}
+
+fn show(rgb: [f64; 3], white: f64) -> [u8; 3] {
+    if rgb.iter().any(|c| c.is_nan()) {
+        return NOT_A_NUMBER;
+    }
+    let rgb = rgb.map(|c| c.max(0.0) / white);
+    let m = brightest(rgb);
+    if m <= 1.0 {
+        return rgb.map(srgb_encode_8);
+    }
+    let excess = 1.0 - 1.0 / m;
+    rgb.map(|c| {
+        let c = if m.is_finite() { c / m } else { 1.0 };
+        srgb_encode_8(c + excess * (1.0 - c))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(pixel: [f64; 3]) -> [u8; 3] {
+        let display = tonemap(&[pixel], Exposure::White(2.0)).unwrap();
+        display.rgb.try_into().unwrap()
+    }
+
+    #[test]
+    fn white_is_white_and_half_of_it_is_188() {
+        assert_eq!(shown([2.0; 3]), [255; 3]);
+        assert_eq!(shown([1.0; 3]), [188; 3]);
+        assert_eq!(shown([0.0; 3]), [0; 3]);
+    }
+
+    #[test]
+    fn a_percentile_is_the_nearest_rank_among_lit_pixels() {
+        // 1 to 1000 in the brightest channel, shuffled, among dark and unusable pixels.
+        let lit = (0..1000u32).map(|i| [0.0, f64::from(i * 387 % 1000 + 1), 0.0]);
+        let unusable = [[0.0; 3], [-1.0; 3], [f64::NAN; 3], [f64::INFINITY; 3]];
+        let pixels: Vec<_> = lit.chain(unusable).collect();
+        for (p, white) in [
+            (100.0, 1000.0),
+            (99.9, 999.0),
+            (50.0, 500.0),
+            (50.01, 501.0),
+            (1e-9, 1.0),
+        ] {
+            let display = tonemap(&pixels, Exposure::Percentile(p)).unwrap();
+            assert_eq!(display.white, white, "{p}");
+        }
+    }
+
+    #[test]
+    fn a_dark_image_stays_black() {
+        let display = tonemap(&[[0f32; 3]; 4], Exposure::Percentile(99.0)).unwrap();
+        assert_eq!(
+            display,
+            Display {
+                rgb: vec![0; 12],
+                white: 1.0
+            }
+        );
+    }
+
+    #[test]
+    fn what_is_not_a_number_stands_out() {
+        assert_eq!(shown([0.0, f64::NAN, 1.0]), NOT_A_NUMBER);
+        assert_eq!(shown([f64::INFINITY, 0.0, 0.0]), [255; 3]);
+        assert_eq!(shown([f64::NEG_INFINITY, 2.0, 0.0]), [0, 255, 0]);
+    }
+
+    #[test]
+    fn overexposure_keeps_the_hue_on_the_way_to_white() {
+        // Componentwise clipping would show blue (0.4, 0.1, 1) × 10 as magenta (1, 1, 1)-ish at once.
+        let mut last = [0; 3];
+        for exposure in [1.0, 1.5, 2.0, 4.0, 16.0, 1e6] {
+            let rgb = shown([0.2, 0.05, 1.0].map(|c| c * 2.0 * exposure));
+            assert_eq!(rgb[2], 255);
+            assert!(rgb[0] >= rgb[1] && rgb[0] >= last[0] && rgb[1] >= last[1]);
+            last = rgb;
+        }
+        assert_eq!(last, [255; 3]);
+    }
+
+    #[test]
+    fn an_impossible_exposure_is_refused() {
+        for exposure in [
+            Exposure::White(0.0),
+            Exposure::White(f64::NAN),
+            Exposure::Percentile(0.0),
+            Exposure::Percentile(101.0),
+        ] {
+            assert!(tonemap(&[[1.0f64; 3]], exposure).is_err());
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Pictures of retarded time.
+
+use nullray::image::RgbImage;
+use nullray::isochrones::{Options, draw};
+
+/// A sphere of radius 1 in front of a wall, seen from the origin along −z: ct = −distance.
+fn sphere_and_wall(width: u32, height: u32) -> Vec<f64> {
+    let pixel = |i: u32| {
+        let (x, y) = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
+        let scale = 1.4 / f64::from(width);
+        let u = (x - f64::from(width) / 2.0) * scale;
+        let v = (f64::from(height) / 2.0 - y) * scale;
+        let length = (u * u + v * v + 1.0).sqrt();
+        // |s d − centre|² = 1 with the centre at (0.4, 0.2, −4).
+        let b = (0.4 * u + 0.2 * v + 4.0) / length;
+        let under = b * b - (0.16 + 0.04 + 16.0) + 1.0;
+        let wall = 6.0 * length;
+        match (under > 0.0, v > 0.55) {
+            (true, _) => -(b - under.sqrt()),
+            (false, true) => f64::NAN,
+            (false, false) => -wall,
+        }
+    };
+    (0..width * height).map(pixel).collect()
+}
+
+fn pixel(image: &RgbImage, x: u32, y: u32) -> [u8; 3] {
+    let i = 3 * (y * image.width + x) as usize;
+    [image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]]
+}
+
+/// For looking at: NULLRAY_TEST_PICTURES names a directory.
+fn save(name: &str, image: &RgbImage) {
+    if let Some(directory) = std::env::var_os("NULLRAY_TEST_PICTURES") {
+        let path = std::path::Path::new(&directory).join(name);
+        nullray::image::png::write(&path, image.width, image.height, &image.rgb, &[]).unwrap();
+    }
+}
+
+#[test]
+fn near_is_late_and_bright_and_far_is_early_and_dark() {
+    let (w, h) = (640, 480);
+    let image = draw(w, h, &sphere_and_wall(w, h), &Options::default()).unwrap();
+    save("sphere.png", &image);
+    let luminance = |x, y| {
+        pixel(&image, x, y)
+            .iter()
+            .map(|&c| u32::from(c))
+            .sum::<u32>()
+    };
+    // The sphere's centre is a little right of and above the picture's.
+    assert!(luminance(420, 300) > luminance(60, 500) + 100);
+}
+
+#[test]
+fn every_size_gives_a_page_that_holds_picture_and_legend() {
+    for (w, h) in [
+        (1, 1),
+        (2, 1),
+        (16, 9),
+        (64, 64),
+        (33, 200),
+        (1200, 60),
+        (300, 300),
+    ] {
+        let ct: Vec<f64> = (0..w * h).map(|i| f64::from(i % w) * 0.01).collect();
+        let image = draw(w, h, &ct, &Options::default()).unwrap();
+        save(&format!("size_{w}x{h}.png"), &image);
+        assert!(image.width > w && image.height > h);
+        assert!(image.width >= 200 && image.height >= 200, "{w} × {h}");
+        assert_eq!(image.rgb.len() as u32, 3 * image.width * image.height);
+    }
+}
+
+#[test]
+fn an_endless_floor_leaves_the_near_part_readable() {
+    let (w, h) = (480, 360);
+    let floor = |i: u32| {
+        let y = f64::from(i / w) + 0.5 - 120.0;
+        let x = (f64::from(i % w) + 0.5 - 240.0) / 300.0;
+        let depth = 300.0 / y;
+        if y > 0.0 {
+            10.0 - depth * (1.0 + x * x + (y / 300.0) * (y / 300.0)).sqrt()
+        } else {
+            f64::NAN
+        }
+    };
+    let ct: Vec<f64> = (0..w * h).map(floor).collect();
+    let image = draw(w, h, &ct, &Options::default()).unwrap();
+    save("floor.png", &image);
+    // Rows 150–170 and 330–350, at depths of 8 and 1.4: on a scale to the horizon (depth 600) both
+    // would be of one yellow, red 240 or so.
+    let red = |row: u32| u32::from(pixel(&image, 30, 48 + row)[0]);
+    let mean = |rows: std::ops::Range<u32>| rows.map(red).sum::<u32>() / 20;
+    let (far, near) = (mean(150..170), mean(330..350));
+    assert!(near > far + 60, "{far} {near}");
+}
+
+#[test]
+fn a_picture_in_which_nothing_is_seen_is_grey_and_has_no_legend() {
+    let image = draw(200, 200, &vec![f64::NAN; 40_000], &Options::default()).unwrap();
+    save("nothing.png", &image);
+    let (x, y) = (image.width / 2, image.height / 2);
+    assert_eq!(pixel(&image, x, y), [232; 3]);
+}
+
+#[test]
+fn hostile_values_are_drawn_or_refused_but_do_not_panic() {
+    let values = [
+        0.0,
+        -0.0,
+        1e308,
+        -1e308,
+        f64::MAX,
+        f64::MIN,
+        f64::MIN_POSITIVE,
+        1e-320,
+    ];
+    for a in values {
+        for b in values {
+            for step in [None, Some(1e-3), Some(1e300), Some(f64::MIN_POSITIVE)] {
+                let ct = [a, b, f64::NAN, a, b, a, f64::INFINITY, b, a];
+                let options = Options {
+                    step,
+                    ..Options::default()
+                };
+                let _ = draw(3, 3, &ct, &options);
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_requests_are_refused_with_a_reason() {
+    let refused = |ct: &[f64], options: Options| draw(2, 2, ct, &options).unwrap_err().to_string();
+    let options = Options::default;
+    let ct = [0.0, 1.0, 2.0, 3.0];
+    assert!(refused(&ct[..3], options()).contains("3 values for 2 × 2"));
+    for step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refusal = refused(
+            &ct,
+            Options {
+                step: Some(step),
+                ..options()
+            },
+        );
+        assert!(refusal.contains("step"), "{refusal}");
+    }
+    let refusal = refused(
+        &ct,
+        Options {
+            step: Some(1e-4),
+            ..options()
+        },
+    );
+    assert!(refusal.contains("30001 isochrones"), "{refusal}");
+    let refusal = refused(
+        &ct,
+        Options {
+            speed_of_light: 0.0,
+            ..options()
+        },
+    );
+    assert!(refusal.contains("speed of light"), "{refusal}");
+    let refusal = refused(
+        &ct,
+        Options {
+            title: "⌘".into(),
+            ..options()
+        },
+    );
+    assert!(refusal.contains("U+2318"), "{refusal}");
+}

@@ -39,30 +39,110 @@ pub enum Aov {
 
 /// The table: channel, name, meaning with unit and frame.
 pub const TABLE: &[(Aov, &str, &str)] = &[
-    (Aov::Object, "object", "index of the object in the scene file, −1 where nothing is met"),
-    (Aov::Primitive, "primitive", "index of the triangle in the object, in the order of its file"),
-    (Aov::BarycentricU, "barycentric.u", "weight of the triangle's second corner"),
-    (Aov::BarycentricV, "barycentric.v", "weight of the triangle's third corner"),
+    (
+        Aov::Object,
+        "object",
+        "index of the object in the scene file, −1 where nothing is met",
+    ),
+    (
+        Aov::Primitive,
+        "primitive",
+        "index of the triangle in the object, in the order of its file",
+    ),
+    (
+        Aov::BarycentricU,
+        "barycentric.u",
+        "weight of the triangle's second corner",
+    ),
+    (
+        Aov::BarycentricV,
+        "barycentric.v",
+        "weight of the triangle's third corner",
+    ),
     (Aov::UvU, "uv.u", "texture coordinate u (set 0)"),
-    (Aov::UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row"),
-    (Aov::EventCt, "event.ct", "emission event: world time × c, metres"),
+    (
+        Aov::UvV,
+        "uv.v",
+        "texture coordinate v (set 0), 0 at the top row",
+    ),
+    (
+        Aov::EventCt,
+        "event.ct",
+        "emission event: world time × c, metres",
+    ),
     (Aov::EventX, "event.x", "emission event: world x, metres"),
     (Aov::EventY, "event.y", "emission event: world y, metres"),
     (Aov::EventZ, "event.z", "emission event: world z, metres"),
-    (Aov::ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres"),
-    (Aov::ObjectEventX, "object_event.x", "emission event: object x, metres"),
-    (Aov::ObjectEventY, "object_event.y", "emission event: object y, metres"),
-    (Aov::ObjectEventZ, "object_event.z", "emission event: object z, metres"),
-    (Aov::DirectionX, "direction.x", "look direction in the world, x"),
-    (Aov::DirectionY, "direction.y", "look direction in the world, y"),
-    (Aov::DirectionZ, "direction.z", "look direction in the world, z"),
-    (Aov::Distance, "distance", "world distance from the pinhole event to the emission event, metres"),
-    (Aov::WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength"),
-    (Aov::NormalX, "normal.x", "geometric normal in the object's rest frame, x"),
-    (Aov::NormalY, "normal.y", "geometric normal in the object's rest frame, y"),
-    (Aov::NormalZ, "normal.z", "geometric normal in the object's rest frame, z"),
-    (Aov::Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1"),
-    (Aov::StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel"),
+    (
+        Aov::ObjectEventCt,
+        "object_event.ct",
+        "emission event: the object's own time × c, metres",
+    ),
+    (
+        Aov::ObjectEventX,
+        "object_event.x",
+        "emission event: object x, metres",
+    ),
+    (
+        Aov::ObjectEventY,
+        "object_event.y",
+        "emission event: object y, metres",
+    ),
+    (
+        Aov::ObjectEventZ,
+        "object_event.z",
+        "emission event: object z, metres",
+    ),
+    (
+        Aov::DirectionX,
+        "direction.x",
+        "look direction in the world, x",
+    ),
+    (
+        Aov::DirectionY,
+        "direction.y",
+        "look direction in the world, y",
+    ),
+    (
+        Aov::DirectionZ,
+        "direction.z",
+        "look direction in the world, z",
+    ),
+    (
+        Aov::Distance,
+        "distance",
+        "world distance from the pinhole event to the emission event, metres",
+    ),
+    (
+        Aov::WavelengthRatio,
+        "wavelength_ratio",
+        "observed / emitted wavelength",
+    ),
+    (
+        Aov::NormalX,
+        "normal.x",
+        "geometric normal in the object's rest frame, x",
+    ),
+    (
+        Aov::NormalY,
+        "normal.y",
+        "geometric normal in the object's rest frame, y",
+    ),
+    (
+        Aov::NormalZ,
+        "normal.z",
+        "geometric normal in the object's rest frame, z",
+    ),
+    (
+        Aov::Coverage,
+        "coverage",
+        "part of the pixel whose radiance is known, 0 to 1",
+    ),
+    (
+        Aov::StandardError,
+        "standard_error",
+        "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
+    ),
 ];
 
 impl Aov {
@@ -98,7 +178,10 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
     for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {
         let named = named(word);
         if named.is_empty() && word != "radiance" {
-            return Err(format!("\"{word}\" is not a channel; there are: all, {}", groups().join(", ")));
+            return Err(format!(
+                "\"{word}\" is not a channel; there are: all, {}",
+                groups().join(", ")
+            ));
         }
         chosen.extend(named);
     }
@@ -109,7 +192,11 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
 
 fn named(word: &str) -> Vec<Aov> {
     let is_named = |name: &str| word == "all" || name == word || group(name) == word;
-    TABLE.iter().filter(|row| is_named(row.1)).map(|row| row.0).collect()
+    TABLE
+        .iter()
+        .filter(|row| is_named(row.1))
+        .map(|row| row.0)
+        .collect()
 }
 
 fn group(name: &str) -> &str {
@@ -144,7 +231,10 @@ mod tests {
     #[test]
     fn groups_channels_and_all_are_understood() {
         assert_eq!(parse("event").unwrap().len(), 4);
-        assert_eq!(parse("object, event.ct,object").unwrap(), [Aov::Object, Aov::EventCt]);
+        assert_eq!(
+            parse("object, event.ct,object").unwrap(),
+            [Aov::Object, Aov::EventCt]
+        );
         assert_eq!(parse("all").unwrap().len(), TABLE.len());
         assert_eq!(parse("radiance").unwrap(), []);
         assert!(parse("depth").unwrap_err().contains("depth"));

@@ -26,8 +26,14 @@ impl Tile {
     /// Tile `index` of an image of `size` pixels, row by row.
     pub fn of_image(size: [u32; 2], index: u64) -> Self {
         let across = size[0].div_ceil(TILE) as u64;
-        let corner = [(index % across) as u32 * TILE, (index / across) as u32 * TILE];
-        Tile { corner, size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])) }
+        let corner = [
+            (index % across) as u32 * TILE,
+            (index / across) as u32 * TILE,
+        ];
+        Tile {
+            corner,
+            size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])),
+        }
     }
 
     /// How many tiles cover an image of `size` pixels.
@@ -42,8 +48,12 @@ impl Tile {
 
     /// Column and row of each pixel, row by row.
     pub fn coordinates(self) -> impl Iterator<Item = (u32, u32)> {
-        let Tile { corner: [left, top], size: [width, height] } = self;
-        (top..top + height).flat_map(move |row| (left..left + width).map(move |column| (column, row)))
+        let Tile {
+            corner: [left, top],
+            size: [width, height],
+        } = self;
+        (top..top + height)
+            .flat_map(move |row| (left..left + width).map(move |column| (column, row)))
     }
 }
 
@@ -63,7 +73,11 @@ pub struct Layout {
 impl Layout {
     /// Bytes of a film of this layout.
     pub fn bytes(&self) -> u64 {
-        let coverage = if self.has_gaps { size_of::<Coverage>() } else { 0 };
+        let coverage = if self.has_gaps {
+            size_of::<Coverage>()
+        } else {
+            0
+        };
         let pixel = 24 + coverage + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
@@ -143,7 +157,10 @@ impl TileFilm {
     fn aov(&self, channel: usize, aov: Aov, pixel: usize, samples: u32) -> f64 {
         let sum = self.aovs[channel][pixel];
         match aov {
-            Aov::Coverage => self.coverage.get(pixel).map_or(1.0, |c| c.held / samples as f64),
+            Aov::Coverage => self
+                .coverage
+                .get(pixel)
+                .map_or(1.0, |c| c.held / samples as f64),
             Aov::StandardError => self.standard_error(pixel, samples as f64),
             Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => sum / samples as f64,
             _ if aov.is_of_one_sample() => sum,
@@ -156,7 +173,11 @@ impl TileFilm {
     fn standard_error(&self, pixel: usize, n: f64) -> f64 {
         let sum = mean(self.radiance[pixel]);
         let variance = (self.squares[pixel] - sum * sum / n) / (n - 1.0);
-        if n > 1.0 { (variance.max(0.0) / n).sqrt() } else { f64::NAN }
+        if n > 1.0 {
+            (variance.max(0.0) / n).sqrt()
+        } else {
+            f64::NAN
+        }
     }
 }
 
@@ -230,11 +251,19 @@ impl Film {
     pub fn channels(&self, channels: &[Aov]) -> Vec<Channel> {
         let rgb = (0..3).map(|c| {
             let values = self.radiance.iter().map(|rgb| rgb[c]).collect();
-            Channel { name: ["radiance.R", "radiance.G", "radiance.B"][c].into(), samples: Samples::F64(values) }
+            Channel {
+                name: ["radiance.R", "radiance.G", "radiance.B"][c].into(),
+                samples: Samples::F64(values),
+            }
         });
-        let aovs = channels.iter().filter_map(|aov| Some((aov, self.aov(*aov)?)));
-        rgb.chain(aovs.map(|(aov, values)| Channel { name: aov.name().into(), samples: stored(*aov, values) }))
-            .collect()
+        let aovs = channels
+            .iter()
+            .filter_map(|aov| Some((aov, self.aov(*aov)?)));
+        rgb.chain(aovs.map(|(aov, values)| Channel {
+            name: aov.name().into(),
+            samples: stored(*aov, values),
+        }))
+        .collect()
     }
 }
 

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::aov::Aov;
 use crate::accel::Bvh;
+use crate::aov::Aov;
 use crate::error::{Error, Result};
 use crate::film::Layout;
 use crate::import::{gltf, npy};
@@ -34,7 +34,11 @@ pub struct Request {
 
 impl Default for Request {
     fn default() -> Self {
-        Request { aovs: Vec::new(), pixel_centers: false, memory_limit: 16 << 30 }
+        Request {
+            aovs: Vec::new(),
+            pixel_centers: false,
+            memory_limit: 16 << 30,
+        }
     }
 }
 
@@ -155,7 +159,9 @@ pub struct Memory {
 impl Memory {
     /// The sum.
     pub fn total(&self) -> u64 {
-        self.geometry.saturating_add(self.cubes).saturating_add(self.film)
+        self.geometry
+            .saturating_add(self.cubes)
+            .saturating_add(self.film)
     }
 }
 
@@ -178,7 +184,10 @@ impl Plan {
         let mut objects = inspect_objects(scene)?;
         bindings::check(scene, &objects)?;
         bindings::check_pulses(scene, &objects)?;
-        let wants_uv = request.aovs.iter().any(|a| matches!(a, Aov::UvU | Aov::UvV));
+        let wants_uv = request
+            .aovs
+            .iter()
+            .any(|a| matches!(a, Aov::UvU | Aov::UvV));
         for (index, object) in objects.iter_mut().enumerate() {
             bindings::resolve(scene, index, object, wants_uv);
         }
@@ -215,7 +224,11 @@ impl Plan {
         Err(Error::invalid(
             &self.scene,
             "memory",
-            format!("needs about {}, more than the limit of {}", report::bytes(total), report::bytes(limit)),
+            format!(
+                "needs about {}, more than the limit of {}",
+                report::bytes(total),
+                report::bytes(limit)
+            ),
             "a smaller image or cube, or a higher limit (--max-memory)",
         ))
     }
@@ -232,10 +245,17 @@ fn view(scene: &Scene) -> ViewKind {
 fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout {
     Layout {
         size: scene.camera.size,
-        samples: if request.pixel_centers { 1 } else { scene.samples_per_pixel },
+        samples: if request.pixel_centers {
+            1
+        } else {
+            scene.samples_per_pixel
+        },
         channels: request.aovs.clone(),
         has_gaps: (0..objects.len()).any(|o| {
-            objects[o].materials.iter().any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
+            objects[o]
+                .materials
+                .iter()
+                .any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
         }),
     }
 }
@@ -284,7 +304,9 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
         .iter()
         .zip(used)
         .map(|(source, used)| {
-            let SourceKind::Cube(cube) = &source.kind else { return Ok(None) };
+            let SourceKind::Cube(cube) = &source.kind else {
+                return Ok(None);
+            };
             if !used {
                 return Ok(None);
             }
@@ -337,7 +359,11 @@ fn rays(
         .count() as u64;
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
     let towards = pulses.max((capture > 0) as u64);
-    Rays { camera, shadow_at_most: camera.saturating_mul(towards), capture }
+    Rays {
+        camera,
+        shadow_at_most: camera.saturating_mul(towards),
+        capture,
+    }
 }
 
 fn memory(
@@ -346,8 +372,15 @@ fn memory(
     cubes: &[Option<PlannedCube>],
     layout: &Layout,
 ) -> Memory {
-    let bvhs = frames.iter().map(|f| Bvh::estimate_bytes(f.triangles as usize) as u64).sum::<u64>();
-    let uvs = objects.iter().filter(|o| o.uvs).map(|o| 12 * o.triangles + 8 * o.vertices).sum::<u64>();
+    let bvhs = frames
+        .iter()
+        .map(|f| Bvh::estimate_bytes(f.triangles as usize) as u64)
+        .sum::<u64>();
+    let uvs = objects
+        .iter()
+        .filter(|o| o.uvs)
+        .map(|o| 12 * o.triangles + 8 * o.vertices)
+        .sum::<u64>();
     // One file that several sources use is loaded once.
     let mut files: Vec<_> = cubes.iter().flatten().map(|c| (&c.file, c.bytes)).collect();
     files.sort();

@@ -56,11 +56,21 @@ impl Prepared {
         let mut frames = Vec::with_capacity(plan.frames.len());
         for planned in &plan.frames {
             stop_if_cancelled(progress)?;
-            frames.push(geometry::frame(scene, plan, planned, &mut light, &mut warnings)?);
+            frames.push(geometry::frame(
+                scene,
+                plan,
+                planned,
+                &mut light,
+                &mut warnings,
+            )?);
         }
         stop_if_cancelled(progress)?;
         let light = light.finish(plan, &frames, progress)?;
-        let ray_index = if scene.effects.retardation { scene.medium_index } else { 0.0 };
+        let ray_index = if scene.effects.retardation {
+            scene.medium_index
+        } else {
+            0.0
+        };
         let sampler = if plan.pixel_centers {
             Sampler::centred()
         } else {
@@ -81,5 +91,9 @@ impl Prepared {
 }
 
 fn stop_if_cancelled(progress: &dyn Progress) -> Result<()> {
-    if progress.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    if progress.is_cancelled() {
+        Err(Error::Cancelled)
+    } else {
+        Ok(())
+    }
 }

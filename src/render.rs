@@ -63,7 +63,12 @@ impl Prepared {
         }
     }
 
-    fn met<V: View, S: Surfaces>(&self, view: V, surfaces: S, progress: &dyn Progress) -> Result<Film> {
+    fn met<V: View, S: Surfaces>(
+        &self,
+        view: V,
+        surfaces: S,
+        progress: &dyn Progress,
+    ) -> Result<Film> {
         match &self.light {
             Light::Constant(light) => self.lit(view, surfaces, light, progress),
             Light::TimeResolved(light) => self.lit(view, surfaces, light, progress),
@@ -89,7 +94,9 @@ impl Prepared {
         if self.layout.channels.is_empty() {
             run(&pipeline, &NoAovs, &self.layout, progress)
         } else {
-            let recorder = AovRecorder { channels: self.layout.channels.clone() };
+            let recorder = AovRecorder {
+                channels: self.layout.channels.clone(),
+            };
             run(&pipeline, &recorder, &self.layout, progress)
         }
     }
@@ -102,9 +109,9 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
     progress: &dyn Progress,
 ) -> Result<Film> {
     let film = Mutex::new(Film::new(layout.clone()));
-    (0..Tile::count(layout.size)).into_par_iter().try_for_each_init(
-        trace::Buffers::default,
-        |buffers, index| {
+    (0..Tile::count(layout.size))
+        .into_par_iter()
+        .try_for_each_init(trace::Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             for sample in 0..layout.samples {
@@ -115,9 +122,10 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
-            film.lock().unwrap_or_else(PoisonError::into_inner).place(&tile_film);
+            film.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .place(&tile_film);
             Ok(())
-        },
-    )?;
+        })?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

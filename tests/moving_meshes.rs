@@ -24,7 +24,11 @@ fn compare(name: &str) {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/moving_meshes");
     let pixels = array_at(&folder.join(format!("{name}.npz")), "pixels");
     let scene = scene::load(&folder.join(format!("{name}.toml")), &Overrides::default()).unwrap();
-    let request = Request { aovs: aov::parse("all").unwrap(), pixel_centers: true, ..Request::default() };
+    let request = Request {
+        aovs: aov::parse("all").unwrap(),
+        pixel_centers: true,
+        ..Request::default()
+    };
     let plan = Plan::new(&scene, &request).unwrap();
     let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
     let (mut met, mut worst) = (0, Worst::default());
@@ -62,14 +66,22 @@ struct Worst {
 
 impl Worst {
     fn directions(&mut self, film: &Film, i: usize, truth: &[f64]) {
-        for (aov, truth) in [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ].into_iter().zip(truth) {
+        for (aov, truth) in [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ]
+            .into_iter()
+            .zip(truth)
+        {
             self.direction = self.direction.max((value(film, aov, i) - truth).abs());
         }
     }
 
     fn surface(&mut self, film: &Film, i: usize, truth: &[f64]) {
         let events = [Aov::EventCt, Aov::EventX, Aov::EventY, Aov::EventZ];
-        let object_events = [Aov::ObjectEventCt, Aov::ObjectEventX, Aov::ObjectEventY, Aov::ObjectEventZ];
+        let object_events = [
+            Aov::ObjectEventCt,
+            Aov::ObjectEventX,
+            Aov::ObjectEventY,
+            Aov::ObjectEventZ,
+        ];
         let off = |aov, column: usize| (value(film, aov, i) - truth[column]).abs();
         self.distance = self.distance.max(off(Aov::Distance, 4) / 10.0);
         for k in 0..4 {
@@ -77,7 +89,10 @@ impl Worst {
             self.object_event = self.object_event.max(off(object_events[k], 9 + k) / 10.0);
         }
         self.ratio = self.ratio.max(off(Aov::WavelengthRatio, 13) / truth[13]);
-        self.barycentric = self.barycentric.max(off(Aov::BarycentricU, 2)).max(off(Aov::BarycentricV, 3));
+        self.barycentric = self
+            .barycentric
+            .max(off(Aov::BarycentricU, 2))
+            .max(off(Aov::BarycentricV, 3));
     }
 
     fn check(&self, name: &str) {
@@ -90,7 +105,10 @@ impl Worst {
             // Measured in triangles: the smallest ones are a hundredth of the scene.
             ("barycentric", self.barycentric, 1e-10),
         ] {
-            assert!(error <= limit, "{name}: worst {what} error {error:.2e} above {limit:.0e}");
+            assert!(
+                error <= limit,
+                "{name}: worst {what} error {error:.2e} above {limit:.0e}"
+            );
         }
     }
 }

@@ -72,7 +72,11 @@ values = \"per_bin\"
 filter = \"{filter}\"
 {cube}
 {capture}",
-        frame.eye, frame.look_at(), frame.hfov, frame.beta, frame.time
+        frame.eye,
+        frame.look_at(),
+        frame.hfov,
+        frame.beta,
+        frame.time
     )
 }
 
@@ -110,7 +114,11 @@ fn lightmap_frames_match_the_transient_renderer() {
             ("cubic_means", frame.limit.means + 0.01),
         ] {
             let got = score(&picture(&text(&frame, 0, filter)), &truth, everywhere);
-            assert!(got <= limit, "{} {filter}: relRMSE {got:.4} above {limit:.4}", frame.name);
+            assert!(
+                got <= limit,
+                "{} {filter}: relRMSE {got:.4} above {limit:.4}",
+                frame.name
+            );
         }
     }
 }
@@ -120,12 +128,19 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
     for frame in frames() {
         let truth = reference(&frame.name);
         let interior = common::frames::mask(&format!("interior_{}", frame.name));
-        for (source, limit) in [(1, frame.limit.world_interior), (2, frame.limit.camera_interior)] {
+        for (source, limit) in [
+            (1, frame.limit.world_interior),
+            (2, frame.limit.camera_interior),
+        ] {
             let limit = 1.25 * limit + 0.003;
             let image = picture(&text(&frame, source, "cubic_means"));
             let got = score(&image, &truth, |i| interior[i] == 1.0);
             let name = SOURCES[source].0;
-            assert!(got <= limit, "{} {name}: relRMSE {got:.4} above {limit:.4}", frame.name);
+            assert!(
+                got <= limit,
+                "{} {name}: relRMSE {got:.4} above {limit:.4}",
+                frame.name
+            );
         }
     }
 }
@@ -133,7 +148,10 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
 #[test]
 fn without_retardation_every_frame_is_wrong() {
     for frame in frames() {
-        let wrong = text(&frame, 0, "cubic").replace("searchlight = false", "searchlight = false\nretardation = false");
+        let wrong = text(&frame, 0, "cubic").replace(
+            "searchlight = false",
+            "searchlight = false\nretardation = false",
+        );
         let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
         assert!(got > 0.6, "{}: {got:.4}", frame.name);
     }
@@ -142,8 +160,14 @@ fn without_retardation_every_frame_is_wrong() {
 #[test]
 fn with_reversed_or_no_aberration_every_moving_frame_is_wrong() {
     for frame in frames().iter().filter(|f| f.beta != [0.0; 3]) {
-        let reversed = Frame { beta: frame.beta.map(|b| -b), ..frame.clone() };
-        let none = text(frame, 0, "cubic").replace("searchlight = false", "searchlight = false\naberration = false");
+        let reversed = Frame {
+            beta: frame.beta.map(|b| -b),
+            ..frame.clone()
+        };
+        let none = text(frame, 0, "cubic").replace(
+            "searchlight = false",
+            "searchlight = false\naberration = false",
+        );
         for wrong in [text(&reversed, 0, "cubic"), none] {
             let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
             assert!(got > 0.6, "{}: {got:.4}", frame.name);
@@ -170,7 +194,16 @@ fn depth_for_distance(frame: &Frame) -> Vec<f64> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let base = text(frame, 0, "cubic").replace("samples_per_pixel = 16", "samples_per_pixel = 1");
     let scene = scene::parse(&base, "test scene", root, &Overrides::default()).unwrap();
-    let request = Request { aovs: vec![Aov::Distance, Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ], pixel_centers: true, ..Request::default() };
+    let request = Request {
+        aovs: vec![
+            Aov::Distance,
+            Aov::DirectionX,
+            Aov::DirectionY,
+            Aov::DirectionZ,
+        ],
+        pixel_centers: true,
+        ..Request::default()
+    };
     let film = |scene: &scene::model::Scene| {
         let plan = Plan::new(scene, &request).unwrap();
         render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap()
@@ -180,13 +213,22 @@ fn depth_for_distance(frame: &Frame) -> Vec<f64> {
     let forward = scene.camera.axes[2];
     let late: Vec<f64> = (0..aov(Aov::Distance).len())
         .map(|i| {
-            let d = glam::DVec3::new(aov(Aov::DirectionX)[i], aov(Aov::DirectionY)[i], aov(Aov::DirectionZ)[i]);
+            let d = glam::DVec3::new(
+                aov(Aov::DirectionX)[i],
+                aov(Aov::DirectionY)[i],
+                aov(Aov::DirectionZ)[i],
+            );
             aov(Aov::Distance)[i] * (1.0 - d.dot(forward))
         })
         .collect();
     // One rendering per step of lateness; each pixel takes the nearest.
     let step = 0.05;
-    let steps = late.iter().copied().filter(|l| l.is_finite()).fold(0.0, f64::max) / step;
+    let steps = late
+        .iter()
+        .copied()
+        .filter(|l| l.is_finite())
+        .fold(0.0, f64::max)
+        / step;
     let films: Vec<_> = (0..=steps.ceil() as usize)
         .map(|k| {
             let mut later = scene.clone();
@@ -196,6 +238,12 @@ fn depth_for_distance(frame: &Frame) -> Vec<f64> {
         .collect();
     late.iter()
         .enumerate()
-        .map(|(i, l)| if l.is_finite() { films[(l / step).round() as usize].radiance()[i][0] } else { 0.0 })
+        .map(|(i, l)| {
+            if l.is_finite() {
+                films[(l / step).round() as usize].radiance()[i][0]
+            } else {
+                0.0
+            }
+        })
         .collect()
 }

@@ -133,7 +133,9 @@ impl SceneArguments {
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
-    let (width, height) = text.split_once(['x', '×']).ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
+    let (width, height) = text
+        .split_once(['x', '×'])
+        .ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
     let pixels = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0);
     match (pixels(width), pixels(height)) {
         (Some(width), Some(height)) => Ok([width, height]),
@@ -142,7 +144,9 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn assignment(text: &str) -> Result<(String, String), String> {
-    let (key, value) = text.split_once('=').ok_or("write KEY=VALUE, for instance camera.time=\"3 m\"")?;
+    let (key, value) = text
+        .split_once('=')
+        .ok_or("write KEY=VALUE, for instance camera.time=\"3 m\"")?;
     Ok((key.trim().into(), value.trim().into()))
 }
 
@@ -156,7 +160,10 @@ fn bytes(text: &str) -> Result<u64, String> {
         "t" | "tb" | "tib" => 1 << 40,
         other => return Err(format!("\"{other}\" is no unit of memory; write 16GiB")),
     };
-    let number = digits.trim().parse::<u64>().map_err(|e| format!("{e}; write 16GiB"))?;
+    let number = digits
+        .trim()
+        .parse::<u64>()
+        .map_err(|e| format!("{e}; write 16GiB"))?;
     number.checked_mul(unit).ok_or_else(|| "too large".into())
 }
 
@@ -165,5 +172,8 @@ fn aovs(text: &str) -> Result<AovList, String> {
 }
 
 fn aov_help() -> String {
-    format!("Auxiliary channels for EXR and npz, a list of: all, {}", aov::groups().join(", "))
+    format!(
+        "Auxiliary channels for EXR and npz, a list of: all, {}",
+        aov::groups().join(", ")
+    )
 }

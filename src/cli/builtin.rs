@@ -35,13 +35,25 @@ pub fn render() -> Result<()> {
     print("nullray: a pulse of light in a corner, at one moment: seen at rest, then at 0.9 c\n")?;
     let set = |key: &str, value: &str| (key.to_string(), value.to_string());
     let at_rest = Overrides {
-        set: vec![set("camera.velocity", "{ beta = [0.0, 0.0, 0.0] }"), set("camera.hfov", "\"90 deg\"")],
+        set: vec![
+            set("camera.velocity", "{ beta = [0.0, 0.0, 0.0] }"),
+            set("camera.hfov", "\"90 deg\""),
+        ],
         ..Overrides::default()
     };
-    one(&at_rest, Outputs { images: vec![directory.join("at-rest.png")], ..Outputs::default() })?;
+    one(
+        &at_rest,
+        Outputs {
+            images: vec![directory.join("at-rest.png")],
+            ..Outputs::default()
+        },
+    )?;
     let moving = Outputs {
         images: vec![directory.join("moving.png"), directory.join("moving.exr")],
-        isochrones: Some(Isochrones { path: directory.join("moving-isochrones.png"), step: None }),
+        isochrones: Some(Isochrones {
+            path: directory.join("moving-isochrones.png"),
+            step: None,
+        }),
         ..Outputs::default()
     };
     one(&Overrides::default(), moving)?;
@@ -49,7 +61,10 @@ pub fn render() -> Result<()> {
 }
 
 fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
-    let request = nullray::plan::Request { aovs: outputs.needs(), ..Default::default() };
+    let request = nullray::plan::Request {
+        aovs: outputs.needs(),
+        ..Default::default()
+    };
     print(&render::one(&scene(overrides)?, &request, &outputs, false)?)
 }
 

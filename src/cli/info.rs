@@ -1,4 +1,6 @@
 //! `nullray info`.
-use nullray::Result;
 use super::args::InfoArguments;
-pub fn run(_: &InfoArguments) -> Result<()> { Ok(()) }
+use nullray::Result;
+pub fn run(_: &InfoArguments) -> Result<()> {
+    Ok(())
+}

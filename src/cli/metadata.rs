@@ -17,15 +17,24 @@ pub fn metadata(scene: &Scene) -> Vec<(String, String)> {
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
         ("medium_index", scene.medium_index.to_string()),
         ("radiance_quantity", format!("{:?}", scene.quantity)),
-        ("camera_clock_zero_event", format!("{} {} {} {}", event.ct, event.x.x, event.x.y, event.x.z)),
+        (
+            "camera_clock_zero_event",
+            format!("{} {} {} {}", event.ct, event.x.x, event.x.y, event.x.z),
+        ),
         ("camera_rapidity", vector(camera.velocity.rapidity())),
         ("camera_time", camera.time.to_string()),
         ("camera_right", vector(right)),
         ("camera_up", vector(up)),
         ("camera_forward", vector(forward)),
-        ("camera_horizontal_fov_rad", camera.horizontal_fov.to_string()),
+        (
+            "camera_horizontal_fov_rad",
+            camera.horizontal_fov.to_string(),
+        ),
     ];
-    pairs.into_iter().map(|(key, value)| (key.into(), value)).collect()
+    pairs
+        .into_iter()
+        .map(|(key, value)| (key.into(), value))
+        .collect()
 }
 
 fn vector(v: glam::DVec3) -> String {
@@ -33,5 +42,8 @@ fn vector(v: glam::DVec3) -> String {
 }
 
 fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(text.as_bytes())
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }

@@ -8,8 +8,8 @@ mod metadata;
 mod output;
 mod plan;
 mod progress;
-mod render;
 mod reference;
+mod render;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -45,7 +45,9 @@ pub fn run() -> ExitCode {
 fn report(error: Error) -> ExitCode {
     match error {
         // The reader of a pipe has seen enough: "nullray info … | head".
-        Error::Io { ref source, .. } if source.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Error::Io { ref source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
         Error::Cancelled => {
             eprintln!("nullray: stopped; nothing was written");
             ExitCode::from(INTERRUPTED)

@@ -45,19 +45,32 @@ impl Outputs {
     pub fn check(&self) -> Result<()> {
         for path in &self.images {
             if !["png", "exr", "npz"].contains(&extension(path).as_str()) {
-                return Err(refused(path, "is not a kind of picture that nullray writes", "a name that ends in .png, .exr or .npz"));
+                return Err(refused(
+                    path,
+                    "is not a kind of picture that nullray writes",
+                    "a name that ends in .png, .exr or .npz",
+                ));
             }
             can_hold(path)?;
         }
         for path in self.isochrones.iter().map(|i| &i.path) {
             if extension(path) != "png" {
-                return Err(refused(path, "isochrones are a display picture", "a name that ends in .png"));
+                return Err(refused(
+                    path,
+                    "isochrones are a display picture",
+                    "a name that ends in .png",
+                ));
             }
             can_hold(path)?;
         }
         let only_display = self.images.iter().all(|p| extension(p) == "png");
         if only_display && !self.aovs.is_empty() {
-            return Err(Error::invalid("command line", "--aovs", "a .png holds no auxiliary channels", "an output -o FILE.exr or -o FILE.npz"));
+            return Err(Error::invalid(
+                "command line",
+                "--aovs",
+                "a .png holds no auxiliary channels",
+                "an output -o FILE.exr or -o FILE.npz",
+            ));
         }
         Ok(())
     }
@@ -68,7 +81,9 @@ impl Outputs {
         for path in &self.images {
             let note = match extension(path).as_str() {
                 "png" => display(path, scene, film)?,
-                "exr" => image::exr::write(path, &self.layers(scene, film)?).map(|()| String::new())?,
+                "exr" => {
+                    image::exr::write(path, &self.layers(scene, film)?).map(|()| String::new())?
+                }
                 _ => image::npz::write(path, &self.layers(scene, film)?).map(|()| String::new())?,
             };
             report += &format!("wrote {}{note}\n", path.display());
@@ -96,7 +111,13 @@ impl Isochrones {
         };
         let times = film.aov(RETARDED_TIME).unwrap_or_default();
         let picture = isochrones::draw(width, height, times, &options)?;
-        image::png::write(&self.path, picture.width, picture.height, &picture.rgb, &metadata(scene))
+        image::png::write(
+            &self.path,
+            picture.width,
+            picture.height,
+            &picture.rgb,
+            &metadata(scene),
+        )
     }
 }
 
@@ -111,13 +132,21 @@ fn display(path: &Path, scene: &Scene, film: &Film) -> Result<String> {
 }
 
 fn extension(path: &Path) -> String {
-    path.extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
+    path.extension()
+        .map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
 }
 
 fn can_hold(path: &Path) -> Result<()> {
-    let directory = path.parent().filter(|d| !d.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let directory = path
+        .parent()
+        .filter(|d| !d.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if !directory.is_dir() {
-        return Err(refused(path, "its directory does not exist", "a directory that exists"));
+        return Err(refused(
+            path,
+            "its directory does not exist",
+            "a directory that exists",
+        ));
     }
     if path.is_dir() {
         return Err(refused(path, "is a directory", "the name of a file"));

@@ -12,7 +12,13 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     if !arguments.json {
         return print(&plan.to_string());
     }
-    let json = serde_json::to_string_pretty(&plan)
-        .map_err(|e| Error::invalid(&scene.name, "plan", e.to_string(), "a plan that JSON can hold"))?;
+    let json = serde_json::to_string_pretty(&plan).map_err(|e| {
+        Error::invalid(
+            &scene.name,
+            "plan",
+            e.to_string(),
+            "a plan that JSON can hold",
+        )
+    })?;
     print(&(json + "\n"))
 }

@@ -17,14 +17,21 @@ impl Bar {
     /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
     pub fn new(rays: u64, quiet: bool) -> Self {
         let visible = !quiet && std::io::stderr().is_terminal();
-        let target = if visible { ProgressDrawTarget::stderr_with_hz(8) } else { ProgressDrawTarget::hidden() };
+        let target = if visible {
+            ProgressDrawTarget::stderr_with_hz(8)
+        } else {
+            ProgressDrawTarget::hidden()
+        };
         let bar = ProgressBar::with_draw_target(Some(rays), target);
         if let Ok(style) = ProgressStyle::with_template(
             "{bar:40} {percent:>3} %  {human_pos} of {human_len} rays  {per_sec}  {eta} left",
         ) {
             bar.set_style(style);
         }
-        Bar { bar, interrupt: Interrupt::install() }
+        Bar {
+            bar,
+            interrupt: Interrupt::install(),
+        }
     }
 
     /// Takes the bar away.

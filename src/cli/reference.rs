@@ -32,7 +32,10 @@ pub fn man(directory: Option<&Path>) -> Result<()> {
     write(directory, "nullray", command)?;
     for subcommand in subcommands.into_iter().filter(|c| c.get_name() != "help") {
         // "nullray-render", as clap names the built subcommand.
-        let name = subcommand.get_display_name().unwrap_or("nullray").to_string();
+        let name = subcommand
+            .get_display_name()
+            .unwrap_or("nullray")
+            .to_string();
         write(directory, &name, subcommand)?;
     }
     Ok(())
@@ -48,6 +51,8 @@ fn write(directory: &Path, name: &str, command: clap::Command) -> Result<()> {
 
 fn page(command: clap::Command) -> Result<Vec<u8>> {
     let mut text = Vec::new();
-    clap_mangen::Man::new(command).render(&mut text).map_err(Error::io("manual page", "cannot write"))?;
+    clap_mangen::Man::new(command)
+        .render(&mut text)
+        .map_err(Error::io("manual page", "cannot write"))?;
     Ok(text)
 }

@@ -26,8 +26,14 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     };
     let mut request = arguments.scene.request();
     request.aovs = outputs.needs();
-    let report = in_pool(arguments.threads, || one(&scene, &request, &outputs, arguments.quiet))?;
-    if arguments.quiet { Ok(()) } else { print(&report) }
+    let report = in_pool(arguments.threads, || {
+        one(&scene, &request, &outputs, arguments.quiet)
+    })?;
+    if arguments.quiet {
+        Ok(())
+    } else {
+        print(&report)
+    }
 }
 
 /// Renders one scene to its outputs; says what was written.
@@ -68,9 +74,14 @@ pub fn one(
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.
 fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
-    let Some(threads) = threads else { return work() };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
-    let pool = pool.map_err(|e| Error::invalid("command line", "--threads", e.to_string(), "fewer threads"))?;
+    let Some(threads) = threads else {
+        return work();
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build();
+    let pool = pool
+        .map_err(|e| Error::invalid("command line", "--threads", e.to_string(), "fewer threads"))?;
     pool.install(work)
 }
 
@@ -78,19 +89,25 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Vec<PathBuf> {
     if !arguments.output.is_empty() {
         return arguments.output.clone();
     }
-    let stem = std::path::Path::new(&scene.name).file_stem().unwrap_or("nullray".as_ref());
+    let stem = std::path::Path::new(&scene.name)
+        .file_stem()
+        .unwrap_or("nullray".as_ref());
     vec![PathBuf::from(stem).with_extension("png")]
 }
 
 fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Option<Isochrones> {
     let path = arguments.isochrones.clone()?;
-    let step = arguments.isochrone_step.map(|time| time.metres(scene.speed_of_light));
+    let step = arguments
+        .isochrone_step
+        .map(|time| time.metres(scene.speed_of_light));
     Some(Isochrones { path, step })
 }
 
 /// What part of the picture the data cover, in words; empty where nothing was missing.
 fn coverage(film: &Film) -> String {
-    let Some(c) = film.mean_coverage() else { return String::new() };
+    let Some(c) = film.mean_coverage() else {
+        return String::new();
+    };
     let parts = [
         (c.before, "before the first bin"),
         (c.after, "after the last bin"),
@@ -105,7 +122,11 @@ fn coverage(film: &Film) -> String {
     if missing.is_empty() {
         return String::new();
     }
-    format!("coverage {:.1} %; no data for {}\n", 100.0 * c.held, missing.join(", "))
+    format!(
+        "coverage {:.1} %; no data for {}\n",
+        100.0 * c.held,
+        missing.join(", ")
+    )
 }
 
 /// The retarded time, which isochrones need.

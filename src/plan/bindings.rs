@@ -31,7 +31,11 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
             SourceKind::Pulse(_) => pulses.push(index),
         }
     }
-    if pulses.is_empty() { Lit::Base } else { Lit::Pulses(pulses) }
+    if pulses.is_empty() {
+        Lit::Base
+    } else {
+        Lit::Pulses(pulses)
+    }
 }
 
 /// Which sources light anything.
@@ -69,14 +73,22 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
         Lit::Base => (has_images, has_images, "base colour".into()),
         Lit::Pulses(pulses) => {
             let names: Vec<_> = pulses.iter().map(name).collect();
-            (has_images, has_images, format!("base colour lit by {}", names.join(", ")))
+            (
+                has_images,
+                has_images,
+                format!("base colour lit by {}", names.join(", ")),
+            )
         }
         Lit::Cube(source) => {
             let SourceKind::Cube(cube) = &scene.sources[*source].kind else {
                 return (false, false, String::new());
             };
             match cube.mapping {
-                Mapping::Uv { set } => (true, false, format!("{} by texture coordinates {set}", name(source))),
+                Mapping::Uv { set } => (
+                    true,
+                    false,
+                    format!("{} by texture coordinates {set}", name(source)),
+                ),
                 Mapping::Capture(_) => (false, false, format!("{} by projection", name(source))),
             }
         }
@@ -87,14 +99,19 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
 pub(super) fn check_pulses(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     for (index, object) in objects.iter().enumerate() {
         for material in &object.materials {
-            let Lit::Pulses(pulses) = lit_by(scene, index, material) else { continue };
-            let other = |p: &&usize| scene.sources[**p].quantity != scene.sources[pulses[0]].quantity;
+            let Lit::Pulses(pulses) = lit_by(scene, index, material) else {
+                continue;
+            };
+            let other =
+                |p: &&usize| scene.sources[**p].quantity != scene.sources[pulses[0]].quantity;
             if let Some(other) = pulses.iter().find(other) {
                 return Err(Error::invalid(
                     &scene.name,
                     format!("source \"{}\", radiance", scene.sources[*other].name),
-                    format!("lights object \"{}\" with another quantity than source \"{}\"",
-                        object.name, scene.sources[pulses[0]].name),
+                    format!(
+                        "lights object \"{}\" with another quantity than source \"{}\"",
+                        object.name, scene.sources[pulses[0]].name
+                    ),
                     "pulses on one surface must declare the same quantity and wavelength",
                 ));
             }
@@ -106,10 +123,19 @@ pub(super) fn check_pulses(scene: &Scene, objects: &[PlannedObject]) -> Result<(
 /// Refuses sources that name materials which none of their objects has.
 pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     for source in &scene.sources {
-        let Binding::Only { objects: bound, materials } = &source.binding else { continue };
+        let Binding::Only {
+            objects: bound,
+            materials,
+        } = &source.binding
+        else {
+            continue;
+        };
         for material in materials {
-            let there: Vec<&str> =
-                bound.iter().flat_map(|o| &objects[*o].materials).map(String::as_str).collect();
+            let there: Vec<&str> = bound
+                .iter()
+                .flat_map(|o| &objects[*o].materials)
+                .map(String::as_str)
+                .collect();
             if !there.contains(&material.as_str()) {
                 return Err(Error::invalid(
                     &scene.name,

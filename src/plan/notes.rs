@@ -13,28 +13,87 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     let mut list = Vec::new();
     let mut skip = |condition: bool, what: &str, why: &str| {
         if condition {
-            list.push(Skipped { what: what.into(), why: why.into() });
+            list.push(Skipped {
+                what: what.into(),
+                why: why.into(),
+            });
         }
     };
     let still = plan.frames.iter().all(|f| f.gamma == 1.0);
-    skip(plan.view == ViewKind::Still, "boost of look directions", "the camera rests in the world");
-    skip(still, "boosts into rest frames", "all objects rest in the world");
-    skip(plan.frames.len() == 1, "loop over rest frames", "there is one rest frame");
-    skip(!plan.time_resolved, "time axis, retarded lookup, coverage", "no source varies with time");
-    skip(plan.rays.capture == 0, "visibility from a capture camera", "no source is projected");
-    skip(plan.rays.shadow_at_most == 0, "shadow rays", "no pulse with shadows, no projected source");
-    skip(plan.film.channels.is_empty(), "auxiliary channels", "none is asked for");
+    skip(
+        plan.view == ViewKind::Still,
+        "boost of look directions",
+        "the camera rests in the world",
+    );
+    skip(
+        still,
+        "boosts into rest frames",
+        "all objects rest in the world",
+    );
+    skip(
+        plan.frames.len() == 1,
+        "loop over rest frames",
+        "there is one rest frame",
+    );
+    skip(
+        !plan.time_resolved,
+        "time axis, retarded lookup, coverage",
+        "no source varies with time",
+    );
+    skip(
+        plan.rays.capture == 0,
+        "visibility from a capture camera",
+        "no source is projected",
+    );
+    skip(
+        plan.rays.shadow_at_most == 0,
+        "shadow rays",
+        "no pulse with shadows, no projected source",
+    );
+    skip(
+        plan.film.channels.is_empty(),
+        "auxiliary channels",
+        "none is asked for",
+    );
     let no_uvs = plan.objects.iter().all(|o| !o.uvs);
-    skip(no_uvs, "texture coordinates", "nothing is addressed by them");
+    skip(
+        no_uvs,
+        "texture coordinates",
+        "nothing is addressed by them",
+    );
     let unused_textures = plan.objects.iter().any(|o| o.images > 0 && !o.textures);
-    skip(unused_textures, "base colour textures of some objects", "their radiance comes from cubes");
-    skip(!scene.effects.aberration, "aberration", "turned off in the scene");
-    skip(!scene.effects.doppler, "Doppler shift of colours", "turned off in the scene");
-    skip(!scene.effects.searchlight, "searchlight factor", "turned off in the scene");
-    skip(!scene.effects.retardation, "delay of light", "turned off in the scene");
+    skip(
+        unused_textures,
+        "base colour textures of some objects",
+        "their radiance comes from cubes",
+    );
+    skip(
+        !scene.effects.aberration,
+        "aberration",
+        "turned off in the scene",
+    );
+    skip(
+        !scene.effects.doppler,
+        "Doppler shift of colours",
+        "turned off in the scene",
+    );
+    skip(
+        !scene.effects.searchlight,
+        "searchlight factor",
+        "turned off in the scene",
+    );
+    skip(
+        !scene.effects.retardation,
+        "delay of light",
+        "turned off in the scene",
+    );
     for (source, cube) in scene.sources.iter().zip(&plan.cubes) {
         let unused = matches!(source.kind, SourceKind::Cube(_)) && cube.is_none();
-        skip(unused, &format!("cube of source \"{}\"", source.name), "it lights no surface");
+        skip(
+            unused,
+            &format!("cube of source \"{}\"", source.name),
+            "it lights no surface",
+        );
     }
     list
 }
@@ -58,7 +117,10 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         ));
     }
     if scene.speed_of_light != crate::scene::model::SPEED_OF_LIGHT {
-        notes.push(format!("the speed of light of this scene is {} m/s", scene.speed_of_light));
+        notes.push(format!(
+            "the speed of light of this scene is {} m/s",
+            scene.speed_of_light
+        ));
     }
     notes
 }

@@ -29,7 +29,11 @@ impl Plan {
             ViewKind::Moving => "moving camera",
             ViewKind::Unaberrated => "moving camera without aberration",
         };
-        write!(f, "  film      {width} × {height} pixels, {} samples each, {view}", self.film.samples)?;
+        write!(
+            f,
+            "  film      {width} × {height} pixels, {} samples each, {view}",
+            self.film.samples
+        )?;
         if !self.film.channels.is_empty() {
             let names: Vec<_> = self.film.channels.iter().map(|a| a.name()).collect();
             write!(f, "; channels {}", names.join(", "))?;
@@ -47,9 +51,16 @@ impl Plan {
             };
             writeln!(f, "  frame     {motion}: {} triangles", frame.triangles)?;
             for object in frame.objects.iter().map(|o| &self.objects[*o]) {
-                let file = object.file.as_ref().map_or("shape".into(), |p| p.display().to_string());
+                let file = object
+                    .file
+                    .as_ref()
+                    .map_or("shape".into(), |p| p.display().to_string());
                 let radiance = object.radiance.join("; ");
-                writeln!(f, "    object  {} ({file}, {} triangles): {radiance}", object.name, object.triangles)?;
+                writeln!(
+                    f,
+                    "    object  {} ({file}, {} triangles): {radiance}",
+                    object.name, object.triangles
+                )?;
             }
         }
         Ok(())
@@ -97,5 +108,9 @@ pub(super) fn bytes(n: u64) -> String {
         value /= 1024.0;
         unit += 1;
     }
-    if unit == 0 { format!("{n} B") } else { format!("{value:.1} {}", UNITS[unit]) }
+    if unit == 0 {
+        format!("{n} B")
+    } else {
+        format!("{value:.1} {}", UNITS[unit])
+    }
 }

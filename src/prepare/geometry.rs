@@ -32,13 +32,29 @@ pub(super) fn frame(
         gathered.add(scene, index, mesh, origin, &emitters);
     }
     gathered.check(scene)?;
-    let Gathered { triangles, patches, culled, meshes } = gathered;
+    let Gathered {
+        triangles,
+        patches,
+        culled,
+        meshes,
+    } = gathered;
     let facing = |triangle: u32| {
-        let patch = patches.partition_point(|p| p.first <= triangle).saturating_sub(1);
-        if culled[patch] { Facing::FrontOnly } else { Facing::TwoSided }
+        let patch = patches
+            .partition_point(|p| p.first <= triangle)
+            .saturating_sub(1);
+        if culled[patch] {
+            Facing::FrontOnly
+        } else {
+            Facing::TwoSided
+        }
     };
     let bvh = Bvh::build(triangles, facing);
-    Ok(RestFrame { frame, bvh, patches, meshes })
+    Ok(RestFrame {
+        frame,
+        bvh,
+        patches,
+        meshes,
+    })
 }
 
 /// The mesh of an object in object coordinates, and the images of its file where they are wanted.
@@ -49,7 +65,10 @@ fn load(
 ) -> Result<(Mesh, Vec<gltf::EncodedImage>)> {
     let (mut mesh, images) = match &object.geometry {
         Geometry::Gltf { path, node } => {
-            let want = gltf::Want { uvs: planned.uvs, textures: planned.textures };
+            let want = gltf::Want {
+                uvs: planned.uvs,
+                textures: planned.textures,
+            };
             let imported = gltf::load(path, node.as_deref(), want)?;
             let named = |w: String| format!("{}: {w}", path.display());
             warnings.extend(imported.warnings.into_iter().map(named));
@@ -92,7 +111,8 @@ impl Gathered {
         let object_first = self.triangles.len() as u32;
         self.triangles.reserve_exact(mesh.triangles.len());
         for index in 0..mesh.triangles.len() as u32 {
-            self.triangles.push(mesh.corners(index).map(|p| p + origin.x));
+            self.triangles
+                .push(mesh.corners(index).map(|p| p + origin.x));
         }
         for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
             let double_sided = mesh.materials[part.material as usize].double_sided;

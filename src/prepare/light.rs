@@ -15,7 +15,9 @@ use crate::import::npy;
 use crate::mesh::{Material, Mesh};
 use crate::plan::{Lit, Plan, lit_by};
 use crate::render::Progress;
-use crate::scene::model::{Binding, CaptureCamera, Clock, CubeSource, Effects, Geometry, Mapping, Scene, SourceKind};
+use crate::scene::model::{
+    Binding, CaptureCamera, Clock, CubeSource, Effects, Geometry, Mapping, Scene, SourceKind,
+};
 use crate::spacetime::Quantity;
 use crate::time_texture::{Capture, Cube, SeenPoint, TimeAxis, TimeTexture};
 use crate::trace::{
@@ -33,18 +35,29 @@ pub(super) struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
-        Builder { scene, colours: Vec::new(), textures: Vec::new(), emitters: Vec::new() }
+        Builder {
+            scene,
+            colours: Vec::new(),
+            textures: Vec::new(),
+            emitters: Vec::new(),
+        }
     }
 
     /// Emitter indices for the materials of object `object`.
-    pub(super) fn materials(&mut self, object: usize, mesh: &Mesh, images: Vec<EncodedImage>) -> Result<Vec<u32>> {
+    pub(super) fn materials(
+        &mut self,
+        object: usize,
+        mesh: &Mesh,
+        images: Vec<EncodedImage>,
+    ) -> Result<Vec<u32>> {
         let first_texture = self.textures.len();
         let file = match &self.scene.objects[object].geometry {
             Geometry::Gltf { path, .. } => path.clone(),
             Geometry::Shape { .. } => PathBuf::new(),
         };
         for image in images {
-            self.textures.push(Texture::decode(&image.bytes, &image.place, &file)?);
+            self.textures
+                .push(Texture::decode(&image.bytes, &image.place, &file)?);
         }
         let has_textures = self.textures.len() > first_texture;
         let emitter = |material: &Material| {
@@ -58,7 +71,12 @@ impl<'a> Builder<'a> {
     }
 
     /// Loads the cubes that the plan lists and traces their capture cameras.
-    pub(super) fn finish(self, plan: &Plan, frames: &[RestFrame], progress: &dyn Progress) -> Result<Light> {
+    pub(super) fn finish(
+        self,
+        plan: &Plan,
+        frames: &[RestFrame],
+        progress: &dyn Progress,
+    ) -> Result<Light> {
         let scene = self.scene;
         let base = BaseColours {
             colours: self.colours,
@@ -87,11 +105,20 @@ impl<'a> Builder<'a> {
             Lit::Base => (Emitter::Base(colour), base.response),
             Lit::Pulses(pulses) => {
                 let quantity = scene.sources[pulses[0]].quantity;
-                (Emitter::Pulses { albedo: colour, pulses }, response(quantity, scene.effects))
+                (
+                    Emitter::Pulses {
+                        albedo: colour,
+                        pulses,
+                    },
+                    response(quantity, scene.effects),
+                )
             }
             Lit::Cube(source) => {
                 let emitter = sources[source].clone().unwrap_or(Emitter::Base(colour));
-                (emitter, response(scene.sources[source].quantity, scene.effects))
+                (
+                    emitter,
+                    response(scene.sources[source].quantity, scene.effects),
+                )
             }
         });
         let emitters = emitters.collect();
@@ -110,7 +137,10 @@ fn base_colour(material: &Material, first_texture: Option<usize>) -> BaseColour 
     let texture = first_texture
         .zip(material.texture.as_ref())
         .map(|(first, t)| (first + t.image, t.uv_set, t.wrap));
-    BaseColour { factor: material.base_colour.map(f64::from), texture }
+    BaseColour {
+        factor: material.base_colour.map(f64::from),
+        texture,
+    }
 }
 
 /// What an observer makes of radiance of `quantity` with these effects.
@@ -120,7 +150,10 @@ fn response(quantity: Quantity, effects: Effects) -> Response {
         (Quantity::Line { wavelength }, false) => Colouring::UnshiftedLine(wavelength),
         _ => Colouring::Channels,
     };
-    Response { scaled: effects.searchlight.then_some(quantity), colour }
+    Response {
+        scaled: effects.searchlight.then_some(quantity),
+        colour,
+    }
 }
 
 /// Cubes and capture cameras, each file loaded once.
@@ -132,7 +165,13 @@ struct Stores {
 }
 
 impl Stores {
-    fn cube(&mut self, scene: &Scene, source: usize, cube: &CubeSource, frames: &[RestFrame]) -> Result<Emitter> {
+    fn cube(
+        &mut self,
+        scene: &Scene,
+        source: usize,
+        cube: &CubeSource,
+        frames: &[RestFrame],
+    ) -> Result<Emitter> {
         let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?;
         let size = texture.size();
@@ -141,13 +180,30 @@ impl Stores {
         let clock = place.clock(cube.clock);
         let index = self.cubes.len() - 1;
         Ok(match &cube.mapping {
-            Mapping::Uv { set } => Emitter::Uv { cube: index, set: *set, clock },
+            Mapping::Uv { set } => Emitter::Uv {
+                cube: index,
+                set: *set,
+                clock,
+            },
             Mapping::Capture(camera) => {
-                let camera = CaptureCamera { eye: place.eye(camera.eye), ..camera.clone() };
+                let camera = CaptureCamera {
+                    eye: place.eye(camera.eye),
+                    ..camera.clone()
+                };
                 let warped = cube.clock == Clock::Capture;
                 let trace = |origin, direction| place.seen(origin, direction);
-                self.captures.push(Capture::new(&camera, size, warped, scene.medium_index, trace));
-                Emitter::Capture { cube: index, capture: self.captures.len() - 1, clock }
+                self.captures.push(Capture::new(
+                    &camera,
+                    size,
+                    warped,
+                    scene.medium_index,
+                    trace,
+                ));
+                Emitter::Capture {
+                    cube: index,
+                    capture: self.captures.len() - 1,
+                    clock,
+                }
             }
         })
     }
@@ -165,7 +221,12 @@ impl Stores {
 
 fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
     let place = format!("source \"{}\"", scene.sources[source].name);
-    Error::invalid(&scene.name, place, error.to_string(), "a cube (H, W, T) or (H, W, T, 1 or 3) and a time axis that fits it")
+    Error::invalid(
+        &scene.name,
+        place,
+        error.to_string(),
+        "a cube (H, W, T) or (H, W, T, 1 or 3) and a time axis that fits it",
+    )
 }
 
 /// The rest frame of the objects that a source is bound to, and the first of these objects.
@@ -218,7 +279,17 @@ impl<'a> Place<'a> {
 
     fn seen(&self, origin: DVec3, direction: DVec3) -> Option<SeenPoint> {
         let bvh = &self.rest?.bvh;
-        let hit = bvh.closest(&Ray { origin, direction, s_min: 0.0 }, f64::INFINITY)?;
-        Some(SeenPoint { distance: hit.s, normal: bvh.normal(&hit) })
+        let hit = bvh.closest(
+            &Ray {
+                origin,
+                direction,
+                s_min: 0.0,
+            },
+            f64::INFINITY,
+        )?;
+        Some(SeenPoint {
+            distance: hit.s,
+            normal: bvh.normal(&hit),
+        })
     }
 }

@@ -50,7 +50,7 @@
 //! ## Sources
 //!
 //! A source takes the place of the base colour as the radiance of the surfaces that it is bound to: all,
-//! or those of the named `objects` and `materials`. A surface has at most one source. A cube's samples
+//! or those of the named `objects` and `materials`. A surface has one cube, or any number of pulses. A cube's samples
 //! are addressed by texture coordinates (`uv`) or by projection into the camera that captured it
 //! (`capture`); that camera rests in the frame of the objects it captured, so that a source with
 //! `capture` is bound to objects of one frame. Its coordinates are the world's where those objects rest

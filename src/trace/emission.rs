@@ -223,7 +223,10 @@ impl Radiance for BaseColours {
 
     #[inline]
     fn emission<S: Surfaces>(&self, _: &S, point: &SurfacePoint) -> Emission {
-        Emission::full(self.radiance(point.patch.emitter as usize, point), self.response)
+        Emission::full(
+            self.radiance(point.patch.emitter as usize, point),
+            self.response,
+        )
     }
 }
 
@@ -256,17 +259,28 @@ impl Radiance for TimeResolved {
             Emitter::Base(colour) => Emission::full(self.base.radiance(*colour, point), *response),
             Emitter::Uv { cube, set, clock } => {
                 let uv = point.uv(*set).unwrap_or(DVec2::NAN);
-                Emission::stored(self.cubes[*cube].sample_uv(uv, clock.time(point)), *response)
+                Emission::stored(
+                    self.cubes[*cube].sample_uv(uv, clock.time(point)),
+                    *response,
+                )
             }
-            Emitter::Capture { cube, capture, clock } => {
-                Emission::stored(self.captured(*cube, *capture, clock.time(point), point), *response)
-            }
+            Emitter::Capture {
+                cube,
+                capture,
+                clock,
+            } => Emission::stored(
+                self.captured(*cube, *capture, clock.time(point), point),
+                *response,
+            ),
             Emitter::Pulses { albedo, pulses } => {
                 let albedo = self.base.radiance(*albedo, point);
                 let (irradiance, wavelength_scale) = self.irradiance(surfaces, pulses, point);
                 let radiance =
                     std::array::from_fn(|c| albedo[c] * irradiance[c] / std::f64::consts::PI);
-                Emission { wavelength_scale, ..Emission::full(radiance, *response) }
+                Emission {
+                    wavelength_scale,
+                    ..Emission::full(radiance, *response)
+                }
             }
         }
     }
@@ -276,9 +290,16 @@ impl TimeResolved {
     /// What the capture camera recorded of `point`, as far as it saw it. The capture camera rests in
     /// the point's frame, and so does all that can stand between them.
     fn captured(&self, cube: usize, capture: usize, t: f64, point: &SurfacePoint) -> Sampled {
-        let captured = CapturePoint { position: point.rest_event().x, normal: point.facing_normal() };
+        let captured = CapturePoint {
+            position: point.rest_event().x,
+            normal: point.facing_normal(),
+        };
         let occluded = |from: DVec3, eye: DVec3| {
-            let ray = Ray { origin: from, direction: eye - from, s_min: 0.0 };
+            let ray = Ray {
+                origin: from,
+                direction: eye - from,
+                s_min: 0.0,
+            };
             point.rest.bvh.any(&ray, 1.0, Some(point.hit.triangle))
         };
         self.cubes[cube].sample_capture(&self.captures[capture], &captured, t, occluded)
@@ -295,7 +316,9 @@ impl TimeResolved {
         let mut sum = [0.0; 3];
         let (mut weight, mut weighted) = (0.0, 0.0);
         for (pulse, quantity) in pulses.iter().filter_map(|k| self.pulses[*k].as_ref()) {
-            let Some(light) = self.incident(surfaces, pulse, *quantity, point) else { continue };
+            let Some(light) = self.incident(surfaces, pulse, *quantity, point) else {
+                continue;
+            };
             for c in 0..3 {
                 sum[c] += light.irradiance[c];
                 weight += light.irradiance[c];
@@ -316,7 +339,8 @@ impl TimeResolved {
         let event = point.event();
         let to_source = pulse.origin.x - event.x;
         let r = to_source.length();
-        let strength = gaussian((event.ct - self.index * r - pulse.origin.ct) / pulse.sigma) / pulse.sigma;
+        let strength =
+            gaussian((event.ct - self.index * r - pulse.origin.ct) / pulse.sigma) / pulse.sigma;
         let d = Direction::<World>::new(to_source)?;
         let (d_rest, rho) = surfaces.turned(point.frame, d);
         let cosine = point.facing_normal().dot(d_rest.unit());

@@ -71,7 +71,8 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         film: &mut TileFilm,
     ) {
         self.shoot(tile, index, buffers);
-        self.surfaces.nearest(&buffers.directions, &mut buffers.scratch);
+        self.surfaces
+            .nearest(&buffers.directions, &mut buffers.scratch);
         for pixel in 0..tile.pixels() {
             self.develop(pixel, recorder, buffers, film);
         }
@@ -84,7 +85,9 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         buffers.ratios.clear();
         for (column, row) in tile.coordinates() {
             let offset = self.sampler.offset(column, row, index);
-            let (d, w) = self.view.look(column as f64 + offset[0], row as f64 + offset[1]);
+            let (d, w) = self
+                .view
+                .look(column as f64 + offset[0], row as f64 + offset[1]);
             buffers.offsets.push(offset);
             buffers.directions.push(d);
             buffers.ratios.push(w);
@@ -93,7 +96,13 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// Adds what one ray has met to its pixel.
     #[inline]
-    fn develop<A: Recorder>(&self, pixel: usize, recorder: &A, buffers: &Buffers, film: &mut TileFilm) {
+    fn develop<A: Recorder>(
+        &self,
+        pixel: usize,
+        recorder: &A,
+        buffers: &Buffers,
+        film: &mut TileFilm,
+    ) {
         let d = buffers.directions[pixel];
         let Some(found) = buffers.scratch.found[pixel] else {
             film.add::<R>(pixel, self.unmet());
@@ -104,7 +113,13 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         let (_, rho) = self.surfaces.turned(found.frame, d);
         let w = WavelengthRatio(buffers.ratios[pixel] * rho);
         film.add::<R>(pixel, self.observe(&point, w));
-        recorder.record(pixel, buffers.offsets[pixel], d, Some(&Seen { point, w }), film);
+        recorder.record(
+            pixel,
+            buffers.offsets[pixel],
+            d,
+            Some(&Seen { point, w }),
+            film,
+        );
     }
 
     fn point(&self, found: Found, d: Direction<World>) -> SurfacePoint<'_> {
@@ -120,17 +135,26 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
     }
 
     fn unmet(&self) -> Observed {
-        Observed { radiance: self.background, coverage: Coverage::HELD }
+        Observed {
+            radiance: self.background,
+            coverage: Coverage::HELD,
+        }
     }
 
     /// Observed radiance of a surface point seen with wavelength ratio `w`.
     #[inline]
     fn observe(&self, point: &SurfacePoint, w: WavelengthRatio) -> Observed {
         if point.patch.black_back && !point.hit.front {
-            return Observed { radiance: [0.0; 3], coverage: Coverage::HELD };
+            return Observed {
+                radiance: [0.0; 3],
+                coverage: Coverage::HELD,
+            };
         }
         let emission = self.radiance.emission(&self.surfaces, point);
-        let factor = emission.response.scaled.map_or(1.0, |q| q.radiance_factor(w));
+        let factor = emission
+            .response
+            .scaled
+            .map_or(1.0, |q| q.radiance_factor(w));
         let colour = emission.colour(w);
         Observed {
             radiance: std::array::from_fn(|c| emission.unscaled[c] + factor * colour[c]),
@@ -145,7 +169,9 @@ impl Emission {
     fn colour(&self, w: WavelengthRatio) -> [f64; 3] {
         match self.response.colour {
             Colouring::Channels => self.radiance,
-            Colouring::ShiftedLine(wavelength) => self.line(wavelength * self.wavelength_scale * w.0),
+            Colouring::ShiftedLine(wavelength) => {
+                self.line(wavelength * self.wavelength_scale * w.0)
+            }
             Colouring::UnshiftedLine(wavelength) => self.line(wavelength),
         }
     }

@@ -33,7 +33,15 @@ pub struct NoAovs;
 
 impl Recorder for NoAovs {
     #[inline]
-    fn record(&self, _: usize, _: [f64; 2], _: Direction<World>, _: Option<&Seen>, _: &mut TileFilm) {}
+    fn record(
+        &self,
+        _: usize,
+        _: [f64; 2],
+        _: Direction<World>,
+        _: Option<&Seen>,
+        _: &mut TileFilm,
+    ) {
+    }
 }
 
 /// The listed channels.
@@ -54,7 +62,9 @@ impl Recorder for AovRecorder {
     ) {
         let nearest = film.is_nearest_to_centre(pixel, offset, seen.is_some());
         for (channel, aov) in self.channels.iter().enumerate() {
-            let Some(value) = value(*aov, d, seen) else { continue };
+            let Some(value) = value(*aov, d, seen) else {
+                continue;
+            };
             if !aov.is_of_one_sample() {
                 film.add_aov(channel, pixel, value);
             } else if nearest {

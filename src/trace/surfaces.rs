@@ -77,7 +77,14 @@ pub trait Surfaces: Sync {
 
     /// Whether anything but triangle `skip.1` of frame `skip.0` is met from the event `from` along `d`
     /// in a medium of index `index` within `0 < s < distance`.
-    fn occluded(&self, from: Event<World>, d: Direction<World>, index: f64, distance: f64, skip: (u32, u32)) -> bool;
+    fn occluded(
+        &self,
+        from: Event<World>,
+        d: Direction<World>,
+        index: f64,
+        distance: f64,
+        skip: (u32, u32),
+    ) -> bool;
 }
 
 /// Buffers of one tile, reused from batch to batch.
@@ -109,7 +116,11 @@ pub struct Frames<'a> {
 impl<'a> Still<'a> {
     /// `rest` seen from `camera` in a medium of index `index`.
     pub fn new(rest: &'a RestFrame, camera: Event<World>, index: f64) -> Self {
-        Still { rest, origin: shifted(rest, camera), index }
+        Still {
+            rest,
+            origin: shifted(rest, camera),
+            index,
+        }
     }
 }
 
@@ -123,7 +134,9 @@ impl Surfaces for Still<'_> {
     fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
         scratch.start(directions.len());
         scratch.local.extend(directions.iter().map(|d| d.unit()));
-        self.rest.bvh.closest_many(self.origin.x, &scratch.local, &mut scratch.hits);
+        self.rest
+            .bvh
+            .closest_many(self.origin.x, &scratch.local, &mut scratch.hits);
         scratch.merge(0);
     }
 
@@ -134,7 +147,10 @@ impl Surfaces for Still<'_> {
 
     #[inline]
     fn local(&self, _: u32, d: Direction<World>) -> NullRay<Rest> {
-        NullRay { origin: self.origin, tangent: Displacement::new(-self.index, d.unit()) }
+        NullRay {
+            origin: self.origin,
+            tangent: Displacement::new(-self.index, d.unit()),
+        }
     }
 
     #[inline]
@@ -142,8 +158,19 @@ impl Surfaces for Still<'_> {
         (Direction::from_unit(d.unit()), 1.0)
     }
 
-    fn occluded(&self, from: Event<World>, d: Direction<World>, _: f64, distance: f64, skip: (u32, u32)) -> bool {
-        let ray = Ray { origin: shifted(self.rest, from).x, direction: d.unit(), s_min: 0.0 };
+    fn occluded(
+        &self,
+        from: Event<World>,
+        d: Direction<World>,
+        _: f64,
+        distance: f64,
+        skip: (u32, u32),
+    ) -> bool {
+        let ray = Ray {
+            origin: shifted(self.rest, from).x,
+            direction: d.unit(),
+            s_min: 0.0,
+        };
         self.rest.bvh.any(&ray, distance, Some(skip.1))
     }
 }
@@ -151,8 +178,15 @@ impl Surfaces for Still<'_> {
 impl<'a> Frames<'a> {
     /// `rests` seen from `camera` in a medium of index `index`.
     pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
-        let origins = rests.iter().map(|r| r.frame.event_from_world(camera)).collect();
-        Frames { rests, origins, index }
+        let origins = rests
+            .iter()
+            .map(|r| r.frame.event_from_world(camera))
+            .collect();
+        Frames {
+            rests,
+            origins,
+            index,
+        }
     }
 }
 
@@ -162,8 +196,11 @@ impl Surfaces for Frames<'_> {
         for (k, (rest, origin)) in self.rests.iter().zip(&self.origins).enumerate() {
             let boost = rest.frame.frame_from_world();
             scratch.local.clear();
-            scratch.local.extend(directions.iter().map(|d| boost.tangent(self.index, *d).x));
-            rest.bvh.closest_many(origin.x, &scratch.local, &mut scratch.hits);
+            scratch
+                .local
+                .extend(directions.iter().map(|d| boost.tangent(self.index, *d).x));
+            rest.bvh
+                .closest_many(origin.x, &scratch.local, &mut scratch.hits);
             scratch.merge(k as u32);
         }
     }
@@ -176,19 +213,37 @@ impl Surfaces for Frames<'_> {
     #[inline]
     fn local(&self, frame: u32, d: Direction<World>) -> NullRay<Rest> {
         let boost = self.rests[frame as usize].frame.frame_from_world();
-        NullRay { origin: self.origins[frame as usize], tangent: boost.tangent(self.index, d) }
+        NullRay {
+            origin: self.origins[frame as usize],
+            tangent: boost.tangent(self.index, d),
+        }
     }
 
     #[inline]
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        self.rests[frame as usize].frame.frame_from_world().direction(d)
+        self.rests[frame as usize]
+            .frame
+            .frame_from_world()
+            .direction(d)
     }
 
-    fn occluded(&self, from: Event<World>, d: Direction<World>, index: f64, distance: f64, skip: (u32, u32)) -> bool {
+    fn occluded(
+        &self,
+        from: Event<World>,
+        d: Direction<World>,
+        index: f64,
+        distance: f64,
+        skip: (u32, u32),
+    ) -> bool {
         self.rests.iter().enumerate().any(|(k, rest)| {
             let local = rest.frame.ray_from_world(from, d, index);
-            let ray = Ray { origin: local.origin.x, direction: local.tangent.x, s_min: 0.0 };
-            rest.bvh.any(&ray, distance, (k as u32 == skip.0).then_some(skip.1))
+            let ray = Ray {
+                origin: local.origin.x,
+                direction: local.tangent.x,
+                s_min: 0.0,
+            };
+            rest.bvh
+                .any(&ray, distance, (k as u32 == skip.0).then_some(skip.1))
         })
     }
 }

@@ -34,7 +34,9 @@ impl Frame {
 }
 
 fn data(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/transient").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/transient")
+        .join(name)
 }
 
 /// All instant frames.
@@ -53,7 +55,13 @@ fn frame(line: &str) -> Frame {
         hfov: n[6],
         beta: [n[7], n[8], n[9]],
         time: n[10],
-        limit: Limit { linear: n[11], cubic: n[12], means: n[13], world_interior: n[14], camera_interior: n[15] },
+        limit: Limit {
+            linear: n[11],
+            cubic: n[12],
+            means: n[13],
+            world_interior: n[14],
+            camera_interior: n[15],
+        },
     }
 }
 

@@ -1,13 +1,13 @@
 //! Bytes of buffers, wherever they lie. Nothing is read before it is asked for, and only the range
 //! that is asked for, so that memory follows what is used of a file and not what it claims.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 
 use ::gltf::json;
 
 use super::document::Document;
 use super::uri::{self, Target};
+use crate::files::Reader;
 use crate::import::file::open_regular;
 use crate::{Error, Result};
 
@@ -28,7 +28,7 @@ pub(super) struct Buffers<'d, 'a> {
 enum Blob {
     /// In the document's own storage, from this offset.
     Chunk(u64),
-    File(File),
+    File(Reader),
     Memory(Vec<u8>),
 }
 
@@ -156,7 +156,7 @@ fn read_at(
 /// What a URI gives: data, or an open file and its length.
 pub(super) enum Resource {
     Data(Vec<u8>),
-    File(File, u64),
+    File(Reader, u64),
 }
 
 /// Resolves `uri` against the document's directory.

@@ -1,6 +1,5 @@
 //! A parsed document whose data are still in their files, and how its parts are named in messages.
 
-use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
@@ -36,7 +35,7 @@ pub(super) struct Document<'a> {
 impl Document<'static> {
     pub fn open(path: &Path) -> Result<Self> {
         let (file, length) = open_regular(path)?;
-        let storage = BufReader::<File>::new(file);
+        let storage = BufReader::new(file);
         let mut document = Document::parse(Box::new(storage), length, path)?;
         document.directory = Some(path.parent().unwrap_or(Path::new("")).to_path_buf());
         Ok(document)

@@ -9,7 +9,7 @@ use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::units::{Angle, Time};
 
 /// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It takes
-/// the place of the base colour as the surface's radiance; a surface has at most one source.
+/// the place of the base colour as the surface's radiance; a surface has one cube, or any number of pulses.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
@@ -56,7 +56,8 @@ pub(in crate::scene) struct Cube {
     /// Default: "per_bin".
     #[serde(default = "Cube::values")]
     pub values: BinValues,
-    /// Reconstruction along time: "nearest", "linear" or "cubic". Default: "linear".
+    /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
+    /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "linear".
     #[serde(default = "Cube::filter")]
     pub filter: TimeFilter,
     /// Factor on all values. Default: 1.
@@ -119,6 +120,7 @@ pub(in crate::scene) enum TimeFilter {
     Nearest,
     Linear,
     Cubic,
+    CubicMeans,
 }
 
 /// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its

@@ -1,4 +1,5 @@
-//! Which surfaces a source is bound to. A surface takes its radiance from one source at most.
+//! Which surfaces a source is bound to. A surface takes its radiance from one cube, or reflects any
+//! number of pulses, or else has its base colour.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -12,7 +13,7 @@ use crate::scene::model::{Binding, Object};
 use crate::scene::suggest::nearest;
 use crate::units::quoted;
 
-/// Surfaces (objects × materials) that sources may name one by one, in total.
+/// Surfaces (objects × materials) that sources may be bound to, in total.
 const MOST_SURFACES: usize = 1 << 20;
 
 /// The surfaces that sources have been bound to so far.
@@ -21,10 +22,26 @@ pub(super) struct Bindings<'a> {
     objects: &'a [Object],
     index: HashMap<&'a str, usize>,
     /// By object: all its surfaces, or some.
-    whole: HashMap<usize, Range<usize>>,
-    partly: HashMap<usize, Range<usize>>,
+    whole: HashMap<usize, Claim>,
+    partly: HashMap<usize, Claim>,
     /// By object and material.
-    surfaces: HashMap<(usize, &'a str), Range<usize>>,
+    surfaces: HashMap<(usize, &'a str), Claim>,
+    /// How many surfaces all sources have named.
+    claimed: usize,
+}
+
+/// A source that has a surface.
+#[derive(Debug, Clone)]
+struct Claim {
+    span: Range<usize>,
+    /// Cubes share with nobody; pulses with pulses.
+    exclusive: bool,
+}
+
+impl Claim {
+    fn excludes(&self, other: &Claim) -> bool {
+        self.exclusive || other.exclusive
+    }
 }
 
 impl<'a> Bindings<'a> {
@@ -37,6 +54,7 @@ impl<'a> Bindings<'a> {
             whole: HashMap::new(),
             partly: HashMap::new(),
             surfaces: HashMap::new(),
+            claimed: 0,
         }
     }
 
@@ -141,41 +159,51 @@ impl<'a> Bindings<'a> {
         bound: &[usize],
         materials: &[&'a str],
     ) -> Result<()> {
-        let here = span(at);
+        let here = Claim {
+            span: span(at),
+            exclusive: at.value.cube.is_some(),
+        };
+        self.claimed += bound.len().saturating_mul(materials.len().max(1));
+        if self.claimed > MOST_SURFACES {
+            let what = "the sources name too many surfaces (objects × materials)";
+            let help = format!("name at most {MOST_SURFACES} in all");
+            return Err(self.cx.report.refuse(&here.span, what, help));
+        }
         for &object in bound {
             let taken = match materials.is_empty() {
                 true => self.claim_whole(object, &here),
                 false => self.claim_materials(object, materials, &here),
             };
             if let Some(other) = taken {
-                return Err(self.taken(&here, &other, object));
-            }
-            if self.surfaces.len() > MOST_SURFACES {
-                let what = "the sources name too many surfaces (objects × materials)";
-                let help = format!("name at most {MOST_SURFACES} in all");
-                return Err(self.cx.report.refuse(&here, what, help));
+                return Err(self.taken(&here.span, &other.span, object));
             }
         }
         Ok(())
     }
 
     /// The source that has some of the object already, if any.
-    fn claim_whole(&mut self, object: usize, here: &Range<usize>) -> Option<Range<usize>> {
+    fn claim_whole(&mut self, object: usize, here: &Claim) -> Option<Claim> {
         let partly = self.partly.get(&object).cloned();
-        self.whole.insert(object, here.clone()).or(partly)
+        let whole = self.whole.insert(object, here.clone());
+        whole
+            .into_iter()
+            .chain(partly)
+            .find(|other| other.excludes(here))
     }
 
     fn claim_materials(
         &mut self,
         object: usize,
         materials: &[&'a str],
-        here: &Range<usize>,
-    ) -> Option<Range<usize>> {
+        here: &Claim,
+    ) -> Option<Claim> {
         self.partly.insert(object, here.clone());
         let whole = self.whole.get(&object).cloned();
         let claimed = materials.iter().take(MOST_SURFACES + 1);
         let mut earlier = claimed.map(|name| self.surfaces.insert((object, name), here.clone()));
-        whole.or_else(|| earlier.find_map(|taken| taken))
+        whole
+            .filter(|other| other.excludes(here))
+            .or_else(|| earlier.find_map(|taken| taken.filter(|other| other.excludes(here))))
     }
 
     fn taken(&self, here: &Range<usize>, other: &Range<usize>, object: usize) -> crate::Error {
@@ -184,8 +212,8 @@ impl<'a> Bindings<'a> {
             "two sources are bound to the same surface of {}",
             quoted(name)
         );
-        let help = "a surface takes its radiance from one source: tell them apart by `objects` or \
-                    `materials`";
+        let help = "a surface takes its radiance from one cube, or reflects pulses: tell the sources \
+                    apart by `objects` or `materials`";
         let other = (other, "the other source");
         self.cx.report.refuse_two(here, other, what, help)
     }

@@ -71,8 +71,8 @@ mod tests {
 
     use glam::DVec3;
 
-    use super::super::gltf_camera::GltfCamera;
     use super::*;
+    use crate::import::gltf::GltfCamera;
     use crate::scene::report::Report;
 
     /// A camera of the file with a vertical field of view of 90 degrees and no aspect ratio.
@@ -83,6 +83,7 @@ mod tests {
             axes: [DVec3::X, DVec3::Y, DVec3::NEG_Z],
             horizontal_fov: None,
             vertical_fov: std::f64::consts::FRAC_PI_2,
+            aspect: None,
         })
     }
 

@@ -1,9 +1,11 @@
 //! What every part of resolution asks: times in metres, positive numbers, colours, paths.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::gltf_camera::{self, GltfCamera};
 use crate::error::{Error, Result};
+use crate::files;
+use crate::import::gltf::{self, GltfCamera};
 use crate::scene::at::At;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
@@ -38,7 +40,7 @@ impl<'a> Context<'a> {
             report,
             base,
             speed_of_light,
-            read_gltf_camera: gltf_camera::resolve_gltf_camera,
+            read_gltf_camera: gltf::camera,
         })
     }
 
@@ -158,9 +160,9 @@ impl<'a> Context<'a> {
             let what = format!("{} is neither a .{a} nor a .{b} file", quoted(&file.value));
             return Err(self.refuse(file, what, format!("name a .{a} or .{b} file")));
         }
-        let problem = match std::fs::metadata(&path) {
-            Ok(metadata) if metadata.is_file() => return Ok(path),
-            Ok(_) => "this is not a file".to_string(),
+        let problem = match files::length(&path) {
+            Ok(_) => return Ok(path),
+            Err(error) if error.kind() == ErrorKind::InvalidInput => error.to_string(),
             Err(error) => format!("cannot find this file: {error}"),
         };
         let folder = match self.base.as_os_str().is_empty() {

@@ -4,7 +4,6 @@
 mod binding;
 mod camera;
 mod context;
-mod gltf_camera;
 mod object;
 mod pose;
 mod radiance;

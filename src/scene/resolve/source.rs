@@ -103,6 +103,7 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
             file::TimeFilter::Nearest => TimeFilter::Nearest,
             file::TimeFilter::Linear => TimeFilter::Linear,
             file::TimeFilter::Cubic => TimeFilter::Cubic,
+            file::TimeFilter::CubicMeans => TimeFilter::CubicMeans,
         },
         scale: cube.scale.0,
     })

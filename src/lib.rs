@@ -1,5 +1,6 @@
 //! nullray
 
+pub mod accel;
 pub mod error;
 pub mod mesh;
 pub mod scene;

@@ -1,0 +1,177 @@
+//! From triangles to a tree: obvhs builds it over f32 boxes, and its nodes are laid out anew.
+
+use std::time::Duration;
+
+use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ploc::{PlocSearchDistance, SortPrecision};
+use rayon::prelude::*;
+use robust::{Coord, orient2d};
+
+use super::query::Tag;
+use super::slab::{Lattice, Link, Node, power_of_two};
+use super::{Bvh, Facing};
+
+/// Chosen by measuring with `benches/visibility.rs`: small leaves, since the f64 test of a triangle
+/// costs more than that of two boxes; reinsertion beyond 0.1 multiplies the time to build for 3 % of
+/// speed; splitting triangles would break the memory budget.
+const PARAMETERS: BvhBuildParams = BvhBuildParams {
+    pre_split: false,
+    ploc_search_distance: PlocSearchDistance::Medium,
+    search_depth_threshold: 3,
+    reinsertion_batch_ratio: 0.1,
+    post_collapse_reinsertion_batch_ratio_multiplier: 2.0,
+    sort_precision: SortPrecision::U64,
+    max_prims_per_leaf: 2,
+    collapse_traversal_cost: 1.0,
+};
+
+impl Bvh {
+    /// Builds the tree over `triangles`: their corners in metres, relative to the rest frame's origin.
+    /// A triangle's id is its index; `facing` says which of its sides are there.
+    ///
+    /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
+    /// are never hit. At most [`Bvh::MAX_TRIANGLES`] are looked at.
+    pub fn build(triangles: Vec<[DVec3; 3]>, facing: impl Fn(u32) -> Facing) -> Bvh {
+        let count = triangles.len().min(Bvh::MAX_TRIANGLES);
+        let solid = solid_triangles(&triangles[..count]);
+        let Some((lo, hi)) = bounds(&triangles, &solid) else {
+            return Bvh::empty();
+        };
+        let lattice = Lattice::new(lo, hi);
+        let tree = build_tree(&triangles, &solid, &lattice);
+        let layout = Layout::of(&tree);
+        drop(tree);
+        let ids: Vec<u32> = layout.order.iter().map(|&i| solid[i as usize]).collect();
+        drop(solid);
+        let corners = ids.par_iter().map(|&id| triangles[id as usize]).collect();
+        drop(triangles);
+        let tags = ids
+            .iter()
+            .map(|&id| Tag::new(id, facing(id)))
+            .collect::<Vec<_>>();
+        let mut bvh = Bvh {
+            corners,
+            tags,
+            nodes: layout.nodes,
+            depth: layout.depth,
+            lattice,
+            bounds: (lo, hi),
+        };
+        for &slot in &layout.last_of_leaf {
+            bvh.tags[slot as usize].end_leaf();
+        }
+        bvh
+    }
+}
+
+/// The indices of the triangles that a ray can meet.
+fn solid_triangles(triangles: &[[DVec3; 3]]) -> Vec<u32> {
+    let ids = 0..triangles.len() as u32;
+    ids.into_par_iter()
+        .filter(|&id| is_in_range(&triangles[id as usize]) && has_area(&triangles[id as usize]))
+        .collect()
+}
+
+fn is_in_range(corners: &[DVec3; 3]) -> bool {
+    let limit = DVec3::splat(power_of_two(300));
+    // False for NaN.
+    corners.iter().all(|c| c.abs().cmple(limit).all())
+}
+
+/// Whether the corners are not on one line: exactly so, by the three projections.
+fn has_area(corners: &[DVec3; 3]) -> bool {
+    let projected = |x: usize, y: usize| {
+        let [a, b, c] = corners.map(|c| Coord { x: c[x], y: c[y] });
+        orient2d(a, b, c)
+    };
+    projected(0, 1) != 0.0 || projected(1, 2) != 0.0 || projected(2, 0) != 0.0
+}
+
+fn bounds(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<(DVec3, DVec3)> {
+    ids.par_iter()
+        .map(|&id| {
+            let [a, b, c] = triangles[id as usize];
+            (a.min(b).min(c), a.max(b).max(c))
+        })
+        .reduce_with(|x, y| (x.0.min(y.0), x.1.max(y.1)))
+}
+
+fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], lattice: &Lattice) -> Bvh2 {
+    let boxes: Vec<Aabb> = ids
+        .par_iter()
+        .map(|&id| {
+            let (lo, hi) = lattice.bounds(&triangles[id as usize]);
+            Aabb::new(Vec3A::from(lo), Vec3A::from(hi))
+        })
+        .collect();
+    build_bvh2(&boxes, PARAMETERS, &mut Duration::default())
+}
+
+/// Nodes and leaves in the order of a depth-first walk.
+struct Layout {
+    nodes: Vec<Node>,
+    /// What obvhs calls a primitive, by slot.
+    order: Vec<u32>,
+    last_of_leaf: Vec<u32>,
+    /// Levels of nodes.
+    depth: usize,
+}
+
+impl Layout {
+    fn of(tree: &Bvh2) -> Layout {
+        let inner = tree.nodes.len() / 2;
+        let mut layout = Layout {
+            nodes: Vec::with_capacity(inner.max(1)),
+            order: Vec::with_capacity(tree.primitive_indices.len()),
+            last_of_leaf: Vec::with_capacity(inner + 1),
+            depth: 1,
+        };
+        layout.nodes.push(Node::NOTHING);
+        match tree.nodes.first() {
+            Some(root) if root.is_leaf() => layout.set_child(tree, 0, 0, 0),
+            Some(root) => layout.walk(tree, root.first_index as usize),
+            None => {}
+        }
+        layout
+    }
+
+    /// Lays out all that is below the pair of children `pair`, which are those of node 0.
+    fn walk(&mut self, tree: &Bvh2, pair: usize) {
+        let mut pending = vec![(pair, 0, 1)];
+        while let Some((pair, node, depth)) = pending.pop() {
+            self.depth = self.depth.max(depth);
+            for side in [0, 1] {
+                self.set_child(tree, pair + side, node, side);
+            }
+            for side in [1, 0] {
+                let child = &tree.nodes[pair + side];
+                if !child.is_leaf() {
+                    let index = self.nodes[node].links[side].index();
+                    pending.push((child.first_index as usize, index, depth + 1));
+                }
+            }
+        }
+    }
+
+    /// Makes `tree.nodes[source]` the child of `node` on `side`.
+    fn set_child(&mut self, tree: &Bvh2, source: usize, node: usize, side: usize) {
+        let child = &tree.nodes[source];
+        let link = if child.is_leaf() {
+            let first = child.first_index as usize;
+            let slot = self.order.len();
+            let primitives = &tree.primitive_indices[first..first + child.prim_count as usize];
+            self.order.extend_from_slice(primitives);
+            self.last_of_leaf.push(self.order.len() as u32 - 1);
+            Link::leaf(slot)
+        } else {
+            self.nodes.push(Node::NOTHING);
+            Link::inner(self.nodes.len() - 1)
+        };
+        let (lo, hi) = (child.aabb().min.to_array(), child.aabb().max.to_array());
+        self.nodes[node].set_child(side, link, lo, hi);
+    }
+}

@@ -1,0 +1,203 @@
+//! Determinants without rounding, for the few rays that floating point cannot decide.
+//!
+//! A sum of products of three f64 is held as an *expansion*: f64 components of increasing size whose
+//! exact sum is the value, none adjacent to the next (Shewchuk, Discrete Comput. Geom. 18, 1997:
+//! Two-Sum, Two-Product, Grow-Expansion). A component outweighs all below it together, so that the
+//! sum taken from the small end has the sign of the value, and zero stands for exactly zero.
+//! Exact as long as no partial product leaves the range of f64, which holds for coordinates below
+//! 2³⁰⁰ in size whose products of three stay above 2⁻⁹⁰⁰.
+//!
+//! The `robust` crate decides signs of differences of representable points only. Here corners are
+//! relative to a ray origin, a difference that mostly is not representable, so the determinant is
+//! expanded instead: det(d, p − o, q − o) = det(d, p, q) − det(d, o, q) − det(d, p, o).
+
+use glam::DVec3;
+
+/// Four determinants of six products of four components each.
+const CAPACITY: usize = 96;
+
+/// d · ((p − o) × (q − o)), correct in sign and to an ulp or two.
+#[cold]
+pub(super) fn edge(o: DVec3, d: DVec3, p: DVec3, q: DVec3) -> f64 {
+    let mut sum = Expansion::ZERO;
+    sum.add_determinant(d, p, q);
+    sum.add_determinant(-d, o, q);
+    sum.add_determinant(-d, p, o);
+    sum.value()
+}
+
+/// (a − o) · ((b − o) × (c − o)), correct in sign and to an ulp or two.
+#[cold]
+pub(super) fn volume(o: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let mut sum = Expansion::ZERO;
+    sum.add_determinant(a, b, c);
+    sum.add_determinant(-o, b, c);
+    sum.add_determinant(a, -o, c);
+    sum.add_determinant(a, b, -o);
+    sum.value()
+}
+
+struct Expansion {
+    parts: [f64; CAPACITY],
+    len: usize,
+}
+
+impl Expansion {
+    const ZERO: Expansion = Expansion {
+        parts: [0.0; CAPACITY],
+        len: 0,
+    };
+
+    /// Adds x · (y × z).
+    fn add_determinant(&mut self, x: DVec3, y: DVec3, z: DVec3) {
+        self.add_product(x.x, y.y, z.z);
+        self.add_product(-x.x, y.z, z.y);
+        self.add_product(x.y, y.z, z.x);
+        self.add_product(-x.y, y.x, z.z);
+        self.add_product(x.z, y.x, z.y);
+        self.add_product(-x.z, y.y, z.x);
+    }
+
+    fn add_product(&mut self, x: f64, y: f64, z: f64) {
+        let (high, low) = two_product(x, y);
+        for part in [low, high] {
+            let (high, low) = two_product(part, z);
+            self.add(low);
+            self.add(high);
+        }
+    }
+
+    /// Grow-Expansion, without zeros.
+    fn add(&mut self, term: f64) {
+        let (mut carry, mut kept) = (term, 0);
+        for i in 0..self.len {
+            let (sum, rest) = two_sum(carry, self.parts[i]);
+            carry = sum;
+            if rest != 0.0 {
+                self.parts[kept] = rest;
+                kept += 1;
+            }
+        }
+        if carry != 0.0 {
+            self.parts[kept] = carry;
+            kept += 1;
+        }
+        self.len = kept;
+    }
+
+    fn value(&self) -> f64 {
+        self.parts[..self.len]
+            .iter()
+            .fold(0.0, |sum, part| sum + part)
+    }
+}
+
+/// x + y as the rounded sum and what was rounded away.
+pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    let y_part = sum - x;
+    let x_part = sum - y_part;
+    (sum, (x - x_part) + (y - y_part))
+}
+
+/// x·y as the rounded product and what was rounded away (Dekker, Veltkamp).
+pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
+    let product = x * y;
+    let ((xh, xl), (yh, yl)) = (split(x), split(y));
+    let rest = ((xh * yh - product) + xh * yl + xl * yh) + xl * yl;
+    (product, rest)
+}
+
+/// x as a sum of two numbers of at most 26 bits.
+fn split(x: f64) -> (f64, f64) {
+    let c = 134_217_729.0 * x; // 2²⁷ + 1
+    let high = c - (c - x);
+    (high, x - high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dashu_float::FBig;
+    use proptest::prelude::*;
+
+    type Big = FBig<dashu_float::round::mode::Zero, 2>;
+
+    fn big(x: f64) -> Big {
+        // Precision 0 means exact.
+        Big::try_from(x).unwrap().with_precision(0).value()
+    }
+
+    fn determinant(rows: [[Big; 3]; 3]) -> Big {
+        let [[a, b, c], [d, e, f], [g, h, i]] = &rows;
+        a * &(e * i - f * h) - b * &(d * i - f * g) + c * &(d * h - e * g)
+    }
+
+    fn difference(p: DVec3, o: DVec3) -> [Big; 3] {
+        [0, 1, 2].map(|i| big(p[i]) - big(o[i]))
+    }
+
+    fn close(value: f64, exact: &Big) {
+        let error = (big(value) - exact).to_f64().value().abs();
+        assert!(
+            error <= 4.0 * f64::EPSILON * value.abs(),
+            "{value} for {exact:?}"
+        );
+    }
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        let number = prop_oneof![
+            -1.0..1.0f64,
+            (-8i32..8).prop_map(f64::from),
+            (-1.0..1.0f64).prop_map(|x| x * 1e9),
+            (-1.0..1.0f64).prop_map(|x| x * 1e-9)
+        ];
+        [number.clone(), number.clone(), number].prop_map(DVec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn determinants_have_the_sign_and_the_digits_of_exact_arithmetic(
+            o in vector(), d in vector(), p in vector(), q in vector(),
+        ) {
+            let rows = [difference(d, DVec3::ZERO), difference(p, o), difference(q, o)];
+            close(edge(o, d, p, q), &determinant(rows));
+            let rows = [difference(d, o), difference(p, o), difference(q, o)];
+            close(volume(o, [d, p, q]), &determinant(rows));
+        }
+
+        #[test]
+        fn a_ray_through_a_point_of_an_edge_is_exactly_on_it(
+            o in [-100i32..100, -100..100, -100..100], d in [-9i32..9, -9..9, -9..9], e in [-9i32..9, -9..9, -9..9],
+        ) {
+            let [o, d, e] = [o, d, e].map(|v| DVec3::from(v.map(f64::from)) * 0.1);
+            // p and q are exact: multiples of o's, d's and e's last bits.
+            prop_assert_eq!(edge(DVec3::ZERO, d, d * 4.0 - e, d * 4.0 + e) == 0.0,
+                exact_zero(DVec3::ZERO, d, d * 4.0 - e, d * 4.0 + e));
+            prop_assert_eq!(edge(o, d, o, o + e), 0.0);
+        }
+    }
+
+    fn exact_zero(o: DVec3, d: DVec3, p: DVec3, q: DVec3) -> bool {
+        let rows = [
+            difference(d, DVec3::ZERO),
+            difference(p, o),
+            difference(q, o),
+        ];
+        determinant(rows) == Big::ZERO
+    }
+
+    #[test]
+    fn a_tail_of_one_part_in_2_to_the_100_is_seen() {
+        let tiny = 2f64.powi(-50);
+        let (x, y) = (1.0 + tiny, 1.0 - tiny);
+        // (1 + t)(1 − t) − 1 = −t².
+        let value = edge(
+            DVec3::ZERO,
+            DVec3::Z,
+            DVec3::new(x, 1.0, 0.0),
+            DVec3::new(1.0, y, 0.0),
+        );
+        assert_eq!(value, -tiny * tiny);
+    }
+}

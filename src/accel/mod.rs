@@ -1,0 +1,248 @@
+//! Closest and any hits of rays with triangles at rest.
+//!
+//! Triangles and rays are f64, in metres relative to the origin of the rest frame. A tree of f32 boxes
+//! passes over what a ray certainly misses (`slab`: the derivation of "certainly"); what remains
+//! is decided in f64, and exactly where f64 is in doubt (`triangle`). Hence
+//!
+//! - a ray hits a triangle iff exact arithmetic on the given numbers says so; edges and corners belong
+//!   to all triangles that share them, so closed meshes have no gaps;
+//! - of equal parameters the smaller id wins, and every parameter is a function of ray and triangle
+//!   alone: a hit depends neither on the tree nor on the order in which it is walked;
+//! - nothing depends on the scale or the place of the scene, or on the length of a direction.
+//!
+//! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
+//! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs and
+//! the only one that goes from f64 to f32.
+
+mod build;
+mod exact;
+mod query;
+mod slab;
+mod traverse;
+mod triangle;
+
+use glam::DVec3;
+
+use query::{Any, Closest, Probe, Tag};
+use slab::{Lattice, Node, Slabs, exponent, power_of_two};
+use traverse::{Query, USUAL_DEPTH, Waiting, traverse};
+
+/// A ray origin + s · direction, s > `s_min`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Metres, rest frame.
+    pub origin: DVec3,
+    /// Metres per unit of s; any length. s is measured in it as it is.
+    pub direction: DVec3,
+    /// Hits at this parameter or before don't count.
+    pub s_min: f64,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter.
+    pub s: f64,
+    /// Barycentric weight of the triangle's second corner.
+    pub u: f64,
+    /// Barycentric weight of its third corner.
+    pub v: f64,
+    /// The triangle's id: its index when the tree was built.
+    pub triangle: u32,
+    /// Its place in the tree, for [`Bvh::corners`].
+    pub slot: u32,
+    /// Whether the ray meets the front: the side from which the corners run counter-clockwise.
+    pub front: bool,
+}
+
+/// Which sides of a triangle are there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// Both.
+    TwoSided,
+    /// The front only: rays pass through from behind.
+    FrontOnly,
+}
+
+/// A tree over triangles at rest.
+#[derive(Debug, Clone)]
+pub struct Bvh {
+    /// Corners by slot.
+    corners: Vec<[DVec3; 3]>,
+    /// Ids by slot.
+    tags: Vec<Tag>,
+    nodes: Vec<Node>,
+    /// Levels of nodes.
+    depth: usize,
+    lattice: Lattice,
+    bounds: (DVec3, DVec3),
+}
+
+impl Bvh {
+    /// A tree holds no more triangles than these.
+    pub const MAX_TRIANGLES: usize = 1 << 30;
+
+    fn empty() -> Bvh {
+        Bvh {
+            corners: Vec::new(),
+            tags: Vec::new(),
+            nodes: Vec::new(),
+            depth: 0,
+            lattice: Lattice::new(DVec3::ZERO, DVec3::ZERO),
+            bounds: (DVec3::ZERO, DVec3::ZERO),
+        }
+    }
+
+    /// How many triangles can be hit: those that were given, without the degenerate ones.
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// Whether there is nothing to hit.
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// Bytes that the tree holds.
+    pub fn bytes(&self) -> usize {
+        size_of::<Bvh>()
+            + self.corners.capacity() * size_of::<[DVec3; 3]>()
+            + self.tags.capacity() * size_of::<Tag>()
+            + self.nodes.capacity() * size_of::<Node>()
+    }
+
+    /// An upper estimate of [`Bvh::bytes`] for so many triangles.
+    pub fn estimate_bytes(triangles: usize) -> usize {
+        let per_triangle = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>();
+        triangles
+            .saturating_mul(per_triangle)
+            .saturating_add(size_of::<Bvh>() + size_of::<Node>())
+    }
+
+    /// Least and greatest coordinates of the triangles that can be hit, metres.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        (!self.is_empty()).then_some(self.bounds)
+    }
+
+    /// The corners of the triangle in `slot`, metres.
+    pub fn corners(&self, slot: u32) -> [DVec3; 3] {
+        self.corners[slot as usize]
+    }
+
+    /// The unit normal of the triangle that was hit, on the side from which its corners run
+    /// counter-clockwise.
+    pub fn normal(&self, hit: &Hit) -> DVec3 {
+        let [a, b, c] = self.corners(hit.slot);
+        let (e1, e2) = (b - a, c - a);
+        // Equal powers of two leave the direction as it is and the squares within range.
+        let size = e1.abs().max(e2.abs()).max_element();
+        let scale = power_of_two(-exponent(size).clamp(-900, 900));
+        (e1 * scale).cross(e2 * scale).normalize_or_zero()
+    }
+
+    /// The first hit with `ray.s_min` < s < `s_max`.
+    pub fn closest(&self, ray: &Ray, s_max: f64) -> Option<Hit> {
+        let probe = Probe::new(ray)?;
+        self.with_stack(|stack| self.closest_of(&probe, s_max, stack))
+    }
+
+    /// For each direction from `origin` the first hit with s > 0 that is nearer than the entry of
+    /// `hits`, which it replaces.
+    pub fn closest_many(&self, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
+        self.with_stack(|stack| {
+            for (&direction, entry) in directions.iter().zip(hits) {
+                let ray = Ray {
+                    origin,
+                    direction,
+                    s_min: 0.0,
+                };
+                let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
+                let hit = Probe::new(&ray).and_then(|p| self.closest_of(&p, s_max, stack));
+                *entry = hit.or(*entry);
+            }
+        })
+    }
+
+    /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
+    pub fn any(&self, ray: &Ray, s_max: f64, skip: Option<u32>) -> bool {
+        let Some(probe) = Probe::new(ray) else {
+            return false;
+        };
+        let mut query = Any {
+            bvh: self,
+            line: &probe.line,
+            s_min: probe.s_min,
+            s_max: s_max / probe.unit,
+            skip,
+            found: false,
+        };
+        self.with_stack(|stack| self.run(&probe, stack, &mut query));
+        query.found
+    }
+
+    #[inline(always)]
+    fn closest_of(&self, probe: &Probe, s_max: f64, stack: &mut [Waiting]) -> Option<Hit> {
+        let mut query = Closest {
+            bvh: self,
+            line: &probe.line,
+            s_min: probe.s_min,
+            s: s_max / probe.unit,
+            found: None,
+        };
+        self.run(probe, stack, &mut query);
+        let (crossing, slot) = query.found?;
+        Some(Hit {
+            s: crossing.s * probe.unit,
+            u: crossing.u,
+            v: crossing.v,
+            triangle: self.tags[slot as usize].id(),
+            slot,
+            front: crossing.front,
+        })
+    }
+
+    #[inline(always)]
+    fn run(&self, probe: &Probe, stack: &mut [Waiting], query: &mut impl Query) {
+        if self.is_empty() {
+            return;
+        }
+        if let Some(slabs) = Slabs::new(&self.lattice, &probe.line, probe.s_min) {
+            traverse(&self.nodes, &slabs, stack, query);
+        }
+    }
+
+    /// A stack as deep as the tree; on the heap only if the tree is deeper than trees are.
+    #[inline(always)]
+    fn with_stack<T>(&self, run: impl FnOnce(&mut [Waiting]) -> T) -> T {
+        const NONE: Waiting = (slab::Link::ROOT, 0.0);
+        if self.depth <= USUAL_DEPTH {
+            run(&mut [NONE; USUAL_DEPTH])
+        } else {
+            run(&mut vec![NONE; self.depth])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tree_deeper_than_the_usual_stack_is_walked_with_a_longer_one() {
+        let strip = |i: u32| {
+            let x = f64::from(i);
+            [DVec3::X * x, DVec3::X * x + DVec3::Y, DVec3::X * (x + 1.0)]
+        };
+        let mut bvh = Bvh::build((0..100).map(strip).collect(), |_| Facing::TwoSided);
+        let ray = |x: f64| Ray {
+            origin: DVec3::new(x + 0.25, 0.25, 1.0),
+            direction: -DVec3::Z,
+            s_min: 0.0,
+        };
+        bvh.depth = 10 * USUAL_DEPTH;
+        for i in 0..100 {
+            let hit = bvh.closest(&ray(f64::from(i)), f64::INFINITY);
+            assert_eq!(hit.map(|h| h.triangle), Some(i));
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What a traversal carries: the ray in usual size, and what is asked of the triangles it meets.
+
+use super::slab::{exponent, power_of_two};
+use super::traverse::Query;
+use super::triangle::{Crossing, Line};
+use super::{Bvh, Facing, Ray};
+use glam::DVec3;
+
+/// A ray with a direction of usual size: s of the ray is `unit` times s of the line.
+pub(super) struct Probe {
+    pub line: Line,
+    pub s_min: f64,
+    pub unit: f64,
+}
+
+impl Probe {
+    /// None for NaN, for a direction without length and for numbers beyond the module's limits.
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Option<Probe> {
+        let size = ray.direction.abs().max_element();
+        let far = ray.origin.abs().max_element();
+        let finite = (ray.direction * 0.0 + ray.origin * 0.0) == DVec3::ZERO;
+        let usual = power_of_two(-500)..power_of_two(500);
+        if !finite || !usual.contains(&size) || far > power_of_two(300) {
+            return None;
+        }
+        // Powers of two: s, u, v and all decisions are as for the direction given.
+        let unit = power_of_two(-exponent(size));
+        let line = Line {
+            origin: ray.origin,
+            direction: ray.direction * unit,
+        };
+        Some(Probe {
+            line,
+            s_min: ray.s_min / unit,
+            unit,
+        })
+    }
+}
+
+/// A triangle's id, its facing and whether it is the last of its leaf.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tag(u32);
+
+impl Tag {
+    const FRONT_ONLY: u32 = 1 << 31;
+    const LAST: u32 = 1 << 30;
+
+    pub(super) fn new(id: u32, facing: Facing) -> Tag {
+        match facing {
+            Facing::TwoSided => Tag(id),
+            Facing::FrontOnly => Tag(id | Self::FRONT_ONLY),
+        }
+    }
+
+    pub(super) fn end_leaf(&mut self) {
+        self.0 |= Self::LAST;
+    }
+
+    #[inline(always)]
+    pub(super) fn id(self) -> u32 {
+        self.0 & !(Self::FRONT_ONLY | Self::LAST)
+    }
+
+    #[inline(always)]
+    fn is_last(self) -> bool {
+        self.0 & Self::LAST != 0
+    }
+
+    /// Whether a ray that meets this side sees the triangle.
+    #[inline(always)]
+    fn shows(self, front: bool) -> bool {
+        front || self.0 & Self::FRONT_ONLY == 0
+    }
+}
+
+/// The nearest hit so far.
+pub(super) struct Closest<'a> {
+    pub bvh: &'a Bvh,
+    pub line: &'a Line,
+    pub s_min: f64,
+    pub s: f64,
+    pub found: Option<(Crossing, u32)>,
+}
+
+impl Closest<'_> {
+    /// Nearer, or as near with a smaller id.
+    #[inline(always)]
+    fn improves(&self, s: f64, tag: Tag) -> bool {
+        s < self.s || (s == self.s && self.beats_tie(tag))
+    }
+
+    #[cold]
+    fn beats_tie(&self, tag: Tag) -> bool {
+        let rival = self.found.as_ref().map(|f| self.bvh.tags[f.1 as usize]);
+        rival.is_some_and(|rival| tag.id() < rival.id())
+    }
+}
+
+impl Query for Closest<'_> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: usize) -> bool {
+        let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
+        for (i, (corners, &tag)) in triangles.enumerate() {
+            if let Some(crossing) = self.line.meet(corners)
+                && crossing.s > self.s_min
+                && self.improves(crossing.s, tag)
+                && tag.shows(crossing.front)
+            {
+                self.s = crossing.s;
+                self.found = Some((crossing, (slot + i) as u32));
+            }
+            if tag.is_last() {
+                break;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.s
+    }
+}
+
+/// Whether there is a hit at all.
+pub(super) struct Any<'a> {
+    pub bvh: &'a Bvh,
+    pub line: &'a Line,
+    pub s_min: f64,
+    pub s_max: f64,
+    pub skip: Option<u32>,
+    pub found: bool,
+}
+
+impl Query for Any<'_> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: usize) -> bool {
+        let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
+        for (corners, &tag) in triangles {
+            if let Some(crossing) = self.line.meet(corners)
+                && crossing.s > self.s_min
+                && crossing.s < self.s_max
+                && tag.shows(crossing.front)
+                && Some(tag.id()) != self.skip
+            {
+                self.found = true;
+                return true;
+            }
+            if tag.is_last() {
+                break;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.s_max
+    }
+}

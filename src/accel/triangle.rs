@@ -1,0 +1,147 @@
+//! Where a ray meets a triangle, decided as exact arithmetic would decide it.
+//!
+//! With the corners a, b, c relative to the ray's origin o, and e₁ = b − a, e₂ = c − a, n = e₁ × e₂,
+//! Cramer's rule for s d = a + u e₁ + v e₂ gives (Möller, Trumbore, JGT 2(1), 1997)
+//!
+//! ```text
+//! Δ = n·d,   U = (a × d)·e₂,   V = −(a × d)·e₁,   s = n·a / Δ,   u = U/Δ,   v = V/Δ.
+//! ```
+//!
+//! U, V and W = Δ − U − V are d·(p × q) over the three edges. The line meets the closed triangle iff
+//! they have no two opposite signs and are not all zero (then it is parallel).
+//!
+//! **Error bound.** Let ε = 2⁻⁵³, |d|∞ < 2 (the direction is scaled by a power of two), A = |a|₁ and
+//! L = |e₁|₁ + |e₂|₁. Every triple product in U passes at most 7 roundings (two differences, two
+//! products, one subtraction, two additions), and the moduli of the six sum to at most
+//! |d|∞ |a|₁ |e₂|₁, so |δU| ≤ 7.1 ε · 2 A |e₂|₁; likewise V, and |δΔ| ≤ 7.1 ε · 2 |e₁|₁ |e₂|₁. W adds
+//! two subtractions, each ≤ ε(|Δ| + |U| + |V|) ≤ 2 ε (A + L) L. In sum each is within
+//! 14.2 ε (A + L) L + 4 ε (A + L) L < B = 20 ε (A + L) L, with room for the rounding of B itself. What
+//! underflow can add is below 2⁻⁷⁰⁰ for coordinates below 2³⁰⁰.
+//!
+//! Beyond B a sign is certain. Otherwise all three are taken from [`exact`](super::exact), so that
+//! rays through a shared edge or corner of closed meshes never fall between their triangles.
+
+use glam::DVec3;
+
+use super::exact;
+
+/// 20 ε.
+const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
+/// Above all that underflow can do: 2⁻⁷⁰⁰.
+const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52);
+/// Below this Δ/L² the rounding of s can leave the triangle's bounding box; see [`Line::clamped_to_box`].
+const GRAZING: f64 = 1.0 / 1024.0;
+
+/// The line o + s d, |d|∞ in [1, 2).
+pub(super) struct Line {
+    pub origin: DVec3,
+    pub direction: DVec3,
+}
+
+/// A point of a triangle on a line.
+pub(super) struct Crossing {
+    pub s: f64,
+    pub u: f64,
+    pub v: f64,
+    /// Whether the line meets the side from which the corners run counter-clockwise.
+    pub front: bool,
+}
+
+impl Line {
+    /// Where the line meets the triangle; edges and corners belong to it.
+    #[inline(always)]
+    pub fn meet(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
+        let d = self.direction;
+        let a = corners[0] - self.origin;
+        let e1 = corners[1] - corners[0];
+        let e2 = corners[2] - corners[0];
+        let n = e1.cross(e2);
+        let r = a.cross(d);
+        let delta = n.dot(d);
+        let u = r.dot(e2);
+        let v = -r.dot(e1);
+        let w = delta - u - v;
+        let length = norm1(e1) + norm1(e2);
+        let bound = RELATIVE * (length * (norm1(a) + length)) + UNDERFLOW;
+        let (low, high) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
+        if low < -bound && high > bound {
+            return None;
+        }
+        if low > bound || high < -bound {
+            let inverse = 1.0 / delta;
+            let s = n.dot(a) / delta;
+            let s = if delta.abs() < GRAZING * (length * length) {
+                self.clamped_to_box(s, corners)
+            } else {
+                s
+            };
+            return Some(Crossing {
+                s,
+                u: u * inverse,
+                v: v * inverse,
+                front: delta < 0.0,
+            });
+        }
+        self.meet_exactly(corners)
+    }
+
+    /// The same with exact signs, and u, v, s to a few ulp.
+    #[cold]
+    #[inline(never)]
+    fn meet_exactly(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
+        let [a, b, c] = *corners;
+        let edge = |p, q| exact::edge(self.origin, self.direction, p, q);
+        let (u, v, w) = (edge(c, a), edge(a, b), edge(b, c));
+        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+        // No cancellation: all have the same sign, or the ray misses.
+        let delta = u + v + w;
+        if !inside || delta == 0.0 {
+            return None;
+        }
+        let s = exact::volume(self.origin, *corners) / delta;
+        Some(Crossing {
+            s: self.clamped_to_box(s, corners),
+            u: u / delta,
+            v: v / delta,
+            front: delta < 0.0,
+        })
+    }
+
+    /// `s`, moved into the interval in which the line is in the triangle's bounding box.
+    ///
+    /// The true s lies in it. A computed one of a grazing ray may not, and then a box that was
+    /// skipped for lying beyond the nearest hit might have held a nearer one: which triangle wins
+    /// would depend on the order of traversal.
+    #[inline(never)]
+    fn clamped_to_box(&self, s: f64, corners: &[DVec3; 3]) -> f64 {
+        let [a, b, c] = *corners;
+        let inverse = self.direction.recip();
+        let near = (a.min(b).min(c) - self.origin) * inverse;
+        let far = (a.max(b).max(c) - self.origin) * inverse;
+        // 0·∞ is NaN, which min and max of f64 pass over: a flat axis that says nothing.
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if self.direction[axis] != 0.0 {
+                enter = enter.max(near[axis].min(far[axis]));
+                leave = leave.min(near[axis].max(far[axis]));
+            }
+        }
+        s.min(leave).max(enter)
+    }
+}
+
+#[inline(always)]
+fn norm1(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// Without the care for NaN of [`f64::min`], which costs three instructions more.
+#[inline(always)]
+fn lesser(x: f64, y: f64) -> f64 {
+    if x < y { x } else { y }
+}
+
+#[inline(always)]
+fn greater(x: f64, y: f64) -> f64 {
+    if x > y { x } else { y }
+}

@@ -1,0 +1,7 @@
+//! The acceleration structure against brute force, closed meshes and reference vectors.
+
+mod brute_force;
+mod cases;
+mod closed;
+mod common;
+mod reference;

@@ -45,7 +45,7 @@ pub fn length(path: &Path) -> io::Result<u64> {
     }
     Err(io::Error::new(
         io::ErrorKind::InvalidInput,
-        "this is not a file, but a directory or a device",
+        "this is not a regular file",
     ))
 }
 

@@ -6,10 +6,10 @@
 //! scene's size.
 
 mod common {
-    pub mod frames;
+    pub mod arrays;
 }
 
-use common::frames::array_at;
+use common::arrays::array_at;
 use nullray::aov::{self, Aov};
 use nullray::film::Film;
 use nullray::plan::{Plan, Request};

@@ -9,6 +9,7 @@
 //! no aberration, depth for distance): each must fail by far, or the test would prove nothing.
 
 mod common {
+    pub mod arrays;
     pub mod frames;
 }
 

@@ -319,10 +319,10 @@ impl TimeResolved {
             let Some(light) = self.incident(surfaces, pulse, *quantity, point) else {
                 continue;
             };
-            for c in 0..3 {
-                sum[c] += light.irradiance[c];
-                weight += light.irradiance[c];
-                weighted += light.irradiance[c] * light.wavelength_scale;
+            for (sum, part) in sum.iter_mut().zip(light.irradiance) {
+                *sum += part;
+                weight += part;
+                weighted += part * light.wavelength_scale;
             }
         }
         (sum, if weight > 0.0 { weighted / weight } else { 1.0 })

@@ -1,9 +1,8 @@
 //! The transient reference frames: cameras, truth, masks, and what careful code reaches on them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nullray::import::npy;
-use nullray::time_texture::Samples;
+use super::arrays::array_at;
 
 /// A reference frame.
 #[derive(Debug, Clone)]
@@ -77,13 +76,4 @@ pub fn mask(name: &str) -> Vec<f64> {
 
 fn array(file: &str, name: &str) -> Vec<f64> {
     array_at(&data(file), name)
-}
-
-/// All numbers of an array of an .npz file.
-pub fn array_at(path: &Path, name: &str) -> Vec<f64> {
-    match npy::load(path, Some(name)).unwrap().samples {
-        Samples::F16(v) => v.iter().map(|x| x.to_f64()).collect(),
-        Samples::F32(v) => v.iter().map(|x| f64::from(*x)).collect(),
-        Samples::F64(v) => v,
-    }
 }

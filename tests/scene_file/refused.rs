@@ -102,7 +102,7 @@ cases! { OBJECTS:
     "name = \"ship\"" => "name = \"floor\"" at "object[2].name" "\"floor\"": "two objects are called \"floor\"", "of its own";
     "name = \"ship\"" => "name = \" \"" at "object[2].name" "\" \"": "the name is empty", "leave the key out";
     "gltf = \"a.glb\"" => "gltf = \"missing.glb\"" at "object[0].gltf" "\"missing.glb\"": "cannot find this file", "relative to the scene file";
-    "gltf = \"a.glb\"" => "gltf = \"folder.glb\"" at "object[0].gltf" "\"folder.glb\"": "not a file", "relative";
+    "gltf = \"a.glb\"" => "gltf = \"folder.glb\"" at "object[0].gltf" "\"folder.glb\"": "not a regular file", "relative";
     "gltf = \"a.glb\"" => "gltf = \"a.obj\"" at "object[0].gltf" "\"a.obj\"": "neither a .glb nor a .gltf", ".glb";
     "gltf = \"a.glb\"" => "gltf = \"\"" at "object[0].gltf" "\"\"": "empty", "give";
     "gltf = \"a.glb\"" => "gltf = \"a\\u0000.glb\"" at "object[0].gltf" "\"a\\u0000.glb\"": "cannot find this file", "relative";

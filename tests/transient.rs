@@ -108,7 +108,7 @@ fn everywhere(_: usize) -> bool {
 #[test]
 fn lightmap_frames_match_the_transient_renderer() {
     for frame in frames() {
-        let truth = reference(&format!("{}", frame.name));
+        let truth = reference(&frame.name);
         for (filter, limit) in [
             ("linear", 1.25 * frame.limit.linear),
             ("cubic", 1.25 * frame.limit.cubic),

@@ -37,7 +37,8 @@ pub fn render() -> Result<()> {
     let at_rest = Overrides {
         set: vec![
             set("camera.velocity", "{ beta = [0.0, 0.0, 0.0] }"),
-            set("camera.hfov", "\"90 deg\""),
+            set("camera.look_at", "[1.36, 1.9, 2.82]"),
+            set("camera.hfov", "\"60 deg\""),
         ],
         ..Overrides::default()
     };

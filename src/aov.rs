@@ -8,142 +8,46 @@
 
 use serde::{Serialize, Serializer};
 
-/// One auxiliary channel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Aov {
-    Object,
-    Primitive,
-    BarycentricU,
-    BarycentricV,
-    UvU,
-    UvV,
-    EventCt,
-    EventX,
-    EventY,
-    EventZ,
-    ObjectEventCt,
-    ObjectEventX,
-    ObjectEventY,
-    ObjectEventZ,
-    DirectionX,
-    DirectionY,
-    DirectionZ,
-    Distance,
-    WavelengthRatio,
-    NormalX,
-    NormalY,
-    NormalZ,
-    Coverage,
-    StandardError,
+/// Makes the enumeration and its table from one list.
+macro_rules! aovs {
+    ($($variant:ident, $name:literal, $meaning:literal;)*) => {
+        /// One auxiliary channel.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Aov {
+            $(#[doc = $meaning] $variant,)*
+        }
+
+        /// Channel, name, meaning with unit and frame; in the order of [`Aov`].
+        pub const TABLE: &[(Aov, &str, &str)] = &[$((Aov::$variant, $name, $meaning),)*];
+    };
 }
 
-/// The table: channel, name, meaning with unit and frame.
-pub const TABLE: &[(Aov, &str, &str)] = &[
-    (
-        Aov::Object,
-        "object",
-        "index of the object in the scene file, −1 where nothing is met",
-    ),
-    (
-        Aov::Primitive,
-        "primitive",
-        "index of the triangle in the object, in the order of its file",
-    ),
-    (
-        Aov::BarycentricU,
-        "barycentric.u",
-        "weight of the triangle's second corner",
-    ),
-    (
-        Aov::BarycentricV,
-        "barycentric.v",
-        "weight of the triangle's third corner",
-    ),
-    (Aov::UvU, "uv.u", "texture coordinate u (set 0)"),
-    (
-        Aov::UvV,
-        "uv.v",
-        "texture coordinate v (set 0), 0 at the top row",
-    ),
-    (
-        Aov::EventCt,
-        "event.ct",
-        "emission event: world time × c, metres",
-    ),
-    (Aov::EventX, "event.x", "emission event: world x, metres"),
-    (Aov::EventY, "event.y", "emission event: world y, metres"),
-    (Aov::EventZ, "event.z", "emission event: world z, metres"),
-    (
-        Aov::ObjectEventCt,
-        "object_event.ct",
-        "emission event: the object's own time × c, metres",
-    ),
-    (
-        Aov::ObjectEventX,
-        "object_event.x",
-        "emission event: object x, metres",
-    ),
-    (
-        Aov::ObjectEventY,
-        "object_event.y",
-        "emission event: object y, metres",
-    ),
-    (
-        Aov::ObjectEventZ,
-        "object_event.z",
-        "emission event: object z, metres",
-    ),
-    (
-        Aov::DirectionX,
-        "direction.x",
-        "look direction in the world, x",
-    ),
-    (
-        Aov::DirectionY,
-        "direction.y",
-        "look direction in the world, y",
-    ),
-    (
-        Aov::DirectionZ,
-        "direction.z",
-        "look direction in the world, z",
-    ),
-    (
-        Aov::Distance,
-        "distance",
-        "world distance from the pinhole event to the emission event, metres",
-    ),
-    (
-        Aov::WavelengthRatio,
-        "wavelength_ratio",
-        "observed / emitted wavelength",
-    ),
-    (
-        Aov::NormalX,
-        "normal.x",
-        "geometric normal in the object's rest frame, x",
-    ),
-    (
-        Aov::NormalY,
-        "normal.y",
-        "geometric normal in the object's rest frame, y",
-    ),
-    (
-        Aov::NormalZ,
-        "normal.z",
-        "geometric normal in the object's rest frame, z",
-    ),
-    (
-        Aov::Coverage,
-        "coverage",
-        "part of the pixel whose radiance is known, 0 to 1",
-    ),
-    (
-        Aov::StandardError,
-        "standard_error",
-        "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
-    ),
-];
+aovs! {
+    Object, "object", "index of the object in the scene file, −1 where nothing is met";
+    Primitive, "primitive", "index of the triangle in the object, in the order of its file";
+    BarycentricU, "barycentric.u", "weight of the triangle's second corner";
+    BarycentricV, "barycentric.v", "weight of the triangle's third corner";
+    UvU, "uv.u", "texture coordinate u (set 0)";
+    UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row";
+    EventCt, "event.ct", "emission event: world time × c, metres";
+    EventX, "event.x", "emission event: world x, metres";
+    EventY, "event.y", "emission event: world y, metres";
+    EventZ, "event.z", "emission event: world z, metres";
+    ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres";
+    ObjectEventX, "object_event.x", "emission event: object x, metres";
+    ObjectEventY, "object_event.y", "emission event: object y, metres";
+    ObjectEventZ, "object_event.z", "emission event: object z, metres";
+    DirectionX, "direction.x", "look direction in the world, x";
+    DirectionY, "direction.y", "look direction in the world, y";
+    DirectionZ, "direction.z", "look direction in the world, z";
+    Distance, "distance", "world distance from the pinhole event to the emission event, metres";
+    WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength";
+    NormalX, "normal.x", "geometric normal in the object's rest frame, x";
+    NormalY, "normal.y", "geometric normal in the object's rest frame, y";
+    NormalZ, "normal.z", "geometric normal in the object's rest frame, z";
+    Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1";
+    StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel";
+}
 
 impl Aov {
     /// The channel's name in files.

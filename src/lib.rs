@@ -1,4 +1,48 @@
-//! nullray
+//! A reference renderer for special relativity and time-resolved light.
+//!
+//! Every sensor sample becomes an event in the camera's frame, is Lorentz-transformed into a null ray of
+//! the world, carried into the rest frame of whatever it meets, intersected there with a static BVH,
+//! and looked up in time-resolved radiance at the retarded time. Nothing is ever re-tessellated, so
+//! there is no tessellation error.
+//!
+//! ```text
+//! scene file → scene model → plan → prepared scene → camera sample → null ray → hit → retarded event
+//! [scene]      [scene::model] [plan] [prepare]        [camera]        [spacetime] [accel] [trace]
+//!            → radiance      → film → image, display, isochrones
+//!              [time_texture]  [film] [image, tonemap, isochrones]
+//! ```
+//!
+//! A picture in ten lines:
+//!
+//! ```
+//! use nullray::{image::png, plan::{Plan, Request}, prepare::Prepared, render::{Silent, render}};
+//! use nullray::{scene::{self, Overrides}, tonemap::tonemap};
+//! # fn main() -> nullray::Result<()> {
+//! let text = r#"
+//!     camera = { eye = [0, 0, 3], look_at = [0, 0, 0], size = [32, 24], velocity = { beta = [0.5, 0, 0] } }
+//!     object = [{ shape = { sphere = { radius = 1 } } }]
+//! "#;
+//! let scene = scene::parse(text, "a sphere", ".".as_ref(), &Overrides::default())?;
+//! let plan = Plan::new(&scene, &Request::default())?;      // headers only; print it to see what is skipped
+//! let prepared = Prepared::new(&scene, &plan, &Silent)?;   // loads and builds what the plan lists
+//! let film = render(&prepared, &Silent)?;                  // the same bits on any number of threads
+//! let display = tonemap(film.radiance(), scene.exposure)?;
+//! # let folder = tempfile::tempdir().unwrap();
+//! # let path = folder.path().join("sphere.png");
+//! png::write(&path, 32, 24, &display.rgb, &[])?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Conventions: c = 1, events are (ct, x, y, z) in metres; right-handed, +Y up, cameras look along −Z;
+//! image row 0 is the top row; frame velocities are rapidity vectors; transforms are named
+//! target-from-source. See [`spacetime`] for the physics and [`scene`] for the file format.
+//!
+//! The library never prints, never exits and never reads the environment. Same input, same output, bit
+//! for bit, on any number of threads.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod accel;
 pub mod aov;

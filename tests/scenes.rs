@@ -22,9 +22,17 @@ fn small() -> Overrides {
 
 /// All scene files below `folder`.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
     let mut files: Vec<_> = entries
-        .flat_map(|path| if path.is_dir() { scene_files(&path) } else { vec![path] })
+        .flat_map(|path| {
+            if path.is_dir() {
+                scene_files(&path)
+            } else {
+                vec![path]
+            }
+        })
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     files.sort();

@@ -5,7 +5,6 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use super::context::Context;
-use super::source::span;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -28,6 +27,16 @@ pub(super) struct Bindings<'a> {
     surfaces: HashMap<(usize, &'a str), Claim>,
     /// How many surfaces all sources have named.
     claimed: usize,
+}
+
+/// What messages point at: the name, or what stands in for it.
+pub(super) fn span(at: &At<file::Source>) -> Range<usize> {
+    let source = &at.value;
+    let name = source.name.as_ref();
+    let file = source.cube.as_ref().map(|cube| &cube.value.file);
+    let pulse = || source.pulse.as_ref().map(|pulse| pulse.span.clone());
+    let span = name.or(file).map(|text| text.span.clone()).or_else(pulse);
+    span.unwrap_or_else(|| at.span.clone())
 }
 
 /// A source that has a surface.

@@ -1,7 +1,5 @@
 //! Time-resolved sources.
 
-use std::ops::Range;
-
 use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
@@ -36,7 +34,7 @@ pub(super) fn resolve_all(
                 Some(own) => radiance::resolve(cx, own)?,
                 None => quantity,
             },
-            span: span(at),
+            span: binding::span(at),
         });
     }
     Ok(resolved)
@@ -49,16 +47,6 @@ fn entry_names(source: &file::Source) -> (Option<String>, String) {
         name,
         names::source(cube.map(|cube| cube.value.file.value.as_str())),
     )
-}
-
-/// What messages point at: the name, or what stands in for it.
-pub(super) fn span(at: &At<file::Source>) -> Range<usize> {
-    let source = &at.value;
-    let name = source.name.as_ref();
-    let file = source.cube.as_ref().map(|cube| &cube.value.file);
-    let pulse = || source.pulse.as_ref().map(|pulse| pulse.span.clone());
-    let span = name.or(file).map(|text| text.span.clone()).or_else(pulse);
-    span.unwrap_or_else(|| at.span.clone())
 }
 
 fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {

@@ -190,8 +190,8 @@ pub enum Emitter {
 pub enum EmissionClock {
     /// World time.
     World,
-    /// Rest-frame time less this offset, metres.
-    Rest(f64),
+    /// The own time of the object that the point is on.
+    Object,
 }
 
 impl EmissionClock {
@@ -199,7 +199,7 @@ impl EmissionClock {
     fn time(self, point: &SurfacePoint) -> f64 {
         match self {
             EmissionClock::World => point.event().ct,
-            EmissionClock::Rest(zero) => point.rest_event().ct - zero,
+            EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
         }
     }
 }

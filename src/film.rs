@@ -89,8 +89,9 @@ pub struct TileFilm {
     tile: Tile,
     radiance: Vec<[f64; 3]>,
     coverage: Vec<Coverage>,
-    /// Σ (mean of R, G, B)², for the standard error.
-    squares: Vec<f64>,
+    /// For the standard error, with m the mean of R, G, B: m₀ of the first sample, Σ (m − m₀) and
+    /// Σ (m − m₀)². Equal samples give exactly 0.
+    spread: Vec<[f64; 3]>,
     /// Samples that met a surface.
     met: Vec<u32>,
     /// Squared distance from the pixel's centre of the nearest sample so far.
@@ -108,7 +109,7 @@ impl TileFilm {
             tile,
             radiance: vec![[0.0; 3]; n],
             coverage: vec![Coverage::NONE; some(layout.has_gaps)],
-            squares: vec![0.0; some(layout.channels.contains(&Aov::StandardError))],
+            spread: vec![[f64::NAN, 0.0, 0.0]; some(layout.channels.contains(&Aov::StandardError))],
             met: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
@@ -125,9 +126,13 @@ impl TileFilm {
         if R::HAS_GAPS {
             self.coverage[pixel] += observed.coverage;
         }
-        if let Some(squares) = self.squares.get_mut(pixel) {
+        if let Some([first, sum, squares]) = self.spread.get_mut(pixel) {
             let mean = mean(observed.radiance);
-            *squares += mean * mean;
+            if first.is_nan() {
+                *first = mean;
+            }
+            *sum += mean - *first;
+            *squares += (mean - *first) * (mean - *first);
         }
     }
 
@@ -171,8 +176,8 @@ impl TileFilm {
 
     /// √(sample variance / n): independent samples would have it; stratified ones have less.
     fn standard_error(&self, pixel: usize, n: f64) -> f64 {
-        let sum = mean(self.radiance[pixel]);
-        let variance = (self.squares[pixel] - sum * sum / n) / (n - 1.0);
+        let [_, sum, squares] = self.spread[pixel];
+        let variance = (squares - sum * sum / n) / (n - 1.0);
         if n > 1.0 {
             (variance.max(0.0) / n).sqrt()
         } else {

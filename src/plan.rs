@@ -4,6 +4,7 @@
 //! [`prepare`](crate::prepare) carries out, no more and no less, and what `nullray plan` prints.
 
 mod bindings;
+mod frames;
 mod notes;
 mod report;
 
@@ -192,7 +193,7 @@ impl Plan {
             bindings::resolve(scene, index, object, wants_uv);
         }
         let cubes = inspect_cubes(scene, &objects)?;
-        let frames = frames(scene, &objects);
+        let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
         let memory = memory(&frames, &objects, &cubes, &layout);
@@ -322,27 +323,6 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             }))
         })
         .collect()
-}
-
-/// Objects by velocity, in the order of first appearance.
-fn frames(scene: &Scene, objects: &[PlannedObject]) -> Vec<PlannedFrame> {
-    let mut frames: Vec<PlannedFrame> = Vec::new();
-    for (index, (object, planned)) in scene.objects.iter().zip(objects).enumerate() {
-        let same = |f: &&mut PlannedFrame| scene.objects[f.objects[0]].velocity == object.velocity;
-        match frames.iter_mut().find(same) {
-            Some(frame) => {
-                frame.objects.push(index);
-                frame.triangles += planned.triangles;
-            }
-            None => frames.push(PlannedFrame {
-                beta: object.velocity.beta().to_array(),
-                gamma: object.velocity.gamma(),
-                objects: vec![index],
-                triangles: planned.triangles,
-            }),
-        }
-    }
-    frames
 }
 
 fn rays(

@@ -147,6 +147,41 @@ fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() 
 }
 
 #[test]
+fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it() {
+    // Bin k of the reference holds the energy that arrives in [7.85 + 0.05 k, 7.85 + 0.05 (k + 1)] m; a
+    // picture at the bin's centre is its density, value/0.05, to second order in the width.
+    let path = common::frames::data("reference_cube.npz");
+    let [height, width, bins, _] = nullray::import::npy::load(&path, None).unwrap().shape;
+    assert_eq!([height, width, bins], [64, 64, 183]);
+    let values = common::arrays::array_at(&path, "radiance");
+    let slice = |k: usize| values.iter().skip(k).step_by(bins).map(|v| v / 0.05);
+    let energy = |k: &usize| slice(*k).map(|v| v * v).sum::<f64>();
+    let brightest = (0..bins).max_by(|a, b| energy(a).total_cmp(&energy(b)));
+    let brightest = brightest.unwrap();
+    let slices = [-20, -10, 0, 10, 20].map(|off| brightest.checked_add_signed(off).unwrap());
+    let (mut got, mut truth) = (Vec::new(), Vec::new());
+    for k in slices {
+        let camera = Frame {
+            eye: [0.3, 3.4, 6.0],
+            forward: [-0.7, -2.5, -6.6],
+            hfov: 45.0,
+            beta: [0.0; 3],
+            time: 7.85 + 0.05 * (k as f64 + 0.5),
+            ..frames()[0].clone()
+        };
+        let text = text(&camera, 0, "cubic_means").replace("[96, 96]", "[64, 64]");
+        got.extend(picture(&text));
+        truth.extend(slice(k));
+        // Alone, a slice a metre from the brightest has a tenth of its energy and more of the noise.
+        let last = got.len() - 64 * 64..;
+        let alone = score(&got[last.clone()], &truth[last], everywhere);
+        assert!(alone <= 0.03, "bin {k} of {slices:?}: relRMSE {alone:.4}");
+    }
+    let all = score(&got, &truth, everywhere);
+    assert!(all <= 0.025, "bins {slices:?}: relRMSE {all:.4}");
+}
+
+#[test]
 fn without_retardation_every_frame_is_wrong() {
     for frame in frames() {
         let wrong = text(&frame, 0, "cubic").replace(

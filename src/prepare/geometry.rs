@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::light::Builder;
 use crate::accel::{Bvh, Facing};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::import::gltf;
 use crate::mesh::Mesh;
 use crate::plan::{Plan, PlannedFrame, PlannedObject};
@@ -31,7 +31,6 @@ pub(super) fn frame(
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);
     }
-    gathered.check(scene)?;
     let Gathered {
         triangles,
         patches,
@@ -133,18 +132,6 @@ impl Gathered {
             mesh.triangles = Vec::new();
         }
         self.meshes.push(mesh);
-    }
-
-    fn check(&self, scene: &Scene) -> Result<()> {
-        if self.triangles.len() < (1 << 31) {
-            return Ok(());
-        }
-        Err(Error::unsupported(
-            &scene.name,
-            "object",
-            format!("{} triangles at rest in one frame", self.triangles.len()),
-            "fewer than 2³¹ triangles per rest frame",
-        ))
     }
 }
 

@@ -234,8 +234,6 @@ struct Place<'a> {
     rest: Option<&'a RestFrame>,
     /// Origin of the object in the frame.
     object: DVec3,
-    /// The object's time zero in the frame.
-    object_time: f64,
     /// World coordinates of the frame's origin where the frame rests in the world.
     world: Option<DVec3>,
 }
@@ -255,7 +253,6 @@ impl<'a> Place<'a> {
         Place {
             rest,
             object: origin.map_or(DVec3::ZERO, |o| o.x),
-            object_time: origin.map_or(0.0, |o| o.ct),
             world: still.map(|f| f.frame.origin().x),
         }
     }
@@ -265,7 +262,7 @@ impl<'a> Place<'a> {
     fn clock(&self, clock: Clock) -> EmissionClock {
         match (clock, self.world) {
             (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,
-            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Rest(self.object_time),
+            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Object,
         }
     }
 

@@ -15,8 +15,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::surfaces::{Patch, RestFrame, Surfaces};
-use crate::accel::{Hit, Ray};
+use super::surfaces::{Patch, RestFrame, Surfaces, shadow_ray};
+use crate::accel::Hit;
 use crate::image::Texture;
 use crate::mesh::Wrap;
 use crate::scene::model::Pulse;
@@ -51,6 +51,11 @@ impl SurfacePoint<'_> {
     #[inline]
     pub fn rest_event(&self) -> Event<Rest> {
         self.local.at(self.hit.s)
+    }
+
+    /// The look direction of the camera's ray.
+    fn seen_along(&self) -> Direction<World> {
+        Direction::from_unit(self.ray.tangent.x)
     }
 
     /// Index of the triangle in its object.
@@ -190,8 +195,8 @@ pub enum Emitter {
 pub enum EmissionClock {
     /// World time.
     World,
-    /// Rest-frame time less this offset, metres.
-    Rest(f64),
+    /// The own time of the object that the point is on.
+    Object,
 }
 
 impl EmissionClock {
@@ -199,7 +204,7 @@ impl EmissionClock {
     fn time(self, point: &SurfacePoint) -> f64 {
         match self {
             EmissionClock::World => point.event().ct,
-            EmissionClock::Rest(zero) => point.rest_event().ct - zero,
+            EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
         }
     }
 }
@@ -295,11 +300,7 @@ impl TimeResolved {
             normal: point.facing_normal(),
         };
         let occluded = |from: DVec3, eye: DVec3| {
-            let ray = Ray {
-                origin: from,
-                direction: eye - from,
-                s_min: 0.0,
-            };
+            let ray = shadow_ray(point.local.origin.x, from, eye - from);
             point.rest.bvh.any(&ray, 1.0, Some(point.hit.triangle))
         };
         self.cubes[cube].sample_capture(&self.captures[capture], &captured, t, occluded)
@@ -336,11 +337,12 @@ impl TimeResolved {
         quantity: Quantity,
         point: &SurfacePoint,
     ) -> Option<Incident> {
-        let event = point.event();
-        let to_source = pulse.origin.x - event.x;
+        // By way of the camera's event, so that far from the world's origin no digits are lost.
+        let camera = Event::ORIGIN + (point.ray.origin - pulse.origin);
+        let way = camera + point.ray.tangent * point.hit.s;
+        let (to_source, since) = (-way.x, way.ct);
         let r = to_source.length();
-        let strength =
-            gaussian((event.ct - self.index * r - pulse.origin.ct) / pulse.sigma) / pulse.sigma;
+        let strength = gaussian((since - self.index * r) / pulse.sigma) / pulse.sigma;
         let d = Direction::<World>::new(to_source)?;
         let (d_rest, rho) = surfaces.turned(point.frame, d);
         let cosine = point.facing_normal().dot(d_rest.unit());
@@ -348,7 +350,8 @@ impl TimeResolved {
             return None;
         }
         let skip = (point.frame, point.hit.triangle);
-        if pulse.shadows && surfaces.occluded(event, d, self.index, r, skip) {
+        let from = (point.seen_along(), point.hit.s);
+        if pulse.shadows && surfaces.occluded(from, d, self.index, r, skip) {
             return None;
         }
         let w = WavelengthRatio(1.0 / rho);

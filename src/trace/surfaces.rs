@@ -75,11 +75,12 @@ pub trait Surfaces: Sync {
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
 
-    /// Whether anything but triangle `skip.1` of frame `skip.0` is met from the event `from` along `d`
-    /// in a medium of index `index` within `0 < s < distance`.
+    /// Whether anything but triangle `skip.1` of frame `skip.0` is met from the point `from.1` metres
+    /// along the camera's ray `from.0`, along `d` in a medium of index `index`, within
+    /// s < `distance`.
     fn occluded(
         &self,
-        from: Event<World>,
+        from: (Direction<World>, f64),
         d: Direction<World>,
         index: f64,
         distance: f64,
@@ -160,17 +161,13 @@ impl Surfaces for Still<'_> {
 
     fn occluded(
         &self,
-        from: Event<World>,
+        (seen, s): (Direction<World>, f64),
         d: Direction<World>,
         _: f64,
         distance: f64,
         skip: (u32, u32),
     ) -> bool {
-        let ray = Ray {
-            origin: shifted(self.rest, from).x,
-            direction: d.unit(),
-            s_min: 0.0,
-        };
+        let ray = shadow_ray(self.origin.x, self.local(0, seen).at(s).x, d.unit());
         self.rest.bvh.any(&ray, distance, Some(skip.1))
     }
 }
@@ -229,22 +226,34 @@ impl Surfaces for Frames<'_> {
 
     fn occluded(
         &self,
-        from: Event<World>,
+        (seen, s): (Direction<World>, f64),
         d: Direction<World>,
         index: f64,
         distance: f64,
         skip: (u32, u32),
     ) -> bool {
         self.rests.iter().enumerate().any(|(k, rest)| {
-            let local = rest.frame.ray_from_world(from, d, index);
-            let ray = Ray {
-                origin: local.origin.x,
-                direction: local.tangent.x,
-                s_min: 0.0,
-            };
+            let from = self.local(k as u32, seen).at(s).x;
+            let direction = rest.frame.frame_from_world().tangent(index, d).x;
+            let ray = shadow_ray(self.origins[k].x, from, direction);
             rest.bvh
                 .any(&ray, distance, (k as u32 == skip.0).then_some(skip.1))
         })
+    }
+}
+
+/// A ray along `direction` from the point `from` of a surface that was seen from `camera`.
+///
+/// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
+/// the edge of a triangle the ray could meet the neighbour right there; what is nearer than 2⁻⁴² of the
+/// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
+pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
+    const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
+    let size = camera.abs().max_element() + from.abs().max_element();
+    Ray {
+        origin: from,
+        direction,
+        s_min: CLEARANCE * size / direction.length(),
     }
 }
 

@@ -32,7 +32,8 @@ impl Frame {
     }
 }
 
-fn data(name: &str) -> PathBuf {
+/// A file of the reference data.
+pub fn data(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("tests/data/transient")
         .join(name)

@@ -1,0 +1,18 @@
+//! The whole pipeline, from a scene's text to its film, against closed forms.
+
+mod channels;
+mod clocks;
+mod coverage;
+mod determinism;
+mod doppler;
+mod effects;
+mod extremes;
+mod files;
+mod invariance;
+mod lorentz;
+mod moving_pulse;
+mod outlines;
+mod pulse;
+mod refusals;
+mod skipping;
+mod stage;

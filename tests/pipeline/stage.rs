@@ -1,0 +1,117 @@
+//! From a scene's text to its film, and the film's channels as vectors.
+
+use std::path::Path;
+
+use glam::DVec3;
+use nullray::aov::{self, Aov};
+use nullray::error::Result;
+use nullray::film::Film;
+use nullray::plan::{Plan, Request};
+use nullray::prepare::Prepared;
+use nullray::render::{Silent, render};
+use nullray::scene::model::{CameraModel, Scene};
+use nullray::scene::{self, Overrides};
+
+/// The scene that `text` says.
+pub fn scene(text: &str) -> Scene {
+    scene_in(Path::new(env!("CARGO_MANIFEST_DIR")), text)
+}
+
+/// The scene that `text` says, its files in `folder`.
+pub fn scene_in(folder: &Path, text: &str) -> Scene {
+    scene::parse(text, "test scene", folder, &Overrides::default()).unwrap()
+}
+
+/// All auxiliary channels of the rays through the pixels' centres.
+pub fn centred() -> Request {
+    Request {
+        aovs: aov::parse("all").unwrap(),
+        pixel_centers: true,
+        ..Request::default()
+    }
+}
+
+/// All auxiliary channels, and the scene's own samples per pixel.
+pub fn sampled() -> Request {
+    Request {
+        pixel_centers: false,
+        ..centred()
+    }
+}
+
+/// The film of `scene`.
+pub fn rendered(scene: &Scene, request: &Request) -> Result<Film> {
+    let plan = Plan::new(scene, request)?;
+    render(&Prepared::new(scene, &plan, &Silent)?, &Silent)
+}
+
+/// The film of the rays through the pixels' centres, with all channels.
+pub fn film(scene: &Scene) -> Film {
+    rendered(scene, &centred()).unwrap()
+}
+
+/// Number of pixels.
+pub fn pixels(film: &Film) -> usize {
+    film.radiance().len()
+}
+
+/// A channel's value in pixel `i`.
+pub fn value(film: &Film, aov: Aov, i: usize) -> f64 {
+    film.aov(aov).unwrap()[i]
+}
+
+/// Pixels that see an object.
+pub fn met(film: &Film) -> Vec<usize> {
+    let object = film.aov(Aov::Object).unwrap();
+    (0..object.len()).filter(|i| object[*i] >= 0.0).collect()
+}
+
+/// World time and place of the emission event.
+pub fn event(film: &Film, i: usize) -> (f64, DVec3) {
+    let v = |aov| value(film, aov, i);
+    let x = DVec3::new(v(Aov::EventX), v(Aov::EventY), v(Aov::EventZ));
+    (v(Aov::EventCt), x)
+}
+
+/// The object's time and place of the emission event.
+pub fn object_event(film: &Film, i: usize) -> (f64, DVec3) {
+    let v = |aov| value(film, aov, i);
+    let x = DVec3::new(
+        v(Aov::ObjectEventX),
+        v(Aov::ObjectEventY),
+        v(Aov::ObjectEventZ),
+    );
+    (v(Aov::ObjectEventCt), x)
+}
+
+/// World look direction.
+pub fn direction(film: &Film, i: usize) -> DVec3 {
+    let v = |aov| value(film, aov, i);
+    DVec3::new(v(Aov::DirectionX), v(Aov::DirectionY), v(Aov::DirectionZ))
+}
+
+/// The look direction in the camera frame through film point `(x, y)` in pixels: the pinhole's
+/// definition, written down anew.
+pub fn pinhole(camera: &CameraModel, x: f64, y: f64) -> DVec3 {
+    let [right, up, forward] = camera.axes;
+    let [width, height] = camera.size.map(f64::from);
+    let focal = 0.5 * width / (0.5 * camera.horizontal_fov).tan();
+    (forward * focal + right * (x - 0.5 * width) - up * (y - 0.5 * height)).normalize()
+}
+
+/// The look direction in the camera frame through the centre of pixel `i`.
+pub fn through(camera: &CameraModel, i: usize) -> DVec3 {
+    let width = camera.size[0] as usize;
+    pinhole(camera, (i % width) as f64 + 0.5, (i / width) as f64 + 0.5)
+}
+
+/// Asserts that `got` is `expected` to `tolerance` of it.
+#[track_caller]
+pub fn assert_relative(got: f64, expected: f64, tolerance: f64, what: impl std::fmt::Display) {
+    let error = (got - expected).abs();
+    assert!(
+        error <= tolerance * expected.abs(),
+        "{what}: {got:e} is not {expected:e} (relative error {:.1e})",
+        error / expected.abs()
+    );
+}

@@ -5,13 +5,10 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use nullray::render::Progress;
 
-use super::interrupt::Interrupt;
+use super::interrupt;
 
 /// Shows rays done on standard error, and passes Ctrl-C on.
-pub struct Bar {
-    bar: ProgressBar,
-    interrupt: &'static Interrupt,
-}
+pub struct Bar(ProgressBar);
 
 impl Bar {
     /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
@@ -28,24 +25,29 @@ impl Bar {
         ) {
             bar.set_style(style);
         }
-        Bar {
-            bar,
-            interrupt: Interrupt::install(),
-        }
+        Bar(bar)
     }
 
-    /// Takes the bar away.
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
+    /// Rate and time left count from now on.
+    pub fn start(&self) {
+        self.0.reset_eta();
+        self.0.reset_elapsed();
+    }
+}
+
+/// Takes the bar away, also where the work failed.
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 
 impl Progress for Bar {
     fn rays_done(&self, rays: u64) {
-        self.bar.inc(rays);
+        self.0.inc(rays);
     }
 
     fn is_cancelled(&self) -> bool {
-        self.interrupt.is_pressed()
+        interrupt::is_stopping()
     }
 }

@@ -15,12 +15,16 @@ use crate::error::{Error, Result};
 use crate::units::quoted;
 
 /// What the command line says in place of the scene file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     /// Dotted keys and the TOML text of their values; bare words are taken as a text.
     pub set: Vec<(String, String)>,
     /// Width and height of the picture, in place of `camera.size`.
     pub size: Option<[u32; 2]>,
+    /// In place of `display.exposure` or `display.white`, with its unit: "95 %".
+    pub exposure: Option<String>,
+    /// In place of `display.white` or `display.exposure`.
+    pub white: Option<f64>,
     /// In place of `display.samples_per_pixel`.
     pub samples_per_pixel: Option<u32>,
     /// The camera's proper time of the shot, with its unit, in place of `camera.time`.
@@ -83,7 +87,16 @@ fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
         let (flag, value) = (format!("--time {text}"), text.as_str().into());
         fixed(flag, "camera", "time", value)
     });
-    set.chain(size).chain(samples).chain(time).collect()
+    let exposure = overrides.exposure.as_ref().map(|text| {
+        let (flag, value) = (format!("--exposure {text}"), text.as_str().into());
+        fixed(flag, "display", "exposure", value)
+    });
+    let white = overrides.white.map(|radiance| {
+        let flag = format!("--white {radiance}");
+        fixed(flag, "display", "white", radiance.into())
+    });
+    let fixed = size.into_iter().chain(samples).chain(time);
+    set.chain(fixed).chain(exposure).chain(white).collect()
 }
 
 fn refuse(flag: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
@@ -157,6 +170,9 @@ impl Walk<'_> {
         let at_root = self.place == Place::default();
         self.place.0.push(Step::Key(key.clone()));
         if rest.is_empty() {
+            if let Some(rival) = self.rival() {
+                table.remove(rival);
+            }
             set(table, key, value);
             return Ok(());
         }
@@ -167,6 +183,18 @@ impl Walk<'_> {
         match table.get_mut(key) {
             Some(item) => self.set_in_item(item, rest, value),
             None => Ok(()),
+        }
+    }
+
+    /// The key that the file may have in place of this one, and that would contradict it.
+    fn rival(&self) -> Option<&'static str> {
+        let [Step::Key(table), Step::Key(key)] = self.place.0.as_slice() else {
+            return None;
+        };
+        match (table.as_str(), key.as_str()) {
+            ("display", "exposure") => Some("white"),
+            ("display", "white") => Some("exposure"),
+            _ => None,
         }
     }
 

@@ -52,7 +52,7 @@ pub struct SceneArguments {
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     /// Image size in pixels.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]

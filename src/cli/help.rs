@@ -12,8 +12,9 @@ Examples:
   nullray info data.npz              see what a file holds
   nullray help render                all options, examples and channel names
 
-Exit codes: 0 done; 2 wrong arguments, bad input, or a file that cannot be read or written;
+Exit codes: 0 done; 2 wrong arguments, bad input, or a file that cannot be read or written; \
 101 a bug of this program; 130 stopped by Ctrl-C, with no unfinished file left.
+
 No environment variable changes what is computed; NO_COLOR turns the colours of messages off.";
 
 pub const RENDER: &str = "\
@@ -30,8 +31,8 @@ Examples:
   nullray plan scene.toml --json";
 
 pub const INFO: &str = "\
-Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as
-time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera,
+Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
+time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera, \
 objects, sources. Only headers are read, except of .exr.";
 
 /// Examples, formats and the table of channels.
@@ -58,6 +59,6 @@ All hold the scene's text, its SHA-256, version, camera and units as metadata.
 Auxiliary channels (--aovs), alone or by group (`event` is event.ct, event.x, event.y, event.z):";
 
 const SAMPLES: &str = "\
-Object, primitive, barycentric and uv are those of the sample nearest to the pixel's centre; the others
-are means. --pixel-centers makes all of them those of the ray through the centre. Where nothing is met
+Object, primitive, barycentric and uv are those of the sample nearest to the pixel's centre; the others \
+are means. --pixel-centers makes all of them those of the ray through the centre. Where nothing is met \
 they hold NaN, and -1 for object and primitive.";

@@ -1,11 +1,18 @@
 //! The progress bar: on a terminal only, with rate and time left.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use nullray::render::Progress;
 
 use super::interrupt;
+
+/// Writes the rays per second.
+fn rate(state: &ProgressState, out: &mut dyn Write) {
+    // Fails only where `out` does, and then there is nobody to tell.
+    let _ = write!(out, "{:.1} Mrays/s", state.per_sec() / 1e6);
+}
 
 /// Shows rays done on standard error, and passes Ctrl-C on.
 pub struct Bar(ProgressBar);
@@ -20,10 +27,10 @@ impl Bar {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(rays), target);
-        if let Ok(style) = ProgressStyle::with_template(
-            "{bar:40} {percent:>3} %  {human_pos} of {human_len} rays  {per_sec}  {eta} left",
-        ) {
-            bar.set_style(style);
+        if let Ok(style) =
+            ProgressStyle::with_template("{wide_bar} {percent:>3} %  {rate}  {eta} left")
+        {
+            bar.set_style(style.with_key("rate", rate));
         }
         Bar(bar)
     }

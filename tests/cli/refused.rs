@@ -47,7 +47,7 @@ fn wrong_values_of_options_are_refused() {
             &["memory", "more than the limit", "--max-memory"],
         ),
         (&["--exposure", "150 %"], &["--exposure 150 %", "100"]),
-        (&["--exposure", "bright"], &["--exposure", "95 %"]),
+        (&["--exposure", "bright"], &["--exposure", "2.5 %"]),
         (&["--white", "-1"], &["--white -1", "above 0"]),
         (
             &["--white", "1", "--exposure", "9 %"],

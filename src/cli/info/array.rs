@@ -20,6 +20,7 @@ pub fn info(path: &Path) -> Result<Info> {
     }
     let title = match headers.as_slice() {
         [one] if one.name.is_none() => "NumPy array".into(),
+        [_] => "NumPy archive of 1 array".into(),
         headers => format!("NumPy archive of {} arrays", headers.len()),
     };
     let data = json!({ "kind": "numpy", "arrays": arrays });

@@ -20,7 +20,7 @@ pub fn info(path: &Path) -> Result<Info> {
     sheet.row("vertices", count(held.vertices));
     sheet.row(
         "meshes",
-        format!("{} of {} primitives", held.meshes, held.primitives),
+        format!("{}, placed as {} primitives", held.meshes, held.primitives),
     );
     if let Some([least, greatest]) = held.bounds {
         let size = greatest - least;

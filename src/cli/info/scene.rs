@@ -29,7 +29,7 @@ fn camera(sheet: &mut Sheet, scene: &Scene) {
     sheet.row(
         "camera",
         format!(
-            "{width} × {height} pixels, {} samples each, {:.4}° wide",
+            "{width} × {height} pixels, {} samples each, {:.2}° wide",
             scene.samples_per_pixel,
             camera.horizontal_fov.to_degrees()
         ),
@@ -45,7 +45,7 @@ fn camera(sheet: &mut Sheet, scene: &Scene) {
     sheet.row(
         "",
         format!(
-            "looks along ({:.6}, {:.6}, {:.6}) in its own frame",
+            "looks along ({:.4}, {:.4}, {:.4}) in its own frame",
             forward.x, forward.y, forward.z
         ),
     );

@@ -44,6 +44,8 @@ struct Request {
     flag: String,
     path: Vec<String>,
     value: Value,
+    /// The key beside it that would contradict it, and goes.
+    replaces: Option<&'static str>,
 }
 
 /// The keys of a path, at most: more than any that exists.
@@ -69,11 +71,26 @@ fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
     let set = overrides.set.iter().map(|(key, text)| {
         let flag = format!("--set {key}={text}");
         let (path, value) = (parse_path(key, &flag)?, parse_value(text, &flag)?);
-        Ok(Request { flag, path, value })
+        Ok(Request {
+            flag,
+            path,
+            value,
+            replaces: None,
+        })
     });
     let fixed = |flag: String, table: &str, key: &str, value: Value| {
-        let path = vec![table.to_string(), key.to_string()];
-        Ok(Request { flag, path, value })
+        // The flags of the two ways to say how bright white is take each other's place.
+        let replaces = match key {
+            "exposure" => Some("white"),
+            "white" => Some("exposure"),
+            _ => None,
+        };
+        Ok(Request {
+            flag,
+            path: vec![table.to_string(), key.to_string()],
+            value,
+            replaces,
+        })
     };
     let size = overrides.size.map(|[w, h]| {
         let value = [w, h].into_iter().map(i64::from).collect();
@@ -135,12 +152,22 @@ fn parse_value(text: &str, flag: &str) -> Result<Value> {
 }
 
 fn make(document: &mut DocumentMut, request: Request) -> Result<Edit> {
-    let Request { flag, path, value } = request;
+    let Request {
+        flag,
+        path,
+        value,
+        replaces,
+    } = request;
     let mut walk = Walk {
         flag: &flag,
         place: Place::default(),
     };
     walk.set_in_table(document.as_table_mut(), &path, value)?;
+    if let (Some(rival), [table, _]) = (replaces, path.as_slice())
+        && let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut)
+    {
+        table.remove(rival);
+    }
     let place = walk.place;
     Ok(Edit { flag, place })
 }
@@ -170,9 +197,6 @@ impl Walk<'_> {
         let at_root = self.place == Place::default();
         self.place.0.push(Step::Key(key.clone()));
         if rest.is_empty() {
-            if let Some(rival) = self.rival() {
-                table.remove(rival);
-            }
             set(table, key, value);
             return Ok(());
         }
@@ -183,18 +207,6 @@ impl Walk<'_> {
         match table.get_mut(key) {
             Some(item) => self.set_in_item(item, rest, value),
             None => Ok(()),
-        }
-    }
-
-    /// The key that the file may have in place of this one, and that would contradict it.
-    fn rival(&self) -> Option<&'static str> {
-        let [Step::Key(table), Step::Key(key)] = self.place.0.as_slice() else {
-            return None;
-        };
-        match (table.as_str(), key.as_str()) {
-            ("display", "exposure") => Some("white"),
-            ("display", "white") => Some("exposure"),
-            _ => None,
         }
     }
 

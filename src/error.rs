@@ -143,8 +143,24 @@ impl Error {
     }
 }
 
+/// What to do about an I/O error, where that can be said.
+fn remedy(kind: io::ErrorKind) -> Option<&'static str> {
+    use io::ErrorKind as Kind;
+    match kind {
+        Kind::NotFound => Some("check the path; a relative one starts from the current directory"),
+        Kind::PermissionDenied => Some("check the permissions of the file and of its directory"),
+        Kind::IsADirectory => Some("name a file, not a directory"),
+        Kind::StorageFull | Kind::QuotaExceeded => Some("make room, or write to another place"),
+        Kind::ReadOnlyFilesystem => Some("write to another place"),
+        _ => None,
+    }
+}
+
 impl Diagnostic for Error {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        if let Error::Io { source, .. } = self {
+            return Some(Box::new(remedy(source.kind())?));
+        }
         let problem = self.problem().filter(|p| !p.help.is_empty())?;
         Some(Box::new(&problem.help))
     }

@@ -22,6 +22,11 @@ const FILES: &[(&str, &[u8])] = &[
     ),
 ];
 
+/// The paths of the compiled-in files below [`BUILT_IN`].
+pub fn built_in_names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(name, _)| *name)
+}
+
 /// What can be read in any order.
 pub trait ReadSeek: Read + Seek + Send {}
 

@@ -21,6 +21,7 @@ use crate::scene::model::{Geometry, Mapping, Scene, SourceKind};
 use crate::shapes;
 
 pub use bindings::{Lit, lit_by};
+pub use report::{bytes, count, motion};
 
 /// What is asked of a scene beyond what its file says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -104,6 +105,8 @@ pub struct PlannedObject {
     pub name: String,
     /// The file, or none for a built-in shape.
     pub file: Option<PathBuf>,
+    /// Files that this one refers to.
+    pub files: Vec<PathBuf>,
     /// Triangles.
     pub triangles: u64,
     /// Vertices.
@@ -271,6 +274,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                 Ok(PlannedObject {
                     name: object.name.clone(),
                     file: Some(path.clone()),
+                    files: summary.files,
                     triangles: summary.triangles,
                     vertices: summary.vertices,
                     uvs: false,
@@ -285,6 +289,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                 Ok(PlannedObject {
                     name: object.name.clone(),
                     file: None,
+                    files: Vec::new(),
                     triangles,
                     vertices: 2 * triangles,
                     uvs: false,

@@ -5,13 +5,15 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::{self, Aov};
 use nullray::scene::Overrides;
-use nullray::units::Time;
+use nullray::units::{Percentage, Time};
+
+use super::help;
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
 /// Without a command it renders the built-in scene.
 #[derive(Debug, Parser)]
-#[command(name = "nullray", version, max_term_width = 100)]
+#[command(name = "nullray", version, max_term_width = 100, after_help = help::PROGRAM)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -20,10 +22,13 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a scene to pictures.
+    #[command(after_help = help::RENDER, after_long_help = help::render_long())]
     Render(RenderArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
+    #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
     /// Print what a glTF, npy, npz, exr, png or scene file holds.
+    #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Print the JSON schema of the scene file, for editors.
     Schema,
@@ -34,7 +39,7 @@ pub enum Command {
     },
     /// Print the manual page, or write one page per command into a directory.
     Man {
-        /// Where to write nullray.1, nullray-render.1, …
+        /// Where to write nullray.1, nullray-render.1, …; made where it does not exist.
         #[arg(long, value_name = "DIR")]
         directory: Option<PathBuf>,
     },
@@ -47,7 +52,7 @@ pub struct SceneArguments {
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     /// Image size in pixels.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
@@ -55,13 +60,20 @@ pub struct SceneArguments {
     /// The camera's proper time of the shot, with its unit: "3.2 m" or "12 ns".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time: Option<String>,
-    /// Auxiliary channels for EXR and npz: a list of names or groups, or "all".
-    #[arg(long, value_name = "LIST", value_parser = aovs, help = aov_help())]
+    /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %".
+    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = percentage)]
+    pub exposure: Option<String>,
+    /// The radiance that becomes white in a .png.
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
+    pub white: Option<f64>,
+    /// Auxiliary channels for .exr and .npz: "all", or a list of channels ("event.ct") and groups of
+    /// them ("event").
+    #[arg(long, value_name = "LIST", value_parser = aovs)]
     pub aovs: Option<AovList>,
     /// One sample per pixel, exactly at its centre.
     #[arg(long, visible_alias = "pixel-centres", conflicts_with = "spp")]
     pub pixel_centers: bool,
-    /// Change a key of the scene file: --set camera.velocity.beta=[0.5,0,0]. Repeatable.
+    /// Change a key of the scene file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     pub set: Vec<(String, String)>,
     /// The most memory that the scene may take.
@@ -75,6 +87,7 @@ pub struct RenderArguments {
     pub scene: SceneArguments,
     /// Where to write: .png (display), .exr (linear, all channels), .npz (f64). Repeatable.
     /// Default: the scene's name with .png, in the current directory.
+    /// A file of this name is replaced when the new one is complete.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Also write the retarded time as a coloured picture with a legend.
@@ -102,9 +115,12 @@ pub struct PlanArguments {
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A .gltf, .glb, .npy, .npz, .exr, .png or .toml file.
+    /// A .gltf, .glb, .npy, .npz, .exr, .png or .toml file; told apart by content.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Parsed `--aovs`.
@@ -119,6 +135,8 @@ impl SceneArguments {
             size: self.size,
             samples_per_pixel: self.spp,
             time: self.time.clone(),
+            exposure: self.exposure.clone(),
+            white: self.white,
         }
     }
 
@@ -146,7 +164,8 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 fn assignment(text: &str) -> Result<(String, String), String> {
     let (key, value) = text
         .split_once('=')
-        .ok_or("write KEY=VALUE, for instance camera.time=\"3 m\"")?;
+        .filter(|(key, _)| !key.trim().is_empty())
+        .ok_or("write KEY=VALUE, for instance --set \"camera.time=3 m\"")?;
     Ok((key.trim().into(), value.trim().into()))
 }
 
@@ -171,9 +190,12 @@ fn aovs(text: &str) -> Result<AovList, String> {
     aov::parse(text).map(AovList)
 }
 
-fn aov_help() -> String {
-    format!(
-        "Auxiliary channels for EXR and npz, a list of: all, {}",
-        aov::groups().join(", ")
-    )
+/// A percentage; a bare number is one too.
+fn percentage(text: &str) -> Result<String, String> {
+    let text = match text.trim().parse::<f64>() {
+        Ok(number) => format!("{number} %"),
+        Err(_) => text.into(),
+    };
+    let parsed = text.parse::<Percentage>();
+    parsed.map(|_| text).map_err(|error| error.to_string())
 }

@@ -1,15 +1,17 @@
 //! The scene that is compiled in, and what happens without a command.
 
 use std::fs;
+use std::io::{Read, Write};
 use std::path::Path;
 
+use nullray::image::write_atomically;
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result, files};
 
 use super::args::SceneArguments;
 use super::output::{Isochrones, Outputs};
-use super::{print, render};
+use super::{interrupt, print, render};
 
 const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
@@ -27,8 +29,8 @@ fn scene(overrides: &Overrides) -> Result<Scene> {
     nullray::scene::parse(TEXT, NAME, Path::new(files::BUILT_IN), overrides)
 }
 
-/// Renders the built-in scene three times: as a camera at rest sees it, as the moving one does, and
-/// the times at which its light left.
+/// Renders the built-in scene twice: as a camera at rest sees it, and as the moving one does, with the
+/// times at which its light left. Leaves the scene and its data there, to be changed.
 pub fn render() -> Result<()> {
     let directory = Path::new(DIRECTORY);
     fs::create_dir_all(directory).map_err(Error::io(directory, "cannot create the directory"))?;
@@ -58,6 +60,7 @@ pub fn render() -> Result<()> {
         ..Outputs::default()
     };
     one(&Overrides::default(), moving)?;
+    leave_scene(directory)?;
     print(NEXT)
 }
 
@@ -66,12 +69,42 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         aovs: outputs.needs(),
         ..Default::default()
     };
-    print(&render::one(&scene(overrides)?, &request, &outputs, false)?)
+    render::one(&scene(overrides)?, &request, &outputs, false)
+}
+
+/// Writes the built-in scene and its files into `directory`, except for those that are there already.
+fn leave_scene(directory: &Path) -> Result<()> {
+    leave(&directory.join("corner.toml"), TEXT.as_bytes())?;
+    for name in files::built_in_names() {
+        let source = Path::new(files::BUILT_IN).join(name);
+        let mut bytes = Vec::new();
+        let (mut reader, _) = files::open(&source).map_err(Error::io(&source, "cannot read"))?;
+        (reader.read_to_end(&mut bytes)).map_err(Error::io(&source, "cannot read"))?;
+        leave(&directory.join(name), &bytes)?;
+    }
+    Ok(())
+}
+
+/// Writes a new file; one that is there already may have been changed by its owner.
+fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
+    if path.exists() {
+        return print(&format!("kept {} as it is\n", path.display()));
+    }
+    interrupt::check()?;
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(Error::io(parent, "cannot create the directory"))?;
+        interrupt::will_write_into(parent.into());
+    }
+    write_atomically(path, |file| {
+        file.write_all(bytes)
+            .map_err(Error::io(path, "cannot write"))
+    })?;
+    print(&format!("wrote {}\n", path.display()))
 }
 
 const NEXT: &str = "
 What to try next:
-  nullray render --set camera.velocity.beta=[0.0,0.0,0.5] --time \"0.4 m\" -o slower.png
-  nullray plan                     what that needs, and what is skipped
-  nullray render scenes/cube/approaching-0.9.toml -o cube.png
+  nullray plan nullray-out/corner.toml
+  nullray info nullray-out/corner/lightmap.npz
+  nullray render nullray-out/corner.toml --set \"camera.velocity={beta=[0,0,-0.5]}\" -o slower.png
 ";

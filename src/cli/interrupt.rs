@@ -1,51 +1,82 @@
-//! Ctrl-C: a flag that the work looks at, and a limit on how long it may take to notice.
+//! Ctrl-C, and signals to end: work that looks at the flag stops by itself; after a while, or in work that
+//! cannot look (a BVH under construction, the encoding of a large file), the process is ended.
+//!
+//! Files appear whole or not at all, so that all there is to clear away is a temporary file in progress.
+//! No new one is begun once the flag is set ([`check`]).
 
-use std::sync::OnceLock;
+use std::fs;
+use std::io::IsTerminal;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use super::INTERRUPTED;
+use nullray::{Error, Result};
 
-/// How long work that does not look at the flag (a BVH under construction) may go on.
-const PATIENCE: Duration = Duration::from_millis(800);
+use super::complain;
 
-/// What the signal handler and the work share.
-#[derive(Debug, Default)]
-pub struct Interrupt {
-    /// Set by Ctrl-C.
-    stop: AtomicBool,
-    /// Whether files are being written, which is finished first.
-    writing: AtomicBool,
+/// The exit code, as shells have it: 128 + SIGINT.
+pub const CODE: u8 = 130;
+/// What is said then.
+pub const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
+
+/// How long work may take to notice.
+const PATIENCE: Duration = Duration::from_millis(600);
+
+static STOPPING: AtomicBool = AtomicBool::new(false);
+/// The temporary files that may be in progress belong into these directories.
+static DIRECTORIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Handles signals from now on.
+pub fn install() {
+    // Where a handler cannot be installed, Ctrl-C ends the process as it always does. The handler runs on
+    // a thread of its own, and may do as it likes.
+    let _ = ctrlc::set_handler(stop);
 }
 
-impl Interrupt {
-    /// The one of this process, its handler installed.
-    pub fn install() -> &'static Interrupt {
-        static INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
-        INTERRUPT.get_or_init(|| {
-            // Where a handler cannot be installed, Ctrl-C ends the process as it always does.
-            let _ = ctrlc::set_handler(|| Interrupt::install_handled());
-            Interrupt::default()
-        })
+fn stop() {
+    STOPPING.store(true, Ordering::Relaxed);
+    std::thread::sleep(PATIENCE);
+    remove_temporary_files();
+    // The progress bar leaves its line to us.
+    if std::io::stderr().is_terminal() {
+        complain("\r\x1b[K");
     }
+    complain(MESSAGE);
+    std::process::exit(CODE.into());
+}
 
-    fn install_handled() {
-        let interrupt = Interrupt::install();
-        interrupt.stop.store(true, Ordering::Relaxed);
-        std::thread::sleep(PATIENCE);
-        if !interrupt.writing.load(Ordering::Relaxed) {
-            eprintln!("nullray: stopped; nothing was written");
-            std::process::exit(INTERRUPTED.into());
+/// Whether to stop.
+pub fn is_stopping() -> bool {
+    STOPPING.load(Ordering::Relaxed)
+}
+
+/// An error if it is time to stop.
+pub fn check() -> Result<()> {
+    if is_stopping() {
+        Err(Error::Cancelled)
+    } else {
+        Ok(())
+    }
+}
+
+/// Says that a file will be written into `directory`.
+pub fn will_write_into(directory: PathBuf) {
+    let mut known = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);
+    if !known.contains(&directory) {
+        known.push(directory);
+    }
+}
+
+/// Removes the temporary files of this process, by the names that `nullray::image` gives them.
+fn remove_temporary_files() {
+    let ours = format!(".nullray-{}-", std::process::id());
+    let directories = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);
+    let entries = directories.iter().filter_map(|d| fs::read_dir(d).ok());
+    for entry in entries.flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(&ours) && name.ends_with(".part") {
+            let _ = fs::remove_file(entry.path());
         }
-    }
-
-    /// Whether Ctrl-C was pressed.
-    pub fn is_pressed(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-
-    /// Says that files are being written from now on.
-    pub fn begin_writing(&self) {
-        self.writing.store(true, Ordering::Relaxed);
     }
 }

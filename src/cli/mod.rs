@@ -2,7 +2,10 @@
 
 mod args;
 mod builtin;
+mod failure;
+mod help;
 mod info;
+mod inputs;
 mod interrupt;
 mod metadata;
 mod output;
@@ -11,7 +14,7 @@ mod progress;
 mod reference;
 mod render;
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -19,15 +22,15 @@ use nullray::{Error, Result};
 
 use args::{Arguments, Command};
 
-/// Exit code for bad input and failed work.
-const FAILED: u8 = 2;
-/// Exit code after Ctrl-C, as shells have it (128 + SIGINT).
-const INTERRUPTED: u8 = 130;
-
 /// Parses the command line, does what it says, reports what went wrong.
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    let done = match arguments.command {
+    interrupt::install();
+    failure::outcome(|| carry_out(arguments.command))
+}
+
+fn carry_out(command: Option<Command>) -> Result<()> {
+    match command {
         None => builtin::render(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Plan(plan)) => plan::run(&plan),
@@ -35,34 +38,22 @@ pub fn run() -> ExitCode {
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report(error),
     }
 }
 
-fn report(error: Error) -> ExitCode {
-    match error {
-        // The reader of a pipe has seen enough: "nullray info … | head".
-        Error::Io { ref source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
-            ExitCode::SUCCESS
-        }
-        Error::Cancelled => {
-            eprintln!("nullray: stopped; nothing was written");
-            ExitCode::from(INTERRUPTED)
-        }
-        error => {
-            eprintln!("{:?}", miette::Report::new(error));
-            ExitCode::from(FAILED)
-        }
-    }
-}
-
-/// Prints `text` on standard output; a closed pipe is no failure.
+/// Prints `text` on standard output. A reader that has seen enough ("nullray info … | head") is no
+/// failure, and what is yet to be done is done.
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .map_err(Error::io("standard output", "cannot write"))
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io("standard output", "cannot write")(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Says `text` on standard error, as far as there is one.
+fn complain(text: &str) {
+    let _ = io::stderr().lock().write_all(text.as_bytes());
 }

@@ -1,17 +1,21 @@
 //! The progress bar: on a terminal only, with rate and time left.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use nullray::render::Progress;
 
-use super::interrupt::Interrupt;
+use super::interrupt;
+
+/// Writes the rays per second.
+fn rate(state: &ProgressState, out: &mut dyn Write) {
+    // Fails only where `out` does, and then there is nobody to tell.
+    let _ = write!(out, "{:.1} Mrays/s", state.per_sec() / 1e6);
+}
 
 /// Shows rays done on standard error, and passes Ctrl-C on.
-pub struct Bar {
-    bar: ProgressBar,
-    interrupt: &'static Interrupt,
-}
+pub struct Bar(ProgressBar);
 
 impl Bar {
     /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
@@ -23,29 +27,34 @@ impl Bar {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(rays), target);
-        if let Ok(style) = ProgressStyle::with_template(
-            "{bar:40} {percent:>3} %  {human_pos} of {human_len} rays  {per_sec}  {eta} left",
-        ) {
-            bar.set_style(style);
+        if let Ok(style) =
+            ProgressStyle::with_template("{wide_bar} {percent:>3} %  {rate}  {eta} left")
+        {
+            bar.set_style(style.with_key("rate", rate));
         }
-        Bar {
-            bar,
-            interrupt: Interrupt::install(),
-        }
+        Bar(bar)
     }
 
-    /// Takes the bar away.
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
+    /// Rate and time left count from now on.
+    pub fn start(&self) {
+        self.0.reset_eta();
+        self.0.reset_elapsed();
+    }
+}
+
+/// Takes the bar away, also where the work failed.
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 
 impl Progress for Bar {
     fn rays_done(&self, rays: u64) {
-        self.bar.inc(rays);
+        self.0.inc(rays);
     }
 
     fn is_cancelled(&self) -> bool {
-        self.interrupt.is_pressed()
+        interrupt::is_stopping()
     }
 }

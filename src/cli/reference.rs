@@ -28,6 +28,8 @@ pub fn man(directory: Option<&Path>) -> Result<()> {
     let Some(directory) = directory else {
         return print(&String::from_utf8_lossy(&page(command)?));
     };
+    std::fs::create_dir_all(directory)
+        .map_err(Error::io(directory, "cannot create the directory"))?;
     let subcommands: Vec<_> = command.get_subcommands().cloned().collect();
     write(directory, "nullray", command)?;
     for subcommand in subcommands.into_iter().filter(|c| c.get_name() != "help") {
@@ -46,7 +48,8 @@ fn write(directory: &Path, name: &str, command: clap::Command) -> Result<()> {
     let text = page(command)?;
     write_atomically(&path, |file| {
         std::io::Write::write_all(file, &text).map_err(Error::io(&path, "cannot write"))
-    })
+    })?;
+    print(&format!("wrote {}\n", path.display()))
 }
 
 fn page(command: clap::Command) -> Result<Vec<u8>> {

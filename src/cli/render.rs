@@ -3,73 +3,60 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use nullray::aov::Aov;
 use nullray::film::Film;
-use nullray::plan::Plan;
+use nullray::plan::{self, Plan};
 use nullray::prepare::Prepared;
-use nullray::render::Progress;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
 use super::args::RenderArguments;
-use super::interrupt::Interrupt;
 use super::output::{Isochrones, Outputs};
 use super::progress::Bar;
-use super::{builtin, print};
+use super::{builtin, inputs, interrupt, print};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let scene = builtin::scene_or_builtin(&arguments.scene)?;
     let outputs = Outputs {
-        images: outputs(arguments, &scene),
+        images: images(arguments),
         isochrones: isochrones(arguments, &scene),
         aovs: arguments.scene.request().aovs,
     };
     let mut request = arguments.scene.request();
     request.aovs = outputs.needs();
-    let report = in_pool(arguments.threads, || {
+    in_pool(arguments.threads, || {
         one(&scene, &request, &outputs, arguments.quiet)
-    })?;
-    if arguments.quiet {
-        Ok(())
-    } else {
-        print(&report)
-    }
+    })
 }
 
-/// Renders one scene to its outputs; says what was written.
-pub fn one(
-    scene: &Scene,
-    request: &nullray::plan::Request,
-    outputs: &Outputs,
-    quiet: bool,
-) -> Result<String> {
-    outputs.check()?;
+/// Renders one scene to its outputs; says what was written unless `quiet`.
+pub fn one(scene: &Scene, request: &plan::Request, outputs: &Outputs, quiet: bool) -> Result<()> {
+    let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
+    outputs.check(&inputs::of(scene, &plan))?;
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
     let prepared = Prepared::new(scene, &plan, &bar)?;
-    let prepared_in = start.elapsed();
-    let film = nullray::render::render(&prepared, &bar);
-    bar.finish();
-    let film = film?;
-    if bar.is_cancelled() {
-        return Err(Error::Cancelled);
-    }
-    let rendered_in = start.elapsed() - prepared_in;
-    Interrupt::install().begin_writing();
-    let mut report = outputs.write(scene, &film)?;
-    let rate = plan.rays.camera as f64 / rendered_in.as_secs_f64() / 1e6;
-    report += &format!(
-        "{} rays, {:.2} s to prepare, {:.2} s to render ({rate:.1} Mrays/s)\n",
-        plan.rays.camera,
-        prepared_in.as_secs_f64(),
-        rendered_in.as_secs_f64(),
-    );
-    report += &coverage(&film);
+    let prepared_in = start.elapsed().as_secs_f64();
+    bar.start();
+    let film = nullray::render::render(&prepared, &bar)?;
+    drop(bar);
+    interrupt::check()?;
+    let rendered_in = start.elapsed().as_secs_f64() - prepared_in;
+    outputs.write(scene, &film, &mut say)?;
+    say(&cost(plan.rays.camera, prepared_in, rendered_in))?;
+    say(&coverage(&film))?;
     for warning in &prepared.warnings {
-        report += &format!("warning: {warning}\n");
+        say(&format!("warning: {}\n", warning.escape_debug()))?;
     }
-    Ok(report)
+    Ok(())
+}
+
+fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
+    let rate = rays as f64 / rendered_in.max(1e-9) / 1e6;
+    format!(
+        "{} rays, {prepared_in:.2} s to prepare, {rendered_in:.2} s to render ({rate:.1} Mrays/s)\n",
+        plan::count(rays)
+    )
 }
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.
@@ -85,14 +72,16 @@ fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> Result<T> + Sen
     pool.install(work)
 }
 
-fn outputs(arguments: &RenderArguments, scene: &Scene) -> Vec<PathBuf> {
+/// What `-o` says, or the scene's name with .png.
+fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
     if !arguments.output.is_empty() {
         return arguments.output.clone();
     }
-    let stem = std::path::Path::new(&scene.name)
-        .file_stem()
-        .unwrap_or("nullray".as_ref());
-    vec![PathBuf::from(stem).with_extension("png")]
+    let stem = arguments.scene.scene.as_ref().and_then(|p| p.file_stem());
+    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
+    let mut name = stem.unwrap_or("nullray".as_ref()).to_os_string();
+    name.push(".png");
+    vec![name.into()]
 }
 
 fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Option<Isochrones> {
@@ -128,6 +117,3 @@ fn coverage(film: &Film) -> String {
         missing.join(", ")
     )
 }
-
-/// The retarded time, which isochrones need.
-pub const RETARDED_TIME: Aov = Aov::EventCt;

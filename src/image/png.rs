@@ -1,12 +1,17 @@
 //! PNG files: what a display shows.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
-use ::png::{BitDepth, ColorType, Compression, Encoder, EncodingError, SrgbRenderingIntent};
+use ::png::{
+    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Limits,
+    SrgbRenderingIntent,
+};
 
 use super::file::write_failed;
 use super::layers::{check_metadata, pixel_count};
-use super::write_atomically;
+use super::{guarded, write_atomically};
 use crate::error::{Error, Result};
 
 /// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, whole or not at all.
@@ -65,5 +70,71 @@ fn failure(path: &Path, error: EncodingError) -> Error {
     match error {
         EncodingError::IoError(error) => write_failed(path)(error),
         other => Error::unsupported(path, "", format!("cannot be written as PNG: {other}"), ""),
+    }
+}
+
+/// The most memory that the header and the text of a file may take, bytes.
+const HEADER_MEMORY: usize = 64 << 20;
+
+/// What a PNG file says before its pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PngInfo {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Bits per sample.
+    pub bits: u8,
+    /// Samples: "grey", "RGB", "palette", "grey and alpha" or "RGBA".
+    pub colour: &'static str,
+    /// Keys and texts, in the order of the file.
+    pub text: Vec<(String, String)>,
+}
+
+/// Reads the header and the text of a PNG file; no pixel is decoded.
+///
+/// # Errors
+/// I/O errors, and files that are not PNG or are broken as far as that shows before the pixels.
+pub fn inspect(path: &Path) -> Result<PngInfo> {
+    let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
+    let limits = Limits {
+        bytes: HEADER_MEMORY,
+    };
+    let decoder = Decoder::new_with_limits(BufReader::new(file), limits);
+    let decoded = guarded(|| decoder.read_info().map(|reader| describe(reader.info())));
+    match decoded {
+        Some(Ok(info)) => Ok(info),
+        Some(Err(DecodingError::IoError(e))) if e.kind() != std::io::ErrorKind::UnexpectedEof => {
+            Err(Error::io(path, "cannot read")(e))
+        }
+        Some(Err(error)) => Err(broken(path, &error.to_string())),
+        None => Err(broken(path, "its structure contradicts itself")),
+    }
+}
+
+fn broken(path: &Path, what: &str) -> Error {
+    let what = format!("not a readable PNG file: {what}");
+    Error::invalid(path, "", what, "copy or write the picture again")
+}
+
+fn describe(info: &::png::Info) -> PngInfo {
+    let latin = info.uncompressed_latin1_text.iter();
+    let latin = latin.map(|chunk| (chunk.keyword.clone(), chunk.text.clone()));
+    let packed = info.compressed_latin1_text.iter();
+    let packed = packed.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
+    let utf8 = info.utf8_text.iter();
+    let utf8 = utf8.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
+    PngInfo {
+        width: info.width,
+        height: info.height,
+        bits: info.bit_depth as u8,
+        colour: match info.color_type {
+            ColorType::Grayscale => "grey",
+            ColorType::Rgb => "RGB",
+            ColorType::Indexed => "palette",
+            ColorType::GrayscaleAlpha => "grey and alpha",
+            ColorType::Rgba => "RGBA",
+        },
+        text: latin.chain(packed).chain(utf8).collect(),
     }
 }

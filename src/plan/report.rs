@@ -1,106 +1,195 @@
-//! The plan as text.
+//! The plan as text, for people: short whatever the size of the scene. All of it is in the JSON.
 
-use std::fmt;
+use std::fmt::{self, Formatter, Write};
 
-use super::{Plan, ViewKind};
+use super::{Plan, PlannedFrame, PlannedObject, ViewKind};
+
+/// The most entries of a list that are shown one by one.
+const MOST: usize = 8;
 
 impl fmt::Display for Plan {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.scene)?;
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.scene.escape_debug())?;
         self.film(f)?;
         self.frames(f)?;
         self.cubes(f)?;
         self.cost(f)?;
-        for skipped in &self.skipped {
-            writeln!(f, "  skipped   {}: {}", skipped.what, skipped.why)?;
+        for skipped in self.skipped.iter().take(2 * MOST) {
+            row(
+                f,
+                "skipped",
+                &format!("{}: {}", skipped.what.escape_debug(), skipped.why),
+            )?;
         }
+        more(f, "skipped", self.skipped.len(), 2 * MOST, "")?;
         for note in &self.notes {
-            writeln!(f, "  note      {note}")?;
+            row(f, "note", note)?;
         }
         Ok(())
     }
 }
 
 impl Plan {
-    fn film(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
         let view = match self.view {
             ViewKind::Still => "camera at rest",
             ViewKind::Moving => "moving camera",
             ViewKind::Unaberrated => "moving camera without aberration",
         };
-        write!(
+        let samples = match (self.film.samples, self.pixel_centers) {
+            (_, true) => "the ray through the centre of each".into(),
+            (1, false) => "1 sample each".into(),
+            (n, false) => format!("{n} samples each"),
+        };
+        row(
             f,
-            "  film      {width} × {height} pixels, {} samples each, {view}",
-            self.film.samples
+            "film",
+            &format!("{width} × {height} pixels, {samples}, {view}"),
         )?;
-        if !self.film.channels.is_empty() {
-            let names: Vec<_> = self.film.channels.iter().map(|a| a.name()).collect();
-            write!(f, "; channels {}", names.join(", "))?;
+        let names: Vec<_> = self.film.channels.iter().map(|a| a.name()).collect();
+        match names.as_slice() {
+            [] => Ok(()),
+            names => row(f, "channels", &names.join(", ")),
         }
-        writeln!(f)
     }
 
-    fn frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for frame in &self.frames {
-            let [x, y, z] = frame.beta;
-            let motion = if frame.gamma == 1.0 {
-                "at rest".into()
-            } else {
-                format!("β = ({x:.6}, {y:.6}, {z:.6}), γ = {:.6}", frame.gamma)
-            };
-            writeln!(f, "  frame     {motion}: {} triangles", frame.triangles)?;
-            for object in frame.objects.iter().map(|o| &self.objects[*o]) {
-                let file = object
-                    .file
-                    .as_ref()
-                    .map_or("shape".into(), |p| p.display().to_string());
-                let radiance = object.radiance.join("; ");
-                writeln!(
-                    f,
-                    "    object  {} ({file}, {} triangles): {radiance}",
-                    object.name, object.triangles
-                )?;
-            }
+    fn frames(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for frame in self.frames.iter().take(2 * MOST) {
+            self.frame(f, frame)?;
         }
-        Ok(())
+        let hidden = self.frames.iter().skip(2 * MOST);
+        let triangles = hidden.map(|frame| frame.triangles).sum();
+        let triangles = of(triangles, "triangle");
+        more(f, "frame", self.frames.len(), 2 * MOST, &triangles)
     }
 
-    fn cubes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for cube in self.cubes.iter().flatten() {
+    fn frame(&self, f: &mut Formatter<'_>, frame: &PlannedFrame) -> fmt::Result {
+        let motion = motion(frame.beta, frame.gamma);
+        let objects = of(frame.objects.len() as u64, "object");
+        let triangles = of(frame.triangles, "triangle");
+        row(f, "frame", &format!("{motion}: {objects}, {triangles}"))?;
+        let mut objects = frame.objects.iter().filter_map(|o| self.objects.get(*o));
+        for object in objects.by_ref().take(MOST) {
+            row(f, "  object", &describe(object))?;
+        }
+        let triangles = of(objects.map(|o| o.triangles).sum(), "triangle");
+        more(f, "  object", frame.objects.len(), MOST, &triangles)
+    }
+
+    fn cubes(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let cubes: Vec<_> = self.cubes.iter().flatten().collect();
+        for cube in cubes.iter().take(MOST) {
             let [h, w, t, c] = cube.shape;
-            let size = bytes(cube.bytes);
-            writeln!(
-                f,
-                "  cube      {} ({}): {h} × {w} texels, {t} bins, {c} channels, {size}",
-                cube.source,
-                cube.file.display()
-            )?;
+            let channels = of(c as u64, "channel");
+            let text = format!(
+                "{} ({}): {h} rows × {w} columns × {t} time bins, {channels}, {}",
+                cube.source.escape_debug(),
+                cube.file.display().to_string().escape_debug(),
+                bytes(cube.bytes)
+            );
+            row(f, "cube", &text)?;
         }
-        Ok(())
+        let size = cubes.iter().skip(MOST).map(|c| c.bytes).sum();
+        more(f, "cube", cubes.len(), MOST, &bytes(size))
     }
 
-    fn cost(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn cost(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let rays = &self.rays;
-        writeln!(
-            f,
-            "  rays      {} from the camera, at most {} for shadows, {} from capture cameras",
-            rays.camera, rays.shadow_at_most, rays.capture
-        )?;
+        let mut text = format!("{} from the camera", count(rays.camera));
+        if rays.shadow_at_most > 0 {
+            let _ = write!(text, ", at most {} for shadows", count(rays.shadow_at_most));
+        }
+        if rays.capture > 0 {
+            let _ = write!(text, ", {} from capture cameras", count(rays.capture));
+        }
+        row(f, "rays", &text)?;
         let memory = &self.memory;
-        writeln!(
-            f,
-            "  memory    {}: geometry {}, cubes {}, film {}",
+        let text = format!(
+            "about {}: geometry {}, cubes {}, film {}",
             bytes(memory.total()),
             bytes(memory.geometry),
             bytes(memory.cubes),
             bytes(memory.film)
-        )
+        );
+        row(f, "memory", &text)
     }
 }
 
+fn describe(object: &PlannedObject) -> String {
+    let file = match &object.file {
+        None => "shape".into(),
+        Some(path) => path.display().to_string(),
+    };
+    format!(
+        "{} ({}, {}): {}",
+        object.name.escape_debug(),
+        file.escape_debug(),
+        of(object.triangles, "triangle"),
+        object.radiance.join("; ").escape_debug()
+    )
+}
+
+fn row(f: &mut Formatter<'_>, label: &str, text: &str) -> fmt::Result {
+    writeln!(f, "  {label:<10}{text}")
+}
+
+/// A row for those entries of a list that are not shown.
+fn more(f: &mut Formatter<'_>, label: &str, all: usize, shown: usize, what: &str) -> fmt::Result {
+    let hidden = all.saturating_sub(shown) as u64;
+    match (hidden, what) {
+        (0, _) => Ok(()),
+        (n, "") => row(f, label, &format!("… and {} more", count(n))),
+        (n, what) => row(f, label, &format!("… and {} more: {what}", count(n))),
+    }
+}
+
+/// "1 object", "2 objects".
+fn of(n: u64, noun: &str) -> String {
+    let plural = if n == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", count(n))
+}
+
+/// A velocity for people: "at rest", or β and γ.
+pub fn motion(beta: [f64; 3], gamma: f64) -> String {
+    if gamma == 1.0 && beta == [0.0; 3] {
+        return "at rest".into();
+    }
+    // 12 decimals show every digit that people write, and none of the rounding.
+    let [x, y, z] = beta.map(|b| short(b, 12));
+    let gamma = if gamma < 1e6 {
+        short(gamma, 6)
+    } else {
+        format!("{gamma:.6e}")
+    };
+    format!("β = ({x}, {y}, {z}), γ = {gamma}")
+}
+
+/// `x` with at most `digits` decimals, and none that are 0 at the end.
+fn short(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "-0" => "0".into(),
+        text => text.into(),
+    }
+}
+
+/// A whole number for people: "6,400,000".
+pub fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// A number of bytes for people.
-pub(super) fn bytes(n: u64) -> String {
+pub fn bytes(n: u64) -> String {
     const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
     let mut value = n as f64;
     let mut unit = 0;
@@ -112,5 +201,23 @@ pub(super) fn bytes(n: u64) -> String {
         format!("{n} B")
     } else {
         format!("{value:.1} {}", UNITS[unit])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_by_thousands() {
+        let texts = [0, 999, 1000, 6_400_000].map(count);
+        assert_eq!(texts, ["0", "999", "1,000", "6,400,000"]);
+    }
+
+    #[test]
+    fn velocities_are_shown_as_they_were_written() {
+        assert_eq!(motion([0.0; 3], 1.0), "at rest");
+        let text = motion([0.49999999999999994, -0.0, -1e-20], 1.1547005383792515);
+        assert_eq!(text, "β = (0.5, 0, 0), γ = 1.154701");
     }
 }

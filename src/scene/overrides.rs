@@ -15,12 +15,16 @@ use crate::error::{Error, Result};
 use crate::units::quoted;
 
 /// What the command line says in place of the scene file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     /// Dotted keys and the TOML text of their values; bare words are taken as a text.
     pub set: Vec<(String, String)>,
     /// Width and height of the picture, in place of `camera.size`.
     pub size: Option<[u32; 2]>,
+    /// In place of `display.exposure` or `display.white`, with its unit: "95 %".
+    pub exposure: Option<String>,
+    /// In place of `display.white` or `display.exposure`.
+    pub white: Option<f64>,
     /// In place of `display.samples_per_pixel`.
     pub samples_per_pixel: Option<u32>,
     /// The camera's proper time of the shot, with its unit, in place of `camera.time`.
@@ -40,6 +44,8 @@ struct Request {
     flag: String,
     path: Vec<String>,
     value: Value,
+    /// The key beside it that would contradict it, and goes.
+    replaces: Option<&'static str>,
 }
 
 /// The keys of a path, at most: more than any that exists.
@@ -65,11 +71,26 @@ fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
     let set = overrides.set.iter().map(|(key, text)| {
         let flag = format!("--set {key}={text}");
         let (path, value) = (parse_path(key, &flag)?, parse_value(text, &flag)?);
-        Ok(Request { flag, path, value })
+        Ok(Request {
+            flag,
+            path,
+            value,
+            replaces: None,
+        })
     });
     let fixed = |flag: String, table: &str, key: &str, value: Value| {
-        let path = vec![table.to_string(), key.to_string()];
-        Ok(Request { flag, path, value })
+        // The flags of the two ways to say how bright white is take each other's place.
+        let replaces = match key {
+            "exposure" => Some("white"),
+            "white" => Some("exposure"),
+            _ => None,
+        };
+        Ok(Request {
+            flag,
+            path: vec![table.to_string(), key.to_string()],
+            value,
+            replaces,
+        })
     };
     let size = overrides.size.map(|[w, h]| {
         let value = [w, h].into_iter().map(i64::from).collect();
@@ -83,7 +104,16 @@ fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
         let (flag, value) = (format!("--time {text}"), text.as_str().into());
         fixed(flag, "camera", "time", value)
     });
-    set.chain(size).chain(samples).chain(time).collect()
+    let exposure = overrides.exposure.as_ref().map(|text| {
+        let (flag, value) = (format!("--exposure {text}"), text.as_str().into());
+        fixed(flag, "display", "exposure", value)
+    });
+    let white = overrides.white.map(|radiance| {
+        let flag = format!("--white {radiance}");
+        fixed(flag, "display", "white", radiance.into())
+    });
+    let fixed = size.into_iter().chain(samples).chain(time);
+    set.chain(fixed).chain(exposure).chain(white).collect()
 }
 
 fn refuse(flag: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
@@ -122,12 +152,22 @@ fn parse_value(text: &str, flag: &str) -> Result<Value> {
 }
 
 fn make(document: &mut DocumentMut, request: Request) -> Result<Edit> {
-    let Request { flag, path, value } = request;
+    let Request {
+        flag,
+        path,
+        value,
+        replaces,
+    } = request;
     let mut walk = Walk {
         flag: &flag,
         place: Place::default(),
     };
     walk.set_in_table(document.as_table_mut(), &path, value)?;
+    if let (Some(rival), [table, _]) = (replaces, path.as_slice())
+        && let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut)
+    {
+        table.remove(rival);
+    }
     let place = walk.place;
     Ok(Edit { flag, place })
 }

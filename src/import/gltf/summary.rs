@@ -1,12 +1,14 @@
 //! What a file holds, from its JSON alone.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 use glam::DVec3;
 
 use super::document::Document;
 use super::draft::Draft;
 use super::pieces::Pieces;
+use super::uri::{self, Target};
 use super::{Want, camera};
 use crate::Result;
 use crate::mesh::Material;
@@ -34,6 +36,8 @@ pub struct Summary {
     pub uv_sets: usize,
     /// Names by which [`camera`](super::camera) finds the cameras of the whole file.
     pub cameras: Vec<String>,
+    /// The files that the whole file refers to (buffers and images), each once; they need not be there.
+    pub files: Vec<PathBuf>,
     /// The least and the greatest corner of a box around all vertices, metres, as the file declares
     /// it (which is not checked); none where it does not say.
     pub bounds: Option<[DVec3; 2]>,
@@ -63,6 +67,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
         cameras: camera::names(document),
+        files: files(document),
         bounds: bounds(document, pieces),
         warnings: draft.warnings.into_sentences(),
     })
@@ -71,6 +76,21 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
 fn name(document: &Document, node: usize) -> String {
     let node = document.root.nodes.get(node);
     node.and_then(|node| node.name.clone()).unwrap_or_default()
+}
+
+fn files(document: &Document) -> Vec<PathBuf> {
+    let Some(directory) = &document.directory else {
+        return Vec::new();
+    };
+    let root = &document.root;
+    let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
+    let images = root.images.iter().filter_map(|i| i.uri.as_deref());
+    let elsewhere = buffers.chain(images).filter(|u| !u.starts_with("data:"));
+    let paths = elsewhere.filter_map(|u| match uri::parse(u) {
+        Ok(Target::File(path)) => Some(directory.join(path)),
+        _ => None,
+    });
+    paths.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// The materials of the pieces, each once, in order of their first use.

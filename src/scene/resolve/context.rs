@@ -162,7 +162,10 @@ impl<'a> Context<'a> {
         }
         let problem = match files::length(&path) {
             Ok(_) => return Ok(path),
-            Err(error) if error.kind() == ErrorKind::InvalidInput => error.to_string(),
+            // There, but a directory or a device.
+            Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
+                error.to_string()
+            }
             Err(error) => format!("cannot find this file: {error}"),
         };
         let folder = match self.base.as_os_str().is_empty() {

@@ -1,0 +1,106 @@
+//! What went wrong, as one message and an exit code.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | done |
+//! | 2 | wrong command line, bad input, a file that cannot be read or written |
+//! | 101 | a bug of this program |
+//! | 130 | stopped by Ctrl-C or a signal to end |
+
+use std::panic::{self, AssertUnwindSafe};
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+
+use nullray::{Error, Result};
+
+use super::{complain, interrupt};
+
+const FAILED: u8 = 2;
+const BUG: u8 = 101;
+
+/// What the last panic said, and where.
+static LAST_PANIC: Mutex<Option<String>> = Mutex::new(None);
+
+/// Does `work`; reports what went wrong.
+pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
+    show_errors_plainly();
+    match caught(work) {
+        // What fails while everything is being stopped fails because of that.
+        Ok(Err(_)) | Err(_) if interrupt::is_stopping() => {
+            complain(interrupt::MESSAGE);
+            ExitCode::from(interrupt::CODE)
+        }
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            complain(&format!("{:?}\n", miette::Report::new(error)));
+            ExitCode::from(FAILED)
+        }
+        Err(what) => {
+            complain(&bug(&what));
+            ExitCode::from(BUG)
+        }
+    }
+}
+
+/// The result of `work`, or what it said when it panicked.
+///
+/// The hook only takes notes: panics of image decoders are caught in the library, which reports them
+/// as broken files, and must not be seen here.
+fn caught(work: impl FnOnce() -> Result<()>) -> Result<Result<()>, String> {
+    panic::set_hook(Box::new(|info| {
+        let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+        *last = Some(info.to_string());
+    }));
+    let result = panic::catch_unwind(AssertUnwindSafe(work));
+    result.map_err(|_| {
+        let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+        last.take().unwrap_or_default()
+    })
+}
+
+fn bug(what: &str) -> String {
+    format!(
+        "nullray: this is a bug of nullray {}, whatever the input was: {what}\n\
+         Please report it with these lines, the command and the scene file. No unfinished file is left.\n",
+        env!("CARGO_PKG_VERSION")
+    )
+}
+
+/// Errors say their cause themselves; paths stay in one piece, to be copied.
+fn show_errors_plainly() {
+    // Fails only where a hook is set already.
+    let _ = miette::set_hook(Box::new(|_| {
+        let options = miette::MietteHandlerOpts::new();
+        Box::new(options.without_cause_chain().break_words(false).build())
+    }));
+}
+
+/// A problem with an option of the command line.
+pub fn refused(option: impl Into<String>, what: impl Into<String>, help: &str) -> Error {
+    Error::invalid("command line", option, what, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_a_short_message_that_asks_for_a_report() {
+        let what = caught(|| panic!("index {} of nothing", 7)).unwrap_err();
+        assert!(
+            what.contains("index 7 of nothing") && what.contains("failure.rs"),
+            "{what}"
+        );
+        let message = bug(&what);
+        assert!(message.contains("Please report"), "{message}");
+        assert!(!message.contains("backtrace"), "{message}");
+    }
+
+    #[test]
+    fn an_error_is_not_taken_for_a_panic() {
+        assert!(matches!(
+            caught(|| Err(Error::Cancelled)),
+            Ok(Err(Error::Cancelled))
+        ));
+    }
+}

@@ -1,0 +1,64 @@
+//! What the help says beyond the options; the man pages too.
+
+use std::fmt::Write;
+
+use nullray::aov;
+
+pub const PROGRAM: &str = "\
+Examples:
+  nullray                            render the built-in scene into nullray-out/
+  nullray render scene.toml          write scene.png
+  nullray plan scene.toml            see what that would need, before
+  nullray info data.npz              see what a file holds
+  nullray help render                all options, examples and channel names
+
+Exit codes: 0 done; 2 wrong arguments, bad input, or a file that cannot be read or written; \
+101 a bug of this program; 130 stopped by Ctrl-C, with no unfinished file left.
+
+No environment variable changes what is computed; NO_COLOR turns the colours of messages off.";
+
+pub const RENDER: &str = "\
+Examples:
+  nullray render scene.toml -o still.png -o data.exr --aovs all
+  nullray render scene.toml --time \"2 ns\" --set \"camera.velocity={beta=[0,0,-0.5]}\"
+  nullray render scene.toml --size 320x240 --spp 1 --isochrones times.png
+
+`nullray help render` tells of formats and channels.";
+
+pub const PLAN: &str = "\
+Examples:
+  nullray plan scene.toml --size 1920x1080 --aovs event
+  nullray plan scene.toml --json";
+
+pub const INFO: &str = "\
+Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
+time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera, \
+objects, sources. Only headers are read, except of .exr.";
+
+/// Examples, formats and the table of channels.
+pub fn render_long() -> String {
+    let mut text = format!(
+        "{}\n{FORMATS}",
+        RENDER
+            .rsplit_once("\n\n")
+            .map_or(RENDER, |(examples, _)| examples)
+    );
+    for (_, name, meaning) in aov::TABLE {
+        let _ = write!(text, "\n  {name:<17}{meaning}");
+    }
+    text + "\n\n" + SAMPLES
+}
+
+const FORMATS: &str = "
+Formats, by the extension of -o:
+  .png   for displays: sRGB, tone-mapped by --exposure or --white
+  .exr   linear, single precision: R, G, B are the radiance; auxiliary channels by their names
+  .npz   for numpy, double precision: array `radiance` (rows, columns, 3), one array per channel
+All hold the scene's text, its SHA-256, version, camera and units as metadata.
+
+Auxiliary channels (--aovs), alone or by group (`event` is event.ct, event.x, event.y, event.z):";
+
+const SAMPLES: &str = "\
+Object, primitive, barycentric and uv are those of the sample nearest to the pixel's centre; the others \
+are means. --pixel-centers makes all of them those of the ray through the centre. Where nothing is met \
+they hold NaN, and -1 for object and primitive.";

@@ -1,0 +1,140 @@
+//! What a .npy or .npz file holds, from its headers, and whether it can be used as a cube.
+
+use std::path::Path;
+
+use nullray::import::npy::{self, Dtype, Header};
+use nullray::plan::bytes;
+use nullray::{Error, Result};
+use serde_json::{Value, json};
+
+use super::{Info, Sheet};
+
+pub fn info(path: &Path) -> Result<Info> {
+    let headers = npy::inspect(path, None)?;
+    let mut sheet = Sheet::new();
+    let mut arrays = Vec::new();
+    for header in &headers {
+        let cube = npy::inspect_cube(path, header.name.as_deref());
+        describe(&mut sheet, header, &cube);
+        arrays.push(data(header, &cube));
+    }
+    let title = match headers.as_slice() {
+        [one] if one.name.is_none() => "NumPy array".into(),
+        [_] => "NumPy archive of 1 array".into(),
+        headers => format!("NumPy archive of {} arrays", headers.len()),
+    };
+    let data = json!({ "kind": "numpy", "arrays": arrays });
+    Info::new(path, &title, sheet, &data)
+}
+
+type Cube = Result<npy::CubeInfo>;
+
+fn describe(sheet: &mut Sheet, header: &Header, cube: &Cube) {
+    if let Some(name) = &header.name {
+        sheet.row("array", name);
+    }
+    sheet.row("shape", shape(header));
+    let size = size(header).map_or("unknown size".into(), bytes);
+    let order = if header.fortran_order { "Fortran" } else { "C" };
+    let precision = precision(header);
+    sheet.row(
+        "samples",
+        format!("{} ({precision}), {order} order, {size}", descr(header)),
+    );
+    match cube {
+        Ok(cube) => {
+            let [h, w, t, c] = cube.shape;
+            let colours = if c == 1 { "grey" } else { "red, green, blue" };
+            sheet.row(
+                "as a cube",
+                format!("H = {h} rows, W = {w} columns, T = {t} time bins, C = {c} ({colours})"),
+            );
+            sheet.row("usable", "yes: as the file of a [source.cube]");
+        }
+        Err(error) => {
+            let (why, help) = why(error);
+            sheet.row("usable", format!("no: {why}"));
+            if !help.is_empty() {
+                sheet.row("remedy", help);
+            }
+        }
+    }
+}
+
+fn data(header: &Header, cube: &Cube) -> Value {
+    let usable = cube.as_ref().ok().map(|cube| {
+        let [h, w, t, c] = cube.shape;
+        json!({ "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes })
+    });
+    let problem = cube.as_ref().err().map(|error| why(error).0);
+    json!({
+        "name": header.name,
+        "shape": header.shape,
+        "dtype": descr(header),
+        "order": if header.fortran_order { "F" } else { "C" },
+        "bytes": size(header),
+        "cube": usable,
+        "problem": problem,
+    })
+}
+
+fn why(error: &Error) -> (String, String) {
+    match error {
+        Error::Invalid(problem) | Error::Unsupported(problem) => {
+            (problem.what.clone(), problem.help.clone())
+        }
+        other => (other.to_string(), String::new()),
+    }
+}
+
+fn shape(header: &Header) -> String {
+    let sizes: Vec<_> = header.shape.iter().map(usize::to_string).collect();
+    match sizes.as_slice() {
+        [one] => format!("({one},)"),
+        sizes => format!("({})", sizes.join(", ")),
+    }
+}
+
+/// The type as numpy writes it.
+fn descr(header: &Header) -> String {
+    let order = if header.big_endian { '>' } else { '<' };
+    match &header.dtype {
+        Dtype::F16 => format!("{order}f2"),
+        Dtype::F32 => format!("{order}f4"),
+        Dtype::F64 => format!("{order}f8"),
+        Dtype::Other(descr) => descr.chars().take(100).collect(),
+    }
+}
+
+fn precision(header: &Header) -> &'static str {
+    match header.dtype {
+        Dtype::F16 => "half precision",
+        Dtype::F32 => "single precision",
+        Dtype::F64 => "double precision",
+        Dtype::Other(_) => "not floating-point",
+    }
+}
+
+/// Bytes of all samples, where the type says how many one has.
+fn size(header: &Header) -> Option<u64> {
+    let sample = match &header.dtype {
+        Dtype::F16 => 2,
+        Dtype::F32 => 4,
+        Dtype::F64 => 8,
+        Dtype::Other(descr) => simple_size(descr)?,
+    };
+    let mut sizes = header.shape.iter();
+    sizes.try_fold(sample, |bytes: u64, &n| bytes.checked_mul(n as u64))
+}
+
+/// Bytes of a sample of a type like "<i4"; a character of "<U5" has 4 bytes.
+fn simple_size(descr: &str) -> Option<u64> {
+    let mut chars = descr.chars();
+    let kind = chars.find(|c| !matches!(c, '<' | '>' | '|' | '='))?;
+    let number: u64 = chars.as_str().parse().ok()?;
+    match kind {
+        'b' | 'i' | 'u' | 'f' | 'c' | 'S' | 'V' => Some(number),
+        'U' => number.checked_mul(4),
+        _ => None,
+    }
+}

@@ -1,0 +1,208 @@
+//! `nullray info`: what a file holds, told apart by its content.
+
+mod array;
+mod gltf;
+mod picture;
+mod scene;
+
+use std::io::Read;
+use std::path::Path;
+
+use nullray::{Error, Result, files};
+use serde::Serialize;
+
+use super::args::InfoArguments;
+use super::print;
+
+/// The longest value that is shown to people; JSON has all of it.
+const LONGEST: usize = 100;
+/// The most entries of a list that are shown to people.
+const MOST: usize = 20;
+
+pub fn run(arguments: &InfoArguments) -> Result<()> {
+    let path = arguments.file.as_path();
+    let info = match Kind::of(path)? {
+        Kind::Gltf => gltf::info(path),
+        Kind::Array => array::info(path),
+        Kind::Exr => picture::exr(path),
+        Kind::Png => picture::png(path),
+        Kind::Scene => scene::info(path),
+    }?;
+    let text = if arguments.json {
+        info.json + "\n"
+    } else {
+        format!(
+            "{}: {}",
+            path.display().to_string().escape_debug(),
+            info.text
+        )
+    };
+    print(&text)
+}
+
+/// What is known of a file, for people and for programs.
+struct Info {
+    text: String,
+    json: String,
+}
+
+impl Info {
+    /// From a first line, rows, and the same as data.
+    fn new(path: &Path, title: &str, sheet: Sheet, data: &impl Serialize) -> Result<Info> {
+        let json = serde_json::to_string_pretty(data).map_err(|e| {
+            Error::invalid(path, "", e.to_string(), "a file that JSON can describe")
+        })?;
+        Ok(Info {
+            text: format!("{title}\n{}", sheet.0),
+            json,
+        })
+    }
+}
+
+/// Rows of a label and a text, in columns. Whatever comes from the file is escaped.
+struct Sheet(String);
+
+impl Sheet {
+    fn new() -> Self {
+        Sheet(String::new())
+    }
+
+    fn row(&mut self, label: &str, text: impl AsRef<str>) {
+        let line = format!("  {:<12}{}", escaped(label), escaped(text.as_ref()));
+        self.0 += line.trim_end();
+        self.0.push('\n');
+    }
+
+    /// A row per entry, the first few of them.
+    fn list<T>(&mut self, label: &str, entries: &[T], text: impl Fn(&T) -> String) {
+        for entry in entries.iter().take(MOST) {
+            self.row(label, text(entry));
+        }
+        if entries.len() > MOST {
+            let rest = entries.len() - MOST;
+            self.row(label, format!("… and {rest} more (--json has all)"));
+        }
+    }
+
+    /// All names in one row, the first few of them; no row where there are none.
+    fn names(&mut self, label: &str, names: &[String]) {
+        let shown = names.iter().take(MOST).map(|name| match name.as_str() {
+            "" => "(no name)",
+            name => name,
+        });
+        let mut text = shown.collect::<Vec<_>>().join(", ");
+        if names.len() > MOST {
+            text += &format!(", … and {} more", names.len() - MOST);
+        }
+        if !names.is_empty() {
+            self.row(label, format!("{}: {text}", names.len()));
+        }
+    }
+
+    fn metadata(&mut self, entries: &[(String, String)]) {
+        if entries.is_empty() {
+            return;
+        }
+        self.row("metadata", "");
+        for (key, value) in entries {
+            let lines = value.lines().count();
+            let text = if lines > 1 || value.chars().count() > LONGEST {
+                let chars = value.chars().count();
+                format!("({lines} lines, {chars} characters: --json has them)")
+            } else {
+                value.clone()
+            };
+            let line = format!("    {:<26}{}", escaped(key), escaped(&text));
+            self.0 += line.trim_end();
+            self.0.push('\n');
+        }
+    }
+}
+
+/// `text` without control characters, and not without end.
+fn escaped(text: &str) -> String {
+    const LONGEST_LINE: usize = 2000;
+    let mut out = String::new();
+    for (at, c) in text.chars().enumerate() {
+        match c {
+            _ if at == LONGEST_LINE => return out + "…",
+            c if c.is_control() || is_reordering(c) => out.extend(c.escape_default()),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Whether the character changes the direction of what follows, or hides.
+fn is_reordering(c: char) -> bool {
+    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+}
+
+enum Kind {
+    Gltf,
+    Array,
+    Exr,
+    Png,
+    Scene,
+}
+
+impl Kind {
+    /// By the first bytes; by the extension where these say nothing, so that the reader of that kind
+    /// tells what is wrong.
+    fn of(path: &Path) -> Result<Kind> {
+        let start = start(path)?;
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        let extension = extension.as_ref().and_then(|e| e.to_str()).unwrap_or("");
+        let first = start.iter().find(|b| !b.is_ascii_whitespace());
+        let is_text = !start.is_empty() && !start.contains(&0);
+        match start.as_slice() {
+            [b'g', b'l', b'T', b'F', ..] => Ok(Kind::Gltf),
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] | [b'P', b'K', 3 | 5, ..] => Ok(Kind::Array),
+            [0x76, 0x2f, 0x31, 0x01, ..] => Ok(Kind::Exr),
+            [0x89, b'P', b'N', b'G', ..] => Ok(Kind::Png),
+            _ => match extension {
+                "gltf" | "glb" => Ok(Kind::Gltf),
+                "npy" | "npz" => Ok(Kind::Array),
+                "exr" => Ok(Kind::Exr),
+                "png" => Ok(Kind::Png),
+                "toml" => Ok(Kind::Scene),
+                _ if first == Some(&b'{') => Ok(Kind::Gltf),
+                _ if is_text && std::str::from_utf8(&start).is_ok() => Ok(Kind::Scene),
+                _ => Err(Error::unsupported(
+                    path,
+                    "",
+                    "this is no kind of file that nullray knows",
+                    "give a .gltf, .glb, .npy, .npz, .exr, .png or a scene (.toml)",
+                )),
+            },
+        }
+    }
+}
+
+/// The first bytes of a file.
+fn start(path: &Path) -> Result<Vec<u8>> {
+    let failed = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::InvalidInput => {
+            Error::invalid(path, "", error.to_string(), "give the path of a file")
+        }
+        _ => Error::io(path, "cannot read")(error),
+    };
+    let (file, _) = files::open(path).map_err(failed)?;
+    let mut start = Vec::new();
+    file.take(64).read_to_end(&mut start).map_err(failed)?;
+    // A character that is cut at the end is none of the file's faults.
+    while start.len() >= 62 && start.last().is_some_and(|b| !b.is_ascii()) {
+        start.pop();
+    }
+    Ok(start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        assert_eq!(escaped("a\x1b[31m\n\u{202e}é"), "a\\u{1b}[31m\\n\\u{202e}é");
+    }
+}

@@ -1,0 +1,175 @@
+//! What a scene file says, with nothing that it names loaded.
+
+use std::path::Path;
+
+use nullray::Result;
+use nullray::plan::motion;
+use nullray::scene::model::{Binding, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind};
+use nullray::scene::{self, Overrides};
+use nullray::spacetime::Velocity;
+use serde_json::{Value, json};
+
+use super::{Info, Sheet};
+
+pub fn info(path: &Path) -> Result<Info> {
+    let scene = scene::load(path, &Overrides::default())?;
+    let mut sheet = Sheet::new();
+    camera(&mut sheet, &scene);
+    sheet.list("object", &scene.objects, object);
+    sheet.list("source", &scene.sources, |s| source(&scene, s));
+    settings(&mut sheet, &scene);
+    sheet.row("", "`nullray plan` on it tells what it needs");
+    Info::new(path, "nullray scene", sheet, &data(&scene))
+}
+
+fn camera(sheet: &mut Sheet, scene: &Scene) {
+    let camera = &scene.camera;
+    let [width, height] = camera.size;
+    let (eye, forward) = (camera.origin.x, camera.axes[2]);
+    sheet.row(
+        "camera",
+        format!(
+            "{width} × {height} pixels, {} samples each, {:.2}° wide",
+            scene.samples_per_pixel,
+            camera.horizontal_fov.to_degrees()
+        ),
+    );
+    sheet.row("", moving(camera.velocity));
+    sheet.row(
+        "",
+        format!(
+            "at ({}, {}, {}) m when its clock shows 0, at world time {} m",
+            eye.x, eye.y, eye.z, camera.origin.ct
+        ),
+    );
+    sheet.row(
+        "",
+        format!(
+            "looks along ({:.4}, {:.4}, {:.4}) in its own frame",
+            forward.x, forward.y, forward.z
+        ),
+    );
+    sheet.row(
+        "",
+        format!("the shot is at {} m of its own time", camera.time),
+    );
+}
+
+fn moving(velocity: Velocity) -> String {
+    motion(velocity.beta().to_array(), velocity.gamma())
+}
+
+fn object(object: &Object) -> String {
+    let geometry = match &object.geometry {
+        Geometry::Gltf { path, node: None } => path.display().to_string(),
+        Geometry::Gltf {
+            path,
+            node: Some(node),
+        } => format!("{}, node {node}", path.display()),
+        Geometry::Shape { shape, .. } => shape_name(*shape).into(),
+    };
+    format!("{} ({geometry}): {}", object.name, moving(object.velocity))
+}
+
+fn shape_name(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Box { .. } => "box",
+        Shape::Sphere { .. } => "sphere",
+        Shape::Plane { .. } => "plane",
+        Shape::Lattice { .. } => "lattice",
+    }
+}
+
+fn source(scene: &Scene, source: &Source) -> String {
+    let kind = match &source.kind {
+        SourceKind::Cube(cube) => {
+            let mapping = match &cube.mapping {
+                Mapping::Uv { set } => format!("by texture coordinates {set}"),
+                Mapping::Capture(_) => "by projection from its capture camera".into(),
+            };
+            format!(
+                "cube {} {mapping}, bins of {} m from {} m",
+                cube.path.display(),
+                cube.bin_width,
+                cube.start
+            )
+        }
+        SourceKind::Pulse(pulse) => {
+            let (at, t) = (pulse.origin.x, pulse.origin.ct);
+            format!(
+                "pulse from ({}, {}, {}) m at {t} m, σ = {} m",
+                at.x, at.y, at.z, pulse.sigma
+            )
+        }
+    };
+    format!("{}: {kind}; lights {}", source.name, lit(scene, source))
+}
+
+fn lit(scene: &Scene, source: &Source) -> String {
+    match &source.binding {
+        Binding::All => "all objects".into(),
+        Binding::Only { objects, materials } => {
+            let objects = objects.iter().filter_map(|&o| scene.objects.get(o));
+            let names: Vec<_> = objects.map(|o| o.name.as_str()).collect();
+            let materials = match materials.as_slice() {
+                [] => String::new(),
+                some => format!(" (materials {})", some.join(", ")),
+            };
+            format!("{}{materials}", names.join(", "))
+        }
+    }
+}
+
+fn settings(sheet: &mut Sheet, scene: &Scene) {
+    sheet.row("radiance", format!("{:?}", scene.quantity));
+    let effects = scene.effects;
+    let all = [
+        ("aberration", effects.aberration),
+        ("Doppler", effects.doppler),
+        ("searchlight", effects.searchlight),
+        ("retardation", effects.retardation),
+    ];
+    let off: Vec<_> = all.iter().filter(|e| !e.1).map(|e| e.0).collect();
+    if !off.is_empty() {
+        sheet.row("turned off", off.join(", "));
+    }
+    if scene.medium_index != 1.0 {
+        sheet.row("medium", format!("refractive index {}", scene.medium_index));
+    }
+    if scene.speed_of_light != scene::model::SPEED_OF_LIGHT {
+        sheet.row("light", format!("{} m/s", scene.speed_of_light));
+    }
+}
+
+fn data(scene: &Scene) -> Value {
+    let camera = &scene.camera;
+    let velocity = |v: Velocity| json!({ "beta": v.beta().to_array(), "gamma": v.gamma() });
+    let objects = scene.objects.iter().map(|o| {
+        let file = match &o.geometry {
+            Geometry::Gltf { path, .. } => json!(path.display().to_string()),
+            Geometry::Shape { .. } => Value::Null,
+        };
+        json!({ "name": o.name, "file": file, "velocity": velocity(o.velocity) })
+    });
+    let sources = scene.sources.iter().map(|s| {
+        let file = match &s.kind {
+            SourceKind::Cube(cube) => json!(cube.path.display().to_string()),
+            SourceKind::Pulse(_) => Value::Null,
+        };
+        json!({ "name": s.name, "file": file, "lights": lit(scene, s) })
+    });
+    json!({
+        "kind": "scene",
+        "camera": {
+            "size": camera.size,
+            "horizontal_fov_rad": camera.horizontal_fov,
+            "velocity": velocity(camera.velocity),
+            "eye": camera.origin.x.to_array(),
+            "clock_zero": camera.origin.ct,
+            "time": camera.time,
+        },
+        "samples_per_pixel": scene.samples_per_pixel,
+        "objects": objects.collect::<Vec<_>>(),
+        "sources": sources.collect::<Vec<_>>(),
+    })
+}

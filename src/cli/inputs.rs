@@ -1,0 +1,41 @@
+//! The files that a command reads, so that it does not write over them.
+
+use std::path::{Path, PathBuf};
+
+use nullray::files;
+use nullray::plan::Plan;
+use nullray::scene::model::{Scene, SourceKind};
+
+/// All files that `scene` and `plan` name, sources that light nothing included.
+pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
+    let cubes = scene.sources.iter().filter_map(|s| match &s.kind {
+        SourceKind::Cube(cube) => Some(&cube.path),
+        SourceKind::Pulse(_) => None,
+    });
+    let meshes = plan
+        .objects
+        .iter()
+        .flat_map(|o| o.file.iter().chain(&o.files));
+    let named = cubes
+        .chain(meshes)
+        .filter(|p| !p.starts_with(files::BUILT_IN));
+    // The built-in scene has a name, and no file.
+    std::iter::once(PathBuf::from(&scene.name))
+        .chain(named.cloned())
+        .collect()
+}
+
+/// One name per file, whether it exists or not: links are followed, `.` and `..` are resolved.
+pub fn identity(path: &Path) -> PathBuf {
+    if let Ok(path) = path.canonicalize() {
+        return path;
+    }
+    let directory = directory(path).canonicalize().unwrap_or_default();
+    directory.join(path.file_name().unwrap_or_default())
+}
+
+/// The directory that a file is in.
+pub fn directory(path: &Path) -> &Path {
+    let parent = path.parent().filter(|d| !d.as_os_str().is_empty());
+    parent.unwrap_or(Path::new("."))
+}

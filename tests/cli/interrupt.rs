@@ -1,0 +1,119 @@
+//! Ctrl-C: soon, with exit code 130, and every file as it was.
+#![cfg(unix)]
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{Folder, SMALL};
+
+/// Sends `signal` after `delay` to a rendering; how long it then took to end.
+fn stopped(folder: &Folder, arguments: &[&str], signal: &str, delay: Duration) -> Duration {
+    let child = folder
+        .command(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(delay);
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args([signal, &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let start = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    let took = start.elapsed();
+    assert_eq!(output.status.code(), Some(130), "{signal} after {delay:?}");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(said, "nullray: stopped; no unfinished file is left\n");
+    assert_eq!(output.stdout, b"");
+    took
+}
+
+const SOON: Duration = Duration::from_millis(1500);
+
+#[test]
+fn rendering_stops_and_leaves_every_file_as_it_was() {
+    let folder = Folder::new();
+    folder.write("old.png", "precious");
+    for signal in ["-INT", "-TERM"] {
+        let arguments = [
+            "render",
+            "scene.toml",
+            "--size",
+            "4000x4000",
+            "--spp",
+            "1000",
+            "-o",
+            "old.png",
+        ];
+        let took = stopped(&folder, &arguments, signal, Duration::from_millis(700));
+        assert!(took < SOON, "{signal}: {took:?}");
+        assert_eq!(folder.names(), ["old.png", "scene.toml"]);
+        assert_eq!(folder.read("old.png"), b"precious");
+    }
+}
+
+#[test]
+fn building_stops_too() {
+    let folder = Folder::empty();
+    // Many spheres of 1.3 million triangles: minutes of work on trees, none of which looks at the flag.
+    let mut scene = SMALL.split("[[object]]").next().unwrap().to_string();
+    for i in 0..24 {
+        scene += &format!(
+            "[[object]]\nshape = {{ sphere = {{ radius = 1, subdivisions = 8 }} }}\n\
+             origin = {{ position = [{i}, 0, 0], time = \"0 m\" }}\n"
+        );
+    }
+    folder.write("scene.toml", scene);
+    let took = stopped(
+        &folder,
+        &["render", "scene.toml"],
+        "-INT",
+        Duration::from_millis(900),
+    );
+    assert!(took < SOON, "{took:?}");
+    assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+#[test]
+fn writing_stops_and_clears_its_temporary_file_away() {
+    let folder = Folder::new();
+    let arguments = [
+        "render",
+        "scene.toml",
+        "--size",
+        "1500x1500",
+        "--spp",
+        "1",
+        "--aovs",
+        "all",
+        "-o",
+        "big.npz",
+    ];
+    let child = folder
+        .command(&arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // The temporary file shows that writing has begun.
+    let start = Instant::now();
+    let begun = || folder.names().iter().any(|n| n.ends_with("-0.part"));
+    while !begun() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(begun(), "{:?}", folder.names());
+    Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    let signalled = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert!(signalled.elapsed() < SOON, "{:?}", signalled.elapsed());
+    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(folder.names(), ["scene.toml"]);
+}

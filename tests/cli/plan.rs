@@ -1,0 +1,132 @@
+//! What `nullray plan` prints, and what it does without.
+
+use std::fs;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::refused::TRIANGLE;
+use super::{Folder, SMALL, repository};
+
+#[test]
+fn the_plan_says_what_is_done_and_what_is_skipped() {
+    let folder = Folder::new();
+    let text = folder.ok(&["plan", "scene.toml"]);
+    for part in [
+        "  film      32 × 24 pixels, 4 samples each, moving camera\n",
+        "  frame     β = (0.6, 0, 0), γ = 1.25: 1 object, 12 triangles\n",
+        "    object  crate (shape, 12 triangles): base colour lit by lamp\n",
+        "  rays      3,072 from the camera, at most 3,072 for shadows\n",
+        "  skipped   auxiliary channels: none is asked for\n",
+    ] {
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+#[test]
+fn the_plan_as_json_has_the_same_numbers() {
+    let folder = Folder::new();
+    let text = folder.ok(&[
+        "plan",
+        "scene.toml",
+        "--json",
+        "--aovs",
+        "event",
+        "--size",
+        "10x10",
+    ]);
+    let plan: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(plan["rays"]["camera"], 400);
+    assert_eq!(plan["film"]["channels"][0], "event.ct");
+    assert_eq!(plan["frames"][1]["gamma"], 1.25);
+}
+
+#[test]
+fn a_thousand_objects_stay_readable_and_are_all_in_the_json() {
+    let folder = Folder::empty();
+    let mut scene = SMALL.split("[[object]]").next().unwrap().to_string();
+    for i in 0..1000 {
+        scene += &format!(
+            "[[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n\
+             velocity = {{ beta = [{}, 0, 0] }}\n",
+            f64::from(i % 40) / 100.0
+        );
+    }
+    folder.write("scene.toml", scene);
+    let text = folder.ok(&["plan", "scene.toml"]);
+    assert!(text.lines().count() < 200, "{}", text.lines().count());
+    assert!(text.contains("25 objects, 300 triangles"), "{text}");
+    assert!(text.contains("… and 17 more: 204 triangles"), "{text}");
+    assert!(text.contains("… and 24 more: 7,200 triangles"), "{text}");
+    let json: Value = serde_json::from_str(&folder.ok(&["plan", "scene.toml", "--json"])).unwrap();
+    assert_eq!(json["objects"].as_array().unwrap().len(), 1000);
+    assert_eq!(json["frames"].as_array().unwrap().len(), 40);
+}
+
+#[test]
+fn a_mesh_is_planned_without_its_buffer() {
+    let folder = Folder::empty();
+    folder.write("mesh.gltf", TRIANGLE);
+    let scene = SMALL.replace(
+        "shape = { box = { size = [1, 1, 1] } }",
+        "gltf = \"mesh.gltf\"",
+    );
+    folder.write("scene.toml", scene);
+    let text = folder.ok(&["plan", "scene.toml"]);
+    assert!(text.contains("crate (mesh.gltf, 1 triangle)"), "{text}");
+    let run = folder.run(&["render", "scene.toml"]);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("mesh.bin"), "{}", run.message());
+}
+
+/// A cube of 2048 × 2048 × 1024 bins, 17 GB: a sparse file, of which only the header is there.
+#[test]
+fn a_huge_cube_is_planned_from_its_header() {
+    let folder = Folder::empty();
+    fs::copy(
+        repository("scenes/corner/corner.glb"),
+        folder.path("corner.glb"),
+    )
+    .unwrap();
+    let mut header =
+        b"{'descr': '<f4', 'fortran_order': False, 'shape': (2048, 2048, 1024), }".to_vec();
+    header.resize(117, b' ');
+    header.push(b'\n');
+    let start = [
+        b"\x93NUMPY\x01\x00".as_slice(),
+        &118u16.to_le_bytes(),
+        &header,
+    ]
+    .concat();
+    folder.write("data.npy", &start);
+    let file = fs::OpenOptions::new()
+        .write(true)
+        .open(folder.path("data.npy"))
+        .unwrap();
+    file.set_len(start.len() as u64 + (1 << 34)).unwrap();
+    folder.write(
+        "scene.toml",
+        "[camera]\neye = [1, 1, 4]\nlook_at = [0, 1, 0]\nhfov = \"60 deg\"\nsize = [32, 24]\n\
+         [[object]]\ngltf = \"corner.glb\"\n[[source]]\n[source.cube]\nfile = \"data.npy\"\n\
+         bin_width = \"1 cm\"\nuv = 0\n",
+    );
+    let start = Instant::now();
+    let text = folder.ok(&["plan", "scene.toml", "--max-memory", "20GiB"]);
+    assert!(
+        start.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        start.elapsed()
+    );
+    assert!(
+        text.contains("2048 rows × 2048 columns × 1024 time bins, 1 channel, 16.0 GiB"),
+        "{text}"
+    );
+    let run = folder.run(&["render", "scene.toml"]);
+    assert_eq!(run.code, 2);
+    assert!(
+        run.message().contains("more than the limit of 16.0 GiB"),
+        "{}",
+        run.message()
+    );
+}

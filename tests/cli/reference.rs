@@ -1,0 +1,73 @@
+//! Help, schema, completions, manual.
+
+use serde_json::Value;
+
+use super::Folder;
+
+#[test]
+fn the_schema_is_json_that_knows_the_tables_of_a_scene() {
+    let schema: Value = serde_json::from_str(&Folder::empty().ok(&["schema"])).unwrap();
+    assert_eq!(schema["type"], "object");
+    let required: Vec<_> = schema["required"].as_array().unwrap().iter().collect();
+    assert!(required.contains(&&Value::from("camera")), "{required:?}");
+    for table in [
+        "camera", "object", "source", "display", "effects", "outside", "radiance", "medium",
+    ] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn every_shell_gets_completions_that_know_the_commands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let text = Folder::empty().ok(&["completions", shell]);
+        for word in ["render", "plan", "info", "isochrones", "exposure"] {
+            assert!(text.contains(word), "{shell}: {word}");
+        }
+    }
+}
+
+#[test]
+fn the_manual_has_a_page_for_each_command() {
+    let folder = Folder::empty();
+    let said = folder.ok(&["man", "--directory", "share/man1"]);
+    for page in [
+        "nullray",
+        "nullray-render",
+        "nullray-plan",
+        "nullray-info",
+        "nullray-schema",
+    ] {
+        let name = format!("share/man1/{page}.1");
+        let text = String::from_utf8(folder.read(&name)).unwrap();
+        assert!(text.contains(".SH NAME"), "{page}");
+        assert!(said.contains(&format!("wrote {name}")), "{said}");
+    }
+    let render = String::from_utf8(folder.read("share/man1/nullray-render.1")).unwrap();
+    assert!(render.contains("wavelength_ratio"), "{render}");
+    assert!(folder.ok(&["man"]).contains(".SH NAME"));
+}
+
+#[test]
+fn the_help_has_examples_exit_codes_and_formats() {
+    let folder = Folder::empty();
+    let help = folder.ok(&["--help"]);
+    for part in [
+        "Examples:",
+        "Exit codes: 0 done; 2 ",
+        "130 stopped",
+        "NO_COLOR",
+    ] {
+        assert!(help.contains(part), "{part} in {help}");
+    }
+    let help = folder.ok(&["help", "render"]);
+    for part in [
+        "Examples:",
+        ".npz",
+        "--isochrone-step",
+        "Repeatable",
+        "sRGB",
+    ] {
+        assert!(help.contains(part), "{part} in {help}");
+    }
+}

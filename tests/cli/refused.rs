@@ -1,0 +1,313 @@
+//! One clear error per mistake: which place, what would be right, exit code 2, nothing written.
+
+use std::fs;
+
+use super::{Folder, SMALL, repository};
+
+/// Runs `nullray` with `arguments`, which it must refuse with a message that has all of `parts`.
+fn refused(folder: &Folder, arguments: &[&str], parts: &[&str]) {
+    let before = folder.names();
+    let run = folder.run(arguments);
+    let message = run.message();
+    assert_eq!(run.code, 2, "{arguments:?}: {message}");
+    assert_eq!(run.stdout, "", "{arguments:?}");
+    for part in parts {
+        assert!(
+            message.contains(part),
+            "{arguments:?} lacks {part:?}: {message}"
+        );
+    }
+    for word in ["panicked", "RUST_BACKTRACE", "unwrap", "bug"] {
+        assert!(!message.contains(word), "{arguments:?}: {message}");
+    }
+    assert_eq!(folder.names(), before, "{arguments:?}");
+}
+
+#[test]
+fn wrong_values_of_options_are_refused() {
+    let folder = Folder::new();
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["--size", "0x0"], &["--size", "above 0"]),
+        (&["--size", "12"], &["--size", "640x480"]),
+        (&["--size", "-3x4"], &["--size"]),
+        (&["--spp", "0"], &["--spp", "1..="]),
+        (
+            &["--time", "banana"],
+            &["--time banana", "\"banana\" is not a time", "2 ns"],
+        ),
+        (&["--time", "3"], &["--time 3", "unit"]),
+        (
+            &["--aovs", "foo", "-o", "a.exr"],
+            &["--aovs", "\"foo\"", "event"],
+        ),
+        (&["--threads", "0"], &["--threads", "1..="]),
+        (&["--max-memory", "5 bananas"], &["--max-memory", "16GiB"]),
+        (
+            &["--max-memory", "1k"],
+            &["memory", "more than the limit", "--max-memory"],
+        ),
+        (&["--exposure", "150 %"], &["--exposure 150 %", "100"]),
+        (&["--exposure", "bright"], &["--exposure", "2.5 %"]),
+        (&["--white", "-1"], &["--white -1", "above 0"]),
+        (
+            &["--white", "1", "--exposure", "9 %"],
+            &["--white", "--exposure", "cannot be used with"],
+        ),
+        (
+            &["--spp", "4", "--pixel-centers"],
+            &["--pixel-centers", "cannot be used with"],
+        ),
+        (&["--isochrone-step", "1 m"], &["--isochrones"]),
+        (
+            &["--isochrones", "t.png", "--isochrone-step", "0 m"],
+            &["--isochrone-step", "above 0"],
+        ),
+        (
+            &["--isochrones", "t.png", "--isochrone-step", "one"],
+            &["--isochrone-step", "2.5 m"],
+        ),
+        (&["--nonsense"], &["--nonsense"]),
+    ];
+    for (options, parts) in cases {
+        refused(
+            &folder,
+            &[&["render", "scene.toml"], *options].concat(),
+            parts,
+        );
+    }
+}
+
+#[test]
+fn wrong_overrides_are_refused() {
+    let folder = Folder::new();
+    let cases = [
+        ("foo", "KEY=VALUE"),
+        ("=3", "KEY=VALUE"),
+        ("camera.foo=3", "unknown key `foo`"),
+        ("foo.bar=3", "unknown key `foo`"),
+        ("camera.velocity.beta=[2,0,0]", "not below 1"),
+        ("camera.hfov=60", "has no unit"),
+        ("camera.eye=[1,2", "not a TOML value"),
+        ("camera..eye=1", "not a dotted key"),
+        ("object.9.velocity.beta=0.5", "there is no object"),
+    ];
+    for (set, part) in cases {
+        refused(
+            &folder,
+            &["render", "scene.toml", "--set", set],
+            &["--set", part]
+                .into_iter()
+                .filter(|p| set != "foo.bar=3" || *p != "--set")
+                .collect::<Vec<_>>(),
+        );
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_any_work() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("made.png")).unwrap();
+    // A rendering that would take hours, were it begun.
+    let long = [
+        "render",
+        "scene.toml",
+        "--size",
+        "8000x8000",
+        "--spp",
+        "10000",
+    ];
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["-o", "x.jpg"], &["-o x.jpg", ".png", ".exr", ".npz"]),
+        (&["-o", "x"], &["-o x", ".png"]),
+        (
+            &["-o", "nodir/x.png"],
+            &["-o nodir/x.png", "no directory nodir", "make the directory"],
+        ),
+        (&["-o", "made.png"], &["-o made.png", "not a file"]),
+        (
+            &["-o", "a.png", "-o", "a.png"],
+            &["-o a.png", "two outputs"],
+        ),
+        (
+            &["-o", "a.png", "-o", "./a.png"],
+            &["-o ./a.png", "two outputs"],
+        ),
+        (
+            &["-o", "a.png", "--isochrones", "a.png"],
+            &["--isochrones a.png", "two outputs"],
+        ),
+        (
+            &["-o", "a.png", "--isochrones", "t.exr"],
+            &["--isochrones t.exr", ".png"],
+        ),
+        (&["-o", "a.png", "--aovs", "all"], &["--aovs", ".exr"]),
+    ];
+    for (options, parts) in cases {
+        refused(&folder, &[&long, *options].concat(), parts);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_directory_that_takes_no_files_is_refused_before_any_work() {
+    let folder = Folder::new();
+    let long = [
+        "render",
+        "scene.toml",
+        "--size",
+        "8000x8000",
+        "--spp",
+        "10000",
+    ];
+    let parts = ["/proc/x.png", "no file can be written into its directory"];
+    refused(
+        &folder,
+        &[&long[..], &["-o", "/proc/x.png"]].concat(),
+        &parts,
+    );
+}
+
+#[test]
+fn what_the_scene_is_made_of_is_not_overwritten() {
+    let folder = Folder::empty();
+    folder.write("scene.png", SMALL);
+    refused(
+        &folder,
+        &["render", "scene.png"],
+        &["-o scene.png", "overwritten"],
+    );
+    assert_eq!(folder.read("scene.png"), SMALL.as_bytes());
+
+    fs::copy(
+        repository("scenes/corner/corner.glb"),
+        folder.path("corner.glb"),
+    )
+    .unwrap();
+    fs::copy(
+        repository("scenes/corner/capture_rgb.npz"),
+        folder.path("data.npz"),
+    )
+    .unwrap();
+    folder.write(
+        "cube.toml",
+        r#"
+[camera]
+eye = [1.6, 1.9, 2.6]
+look_at = [1, 1.6, 1.7]
+hfov = "60 deg"
+size = [32, 24]
+[[object]]
+gltf = "corner.glb"
+[[source]]
+[source.cube]
+file = "data.npz"
+bin_width = "0.1 m"
+uv = 0
+"#,
+    );
+    refused(
+        &folder,
+        &["render", "cube.toml", "-o", "./data.npz"],
+        &["data.npz", "overwritten"],
+    );
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("data.npz", folder.path("link.npz")).unwrap();
+        refused(
+            &folder,
+            &["render", "cube.toml", "-o", "link.npz"],
+            &["link.npz", "overwritten"],
+        );
+    }
+}
+
+#[test]
+fn textures_beside_a_mesh_are_not_overwritten() {
+    let folder = Folder::empty();
+    folder.write("mesh.gltf", TRIANGLE);
+    folder.write("bricks.png", "not looked at");
+    let scene = "[camera]\neye = [0,0,3]\nlook_at = [0,0,0]\nhfov = \"60 deg\"\nsize = [8,8]\n\
+                 [[object]]\ngltf = \"mesh.gltf\"\n";
+    folder.write("scene.toml", scene);
+    let arguments = ["render", "scene.toml", "-o", "bricks.png"];
+    refused(&folder, &arguments, &["bricks.png", "overwritten"]);
+}
+
+/// A triangle with its buffer in a file `mesh.bin`, and an image file.
+pub const TRIANGLE: &str = r#"{
+"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": "roof"}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+"materials": [{"name": "paint", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+"images": [{"uri": "bricks.png"}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}],
+"buffers": [{"uri": "mesh.bin", "byteLength": 36}]
+}"#;
+
+#[test]
+fn scenes_that_cannot_be_read_are_refused() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("folder")).unwrap();
+    folder.write("binary.toml", [0xff, 0xfe, 0, 1]);
+    folder.write("broken.toml", "[camera\n");
+    let missing = SMALL.replace(
+        "shape = { box = { size = [1, 1, 1] } }",
+        "gltf = \"no.glb\"",
+    );
+    folder.write("missing.toml", missing);
+    let cases: &[(&str, &[&str])] = &[
+        (
+            "nope.toml",
+            &["nope.toml", "No such file", "check the path"],
+        ),
+        ("folder", &["folder", "directory", "name a file"]),
+        ("binary.toml", &["binary.toml", "UTF-8"]),
+        ("broken.toml", &["broken.toml"]),
+        ("missing.toml", &["missing.toml", "no.glb"]),
+    ];
+    for (scene, parts) in cases {
+        for command in ["render", "plan"] {
+            refused(&folder, &[command, scene], parts);
+        }
+    }
+}
+
+#[test]
+fn a_failure_midway_leaves_an_existing_output_as_it_was() {
+    let folder = Folder::empty();
+    fs::copy(
+        repository("scenes/corner/corner.glb"),
+        folder.path("corner.glb"),
+    )
+    .unwrap();
+    // A header as it should be, and a sample that is not: found when the data are loaded.
+    fs::copy(
+        repository("tests/data/invalid/sample-nan.npy"),
+        folder.path("data.npy"),
+    )
+    .unwrap();
+    folder.write(
+        "scene.toml",
+        r#"
+[camera]
+eye = [1.6, 1.9, 2.6]
+look_at = [1, 1.6, 1.7]
+hfov = "60 deg"
+size = [32, 24]
+[[object]]
+gltf = "corner.glb"
+[[source]]
+[source.cube]
+file = "data.npy"
+bin_width = "0.1 m"
+uv = 0
+"#,
+    );
+    folder.write("old.png", "precious");
+    refused(
+        &folder,
+        &["render", "scene.toml", "-o", "old.png"],
+        &["data.npy", "finite"],
+    );
+    assert_eq!(folder.read("old.png"), b"precious");
+}

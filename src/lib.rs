@@ -15,8 +15,8 @@
 //! A picture in ten lines:
 //!
 //! ```
-//! use nullray::{image::png, plan::{Plan, Request}, prepare::Prepared, render::{Silent, render}};
-//! use nullray::{scene::{self, Overrides}, tonemap::tonemap};
+//! use nullray::{image::png, plan::{Plan, Request}, prepare::Prepared, progress::Silent};
+//! use nullray::{render::render, scene::{self, Overrides}, tonemap::tonemap};
 //! # fn main() -> nullray::Result<()> {
 //! let text = r#"
 //!     camera = { eye = [0, 0, 3], look_at = [0, 0, 0], size = [32, 24], velocity = { beta = [0.5, 0, 0] } }
@@ -57,6 +57,7 @@ pub mod isochrones;
 pub mod mesh;
 pub mod plan;
 pub mod prepare;
+pub mod progress;
 pub mod render;
 pub mod sampler;
 pub mod scene;

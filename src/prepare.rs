@@ -7,7 +7,7 @@ use crate::camera::Shot;
 use crate::error::{Error, Result};
 use crate::film::Layout;
 use crate::plan::{Plan, ViewKind};
-use crate::render::Progress;
+use crate::progress::Progress;
 use crate::sampler::Sampler;
 use crate::scene::model::Scene;
 use crate::trace::{BaseColours, RestFrame, TimeResolved};

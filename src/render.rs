@@ -1,6 +1,5 @@
 //! The whole image: tiles over threads, the same bits on any number of them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -9,31 +8,8 @@ use crate::camera::{self, View};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
+use crate::progress::Progress;
 use crate::trace::{self, AovRecorder, NoAovs, Pipeline, Radiance, Recorder, Surfaces};
-
-/// What a caller can watch, and stop. All methods are called from worker threads.
-pub trait Progress: Sync {
-    /// `rays` more camera rays are done.
-    fn rays_done(&self, _rays: u64) {}
-
-    /// Whether to stop as soon as possible.
-    fn is_cancelled(&self) -> bool {
-        false
-    }
-}
-
-/// Watches nothing, stops never.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Silent;
-
-impl Progress for Silent {}
-
-/// Can be stopped from another thread.
-impl Progress for AtomicBool {
-    fn is_cancelled(&self) -> bool {
-        self.load(Ordering::Relaxed)
-    }
-}
 
 /// Renders a prepared scene on rayon's current thread pool.
 ///

@@ -14,7 +14,8 @@ use nullray::aov::{self, Aov};
 use nullray::film::Film;
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
-use nullray::render::{Silent, render};
+use nullray::progress::Silent;
+use nullray::render::render;
 use nullray::scene::{self, Overrides};
 
 /// Numbers per pixel in the reference.

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
-use nullray::render::{Silent, render};
+use nullray::progress::Silent;
+use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 

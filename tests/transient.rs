@@ -18,7 +18,8 @@ use std::path::Path;
 use common::frames::{Frame, frames, reference};
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
-use nullray::render::{Silent, render};
+use nullray::progress::Silent;
+use nullray::render::render;
 use nullray::scene::{self, Overrides};
 
 const SOURCES: [(&str, &str); 3] = [

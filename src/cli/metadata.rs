@@ -16,7 +16,7 @@ pub fn metadata(scene: &Scene) -> Vec<(String, String)> {
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
         ("medium_index", scene.medium_index.to_string()),
-        ("radiance_quantity", format!("{:?}", scene.quantity)),
+        ("radiance_quantity", scene.quantity.to_string()),
         (
             "camera_clock_zero_event",
             format!("{} {} {} {}", event.ct, event.x.x, event.x.y, event.x.z),

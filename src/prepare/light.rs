@@ -14,7 +14,7 @@ use crate::import::gltf::EncodedImage;
 use crate::import::npy;
 use crate::mesh::{Material, Mesh};
 use crate::plan::{Lit, Plan, lit_by};
-use crate::render::Progress;
+use crate::progress::Progress;
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeSource, Effects, Geometry, Mapping, Scene, SourceKind,
 };

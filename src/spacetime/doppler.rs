@@ -16,6 +16,8 @@
 //! carries one power of W more, W⁻ᵖ⁺¹. The irradiance that falls on a moving surface carries
 //! dΩ′ = W² dΩ: two powers more, W⁻ᵖ⁺². Source: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.
 
+use std::fmt;
+
 /// The ratio λ′/λ of the observed to the emitted wavelength; below 1 is a blueshift.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct WavelengthRatio(pub f64);
@@ -45,6 +47,27 @@ pub enum Quantity {
     PhotonsPerWavelength,
     /// Photons per area, solid angle and frequency.
     PhotonsPerFrequency,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Quantity::PerWavelength => write!(f, "energy per wavelength"),
+            Quantity::PerFrequency => write!(f, "energy per frequency"),
+            Quantity::Integrated => write!(f, "energy over the whole spectrum"),
+            // Nanometres to the picometre: finer than a line's name, coarser than the rounding of metres.
+            Quantity::Line { wavelength } => {
+                write!(
+                    f,
+                    "energy of a line at {} nm",
+                    (wavelength * 1e12).round() / 1e3
+                )
+            }
+            Quantity::Photons => write!(f, "photons over the whole spectrum"),
+            Quantity::PhotonsPerWavelength => write!(f, "photons per wavelength"),
+            Quantity::PhotonsPerFrequency => write!(f, "photons per frequency"),
+        }
+    }
 }
 
 impl Quantity {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nullray::plan::{Plan, Request, ViewKind};
 use nullray::prepare::{Light, Prepared};
-use nullray::render::Silent;
+use nullray::progress::Silent;
 use nullray::scene::model::{Binding, Scene};
 use tempfile::TempDir;
 

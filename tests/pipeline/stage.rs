@@ -8,7 +8,8 @@ use nullray::error::Result;
 use nullray::film::Film;
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
-use nullray::render::{Silent, render};
+use nullray::progress::Silent;
+use nullray::render::render;
 use nullray::scene::model::{CameraModel, Scene};
 use nullray::scene::{self, Overrides};
 

@@ -121,7 +121,7 @@ fn lit(scene: &Scene, source: &Source) -> String {
 }
 
 fn settings(sheet: &mut Sheet, scene: &Scene) {
-    sheet.row("radiance", format!("{:?}", scene.quantity));
+    sheet.row("radiance", scene.quantity.to_string());
     let effects = scene.effects;
     let all = [
         ("aberration", effects.aberration),

@@ -1,0 +1,27 @@
+//! Long work, watched and stopped by its caller.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a caller can watch, and stop. All methods are called from worker threads.
+pub trait Progress: Sync {
+    /// `rays` more camera rays are done.
+    fn rays_done(&self, _rays: u64) {}
+
+    /// Whether to stop as soon as possible.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Watches nothing, stops never.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}
+
+/// Can be stopped from another thread.
+impl Progress for AtomicBool {
+    fn is_cancelled(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}

@@ -71,12 +71,15 @@ fn marks_are_shown_as_they_are_whatever_the_factors() {
 }
 
 /// A square of side 2 with a cube of radiance 3 on its texture coordinates, before a background.
-fn square() -> Scene {
-    let folder = tempfile::tempdir().unwrap();
-    files::npy(&folder.path().join("cube.npy"), &[1, 1, 4], [3.0; 4]);
-    stage::scene_in(
-        folder.keep().as_path(),
-        "
+fn square(test: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let name = format!("{test}.npy");
+    files::npy(&folder.join(&name), &[1, 1, 4], [3.0; 4]);
+    let text = SQUARE.replace("cube.npy", &name);
+    stage::scene_in(folder, &text)
+}
+
+const SQUARE: &str = "
 outside = { before = { mark = [1, 0, 0] }, after = { mark = [0, 1, 0] } }
 [display]
 background = [0.25, 0.5, 0.75]
@@ -90,9 +93,7 @@ size = [16, 16]
 shape = { plane = { size = [2, 2] } }
 [[source]]
 cube = { file = \"cube.npy\", start = \"1 m\", bin_width = \"0.5 m\", values = \"density\" }
-",
-    )
-}
+";
 
 #[test]
 fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
@@ -102,7 +103,7 @@ fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
         (6.5, [3.0; 3], 1.0),
         (7.6, [0.0, 1.0, 0.0], 0.0),
     ] {
-        let mut scene = square();
+        let mut scene = square("before");
         scene.camera.time = time;
         let film = stage::film(&scene);
         let met = stage::met(&film);
@@ -120,7 +121,7 @@ fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
 
 #[test]
 fn where_nothing_can_be_missing_the_coverage_channel_is_one() {
-    let mut scene = square();
+    let mut scene = square("full");
     scene.sources.clear();
     let film = stage::film(&scene);
     assert_eq!(film.mean_coverage(), None);

@@ -6,6 +6,7 @@
 //! compared are the numbers that no boost changes: which triangle, where on it, the object's own time
 //! and place of the emission event, W, and the radiance.
 
+use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -52,17 +53,16 @@ name = \"floor\"
 shape = { plane = { size = [9, 9] } }
 origin = { position = [0.0, -1.0, 0.0], time = \"1 m\" }
 [[source]]
-cube = { file = \"cube.npy\", start = \"-40 m\", bin_width = \"4 m\", clock = \"object\", values = \"density\" }
+cube = { file = \"invariance.npy\", start = \"-40 m\", bin_width = \"4 m\", clock = \"object\", values = \"density\" }
 ";
 
 static BASE: LazyLock<(Scene, Film)> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().unwrap();
-    let values = (0..2 * 3 * 20).map(|k| 1.0 + f64::from(k * k % 37));
-    files::npy(&folder.path().join("cube.npy"), &[2, 3, 20], values);
-    let scene = stage::scene_in(folder.path(), TEXT);
-    let film = stage::film(&scene);
     // The file has to be there for the boosted scenes too.
-    std::mem::forget(folder);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let values = (0..2 * 3 * 20).map(|k| 1.0 + f64::from(k * k % 37));
+    files::npy(&folder.join("invariance.npy"), &[2, 3, 20], values);
+    let scene = stage::scene_in(folder, TEXT);
+    let film = stage::film(&scene);
     (scene, film)
 });
 

@@ -36,6 +36,12 @@ impl Tile {
         }
     }
 
+    /// The tile's index in an image of `size` pixels.
+    fn index(self, size: [u32; 2]) -> u64 {
+        let across = size[0].div_ceil(TILE) as u64;
+        (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
+    }
+
     /// How many tiles cover an image of `size` pixels.
     pub fn count(size: [u32; 2]) -> u64 {
         size[0].div_ceil(TILE) as u64 * size[1].div_ceil(TILE) as u64
@@ -73,12 +79,7 @@ pub struct Layout {
 impl Layout {
     /// Bytes of a film of this layout.
     pub fn bytes(&self) -> u64 {
-        let coverage = if self.has_gaps {
-            size_of::<Coverage>()
-        } else {
-            0
-        };
-        let pixel = 24 + coverage + 8 * self.channels.len();
+        let pixel = 24 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 }
@@ -88,7 +89,10 @@ impl Layout {
 pub struct TileFilm {
     tile: Tile,
     radiance: Vec<[f64; 3]>,
-    coverage: Vec<Coverage>,
+    /// Of all samples of the tile.
+    coverage: Coverage,
+    /// Σ of the known parts, for the channel.
+    held: Vec<f64>,
     /// Σ (mean of R, G, B)², for the standard error.
     squares: Vec<f64>,
     /// Samples that met a surface.
@@ -107,7 +111,8 @@ impl TileFilm {
         TileFilm {
             tile,
             radiance: vec![[0.0; 3]; n],
-            coverage: vec![Coverage::NONE; some(layout.has_gaps)],
+            coverage: Coverage::NONE,
+            held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
             squares: vec![0.0; some(layout.channels.contains(&Aov::StandardError))],
             met: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
@@ -123,7 +128,10 @@ impl TileFilm {
             *sum += value;
         }
         if R::HAS_GAPS {
-            self.coverage[pixel] += observed.coverage;
+            self.coverage += observed.coverage;
+            if let Some(held) = self.held.get_mut(pixel) {
+                *held += observed.coverage.held;
+            }
         }
         if let Some(squares) = self.squares.get_mut(pixel) {
             let mean = mean(observed.radiance);
@@ -158,9 +166,9 @@ impl TileFilm {
         let sum = self.aovs[channel][pixel];
         match aov {
             Aov::Coverage => self
-                .coverage
+                .held
                 .get(pixel)
-                .map_or(1.0, |c| c.held / samples as f64),
+                .map_or(1.0, |held| held / samples as f64),
             Aov::StandardError => self.standard_error(pixel, samples as f64),
             Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => sum / samples as f64,
             _ if aov.is_of_one_sample() => sum,
@@ -190,6 +198,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 pub struct Film {
     layout: Layout,
     radiance: Vec<[f64; 3]>,
+    /// Per tile, summed over its samples: added up in the order of tiles, whoever rendered them.
     coverage: Vec<Coverage>,
     aovs: Vec<Vec<f64>>,
 }
@@ -198,9 +207,14 @@ impl Film {
     /// A film that nothing has been placed on.
     pub fn new(layout: Layout) -> Self {
         let n = layout.size[0] as usize * layout.size[1] as usize;
+        let tiles = if layout.has_gaps {
+            Tile::count(layout.size) as usize
+        } else {
+            0
+        };
         Film {
             radiance: vec![[0.0; 3]; n],
-            coverage: vec![Coverage::NONE; if layout.has_gaps { n } else { 0 }],
+            coverage: vec![Coverage::NONE; tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
         }
@@ -210,12 +224,13 @@ impl Film {
     pub fn place(&mut self, tile: &TileFilm) {
         let samples = self.layout.samples;
         let scale = 1.0 / samples as f64;
+        let index = tile.tile.index(self.layout.size) as usize;
+        if let Some(coverage) = self.coverage.get_mut(index) {
+            *coverage = tile.coverage;
+        }
         for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
             let at = row as usize * self.layout.size[0] as usize + column as usize;
             self.radiance[at] = tile.radiance[pixel].map(|sum| sum * scale);
-            if let (Some(to), Some(sum)) = (self.coverage.get_mut(at), tile.coverage.get(pixel)) {
-                *to = *sum * scale;
-            }
             for (channel, aov) in self.layout.channels.iter().enumerate() {
                 self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
             }
@@ -244,7 +259,8 @@ impl Film {
             sum += *c;
             sum
         });
-        (!self.coverage.is_empty()).then(|| sum * (1.0 / self.coverage.len() as f64))
+        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
+        (!self.coverage.is_empty()).then(|| sum * (1.0 / samples))
     }
 
     /// The film as named channels: radiance and those of `channels` that were asked for.

@@ -9,22 +9,19 @@
 //! along −z, "outside" from c + (0, 0, 2.2 R) with half-width 0.5 of the image plane at distance
 //! 1, "inside" from c + (0, 0, 0.3 R) with half-width 0.7.
 
+mod common;
+
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use glam::{DVec3, Vec3A, Vec3Swizzles};
+use glam::DVec3;
 use nullray::accel::{Bvh, Facing, Hit, Ray};
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
-use obvhs::ray::{Ray as PeerRay, RayHit};
-use obvhs::triangle::Triangle;
+
+use common::{Peer, grid, meshes};
 
 /// Rays per batch: a tile of 8 × 8 pixels.
 const TILE: usize = 8;
-
-type Mesh = (String, Vec<[DVec3; 3]>);
 
 struct Size {
     image: usize,
@@ -33,11 +30,7 @@ struct Size {
 }
 
 fn main() {
-    // `cargo bench` passes --bench, `cargo test --benches` doesn't.
-    let arguments: Vec<String> = std::env::args().collect();
-    let has = |flag: &str| arguments.iter().any(|a| a == flag);
-    let smoke =
-        has("--smoke") || !has("--bench") || std::env::var_os("NULLRAY_BENCH_SMOKE").is_some();
+    let smoke = common::is_smoke();
     let size = if smoke {
         Size {
             image: 64,
@@ -51,35 +44,22 @@ fn main() {
             detail: 256,
         }
     };
-    let mut report = report_file();
-    let meshes = std::env::var_os("NULLRAY_BENCH_MESHES").filter(|_| !smoke);
-    let meshes = match meshes {
-        Some(folder) => read_meshes(Path::new(&folder)),
-        None => generated_meshes(size.detail),
-    };
-    for (name, triangles) in meshes {
+    let mut report = common::report_file("visibility");
+    for (name, triangles) in meshes(smoke, size.detail) {
         measure_mesh(&name, triangles, &size, &mut report);
     }
 }
 
-fn report_file() -> fs::File {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    let target = target.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("target"));
-    let folder = target.join("bench");
-    fs::create_dir_all(&folder).expect("target/bench");
-    fs::File::create(folder.join("visibility.jsonl")).expect("report")
-}
-
 fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mut fs::File) {
     let count = triangles.len();
-    let peer = Peer::build(&triangles);
+    let (peer, peer_build) = Peer::build(&triangles);
     let begin = Instant::now();
     let bvh = Bvh::build(triangles, |_| Facing::TwoSided);
     let build = begin.elapsed();
     let bytes = bvh.bytes() as f64 / count as f64;
     println!(
         "{name}: {count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {:.2?})",
-        peer.build
+        peer_build
     );
     for (place, distance, half_width) in [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)] {
         let camera = Camera::new(&bvh, distance, half_width, size.image);
@@ -131,7 +111,7 @@ fn measure(bvh: &Bvh, peer: &Peer, camera: &Camera, rounds: usize) -> Rates {
             &|| trace_batches(bvh, camera),
             &|| trace_singles(bvh, camera),
             &|| trace_any(bvh, camera),
-            &|| peer.trace(camera),
+            &|| peer.trace(camera.origin, &camera.directions),
         ];
         for (i, kind) in kinds.iter().enumerate() {
             let begin = Instant::now();
@@ -202,145 +182,5 @@ impl Camera {
             direction,
             s_min: 0.0,
         }
-    }
-}
-
-fn grid(n: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..n).flat_map(move |y| (0..n).map(move |x| (y, x)))
-}
-
-/// obvhs' tree, its triangles in leaf order, and its traversal.
-struct Peer {
-    tree: Bvh2,
-    triangles: Vec<Triangle>,
-    build: Duration,
-}
-
-impl Peer {
-    fn build(triangles: &[[DVec3; 3]]) -> Peer {
-        let triangles: Vec<Triangle> = triangles
-            .iter()
-            .map(|t| t.map(|c| c.as_vec3a()))
-            .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
-            .collect();
-        let mut build = Duration::default();
-        let preset = BvhBuildParams::medium_build();
-        let tree = build_bvh2_from_tris(&triangles, preset, &mut build);
-        let triangles = tree
-            .primitive_indices
-            .iter()
-            .map(|&i| triangles[i as usize])
-            .collect();
-        Peer {
-            tree,
-            triangles,
-            build,
-        }
-    }
-
-    fn trace(&self, camera: &Camera) -> usize {
-        let origin: Vec3A = camera.origin.as_vec3a();
-        let hit = |&d: &DVec3| {
-            let ray = PeerRay::new_inf(origin, d.as_vec3a());
-            let mut hit = RayHit::none();
-            self.tree
-                .ray_traverse(ray, &mut hit, |ray, i| self.triangles[i].intersect(ray));
-            hit.t < f32::INFINITY
-        };
-        camera.directions.iter().filter(|d| hit(d)).count()
-    }
-}
-
-fn read_meshes(folder: &Path) -> Vec<Mesh> {
-    let files = fs::read_dir(folder).expect("NULLRAY_BENCH_MESHES is a folder");
-    let mut paths: Vec<PathBuf> = files.flatten().map(|f| f.path()).collect();
-    paths.retain(|p| p.extension().is_some_and(|e| e == "tri"));
-    paths.sort();
-    paths.iter().map(|p| read_mesh(p)).collect()
-}
-
-fn read_mesh(path: &Path) -> Mesh {
-    let bytes = fs::read(path).expect("a mesh");
-    let number = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f64;
-    let numbers: Vec<f64> = bytes.chunks_exact(4).map(number).collect();
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let triangles = numbers
-        .chunks_exact(9)
-        .map(|n| [0, 3, 6].map(|i| DVec3::from_slice(&n[i..])));
-    (name.into_owned(), triangles.collect())
-}
-
-fn generated_meshes(detail: usize) -> Vec<Mesh> {
-    vec![
-        ("sphere".into(), sphere(detail)),
-        ("heightfield".into(), heightfield(detail)),
-        ("room".into(), room(detail * detail / 2)),
-    ]
-}
-
-/// A patch of `n` × `n` quads of the surface p(u, v), u and v in [0, 1].
-fn patch(n: usize, point: impl Fn(f64, f64) -> DVec3) -> Vec<[DVec3; 3]> {
-    let at = |y: usize, x: usize| point(x as f64 / n as f64, y as f64 / n as f64);
-    let quad = |(y, x)| {
-        let [a, b, c, d] = [at(y, x), at(y, x + 1), at(y + 1, x + 1), at(y + 1, x)];
-        [[a, b, c], [a, c, d]]
-    };
-    grid(n).flat_map(quad).collect()
-}
-
-/// A unit sphere: the faces of a cube, blown up.
-fn sphere(detail: usize) -> Vec<[DVec3; 3]> {
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    let face = |i: usize, side: f64| {
-        let (n, a, b) = (axes[i % 3], axes[(i + 1) % 3], axes[(i + 2) % 3]);
-        let point = move |u: f64, v: f64| {
-            (n * side + a * (2.0 * u - 1.0) + b * (2.0 * v - 1.0)).normalize()
-        };
-        patch(detail / 2, point)
-    };
-    (0..3)
-        .flat_map(|i| [face(i, 1.0), face(i, -1.0)].concat())
-        .collect()
-}
-
-/// Noise over the x-y plane, seen from above.
-fn heightfield(detail: usize) -> Vec<[DVec3; 3]> {
-    let mut random = random_numbers();
-    let bumps: Vec<[f64; 4]> = (0..24).map(|_| [0; 4].map(|_| random())).collect();
-    let height = move |u: f64, v: f64| -> f64 {
-        let bump = |b: &[f64; 4]| 0.02 * libm::sin(40.0 * (b[0] * u + b[1] * v) + 6.3 * b[2]);
-        bumps.iter().map(bump).sum()
-    };
-    patch(detail, |u, v| DVec3::new(u - 0.5, v - 0.5, height(u, v)))
-}
-
-/// Small triangles all over the inside of a cube, and its six walls.
-fn room(count: usize) -> Vec<[DVec3; 3]> {
-    let mut random = random_numbers();
-    let mut point = |size: f64| DVec3::from([0; 3].map(|_| (2.0 * random() - 1.0) * size));
-    let mut triangles: Vec<[DVec3; 3]> = (0..count)
-        .map(|_| (point(1.0), point(0.02), point(0.02)))
-        .map(|(c, a, b)| [c, c + a, c + b])
-        .collect();
-    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-        let (a, b) = (axis.zxy(), axis.yzx());
-        for side in [axis, -axis] {
-            triangles.extend(patch(4, |u, v| {
-                side + a * (2.0 * u - 1.0) + b * (2.0 * v - 1.0)
-            }));
-        }
-    }
-    triangles
-}
-
-/// SplitMix64, as numbers in [0, 1).
-fn random_numbers() -> impl FnMut() -> f64 {
-    let mut state = 1u64;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 }

@@ -8,7 +8,6 @@ use serde::Serialize;
 use crate::aov::Aov;
 use crate::image::{Channel, Samples};
 use crate::time_texture::Coverage;
-use crate::trace::{Observed, Radiance};
 
 /// Edge length of a tile in pixels.
 pub const TILE: u32 = 16;
@@ -34,6 +33,12 @@ impl Tile {
             corner,
             size: std::array::from_fn(|a| TILE.min(size[a] - corner[a])),
         }
+    }
+
+    /// The tile's index in an image of `size` pixels.
+    fn index(self, size: [u32; 2]) -> u64 {
+        let across = size[0].div_ceil(TILE) as u64;
+        (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
     }
 
     /// How many tiles cover an image of `size` pixels.
@@ -73,12 +78,7 @@ pub struct Layout {
 impl Layout {
     /// Bytes of a film of this layout.
     pub fn bytes(&self) -> u64 {
-        let coverage = if self.has_gaps {
-            size_of::<Coverage>()
-        } else {
-            0
-        };
-        let pixel = 24 + coverage + 8 * self.channels.len();
+        let pixel = 24 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
     }
 }
@@ -88,7 +88,10 @@ impl Layout {
 pub struct TileFilm {
     tile: Tile,
     radiance: Vec<[f64; 3]>,
-    coverage: Vec<Coverage>,
+    /// Of all samples of the tile.
+    coverage: Coverage,
+    /// Σ of the known parts, for the channel.
+    held: Vec<f64>,
     /// For the standard error, with m the mean of R, G, B: m₀ of the first sample, Σ (m − m₀) and
     /// Σ (m − m₀)². Equal samples give exactly 0.
     spread: Vec<[f64; 3]>,
@@ -108,7 +111,8 @@ impl TileFilm {
         TileFilm {
             tile,
             radiance: vec![[0.0; 3]; n],
-            coverage: vec![Coverage::NONE; some(layout.has_gaps)],
+            coverage: Coverage::NONE,
+            held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
             spread: vec![[f64::NAN, 0.0, 0.0]; some(layout.channels.contains(&Aov::StandardError))],
             met: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
@@ -116,23 +120,29 @@ impl TileFilm {
         }
     }
 
-    /// Adds one sample to `pixel`.
+    /// Adds one sample's radiance to `pixel`.
     #[inline]
-    pub fn add<R: Radiance>(&mut self, pixel: usize, observed: Observed) {
+    pub fn add(&mut self, pixel: usize, radiance: [f64; 3]) {
         let sum = &mut self.radiance[pixel];
-        for (sum, value) in sum.iter_mut().zip(observed.radiance) {
+        for (sum, value) in sum.iter_mut().zip(radiance) {
             *sum += value;
         }
-        if R::HAS_GAPS {
-            self.coverage[pixel] += observed.coverage;
-        }
         if let Some([first, sum, squares]) = self.spread.get_mut(pixel) {
-            let mean = mean(observed.radiance);
+            let mean = mean(radiance);
             if first.is_nan() {
                 *first = mean;
             }
             *sum += mean - *first;
             *squares += (mean - *first) * (mean - *first);
+        }
+    }
+
+    /// Adds how much of one sample's radiance is known.
+    #[inline]
+    pub fn add_coverage(&mut self, pixel: usize, coverage: Coverage) {
+        self.coverage += coverage;
+        if let Some(held) = self.held.get_mut(pixel) {
+            *held += coverage.held;
         }
     }
 
@@ -163,9 +173,9 @@ impl TileFilm {
         let sum = self.aovs[channel][pixel];
         match aov {
             Aov::Coverage => self
-                .coverage
+                .held
                 .get(pixel)
-                .map_or(1.0, |c| c.held / samples as f64),
+                .map_or(1.0, |held| held / samples as f64),
             Aov::StandardError => self.standard_error(pixel, samples as f64),
             Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => sum / samples as f64,
             _ if aov.is_of_one_sample() => sum,
@@ -195,6 +205,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 pub struct Film {
     layout: Layout,
     radiance: Vec<[f64; 3]>,
+    /// Per tile, summed over its samples: added up in the order of tiles, whoever rendered them.
     coverage: Vec<Coverage>,
     aovs: Vec<Vec<f64>>,
 }
@@ -203,9 +214,14 @@ impl Film {
     /// A film that nothing has been placed on.
     pub fn new(layout: Layout) -> Self {
         let n = layout.size[0] as usize * layout.size[1] as usize;
+        let tiles = if layout.has_gaps {
+            Tile::count(layout.size) as usize
+        } else {
+            0
+        };
         Film {
             radiance: vec![[0.0; 3]; n],
-            coverage: vec![Coverage::NONE; if layout.has_gaps { n } else { 0 }],
+            coverage: vec![Coverage::NONE; tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
         }
@@ -215,12 +231,13 @@ impl Film {
     pub fn place(&mut self, tile: &TileFilm) {
         let samples = self.layout.samples;
         let scale = 1.0 / samples as f64;
+        let index = tile.tile.index(self.layout.size) as usize;
+        if let Some(coverage) = self.coverage.get_mut(index) {
+            *coverage = tile.coverage;
+        }
         for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
             let at = row as usize * self.layout.size[0] as usize + column as usize;
             self.radiance[at] = tile.radiance[pixel].map(|sum| sum * scale);
-            if let (Some(to), Some(sum)) = (self.coverage.get_mut(at), tile.coverage.get(pixel)) {
-                *to = *sum * scale;
-            }
             for (channel, aov) in self.layout.channels.iter().enumerate() {
                 self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
             }
@@ -249,7 +266,8 @@ impl Film {
             sum += *c;
             sum
         });
-        (!self.coverage.is_empty()).then(|| sum * (1.0 / self.coverage.len() as f64))
+        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
+        (!self.coverage.is_empty()).then(|| sum * (1.0 / samples))
     }
 
     /// The film as named channels: radiance and those of `channels` that were asked for.

@@ -79,12 +79,13 @@ impl Mesh {
     /// (u weights the second corner, v the third), or none where the mesh has no such set.
     pub fn uv(&self, set: usize, index: u32, barycentric: [f64; 2]) -> Option<DVec2> {
         let uvs = self.uvs.get(set)?;
-        let [a, b, c] = self.triangles[index as usize].map(|v| {
-            uvs.get(v as usize)
-                .map(|t| DVec2::new(t[0] as f64, t[1] as f64))
-                .filter(|t| t.is_finite())
-        });
-        let (a, b, c, [u, v]) = (a?, b?, c?, barycentric);
-        Some(a + (b - a) * u + (c - a) * v)
+        let corner = |v: u32| {
+            let [u, v] = uvs.get(v as usize)?;
+            Some(DVec2::new(f64::from(*u), f64::from(*v)))
+        };
+        let [a, b, c] = self.triangles[index as usize];
+        let (a, b, c, [u, v]) = (corner(a)?, corner(b)?, corner(c)?, barycentric);
+        // NaN of one corner is NaN here.
+        Some(a + (b - a) * u + (c - a) * v).filter(|uv| uv.is_finite())
     }
 }

@@ -6,10 +6,12 @@
 //! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
 
 /// The sample positions of every pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampler {
     columns: u32,
     rows: u32,
+    /// Width and height of a cell: 1 / columns, 1 / rows.
+    cell: [f64; 2],
     centred: bool,
 }
 
@@ -22,9 +24,11 @@ impl Sampler {
             .filter(|d| samples.is_multiple_of(*d))
             .last()
             .unwrap_or(1);
+        let rows = samples / root;
         Sampler {
             columns: root,
-            rows: samples / root,
+            rows,
+            cell: [1.0 / root as f64, 1.0 / rows as f64],
             centred: false,
         }
     }
@@ -34,6 +38,7 @@ impl Sampler {
         Sampler {
             columns: 1,
             rows: 1,
+            cell: [1.0; 2],
             centred: true,
         }
     }
@@ -54,15 +59,19 @@ impl Sampler {
         let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let x = sub_cell(j, self.rows, pixel) + unit(noise as u32);
         let y = sub_cell(i, self.columns, pixel.rotate_left(31)) + unit((noise >> 32) as u32);
+        let [width, height] = self.cell;
         [
-            (i as f64 + x / self.rows as f64) / self.columns as f64,
-            (j as f64 + y / self.columns as f64) / self.rows as f64,
+            (i as f64 + x * height) * width,
+            (j as f64 + y * width) * height,
         ]
     }
 }
 
 /// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
+    if n == 1 {
+        return 0.0;
+    }
     let shift = (seed % n as u64) as u32;
     let stride = (1 + (seed >> 32) % n as u64) as u32;
     let stride = (stride..stride + n).find(|a| coprime(*a, n)).unwrap_or(1);

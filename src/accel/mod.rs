@@ -149,16 +149,31 @@ impl Bvh {
     /// For each direction from `origin` the first hit with s > 0 that is nearer than the entry of
     /// `hits`, which it replaces.
     pub fn closest_many(&self, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
+        self.closest_each(origin, directions, hits, |_| ());
+    }
+
+    /// The same, and `replaced` is told the indices of the entries that are replaced.
+    #[inline]
+    pub fn closest_each(
+        &self,
+        origin: DVec3,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        mut replaced: impl FnMut(usize),
+    ) {
         self.with_stack(|stack| {
-            for (&direction, entry) in directions.iter().zip(hits) {
+            for (i, (&direction, entry)) in directions.iter().zip(hits).enumerate() {
                 let ray = Ray {
                     origin,
                     direction,
                     s_min: 0.0,
                 };
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
-                let hit = Probe::new(&ray).and_then(|p| self.closest_of(&p, s_max, stack));
-                *entry = hit.or(*entry);
+                let probe = Probe::new(&ray);
+                if let Some(hit) = probe.and_then(|p| self.closest_of(&p, s_max, stack)) {
+                    *entry = Some(hit);
+                    replaced(i);
+                }
             }
         })
     }
@@ -172,7 +187,7 @@ impl Bvh {
             bvh: self,
             line: &probe.line,
             s_min: probe.s_min,
-            s_max: s_max / probe.unit,
+            s_max: s_max * probe.per_unit,
             skip,
             found: false,
         };
@@ -186,7 +201,7 @@ impl Bvh {
             bvh: self,
             line: &probe.line,
             s_min: probe.s_min,
-            s: s_max / probe.unit,
+            s: s_max * probe.per_unit,
             found: None,
         };
         self.run(probe, stack, &mut query);

@@ -11,6 +11,8 @@ pub(super) struct Probe {
     pub line: Line,
     pub s_min: f64,
     pub unit: f64,
+    /// 1 / unit, exactly.
+    pub per_unit: f64,
 }
 
 impl Probe {
@@ -26,14 +28,16 @@ impl Probe {
         }
         // Powers of two: s, u, v and all decisions are as for the direction given.
         let unit = power_of_two(-exponent(size));
+        let per_unit = power_of_two(exponent(size));
         let line = Line {
             origin: ray.origin,
             direction: ray.direction * unit,
         };
         Some(Probe {
             line,
-            s_min: ray.s_min / unit,
+            s_min: ray.s_min * per_unit,
             unit,
+            per_unit,
         })
     }
 }

@@ -131,6 +131,8 @@ impl Gathered {
         if mesh.uvs.is_empty() {
             mesh.triangles = Vec::new();
         }
+        mesh.triangles.shrink_to_fit();
+        mesh.uvs.iter_mut().for_each(Vec::shrink_to_fit);
         self.meshes.push(mesh);
     }
 }

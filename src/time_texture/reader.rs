@@ -87,12 +87,21 @@ fn along_time<S: Sample, const C: usize>(
     run: &BinWeights,
 ) -> [f64; C] {
     let first = (origin + run.first) * C;
-    let mut sum = [0.0; C];
     // A texture is made of a checked cube, so the run is always there.
-    let Some(values) = samples.get(first..first + run.count * C) else {
-        return sum;
-    };
-    for (bin, weight) in values.chunks_exact(C).zip(run.weights) {
+    let values = samples.get(first..first + run.count * C);
+    let (bins, _) = values.unwrap_or_default().as_chunks::<C>();
+    // The lengths that filters have away from the ends, as constants: the loop is unrolled.
+    match bins.len() {
+        2 => weighted::<S, C>(&bins[..2], &run.weights),
+        4 => weighted::<S, C>(&bins[..4], &run.weights),
+        _ => weighted::<S, C>(bins, &run.weights),
+    }
+}
+
+#[inline(always)]
+fn weighted<S: Sample, const C: usize>(bins: &[[S; C]], weights: &[f64; 6]) -> [f64; C] {
+    let mut sum = [0.0; C];
+    for (bin, weight) in bins.iter().zip(weights) {
         for (sum, sample) in sum.iter_mut().zip(bin) {
             *sum += weight * sample.value();
         }

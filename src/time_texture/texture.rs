@@ -188,8 +188,7 @@ impl TimeTexture {
     #[inline]
     fn sample_texels(&self, [x, y]: [f64; 2], t: f64) -> Sampled {
         let [width, height] = self.size();
-        let moment = self.timeline.moment(t);
-        self.blend(&taps(x, y, width, height), [&moment; 4])
+        self.blend_at(&taps(x, y, width, height), &self.timeline.moment(t))
     }
 
     /// Every tap at the time at which its own light reached the capture camera.
@@ -199,17 +198,30 @@ impl TimeTexture {
             let moments = taps.map(|tap| self.timeline.moment(t + capture.delay_of(tap.texel)));
             self.blend(taps, moments.each_ref())
         } else {
-            self.blend(taps, [&self.timeline.moment(t); 4])
+            self.blend_at(taps, &self.timeline.moment(t))
+        }
+    }
+
+    /// Taps that share one moment.
+    #[inline]
+    fn blend_at(&self, taps: &[Tap; 4], moment: &Moment) -> Sampled {
+        let mut sampled = self.read(taps, [moment; 4]);
+        self.account(&mut sampled, 1.0, moment.phase);
+        sampled
+    }
+
+    #[inline]
+    fn read(&self, taps: &[Tap; 4], moments: [&Moment; 4]) -> Sampled {
+        let sum = reader::read(&self.cube, taps, moments);
+        Sampled {
+            radiance: sum.map(|value| value * self.factor),
+            ..Sampled::default()
         }
     }
 
     #[inline]
     fn blend(&self, taps: &[Tap; 4], moments: [&Moment; 4]) -> Sampled {
-        let sum = reader::read(&self.cube, taps, moments);
-        let mut sampled = Sampled {
-            radiance: sum.map(|value| value * self.factor),
-            ..Sampled::default()
-        };
+        let mut sampled = self.read(taps, moments);
         for (tap, moment) in taps.iter().zip(moments) {
             self.account(&mut sampled, tap.weight, moment.phase);
         }

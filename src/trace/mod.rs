@@ -6,13 +6,13 @@
 //! of a tile, which share the camera's event and are coherent.
 
 mod emission;
+mod emitter;
+mod pulse;
 mod record;
 mod surfaces;
 
-pub use emission::{
-    BaseColour, BaseColours, Colouring, Emission, EmissionClock, Emitter, Radiance, Response,
-    SurfacePoint, TimeResolved,
-};
+pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
+pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
 pub use surfaces::{Found, Frames, Patch, RestFrame, Scratch, Still, Surfaces};
 
@@ -83,12 +83,13 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         buffers.offsets.clear();
         buffers.directions.clear();
         buffers.ratios.clear();
-        for (column, row) in tile.coordinates() {
-            let offset = self.sampler.offset(column, row, index);
+        // Two loops: of hashing integers, and of divisions.
+        let offset = |(column, row)| self.sampler.offset(column, row, index);
+        buffers.offsets.extend(tile.coordinates().map(offset));
+        for ((column, row), offset) in tile.coordinates().zip(&buffers.offsets) {
             let (d, w) = self
                 .view
                 .look(column as f64 + offset[0], row as f64 + offset[1]);
-            buffers.offsets.push(offset);
             buffers.directions.push(d);
             buffers.ratios.push(w);
         }
@@ -104,15 +105,14 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         film: &mut TileFilm,
     ) {
         let d = buffers.directions[pixel];
-        let Some(found) = buffers.scratch.found[pixel] else {
-            film.add::<R>(pixel, self.unmet());
+        let Some(found) = buffers.scratch.found(pixel) else {
+            self.expose(pixel, self.unmet(), film);
             recorder.record(pixel, buffers.offsets[pixel], d, None, film);
             return;
         };
-        let point = self.point(found, d);
-        let (_, rho) = self.surfaces.turned(found.frame, d);
+        let (point, rho) = self.point(found, d);
         let w = WavelengthRatio(buffers.ratios[pixel] * rho);
-        film.add::<R>(pixel, self.observe(&point, w));
+        self.expose(pixel, self.observe(&point, w), film);
         recorder.record(
             pixel,
             buffers.offsets[pixel],
@@ -122,15 +122,28 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         );
     }
 
-    fn point(&self, found: Found, d: Direction<World>) -> SurfacePoint<'_> {
+    /// The surface point, and ω_rest/ω_world of the light that comes from it.
+    #[inline]
+    fn point(&self, found: Found, d: Direction<World>) -> (SurfacePoint<'_>, f64) {
         let rest = self.surfaces.rest(found.frame);
-        SurfacePoint {
+        let (local, rho) = self.surfaces.local(found.frame, d);
+        let point = SurfacePoint {
             rest,
             frame: found.frame,
             patch: rest.patch(found.hit.triangle),
             hit: found.hit,
             ray: NullRay::new(self.event, d, self.index),
-            local: self.surfaces.local(found.frame, d),
+            local,
+        };
+        (point, rho)
+    }
+
+    /// Adds a sample to its pixel; coverage only where it can be other than full.
+    #[inline]
+    fn expose(&self, pixel: usize, observed: Observed, film: &mut TileFilm) {
+        film.add(pixel, observed.radiance);
+        if R::HAS_GAPS {
+            film.add_coverage(pixel, observed.coverage);
         }
     }
 

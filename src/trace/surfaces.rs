@@ -63,14 +63,14 @@ pub struct Found {
 
 /// The nearest surfaces along rays that share the camera's event, and occlusion between any events.
 pub trait Surfaces: Sync {
-    /// Sets `found[i]` to the nearest hit along `directions[i]`.
+    /// Makes `scratch` hold the nearest hit along each of `directions`.
     fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch);
 
     /// The rest frame of index `frame`.
     fn rest(&self, frame: u32) -> &RestFrame;
 
-    /// The ray along `d` in the coordinates of rest frame `frame`.
-    fn local(&self, frame: u32, d: Direction<World>) -> NullRay<Rest>;
+    /// The ray along `d` in the coordinates of rest frame `frame`, and ω_rest/ω_world of its light.
+    fn local(&self, frame: u32, d: Direction<World>) -> (NullRay<Rest>, f64);
 
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
@@ -91,9 +91,9 @@ pub trait Surfaces: Sync {
 /// Buffers of one tile, reused from batch to batch.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    /// Per ray: what it met.
-    pub found: Vec<Option<Found>>,
+    /// Per ray: what it met, and in which rest frame.
     hits: Vec<Option<Hit>>,
+    frames: Vec<u32>,
     local: Vec<DVec3>,
 }
 
@@ -135,10 +135,7 @@ impl Surfaces for Still<'_> {
     fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
         scratch.start(directions.len());
         scratch.local.extend(directions.iter().map(|d| d.unit()));
-        self.rest
-            .bvh
-            .closest_many(self.origin.x, &scratch.local, &mut scratch.hits);
-        scratch.merge(0);
+        scratch.meet(0, &self.rest.bvh, self.origin.x);
     }
 
     #[inline]
@@ -147,11 +144,12 @@ impl Surfaces for Still<'_> {
     }
 
     #[inline]
-    fn local(&self, _: u32, d: Direction<World>) -> NullRay<Rest> {
-        NullRay {
+    fn local(&self, _: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
+        let local = NullRay {
             origin: self.origin,
             tangent: Displacement::new(-self.index, d.unit()),
-        }
+        };
+        (local, 1.0)
     }
 
     #[inline]
@@ -167,7 +165,7 @@ impl Surfaces for Still<'_> {
         distance: f64,
         skip: (u32, u32),
     ) -> bool {
-        let ray = shadow_ray(self.origin.x, self.local(0, seen).at(s).x, d.unit());
+        let ray = shadow_ray(self.origin.x, self.local(0, seen).0.at(s).x, d.unit());
         self.rest.bvh.any(&ray, distance, Some(skip.1))
     }
 }
@@ -196,9 +194,7 @@ impl Surfaces for Frames<'_> {
             scratch
                 .local
                 .extend(directions.iter().map(|d| boost.tangent(self.index, *d).x));
-            rest.bvh
-                .closest_many(origin.x, &scratch.local, &mut scratch.hits);
-            scratch.merge(k as u32);
+            scratch.meet(k as u32, &rest.bvh, origin.x);
         }
     }
 
@@ -208,12 +204,11 @@ impl Surfaces for Frames<'_> {
     }
 
     #[inline]
-    fn local(&self, frame: u32, d: Direction<World>) -> NullRay<Rest> {
+    fn local(&self, frame: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
         let boost = self.rests[frame as usize].frame.frame_from_world();
-        NullRay {
-            origin: self.origins[frame as usize],
-            tangent: boost.tangent(self.index, d),
-        }
+        let (tangent, ratio) = boost.tangent_and_ratio(self.index, d);
+        let origin = self.origins[frame as usize];
+        (NullRay { origin, tangent }, ratio)
     }
 
     #[inline]
@@ -233,7 +228,7 @@ impl Surfaces for Frames<'_> {
         skip: (u32, u32),
     ) -> bool {
         self.rests.iter().enumerate().any(|(k, rest)| {
-            let from = self.local(k as u32, seen).at(s).x;
+            let from = self.local(k as u32, seen).0.at(s).x;
             let direction = rest.frame.frame_from_world().tangent(index, d).x;
             let ray = shadow_ray(self.origins[k].x, from, direction);
             rest.bvh
@@ -262,17 +257,22 @@ impl Scratch {
         self.local.clear();
         self.hits.clear();
         self.hits.resize(rays, None);
-        self.found.clear();
-        self.found.resize(rays, None);
+        self.frames.clear();
+        self.frames.resize(rays, 0);
     }
 
-    /// Takes over the hits that `frame` has brought nearer.
-    fn merge(&mut self, frame: u32) {
-        for (found, hit) in self.found.iter_mut().zip(&self.hits) {
-            let Some(hit) = hit else { continue };
-            if found.is_none_or(|f| hit.s < f.hit.s) {
-                *found = Some(Found { hit: *hit, frame });
-            }
-        }
+    /// Takes over what the rays along `local` meet in `frame`, where it is nearer.
+    fn meet(&mut self, frame: u32, bvh: &Bvh, origin: DVec3) {
+        let (hits, frames) = (&mut self.hits, &mut self.frames);
+        bvh.closest_each(origin, &self.local, hits, |ray| frames[ray] = frame);
+    }
+
+    /// What ray `ray` of the batch met.
+    #[inline]
+    pub fn found(&self, ray: usize) -> Option<Found> {
+        self.hits[ray].map(|hit| Found {
+            hit,
+            frame: self.frames[ray],
+        })
     }
 }

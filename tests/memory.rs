@@ -1,0 +1,95 @@
+//! What a prepared scene holds: at most 200 bytes per triangle of mesh and BVH, and every cube once.
+//!
+//! Counted are the capacities of all that grows with triangles: BVH, indices, texture coordinates.
+
+use std::path::Path;
+
+use nullray::plan::{Plan, Request};
+use nullray::prepare::{Light, Prepared};
+use nullray::render::Silent;
+use nullray::scene::{Overrides, parse};
+use nullray::trace::RestFrame;
+
+/// `shapes` lit by a cube of 4 × 5 texels and 6 bins, which as many sources hold as `sources` says.
+fn prepare(shapes: &str, sources: usize) -> (Plan, Prepared) {
+    let folder = tempfile::tempdir().unwrap();
+    write_cube(&folder.path().join("cube.npy"));
+    let mut text = format!("[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n{shapes}");
+    for i in 0..sources {
+        text += &format!(
+            "[[source]]\nname = \"source {i}\"\nobjects = [\"object {i}\"]\n\
+             cube = {{ file = \"cube.npy\", bin_width = \"1 m\", uv = 0 }}\n"
+        );
+    }
+    let scene = parse(&text, "memory", folder.path(), &Overrides::default()).unwrap();
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    (plan, prepared)
+}
+
+fn write_cube(path: &Path) {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 5, 6), }";
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend([118, 0]);
+    file.extend(format!("{header:<117}\n").bytes());
+    file.extend([0; 4 * 4 * 5 * 6]);
+    std::fs::write(path, file).unwrap();
+}
+
+fn object(i: usize, shape: &str, beta: f64) -> String {
+    format!(
+        "[[object]]\nname = \"object {i}\"\nshape = {shape}\nvelocity = {{ beta = [{beta}, 0, 0] }}\n"
+    )
+}
+
+fn bytes(frame: &RestFrame) -> usize {
+    let meshes = frame.meshes.iter().map(|mesh| {
+        24 * mesh.positions.capacity()
+            + 12 * mesh.triangles.capacity()
+            + mesh.uvs.iter().map(|uvs| 8 * uvs.capacity()).sum::<usize>()
+    });
+    frame.bvh.bytes() + meshes.sum::<usize>()
+}
+
+fn bytes_per_triangle(shape: &str, sources: usize) -> f64 {
+    let (plan, prepared) = prepare(&object(0, shape, 0.5), sources);
+    let held: usize = prepared.frames.iter().map(bytes).sum();
+    assert!(
+        held as u64 <= plan.memory.geometry,
+        "{shape}: {held} held, {} planned",
+        plan.memory.geometry
+    );
+    held as f64 / prepared.frames[0].bvh.len() as f64
+}
+
+const SPHERE: &str = "{ sphere = { radius = 1, subdivisions = 6 } }";
+const LATTICE: &str = "{ lattice = { cells = [12, 12, 12], spacing = 1, bar = 0.1 } }";
+
+#[test]
+fn a_mesh_with_texture_coordinates_takes_at_most_200_bytes_per_triangle() {
+    for shape in [SPHERE, LATTICE] {
+        let held = bytes_per_triangle(shape, 1);
+        assert!(held <= 200.0, "{shape}: {held} bytes");
+    }
+}
+
+#[test]
+fn a_mesh_that_no_cube_lies_on_is_its_bvh_alone() {
+    // Three corners of 24 bytes, an id, and a node of 64 bytes for at most every triangle.
+    let held = bytes_per_triangle(SPHERE, 0);
+    assert!(held <= 72.0 + 4.0 + 64.0 + 0.1, "{held} bytes");
+}
+
+#[test]
+fn a_cube_that_several_sources_show_is_held_once() {
+    let shapes = object(0, SPHERE, 0.0) + &object(1, SPHERE, 0.5);
+    let (plan, prepared) = prepare(&shapes, 2);
+    assert_eq!(plan.memory.cubes, 4 * 4 * 5 * 6);
+    let Light::TimeResolved(light) = prepared.light else {
+        panic!("no cube");
+    };
+    let [first, second] = light.cubes.as_slice() else {
+        panic!("{} sources", light.cubes.len());
+    };
+    assert!(std::ptr::eq(first.cube(), second.cube()));
+}

@@ -88,6 +88,8 @@ impl Layout {
 pub struct TileFilm {
     tile: Tile,
     radiance: Vec<[f64; 3]>,
+    /// Samples that met nothing.
+    unmet: u64,
     /// Of all samples of the tile.
     coverage: Coverage,
     /// Σ of the known parts, for the channel.
@@ -111,6 +113,7 @@ impl TileFilm {
         TileFilm {
             tile,
             radiance: vec![[0.0; 3]; n],
+            unmet: 0,
             coverage: Coverage::NONE,
             held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
             spread: vec![[f64::NAN, 0.0, 0.0]; some(layout.channels.contains(&Aov::StandardError))],
@@ -135,6 +138,12 @@ impl TileFilm {
             *sum += mean - *first;
             *squares += (mean - *first) * (mean - *first);
         }
+    }
+
+    /// Notes a sample that met nothing.
+    #[inline]
+    pub fn add_unmet(&mut self) {
+        self.unmet += 1;
     }
 
     /// Adds how much of one sample's radiance is known.
@@ -205,6 +214,7 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
 pub struct Film {
     layout: Layout,
     radiance: Vec<[f64; 3]>,
+    unmet: u64,
     /// Per tile, summed over its samples: added up in the order of tiles, whoever rendered them.
     coverage: Vec<Coverage>,
     aovs: Vec<Vec<f64>>,
@@ -221,6 +231,7 @@ impl Film {
         };
         Film {
             radiance: vec![[0.0; 3]; n],
+            unmet: 0,
             coverage: vec![Coverage::NONE; tiles],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
             layout,
@@ -231,6 +242,7 @@ impl Film {
     pub fn place(&mut self, tile: &TileFilm) {
         let samples = self.layout.samples;
         let scale = 1.0 / samples as f64;
+        self.unmet += tile.unmet;
         let index = tile.tile.index(self.layout.size) as usize;
         if let Some(coverage) = self.coverage.get_mut(index) {
             *coverage = tile.coverage;
@@ -258,6 +270,12 @@ impl Film {
     pub fn aov(&self, aov: Aov) -> Option<&[f64]> {
         let channel = self.layout.channels.iter().position(|c| *c == aov)?;
         Some(&self.aovs[channel])
+    }
+
+    /// The part of all samples that met a surface, 0 to 1.
+    pub fn met(&self) -> f64 {
+        let samples = self.radiance.len() as f64 * self.layout.samples as f64;
+        1.0 - self.unmet as f64 / samples
     }
 
     /// Mean coverage of the image, or none where nothing could be missing.

@@ -1,21 +1,16 @@
-//! The scene that is compiled in, and what happens without a command.
+//! The scene that is compiled in.
 
-use std::fs;
-use std::io::{Read, Write};
 use std::path::Path;
 
-use nullray::image::write_atomically;
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
-use nullray::{Error, Result, files};
+use nullray::{Result, files};
 
 use super::args::SceneArguments;
-use super::output::{Isochrones, Outputs};
-use super::{interrupt, print, render};
 
-const TEXT: &str = include_str!("../../scenes/corner.toml");
+/// The text of the built-in scene.
+pub const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
-const DIRECTORY: &str = "nullray-out";
 
 /// The scene of a command: the file that was named, or the built-in one.
 pub fn scene_or_builtin(arguments: &SceneArguments) -> Result<Scene> {
@@ -25,86 +20,7 @@ pub fn scene_or_builtin(arguments: &SceneArguments) -> Result<Scene> {
     }
 }
 
-fn scene(overrides: &Overrides) -> Result<Scene> {
+/// The built-in scene.
+pub fn scene(overrides: &Overrides) -> Result<Scene> {
     nullray::scene::parse(TEXT, NAME, Path::new(files::BUILT_IN), overrides)
 }
-
-/// Renders the built-in scene twice: as a camera at rest sees it, and as the moving one does, with the
-/// times at which its light left. Leaves the scene and its data there, to be changed.
-pub fn render() -> Result<()> {
-    let directory = Path::new(DIRECTORY);
-    fs::create_dir_all(directory).map_err(Error::io(directory, "cannot create the directory"))?;
-    print("nullray: a pulse of light in a corner, at one moment: seen at rest, then at 0.9 c\n")?;
-    let set = |key: &str, value: &str| (key.to_string(), value.to_string());
-    let at_rest = Overrides {
-        set: vec![
-            set("camera.velocity", "{ beta = [0.0, 0.0, 0.0] }"),
-            set("camera.look_at", "[1.36, 1.9, 2.82]"),
-            set("camera.hfov", "\"60 deg\""),
-        ],
-        ..Overrides::default()
-    };
-    one(
-        &at_rest,
-        Outputs {
-            images: vec![directory.join("at-rest.png")],
-            ..Outputs::default()
-        },
-    )?;
-    let moving = Outputs {
-        images: vec![directory.join("moving.png"), directory.join("moving.exr")],
-        isochrones: Some(Isochrones {
-            path: directory.join("moving-isochrones.png"),
-            step: None,
-        }),
-        ..Outputs::default()
-    };
-    one(&Overrides::default(), moving)?;
-    leave_scene(directory)?;
-    print(NEXT)
-}
-
-fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
-    let request = nullray::plan::Request {
-        aovs: outputs.needs(),
-        ..Default::default()
-    };
-    render::one(&scene(overrides)?, &request, &outputs, false)
-}
-
-/// Writes the built-in scene and its files into `directory`, except for those that are there already.
-fn leave_scene(directory: &Path) -> Result<()> {
-    leave(&directory.join("corner.toml"), TEXT.as_bytes())?;
-    for name in files::built_in_names() {
-        let source = Path::new(files::BUILT_IN).join(name);
-        let mut bytes = Vec::new();
-        let (mut reader, _) = files::open(&source).map_err(Error::io(&source, "cannot read"))?;
-        (reader.read_to_end(&mut bytes)).map_err(Error::io(&source, "cannot read"))?;
-        leave(&directory.join(name), &bytes)?;
-    }
-    Ok(())
-}
-
-/// Writes a new file; one that is there already may have been changed by its owner.
-fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
-    if path.exists() {
-        return print(&format!("kept {} as it is\n", path.display()));
-    }
-    interrupt::check()?;
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(Error::io(parent, "cannot create the directory"))?;
-        interrupt::will_write_into(parent.into());
-    }
-    write_atomically(path, |file| {
-        file.write_all(bytes)
-            .map_err(Error::io(path, "cannot write"))
-    })?;
-    print(&format!("wrote {}\n", path.display()))
-}
-
-const NEXT: &str = "
-What to try next:
-  nullray plan nullray-out/corner.toml
-  nullray info nullray-out/corner/lightmap.npz
-  nullray render nullray-out/corner.toml --set \"camera.velocity={beta=[0,0,-0.5]}\" -o slower.png
-";

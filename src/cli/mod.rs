@@ -2,6 +2,7 @@
 
 mod args;
 mod builtin;
+mod demo;
 mod failure;
 mod help;
 mod info;
@@ -12,6 +13,7 @@ mod output;
 mod plan;
 mod progress;
 mod reference;
+mod remarks;
 mod render;
 
 use std::io::{self, ErrorKind, Write};
@@ -31,7 +33,7 @@ pub fn run() -> ExitCode {
 
 fn carry_out(command: Option<Command>) -> Result<()> {
     match command {
-        None => builtin::render(),
+        None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),

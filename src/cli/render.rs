@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use nullray::film::Film;
 use nullray::plan::{self, Plan};
 use nullray::prepare::Prepared;
 use nullray::scene::model::Scene;
@@ -12,7 +11,7 @@ use nullray::{Error, Result};
 use super::args::RenderArguments;
 use super::output::{Isochrones, Outputs};
 use super::progress::Bar;
-use super::{builtin, inputs, interrupt, print};
+use super::{builtin, inputs, interrupt, print, remarks};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let scene = builtin::scene_or_builtin(&arguments.scene)?;
@@ -43,20 +42,13 @@ pub fn one(scene: &Scene, request: &plan::Request, outputs: &Outputs, quiet: boo
     interrupt::check()?;
     let rendered_in = start.elapsed().as_secs_f64() - prepared_in;
     outputs.write(scene, &film, &mut say)?;
-    say(&cost(plan.rays.camera, prepared_in, rendered_in))?;
-    say(&coverage(&film))?;
+    say(&remarks::cost(plan.rays.camera, prepared_in, rendered_in))?;
+    say(&remarks::coverage(&film))?;
+    say(&remarks::blackness(&film))?;
     for warning in &prepared.warnings {
         say(&format!("warning: {}\n", warning.escape_debug()))?;
     }
     Ok(())
-}
-
-fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
-    let rate = rays as f64 / rendered_in.max(1e-9) / 1e6;
-    format!(
-        "{} rays, {prepared_in:.2} s to prepare, {rendered_in:.2} s to render ({rate:.1} Mrays/s)\n",
-        plan::count(rays)
-    )
 }
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.
@@ -90,30 +82,4 @@ fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Option<Isochrones> 
         .isochrone_step
         .map(|time| time.metres(scene.speed_of_light));
     Some(Isochrones { path, step })
-}
-
-/// What part of the picture the data cover, in words; empty where nothing was missing.
-fn coverage(film: &Film) -> String {
-    let Some(c) = film.mean_coverage() else {
-        return String::new();
-    };
-    let parts = [
-        (c.before, "before the first bin"),
-        (c.after, "after the last bin"),
-        (c.off_texture, "off the texture"),
-        (c.occluded, "hidden from the capture camera"),
-    ];
-    let missing: Vec<_> = parts
-        .iter()
-        .filter(|(part, _)| *part > 0.0)
-        .map(|(part, why)| format!("{:.1} % {why}", 100.0 * part))
-        .collect();
-    if missing.is_empty() {
-        return String::new();
-    }
-    format!(
-        "coverage {:.1} %; no data for {}\n",
-        100.0 * c.held,
-        missing.join(", ")
-    )
 }

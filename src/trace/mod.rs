@@ -107,6 +107,7 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         let d = buffers.directions[pixel];
         let Some(found) = buffers.scratch.found(pixel) else {
             self.expose(pixel, self.unmet(), film);
+            film.add_unmet();
             recorder.record(pixel, buffers.offsets[pixel], d, None, film);
             return;
         };

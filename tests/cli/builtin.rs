@@ -39,7 +39,7 @@ fn without_arguments_it_renders_and_each_command_that_it_names_works() {
     let commands: Vec<_> = next.lines().map(words).collect();
     assert_eq!(commands.len(), 3, "{next}");
     for command in commands {
-        assert_eq!(command[0], "nullray");
+        assert_eq!(command[0], env!("CARGO_BIN_EXE_nullray"));
         let mut arguments: Vec<_> = command[1..].iter().map(String::as_str).collect();
         if arguments[0] == "render" {
             arguments.extend(["--size", "32x24", "--spp", "1"]);

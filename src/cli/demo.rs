@@ -1,0 +1,102 @@
+//! What happens without a command: the built-in scene, and what to try next.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use nullray::image::write_atomically;
+use nullray::scene::Overrides;
+use nullray::{Error, Result, files};
+
+use super::builtin::{self, TEXT};
+use super::output::{Isochrones, Outputs};
+use super::{interrupt, print, render};
+
+const DIRECTORY: &str = "nullray-out";
+
+/// Renders the built-in scene twice: as a camera at rest sees it, and as the moving one does, with the
+/// times at which its light left. Leaves the scene and its data there, to be changed.
+pub fn run() -> Result<()> {
+    let directory = Path::new(DIRECTORY);
+    fs::create_dir_all(directory).map_err(Error::io(directory, "cannot create the directory"))?;
+    print("nullray: a pulse of light in a corner, at one moment: seen at rest, then at 0.9 c\n")?;
+    let set = |key: &str, value: &str| (key.to_string(), value.to_string());
+    let at_rest = Overrides {
+        set: vec![
+            set("camera.velocity", "{ beta = [0.0, 0.0, 0.0] }"),
+            set("camera.look_at", "[1.36, 1.9, 2.82]"),
+            set("camera.hfov", "\"60 deg\""),
+        ],
+        ..Overrides::default()
+    };
+    one(
+        &at_rest,
+        Outputs {
+            images: vec![directory.join("at-rest.png")],
+            ..Outputs::default()
+        },
+    )?;
+    let moving = Outputs {
+        images: vec![directory.join("moving.png"), directory.join("moving.exr")],
+        isochrones: Some(Isochrones {
+            path: directory.join("moving-isochrones.png"),
+            step: None,
+        }),
+        ..Outputs::default()
+    };
+    one(&Overrides::default(), moving)?;
+    leave_scene(directory)?;
+    print(&next())
+}
+
+fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
+    let request = nullray::plan::Request {
+        aovs: outputs.needs(),
+        ..Default::default()
+    };
+    render::one(&builtin::scene(overrides)?, &request, &outputs, false)
+}
+
+/// Writes the built-in scene and its files into `directory`, except for those that are there already.
+fn leave_scene(directory: &Path) -> Result<()> {
+    leave(&directory.join("corner.toml"), TEXT.as_bytes())?;
+    for name in files::built_in_names() {
+        let source = Path::new(files::BUILT_IN).join(name);
+        let mut bytes = Vec::new();
+        let (mut reader, _) = files::open(&source).map_err(Error::io(&source, "cannot read"))?;
+        (reader.read_to_end(&mut bytes)).map_err(Error::io(&source, "cannot read"))?;
+        leave(&directory.join(name), &bytes)?;
+    }
+    Ok(())
+}
+
+/// Writes a new file; one that is there already may have been changed by its owner.
+fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
+    if path.exists() {
+        return print(&format!("kept {} as it is\n", path.display()));
+    }
+    interrupt::check()?;
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(Error::io(parent, "cannot create the directory"))?;
+        interrupt::will_write_into(parent.into());
+    }
+    write_atomically(path, |file| {
+        file.write_all(bytes)
+            .map_err(Error::io(path, "cannot write"))
+    })?;
+    print(&format!("wrote {}\n", path.display()))
+}
+
+/// Commands to try next, by the name under which the program was started.
+fn next() -> String {
+    let program = std::env::args_os().next();
+    let program = program.map_or("nullray".into(), |name| name.to_string_lossy().into_owned());
+    format!(
+        "
+What to try next:
+  {program} plan {DIRECTORY}/corner.toml
+  {program} info {DIRECTORY}/corner/lightmap.npz
+  {program} render {DIRECTORY}/corner.toml --set \"camera.velocity={{beta=[0,0,-0.5]}}\" -o slower.png
+"
+    )
+}

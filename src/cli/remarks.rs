@@ -1,0 +1,57 @@
+//! What there is to say of a finished picture.
+
+use nullray::film::Film;
+use nullray::plan;
+
+/// Rays and times.
+pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
+    let rate = rays as f64 / rendered_in.max(1e-9) / 1e6;
+    format!(
+        "{} rays, {prepared_in:.2} s to prepare, {rendered_in:.2} s to render ({rate:.1} Mrays/s)\n",
+        plan::count(rays)
+    )
+}
+
+/// Why a picture is black, if it is; empty otherwise.
+pub fn blackness(film: &Film) -> String {
+    if film.radiance().iter().flatten().any(|value| *value != 0.0) {
+        return String::new();
+    }
+    let why = match film.mean_coverage() {
+        _ if film.met() == 0.0 => "no ray meets an object: look elsewhere, or widen camera.hfov",
+        Some(c) if c.before > c.after && c.held < 0.5 => {
+            "most of what is in view was seen before the first bin of its data: try a later --time"
+        }
+        Some(c) if c.after > 0.0 && c.held < 0.5 => {
+            "most of what is in view was seen after the last bin of its data: try an earlier --time"
+        }
+        _ => "nothing in view is lit at the moment at which its light left: try another --time",
+    };
+    format!("the picture is black: {why}\n")
+}
+
+/// What part of the picture the data cover, in words; empty where nothing was missing.
+pub fn coverage(film: &Film) -> String {
+    let Some(c) = film.mean_coverage() else {
+        return String::new();
+    };
+    let parts = [
+        (c.before, "before the first bin"),
+        (c.after, "after the last bin"),
+        (c.off_texture, "off the texture"),
+        (c.occluded, "hidden from the capture camera"),
+    ];
+    let missing: Vec<_> = parts
+        .iter()
+        .filter(|(part, _)| *part > 0.0)
+        .map(|(part, why)| format!("{:.1} % {why}", 100.0 * part))
+        .collect();
+    if missing.is_empty() {
+        return String::new();
+    }
+    format!(
+        "coverage {:.1} %; no data for {}\n",
+        100.0 * c.held,
+        missing.join(", ")
+    )
+}

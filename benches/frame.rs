@@ -25,7 +25,8 @@ use glam::DVec3;
 use nullray::camera::{Moving, Still, View};
 use nullray::plan::ViewKind;
 use nullray::prepare::Prepared;
-use nullray::render::{Progress, Silent, render};
+use nullray::progress::{Progress, Silent};
+use nullray::render::render;
 
 use common::{Peer, grid, meshes};
 use scene::{Case, Files, Place};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use nullray::plan::{Plan, Request};
 use nullray::prepare::{Light, Prepared};
-use nullray::render::Silent;
+use nullray::progress::Silent;
 use nullray::scene::{Overrides, parse};
 use nullray::trace::RestFrame;
 

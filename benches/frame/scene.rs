@@ -6,7 +6,7 @@ use glam::DVec3;
 use half::f16;
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
-use nullray::render::Silent;
+use nullray::progress::Silent;
 use nullray::scene::{Overrides, parse};
 
 /// Where the camera stands: distance from the centre in units of R, half-width of the image plane.

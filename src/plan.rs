@@ -4,6 +4,7 @@
 //! [`prepare`](crate::prepare) carries out, no more and no less, and what `nullray plan` prints.
 
 mod bindings;
+mod checks;
 mod frames;
 mod notes;
 mod report;
@@ -117,6 +118,8 @@ pub struct PlannedObject {
     pub textures: bool,
     /// What gives it radiance.
     pub radiance: Vec<String>,
+    /// Sets of texture coordinates that its file has.
+    pub uv_sets: usize,
     #[serde(skip)]
     materials: Vec<String>,
     #[serde(skip)]
@@ -186,8 +189,7 @@ impl Plan {
     /// scene that takes more than the request's memory limit.
     pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
         let mut objects = inspect_objects(scene)?;
-        bindings::check(scene, &objects)?;
-        bindings::check_pulses(scene, &objects)?;
+        checks::check(scene, &objects)?;
         let wants_uv = request
             .aovs
             .iter()
@@ -280,6 +282,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                     uvs: false,
                     textures: false,
                     radiance: Vec::new(),
+                    uv_sets: summary.uv_sets,
                     materials: summary.materials,
                     images: summary.images,
                 })
@@ -295,6 +298,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                     uvs: false,
                     textures: false,
                     radiance: Vec::new(),
+                    uv_sets: 1,
                     materials: vec![String::new()],
                     images: 0,
                 })

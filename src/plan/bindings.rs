@@ -1,7 +1,6 @@
 //! Which source lights which surface, and what has to be loaded of an object for it.
 
 use super::PlannedObject;
-use crate::error::{Error, Result};
 use crate::scene::model::{Binding, Mapping, Scene, Source, SourceKind};
 
 /// What gives a material of an object its radiance; indices of sources.
@@ -93,58 +92,4 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
             }
         }
     }
-}
-
-/// Refuses pulses of different quantities on one surface: their sum would measure neither.
-pub(super) fn check_pulses(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
-    for (index, object) in objects.iter().enumerate() {
-        for material in &object.materials {
-            let Lit::Pulses(pulses) = lit_by(scene, index, material) else {
-                continue;
-            };
-            let other =
-                |p: &&usize| scene.sources[**p].quantity != scene.sources[pulses[0]].quantity;
-            if let Some(other) = pulses.iter().find(other) {
-                return Err(Error::invalid(
-                    &scene.name,
-                    format!("source \"{}\", radiance", scene.sources[*other].name),
-                    format!(
-                        "lights object \"{}\" with another quantity than source \"{}\"",
-                        object.name, scene.sources[pulses[0]].name
-                    ),
-                    "pulses on one surface must declare the same quantity and wavelength",
-                ));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Refuses sources that name materials which none of their objects has.
-pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
-    for source in &scene.sources {
-        let Binding::Only {
-            objects: bound,
-            materials,
-        } = &source.binding
-        else {
-            continue;
-        };
-        for material in materials {
-            let there: Vec<&str> = bound
-                .iter()
-                .flat_map(|o| &objects[*o].materials)
-                .map(String::as_str)
-                .collect();
-            if !there.contains(&material.as_str()) {
-                return Err(Error::invalid(
-                    &scene.name,
-                    format!("source \"{}\", materials", source.name),
-                    format!("no material \"{material}\" in its objects"),
-                    format!("there are: {}", there.join(", ")),
-                ));
-            }
-        }
-    }
-    Ok(())
 }

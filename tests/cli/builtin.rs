@@ -61,3 +61,22 @@ fn the_built_in_scene_is_the_default_of_render_and_plan() {
     assert_eq!(folder.names(), ["nullray.png"]);
     assert!(folder.ok(&["plan"]).starts_with("built-in scene\n"));
 }
+
+#[test]
+fn a_black_picture_is_explained() {
+    let folder = Folder::empty();
+    let small = ["render", "--size", "32x24", "--spp", "1"];
+    let said = |more: &[&str]| folder.ok(&[&small, more].concat());
+    let away = said(&[
+        "--set",
+        "camera.look_at=[5, 2.3, 9]",
+        "--set",
+        "camera.velocity={beta=[0,0,0]}",
+    ]);
+    assert!(away.contains("black: no ray meets an object"), "{away}");
+    let early = said(&["--set", "camera.clock_zero=\"3 m\""]);
+    assert!(early.contains("try a later --time"), "{early}");
+    let late = said(&["--set", "camera.clock_zero=\"30 m\""]);
+    assert!(late.contains("try an earlier --time"), "{late}");
+    assert!(!said(&[]).contains("black"));
+}

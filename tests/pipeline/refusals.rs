@@ -123,3 +123,26 @@ fn more_triangles_than_a_tree_can_hold_are_refused_before_any_is_made() {
         "{error}"
     );
 }
+
+#[test]
+fn a_cube_on_texture_coordinates_that_the_mesh_lacks_is_refused_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    files::npy(&folder.path().join("cube.npy"), &[1, 1, 1], vec![1.0]);
+    let scene = stage::scene_in(
+        folder.path(),
+        "
+[camera]
+eye = [0, 0, 5]
+look_at = [0, 0, 0]
+[[object]]
+shape = { sphere = { radius = 1 } }
+[[source]]
+cube = { file = \"cube.npy\", bin_width = \"1 m\", uv = 1 }
+",
+    );
+    let Err(Error::Invalid(problem)) = Plan::new(&scene, &Request::default()) else {
+        panic!("not refused");
+    };
+    assert!(problem.what.contains("TEXCOORD_1"), "{problem}");
+    assert!(problem.source.is_some(), "no label");
+}

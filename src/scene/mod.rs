@@ -42,7 +42,8 @@
 //! - An *object* is at rest in its own frame. `transform` takes the file's coordinates to the object's
 //!   (scale, then rotation, then translation, or one matrix by rows); `origin` is the world event at
 //!   which the object's own origin is when the object's clock shows 0. Lengths in the object's frame are
-//!   rest lengths: contraction is computed, never modelled.
+//!   rest lengths: contraction is computed, never modelled. Objects exist at all times; where one is so far
+//!   away, or so fast, that its light has only come from long ago, it is seen where it was then.
 //! - A velocity is said in one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`. A vector has its own
 //!   direction, a number needs `direction`.
 //! - The pose of a camera may come from a glTF file (`gltf`, `node`) in place of `eye`, `look_at`, `up`.

@@ -311,7 +311,7 @@ pub enum BackFaces {
     TwoSided,
     /// Back faces are black, and hide what is behind them.
     Black,
-    /// Back faces are not there.
+    /// Back faces are not there: rays from behind pass, those of shadows too.
     Culled,
 }
 

@@ -44,14 +44,20 @@ pub fn coverage(film: &Film) -> String {
     let missing: Vec<_> = parts
         .iter()
         .filter(|(part, _)| *part > 0.0)
-        .map(|(part, why)| format!("{:.1} % {why}", 100.0 * part))
+        .map(|(part, why)| format!("{} {why}", percent(*part)))
         .collect();
     if missing.is_empty() {
         return String::new();
     }
-    format!(
-        "coverage {:.1} %; no data for {}\n",
-        100.0 * c.held,
-        missing.join(", ")
-    )
+    let held = percent(c.held);
+    format!("coverage {held}; no data for {}\n", missing.join(", "))
+}
+
+/// A part in per cent; what rounds to nothing or all, but is not, says so.
+fn percent(part: f64) -> String {
+    match part {
+        p if p > 0.0 && p < 0.0005 => "< 0.1 %".into(),
+        p if p < 1.0 && p >= 0.9995 => "> 99.9 %".into(),
+        p => format!("{:.1} %", 100.0 * p),
+    }
 }

@@ -6,6 +6,7 @@
 mod bindings;
 mod checks;
 mod frames;
+mod memory;
 mod notes;
 mod report;
 
@@ -13,7 +14,6 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::accel::Bvh;
 use crate::aov::Aov;
 use crate::error::{Error, Result};
 use crate::film::Layout;
@@ -22,6 +22,7 @@ use crate::scene::model::{Geometry, Mapping, Scene, SourceKind};
 use crate::shapes;
 
 pub use bindings::{Lit, lit_by};
+pub use memory::Memory;
 pub use report::{bytes, count, motion};
 
 /// What is asked of a scene beyond what its file says.
@@ -152,26 +153,6 @@ pub struct Rays {
     pub capture: u64,
 }
 
-/// Bytes, estimated.
-#[derive(Debug, Clone, Serialize)]
-pub struct Memory {
-    /// Triangles and BVHs.
-    pub geometry: u64,
-    /// Cubes.
-    pub cubes: u64,
-    /// The film.
-    pub film: u64,
-}
-
-impl Memory {
-    /// The sum.
-    pub fn total(&self) -> u64 {
-        self.geometry
-            .saturating_add(self.cubes)
-            .saturating_add(self.film)
-    }
-}
-
 /// Something that is not done.
 #[derive(Debug, Clone, Serialize)]
 pub struct Skipped {
@@ -201,7 +182,7 @@ impl Plan {
         let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
-        let memory = memory(&frames, &objects, &cubes, &layout);
+        let memory = memory::memory(&frames, &objects, &cubes, &layout);
         let view = view(scene);
         let mut plan = Plan {
             scene: scene.name.clone(),
@@ -352,31 +333,5 @@ fn rays(
         camera,
         shadow_at_most: camera.saturating_mul(towards),
         capture,
-    }
-}
-
-fn memory(
-    frames: &[PlannedFrame],
-    objects: &[PlannedObject],
-    cubes: &[Option<PlannedCube>],
-    layout: &Layout,
-) -> Memory {
-    let bvhs = frames
-        .iter()
-        .map(|f| Bvh::estimate_bytes(f.triangles as usize) as u64)
-        .sum::<u64>();
-    let uvs = objects
-        .iter()
-        .filter(|o| o.uvs)
-        .map(|o| 12 * o.triangles + 8 * o.vertices)
-        .sum::<u64>();
-    // One file that several sources use is loaded once.
-    let mut files: Vec<_> = cubes.iter().flatten().map(|c| (&c.file, c.bytes)).collect();
-    files.sort();
-    files.dedup();
-    Memory {
-        geometry: bvhs + uvs,
-        cubes: files.iter().map(|f| f.1).sum(),
-        film: layout.bytes(),
     }
 }

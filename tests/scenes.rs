@@ -69,3 +69,23 @@ fn the_scene_in_the_readme_is_a_scene() {
     let scene = scene::parse(text, "README.md", &root().join("scenes"), &small()).unwrap();
     assert!(brightest(&scene) > 0.0);
 }
+
+#[test]
+fn the_camera_of_a_gltf_file_takes_the_picture_that_its_numbers_describe() {
+    let rest = "[[object]]\ngltf = \"corner/corner.glb\"";
+    let folder = root().join("scenes");
+    let scene = |camera: &str| {
+        let text = format!("[camera]\nsize = [64, 64]\n{camera}\n{rest}");
+        scene::parse(&text, "camera", &folder, &Overrides::default()).unwrap()
+    };
+    let from_file = scene("gltf = \"corner/corner.glb\"\nnode = \"cam_A\"").camera;
+    let numbers = "eye = [3.2, 3.0, 4.6]\nlook_at = [-0.4, 1.0, -0.6]\nhfov = \"45 deg\"";
+    let said = scene(numbers).camera;
+    // The file holds single precision.
+    let near = |a: glam::DVec3, b: glam::DVec3| (a - b).length() < 1e-6;
+    assert!(near(from_file.origin.x, said.origin.x), "{from_file:?}");
+    for (a, b) in from_file.axes.into_iter().zip(said.axes) {
+        assert!(near(a, b), "{a} {b}");
+    }
+    assert!((from_file.horizontal_fov - said.horizontal_fov).abs() < 1e-6);
+}

@@ -57,7 +57,7 @@ pub fn coverage(film: &Film) -> String {
 fn percent(part: f64) -> String {
     match part {
         p if p > 0.0 && p < 0.0005 => "< 0.1 %".into(),
-        p if p < 1.0 && p >= 0.9995 => "> 99.9 %".into(),
+        p if (0.9995..1.0).contains(&p) => "> 99.9 %".into(),
         p => format!("{:.1} %", 100.0 * p),
     }
 }

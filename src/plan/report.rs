@@ -106,11 +106,12 @@ impl Plan {
         row(f, "rays", &text)?;
         let memory = &self.memory;
         let text = format!(
-            "about {}: geometry {}, cubes {}, film {}",
+            "about {}: geometry {}, cubes {}, film {}, for a while {}",
             bytes(memory.total()),
             bytes(memory.geometry),
             bytes(memory.cubes),
-            bytes(memory.film)
+            bytes(memory.film),
+            bytes(memory.temporary)
         );
         row(f, "memory", &text)
     }

@@ -112,7 +112,7 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         "render",
         "scene.toml",
         "--size",
-        "8000x8000",
+        "4000x4000",
         "--spp",
         "10000",
     ];
@@ -155,7 +155,7 @@ fn a_directory_that_takes_no_files_is_refused_before_any_work() {
         "render",
         "scene.toml",
         "--size",
-        "8000x8000",
+        "4000x4000",
         "--spp",
         "10000",
     ];

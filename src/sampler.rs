@@ -20,7 +20,7 @@ impl Sampler {
     pub fn stratified(samples: u32) -> Self {
         let samples = samples.max(1);
         let root = (1..=samples)
-            .take_while(|d| d * d <= samples)
+            .take_while(|d| *d <= samples / d)
             .filter(|d| samples.is_multiple_of(*d))
             .last()
             .unwrap_or(1);

@@ -11,8 +11,8 @@
 //! - nothing depends on the scale or the place of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
-//! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs and
-//! the only one that goes from f64 to f32.
+//! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs, and the
+//! only way of a ray from f64 to f32.
 
 mod build;
 mod exact;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::{self, Aov};
 use nullray::scene::Overrides;
+use nullray::scene::model::MOST_SAMPLES;
 use nullray::units::{Percentage, Time};
 
 use super::help;
@@ -55,7 +56,7 @@ pub struct SceneArguments {
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
     pub spp: Option<u32>,
     /// The camera's proper time of the shot, with its unit: "3.2 m" or "12 ns".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
@@ -152,7 +153,7 @@ impl SceneArguments {
 
 fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text
-        .split_once(['x', '×'])
+        .split_once(['x', 'X', '×'])
         .ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
     let pixels = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0);
     match (pixels(width), pixels(height)) {

@@ -61,4 +61,4 @@ Auxiliary channels (--aovs), alone or by group (`event` is event.ct, event.x, ev
 const SAMPLES: &str = "\
 Object, primitive, barycentric and uv are those of the sample nearest to the pixel's centre; the others \
 are means. --pixel-centers makes all of them those of the ray through the centre. Where nothing is met \
-they hold NaN, and -1 for object and primitive.";
+those of surfaces hold NaN, and -1 for object and primitive.";

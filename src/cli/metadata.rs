@@ -1,10 +1,11 @@
 //! What every output says of its origin.
 
+use nullray::film::Film;
 use nullray::scene::model::Scene;
 use sha2::{Digest, Sha256};
 
 /// Key and value pairs: program, scene, hash, camera, units.
-pub fn metadata(scene: &Scene) -> Vec<(String, String)> {
+pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let camera = &scene.camera;
     let event = camera.origin;
     let [right, up, forward] = camera.axes;
@@ -16,6 +17,8 @@ pub fn metadata(scene: &Scene) -> Vec<(String, String)> {
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
         ("medium_index", scene.medium_index.to_string()),
+        ("samples_per_pixel", film.samples().to_string()),
+        ("pixel_centers", film.is_centred().to_string()),
         ("radiance_quantity", scene.quantity.to_string()),
         (
             "camera_clock_zero_event",

@@ -149,7 +149,12 @@ impl Outputs {
 
     fn layers(&self, scene: &Scene, film: &Film) -> Result<Layers> {
         let [width, height] = film.size();
-        Layers::new(width, height, film.channels(&self.aovs), metadata(scene))
+        Layers::new(
+            width,
+            height,
+            film.channels(&self.aovs),
+            metadata(scene, film),
+        )
     }
 }
 
@@ -164,17 +169,30 @@ fn times(path: &Path, step: Option<f64>, scene: &Scene, film: &Film) -> Result<(
     let times = film.aov(RETARDED_TIME).unwrap_or_default();
     let picture = isochrones::draw(width, height, times, &options)?;
     let (width, height) = (picture.width, picture.height);
-    image::png::write(path, width, height, &picture.rgb, &metadata(scene))
+    image::png::write(path, width, height, &picture.rgb, &metadata(scene, film))
 }
 
 /// Writes the tone-mapped picture; says how bright white is.
 fn display(path: &Path, scene: &Scene, film: &Film) -> Result<String> {
     let [width, height] = film.size();
     let mapped = tonemap::tonemap(film.radiance(), scene.exposure)?;
-    let mut metadata = metadata(scene);
+    let mut metadata = metadata(scene, film);
     metadata.push(("white".into(), mapped.white.to_string()));
     image::png::write(path, width, height, &mapped.rgb, &metadata)?;
-    Ok(format!(" (white is radiance {:.4})", mapped.white))
+    Ok(format!(
+        " (white is radiance {})",
+        five_digits(mapped.white)
+    ))
+}
+
+/// A number in five significant digits, which `--white` takes again.
+fn five_digits(value: f64) -> String {
+    let exponent = value.abs().log10().floor();
+    if !(-4.0..7.0).contains(&exponent) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4.0 - exponent).max(0.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 fn extension(path: &Path) -> String {

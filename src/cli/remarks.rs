@@ -2,6 +2,7 @@
 
 use nullray::film::Film;
 use nullray::plan;
+use nullray::time_texture::Coverage;
 
 /// Rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
@@ -14,20 +15,45 @@ pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
 
 /// Why a picture is black, if it is; empty otherwise.
 pub fn blackness(film: &Film) -> String {
-    if film.radiance().iter().flatten().any(|value| *value != 0.0) {
+    if film.radiance().iter().flatten().any(|value| *value > 0.0) {
         return String::new();
     }
-    let why = match film.mean_coverage() {
-        _ if film.met() == 0.0 => "no ray meets an object: look elsewhere, or widen camera.hfov",
-        Some(c) if c.before > c.after && c.held < 0.5 => {
-            "most of what is in view was seen before the first bin of its data: try a later --time"
-        }
-        Some(c) if c.after > 0.0 && c.held < 0.5 => {
-            "most of what is in view was seen after the last bin of its data: try an earlier --time"
-        }
-        _ => "nothing in view is lit at the moment at which its light left: try another --time",
+    let why = if film.met() == 0.0 {
+        "no ray meets an object from its front: look elsewhere, change camera.hfov, or, from inside \
+         or behind, set display.back_faces = \"two_sided\""
+    } else {
+        film.mean_coverage().map_or(UNLIT, missing)
     };
     format!("the picture is black: {why}\n")
+}
+
+const UNLIT: &str = "nothing in view is lit at the moment at which its light left: try another --time (and see \
+     display.back_faces)";
+
+/// The main reason for which data are missing, if most of them are.
+fn missing(c: Coverage) -> &'static str {
+    let reasons = [
+        (
+            c.before,
+            "most of it was seen before the first bin of its data: try a later --time",
+        ),
+        (
+            c.after,
+            "most of it was seen after the last bin of its data: try an earlier --time",
+        ),
+        (
+            c.off_texture,
+            "most of it lies off the texture: check `uv`, or the capture camera's pose and hfov",
+        ),
+        (
+            c.occluded,
+            "most of it is hidden from the capture camera: check its pose",
+        ),
+    ];
+    let largest = reasons.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    largest
+        .filter(|(part, _)| *part > c.held)
+        .map_or(UNLIT, |(_, why)| why)
 }
 
 /// What part of the picture the data cover, in words; empty where nothing was missing.

@@ -46,7 +46,7 @@ pub fn one(scene: &Scene, request: &plan::Request, outputs: &Outputs, quiet: boo
     say(&remarks::coverage(&film))?;
     say(&remarks::blackness(&film))?;
     for warning in &prepared.warnings {
-        say(&format!("warning: {}\n", warning.escape_debug()))?;
+        say(&format!("warning: {}\n", super::info::escaped(warning)))?;
     }
     Ok(())
 }

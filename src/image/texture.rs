@@ -47,6 +47,14 @@ enum Texels {
 }
 
 impl Texture {
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        match &self.texels {
+            Texels::Eight(texels) => texels.len(),
+            Texels::Sixteen(texels) => 2 * texels.len(),
+        }
+    }
+
     /// Decodes a PNG or JPEG image, by its content. `file` and `place` are for messages.
     ///
     /// # Errors

@@ -62,7 +62,10 @@ pub fn draw(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<Rg
     let range = Range::of(ct, options.step);
     let lines = range.map_or(0.0, |range| range.line_count());
     if lines.is_nan() || lines > MAX_LINES {
-        let what = format!("a step of {:?} m gives {lines:.0} isochrones", options.step);
+        let what = format!(
+            "a step of {} m gives {lines:.0} isochrones",
+            options.step.unwrap_or_default()
+        );
         let help = format!("at most {MAX_LINES} isochrones: a larger step");
         return Err(Error::invalid("isochrones", "step", what, help));
     }

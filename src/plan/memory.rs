@@ -5,13 +5,14 @@ use serde::Serialize;
 use super::{PlannedCube, PlannedFrame, PlannedObject};
 use crate::accel::Bvh;
 use crate::film::Layout;
+use crate::time_texture::Capture;
 
 /// Bytes, estimated.
 #[derive(Debug, Clone, Serialize)]
 pub struct Memory {
     /// Triangles and BVHs.
     pub geometry: u64,
-    /// Cubes.
+    /// Cubes, and what capture cameras saw.
     pub cubes: u64,
     /// The film.
     pub film: u64,
@@ -51,15 +52,23 @@ pub(super) fn memory(
     let uvs = objects
         .iter()
         .filter(|o| o.uvs)
-        .map(|o| 12 * o.triangles + 8 * o.vertices)
+        // All sets of the file, and one more where a texture transform makes one.
+        .map(|o| 12 * o.triangles + 8 * o.vertices * (o.uv_sets as u64 + 1))
         .sum::<u64>();
-    // One file that several sources use is loaded once.
-    let mut files: Vec<_> = cubes.iter().flatten().map(|c| (&c.file, c.bytes)).collect();
+    let cubes = cubes.iter().flatten();
+    let captures = cubes
+        .clone()
+        .map(|c| c.capture_rays * Capture::BYTES_PER_PIXEL);
+    // One array that several sources use is loaded once.
+    let mut files: Vec<_> = cubes
+        .clone()
+        .map(|c| (&c.file, &c.array, c.bytes))
+        .collect();
     files.sort();
     files.dedup();
     Memory {
         geometry: bvhs + uvs,
-        cubes: files.iter().map(|f| f.1).sum(),
+        cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         film: layout.bytes(),
         temporary: temporary(frames, layout),
     }

@@ -19,7 +19,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
             });
         }
     };
-    let still = plan.frames.iter().all(|f| f.gamma == 1.0);
+    let still = scene.objects.iter().all(|o| o.velocity.is_rest());
     skip(
         plan.view == ViewKind::Still,
         "boost of look directions",
@@ -100,7 +100,8 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
 
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
-    let moving = plan.view != ViewKind::Still || plan.frames.iter().any(|f| f.gamma != 1.0);
+    let moving =
+        plan.view != ViewKind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
     let is_line = |q: Quantity| matches!(q, Quantity::Line { .. });
     let colours = !is_line(scene.quantity) || scene.sources.iter().any(|s| !is_line(s.quantity));
     if moving && colours && scene.effects.doppler {

@@ -37,7 +37,7 @@ impl Plan {
             ViewKind::Moving => "moving camera",
             ViewKind::Unaberrated => "moving camera without aberration",
         };
-        let samples = match (self.film.samples, self.pixel_centers) {
+        let samples = match (self.film.samples, self.film.pixel_centers) {
             (_, true) => "the ray through the centre of each".into(),
             (1, false) => "1 sample each".into(),
             (n, false) => format!("{n} samples each"),

@@ -1,7 +1,7 @@
 //! Emitters: base colours, cubes with their capture cameras, pulses.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -28,17 +28,21 @@ use crate::trace::{
 pub(super) struct Builder<'a> {
     scene: &'a Scene,
     colours: Vec<BaseColour>,
-    textures: Vec<Texture>,
+    textures: Textures,
     /// Per emitter: what lights it, and the base colour that goes with it.
     emitters: Vec<(Lit, usize)>,
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(scene: &'a Scene) -> Self {
+    pub(super) fn new(scene: &'a Scene, plan: &Plan) -> Self {
         Builder {
             scene,
             colours: Vec::new(),
-            textures: Vec::new(),
+            textures: Textures {
+                decoded: Vec::new(),
+                indices: HashMap::new(),
+                budget: plan.memory_limit.saturating_sub(plan.memory.total()),
+            },
             emitters: Vec::new(),
         }
     }
@@ -50,19 +54,17 @@ impl<'a> Builder<'a> {
         mesh: &Mesh,
         images: Vec<EncodedImage>,
     ) -> Result<Vec<u32>> {
-        let first_texture = self.textures.len();
         let file = match &self.scene.objects[object].geometry {
             Geometry::Gltf { path, .. } => path.clone(),
             Geometry::Shape { .. } => PathBuf::new(),
         };
-        for image in images {
-            self.textures
-                .push(Texture::decode(&image.bytes, &image.place, &file)?);
-        }
-        let has_textures = self.textures.len() > first_texture;
+        let textures = images
+            .into_iter()
+            .map(|image| self.textures.index(&file, image))
+            .collect::<Result<Vec<_>>>()?;
         let emitter = |material: &Material| {
             let lit = lit_by(self.scene, object, &material.name);
-            let colour = base_colour(material, has_textures.then_some(first_texture));
+            let colour = base_colour(material, &textures);
             self.colours.push(colour);
             self.emitters.push((lit, self.colours.len() - 1));
             self.emitters.len() as u32 - 1
@@ -80,7 +82,7 @@ impl<'a> Builder<'a> {
         let scene = self.scene;
         let base = BaseColours {
             colours: self.colours,
-            textures: self.textures,
+            textures: self.textures.decoded,
             response: response(scene.quantity, scene.effects),
         };
         // Without time, emitter k is base colour k.
@@ -133,10 +135,10 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn base_colour(material: &Material, first_texture: Option<usize>) -> BaseColour {
-    let texture = first_texture
-        .zip(material.texture.as_ref())
-        .map(|(first, t)| (first + t.image, t.uv_set, t.wrap));
+/// `textures`: by image of the file, its index among the decoded ones; empty where none are loaded.
+fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
+    let texture = material.texture.as_ref();
+    let texture = texture.and_then(|t| Some((*textures.get(t.image)?, t.uv_set, t.wrap)));
     BaseColour {
         factor: material.base_colour.map(f64::from),
         texture,
@@ -153,6 +155,33 @@ fn response(quantity: Quantity, effects: Effects) -> Response {
     Response {
         scaled: effects.searchlight.then_some(quantity),
         colour,
+    }
+}
+
+/// Decoded images, each once, within the memory that the plan leaves.
+struct Textures {
+    decoded: Vec<Texture>,
+    indices: HashMap<(PathBuf, String), usize>,
+    /// Bytes that are left.
+    budget: u64,
+}
+
+impl Textures {
+    fn index(&mut self, file: &Path, image: EncodedImage) -> Result<usize> {
+        let key = (file.to_path_buf(), image.place);
+        if let Some(index) = self.indices.get(&key) {
+            return Ok(*index);
+        }
+        let texture = Texture::decode(&image.bytes, &key.1, file)?;
+        let left = self.budget.checked_sub(texture.bytes() as u64);
+        self.budget = left.ok_or_else(|| {
+            let what = "with this image, textures take more memory than the limit leaves";
+            let help = "smaller textures, or a higher limit (--max-memory)";
+            Error::invalid(file, &key.1, what, help)
+        })?;
+        self.decoded.push(texture);
+        self.indices.insert(key, self.decoded.len() - 1);
+        Ok(self.decoded.len() - 1)
     }
 }
 

@@ -9,6 +9,9 @@ use crate::spacetime::{Event, Quantity, Velocity, World};
 /// The speed of light in vacuum, metres per second (exact).
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
+/// The most samples per pixel.
+pub const MOST_SAMPLES: u32 = 65_536;
+
 /// A scene, ready to be planned. All lengths and times are in metres (time is ct).
 #[derive(Debug, Clone)]
 pub struct Scene {

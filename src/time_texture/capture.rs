@@ -89,6 +89,9 @@ pub(super) struct Aim {
 }
 
 impl Capture {
+    /// Bytes held per pixel.
+    pub const BYTES_PER_PIXEL: u64 = size_of::<Seen>() as u64;
+
     /// Sends one ray through the centre of each of `size` (width, height: those of the cube) pixels,
     /// in parallel. `trace` takes the pinhole and a unit direction. `warped` says that the cube's
     /// clock is this camera's own; `index` is η of the medium (of the capture, that is: also where a

@@ -73,7 +73,10 @@ fn a_black_picture_is_explained() {
         "--set",
         "camera.velocity={beta=[0,0,0]}",
     ]);
-    assert!(away.contains("black: no ray meets an object"), "{away}");
+    assert!(
+        away.contains("black: no ray meets an object from its front"),
+        "{away}"
+    );
     let early = said(&["--set", "camera.clock_zero=\"3 m\""]);
     assert!(early.contains("try a later --time"), "{early}");
     let late = said(&["--set", "camera.clock_zero=\"30 m\""]);

@@ -120,7 +120,7 @@ impl Sheet {
 }
 
 /// `text` without control characters, and not without end.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     const LONGEST_LINE: usize = 2000;
     let mut out = String::new();
     for (at, c) in text.chars().enumerate() {

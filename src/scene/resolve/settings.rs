@@ -4,11 +4,10 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{BackFaces, Effects, Exposure, Fill, Outside};
+use crate::scene::model::{BackFaces, Effects, Exposure, Fill, MOST_SAMPLES, Outside};
 
 /// What `exposure` is unless the file says otherwise, per cent.
 const PERCENTILE: f64 = 99.0;
-const MOST_SAMPLES: u32 = 65536;
 
 pub(super) fn medium_index(cx: &Context, medium: &file::Medium) -> Result<f64> {
     let index = medium.index.value.0;

@@ -35,6 +35,7 @@ impl Prepared {
             [rest] if rest.frame.velocity().is_rest() => {
                 self.met(view, trace::Still::new(rest, event, index), progress)
             }
+            [rest] => self.met(view, trace::Moving::new(rest, event, index), progress),
             frames => self.met(view, trace::Frames::new(frames, event, index), progress),
         }
     }

@@ -14,7 +14,7 @@ mod surfaces;
 pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
 pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
-pub use surfaces::{Found, Frames, Patch, RestFrame, Scratch, Still, Surfaces};
+pub use surfaces::{Found, Frames, Moving, Patch, RestFrame, Scratch, Still, Surfaces};
 
 use crate::camera::View;
 use crate::colour;

@@ -2,14 +2,16 @@
 //!
 //! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is
 //! carried into each frame with its parameter unchanged, so the nearest hit over all frames is the
-//! one with the smallest s. Two implementations: one frame at rest in the world, where nothing is
-//! boosted, and any number of frames.
+//! one with the smallest s. Three implementations: one frame at rest in the world, where nothing is
+//! boosted; one that moves, without a loop over frames; and any number of them.
 
 use glam::DVec3;
 
 use crate::accel::{Bvh, Hit, Ray};
 use crate::mesh::Mesh;
-use crate::spacetime::{Direction, Displacement, Event, InertialFrame, NullRay, Rest, World};
+use crate::spacetime::{
+    Boost, Direction, Displacement, Event, InertialFrame, NullRay, Rest, World,
+};
 
 /// Everything at rest in one inertial frame.
 #[derive(Debug)]
@@ -105,14 +107,18 @@ pub struct Still<'a> {
     index: f64,
 }
 
-/// Any number of rest frames.
+/// One rest frame, which moves.
 #[derive(Debug)]
-pub struct Frames<'a> {
-    rests: &'a [RestFrame],
-    /// The camera's event in each rest frame.
-    origins: Vec<Event<Rest>>,
+pub struct Moving<'a> {
+    rest: &'a RestFrame,
+    /// The camera's event in it.
+    origin: Event<Rest>,
     index: f64,
 }
+
+/// Any number of rest frames.
+#[derive(Debug)]
+pub struct Frames<'a>(Vec<Moving<'a>>);
 
 impl<'a> Still<'a> {
     /// `rest` seen from `camera` in a medium of index `index`.
@@ -170,69 +176,132 @@ impl Surfaces for Still<'_> {
     }
 }
 
+impl<'a> Moving<'a> {
+    /// `rest` seen from `camera` in a medium of index `index`.
+    pub fn new(rest: &'a RestFrame, camera: Event<World>, index: f64) -> Self {
+        Moving {
+            rest,
+            origin: rest.frame.event_from_world(camera),
+            index,
+        }
+    }
+
+    fn boost(&self) -> &Boost<Rest, World> {
+        self.rest.frame.frame_from_world()
+    }
+
+    /// Meets `directions` with this frame, which has index `frame`.
+    #[inline]
+    fn meet(&self, frame: u32, directions: &[Direction<World>], scratch: &mut Scratch) {
+        let tangents = directions
+            .iter()
+            .map(|d| self.boost().tangent(self.index, *d).x);
+        scratch.local.clear();
+        scratch.local.extend(tangents);
+        scratch.meet(frame, &self.rest.bvh, self.origin.x);
+    }
+
+    #[inline]
+    fn ray(&self, d: Direction<World>) -> (NullRay<Rest>, f64) {
+        let (tangent, ratio) = self.boost().tangent_and_ratio(self.index, d);
+        let origin = self.origin;
+        (NullRay { origin, tangent }, ratio)
+    }
+
+    fn shadows(
+        &self,
+        (seen, s): (Direction<World>, f64),
+        d: Direction<World>,
+        index: f64,
+        distance: f64,
+        skip: Option<u32>,
+    ) -> bool {
+        let from = self.ray(seen).0.at(s).x;
+        let direction = self.boost().tangent(index, d).x;
+        let ray = shadow_ray(self.origin.x, from, direction);
+        self.rest.bvh.any(&ray, distance, skip)
+    }
+}
+
+impl Surfaces for Moving<'_> {
+    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
+        scratch.start(directions.len());
+        self.meet(0, directions, scratch);
+    }
+
+    #[inline]
+    fn rest(&self, _: u32) -> &RestFrame {
+        self.rest
+    }
+
+    #[inline]
+    fn local(&self, _: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
+        self.ray(d)
+    }
+
+    #[inline]
+    fn turned(&self, _: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
+        self.boost().direction(d)
+    }
+
+    fn occluded(
+        &self,
+        from: (Direction<World>, f64),
+        d: Direction<World>,
+        index: f64,
+        distance: f64,
+        skip: (u32, u32),
+    ) -> bool {
+        self.shadows(from, d, index, distance, Some(skip.1))
+    }
+}
+
 impl<'a> Frames<'a> {
     /// `rests` seen from `camera` in a medium of index `index`.
     pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
-        let origins = rests
-            .iter()
-            .map(|r| r.frame.event_from_world(camera))
-            .collect();
-        Frames {
-            rests,
-            origins,
-            index,
-        }
+        Frames(
+            rests
+                .iter()
+                .map(|rest| Moving::new(rest, camera, index))
+                .collect(),
+        )
     }
 }
 
 impl Surfaces for Frames<'_> {
     fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
         scratch.start(directions.len());
-        for (k, (rest, origin)) in self.rests.iter().zip(&self.origins).enumerate() {
-            let boost = rest.frame.frame_from_world();
-            scratch.local.clear();
-            scratch
-                .local
-                .extend(directions.iter().map(|d| boost.tangent(self.index, *d).x));
-            scratch.meet(k as u32, &rest.bvh, origin.x);
+        for (k, frame) in self.0.iter().enumerate() {
+            frame.meet(k as u32, directions, scratch);
         }
     }
 
     #[inline]
     fn rest(&self, frame: u32) -> &RestFrame {
-        &self.rests[frame as usize]
+        self.0[frame as usize].rest
     }
 
     #[inline]
     fn local(&self, frame: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
-        let boost = self.rests[frame as usize].frame.frame_from_world();
-        let (tangent, ratio) = boost.tangent_and_ratio(self.index, d);
-        let origin = self.origins[frame as usize];
-        (NullRay { origin, tangent }, ratio)
+        self.0[frame as usize].ray(d)
     }
 
     #[inline]
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        self.rests[frame as usize]
-            .frame
-            .frame_from_world()
-            .direction(d)
+        self.0[frame as usize].boost().direction(d)
     }
 
     fn occluded(
         &self,
-        (seen, s): (Direction<World>, f64),
+        from: (Direction<World>, f64),
         d: Direction<World>,
         index: f64,
         distance: f64,
         skip: (u32, u32),
     ) -> bool {
-        self.rests.iter().enumerate().any(|(k, rest)| {
-            let from = self.local(k as u32, seen).0.at(s).x;
-            let direction = rest.frame.frame_from_world().tangent(index, d).x;
-            let ray = shadow_ray(self.origins[k].x, from, direction);
-            rest.bvh
-                .any(&ray, distance, (k as u32 == skip.0).then_some(skip.1))
+        self.0.iter().enumerate().any(|(k, frame)| {
+            let skip = (k as u32 == skip.0).then_some(skip.1);
+            frame.shadows(from, d, index, distance, skip)
         })
     }
 }

@@ -146,3 +146,50 @@ cube = { file = \"cube.npy\", bin_width = \"1 m\", uv = 1 }
     assert!(problem.what.contains("TEXCOORD_1"), "{problem}");
     assert!(problem.source.is_some(), "no label");
 }
+
+#[test]
+fn textures_keep_within_the_memory_limit_and_are_decoded_once_for_all_objects() {
+    // 512 × 512 RGB in memory, of which PNG needs next to nothing when it is all one colour.
+    let texture = 3 * 512 * 512;
+    let folder = tempfile::tempdir().unwrap();
+    let png = folder.path().join("grey.png");
+    nullray::image::png::write(&png, 512, 512, &vec![128; texture], &[]).unwrap();
+    let image = std::fs::read(png).unwrap();
+    let quad = files::Quad {
+        image: Some(&image),
+        ..files::Quad::PLAIN
+    };
+    files::glb(&folder.path().join("quad.glb"), &quad);
+    let text = "
+[camera]
+eye = [0, 0, 5]
+look_at = [0, 0, 0]
+size = [8, 8]
+[[object]]
+gltf = \"quad.glb\"
+[[object]]
+gltf = \"quad.glb\"
+";
+    let scene = stage::scene_in(folder.path(), text);
+    let planned = Plan::new(&scene, &Request::default())
+        .unwrap()
+        .memory
+        .total();
+    let within = |left: usize| {
+        let memory_limit = planned + left as u64;
+        stage::rendered(
+            &scene,
+            &Request {
+                memory_limit,
+                ..Request::default()
+            },
+        )
+    };
+    assert!(within(texture).is_ok(), "one texture for both objects");
+    let error = within(texture - 1).unwrap_err();
+    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    assert!(
+        error.to_string().contains("quad.glb") && help.contains("--max-memory"),
+        "{error}"
+    );
+}

@@ -16,6 +16,7 @@ mod doppler;
 mod event;
 mod ray;
 mod velocity;
+pub mod worldline;
 
 pub use boost::{Boost, InertialFrame};
 pub use doppler::{Quantity, WavelengthRatio};

@@ -5,7 +5,7 @@ use super::{pose, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
-use crate::scene::model::CameraModel;
+use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::Event;
 
 /// The largest width or height.
@@ -23,7 +23,12 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
         horizontal_fov: horizontal_fov(cx, camera, &pose, size)?,
         size,
         velocity: velocity::resolve(cx, &camera.velocity)?,
+        motion: Motion::Inertial,
+        sensor: None,
+        rotation: None,
         time: cx.time(&camera.time)?,
+        shutter: None,
+        frame_interval: None,
     })
 }
 

@@ -16,7 +16,7 @@ mod velocity;
 use std::path::Path;
 
 use super::file;
-use super::model::Scene;
+use super::model::{Equations, Scene};
 use super::report::Report;
 use crate::error::Result;
 use context::Context;
@@ -36,6 +36,7 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
         objects,
         sources,
         quantity,
+        equations: Equations::Exact,
         effects: settings::effects(&file.effects),
         outside: settings::outside(&file.outside),
         back_faces: settings::back_faces(file.display.value.back_faces),

@@ -16,8 +16,9 @@ use std::marker::PhantomData;
 use std::str::FromStr;
 
 pub use table::{
-    Angle, AngleDimension, Dimension, Length, LengthDimension, Percentage, PercentageDimension,
-    Speed, SpeedDimension, Time, TimeDimension, Unit, Wavelength, WavelengthDimension,
+    Acceleration, AccelerationDimension, Angle, AngleDimension, AngularRate, AngularRateDimension,
+    Dimension, Length, LengthDimension, Percentage, PercentageDimension, Speed, SpeedDimension,
+    Time, TimeDimension, Unit, Wavelength, WavelengthDimension,
 };
 
 /// The largest magnitude accepted of any number, in base units. The observable universe is 9·10²⁶ m
@@ -38,7 +39,7 @@ pub struct Measure<D> {
 pub struct UnitError(String);
 
 impl<D: Dimension> Measure<D> {
-    /// `number` in the dimension's customary unit: metres, degrees, nanometres, m/s, %.
+    /// `number` in the dimension's customary unit: metres, degrees, nanometres, m/s, %, /m, rad/m.
     pub const fn customary(number: f64) -> Self {
         Measure {
             number,
@@ -47,7 +48,26 @@ impl<D: Dimension> Measure<D> {
         }
     }
 
-    /// In base units: metres (or seconds, of a time given so), radians, m/s, per cent.
+    /// `factor` times this, in the same unit.
+    pub fn scaled(self, factor: f64) -> Self {
+        Measure {
+            number: self.number * factor,
+            ..self
+        }
+    }
+
+    /// In base units, seconds turned into metres with the speed of light `c` in metres per second.
+    fn with_light(self, c: f64) -> f64 {
+        let base = self.base();
+        match self.unit.light {
+            1 => base * c,
+            -1 => base / c,
+            -2 => base / c / c,
+            _ => base,
+        }
+    }
+
+    /// In base units: metres, radians, m/s, per cent; where the unit has seconds, with seconds.
     fn base(self) -> f64 {
         if self.unit.times == 1.0 {
             self.number / self.unit.over
@@ -85,11 +105,21 @@ impl<D: Dimension> Measure<D> {
 impl Time {
     /// ct in metres, with the speed of light `c` in metres per second.
     pub fn metres(self, c: f64) -> f64 {
-        if self.unit.seconds {
-            self.base() * c
-        } else {
-            self.base()
-        }
+        self.with_light(c)
+    }
+}
+
+impl Acceleration {
+    /// a/c² in 1/m, with the speed of light `c` in metres per second.
+    pub fn per_metre(self, c: f64) -> f64 {
+        self.with_light(c)
+    }
+}
+
+impl AngularRate {
+    /// Ω/c in radians per metre, with the speed of light `c` in metres per second.
+    pub fn radians_per_metre(self, c: f64) -> f64 {
+        self.with_light(c)
     }
 }
 
@@ -269,6 +299,43 @@ mod tests {
         let bicycle: Speed = "36 km/h".parse().unwrap();
         assert_eq!(bicycle.metres_per_second(), 10.0);
         assert_eq!("99.5%".parse::<Percentage>().unwrap().percent(), 99.5);
+    }
+
+    #[test]
+    fn accelerations_are_divided_by_the_square_of_the_speed_of_light() {
+        let per_metre = |text: &str| text.parse::<Acceleration>().unwrap().per_metre(C);
+        for text in [
+            "0.1 /m", "0.1/m", "0.1 1/m", "1e-3 /cm", "1e-4 /mm", "100 1/km",
+        ] {
+            assert_eq!(per_metre(text), 0.1, "{text}");
+        }
+        // g = 9.80665 m/s²: c²/g = 8.987551787e16/9.80665 m = 9.164752e15 m, 0.97 light years.
+        for text in ["9.80665 m/s2", "9.80665 m/s^2", "9.80665 m/s²"] {
+            assert!(
+                (1.0 / per_metre(text) / 9.164_752e15 - 1.0).abs() < 1e-6,
+                "{text}"
+            );
+        }
+        // A speed of c in each second of c metres.
+        assert_eq!(per_metre("1 c/s"), 1.0 / C);
+        assert_eq!(per_metre("1 c/ns"), 1e9 / C);
+        assert_eq!("2 c/s".parse::<Acceleration>().unwrap().per_metre(4.0), 0.5);
+        assert_eq!(
+            "8 m/s2".parse::<Acceleration>().unwrap().per_metre(4.0),
+            0.5
+        );
+    }
+
+    #[test]
+    fn angular_rates_are_per_metre_of_light_path() {
+        let rate = |text: &str| text.parse::<AngularRate>().unwrap().radians_per_metre(C);
+        assert_eq!(rate("-0.5 rad/m"), -0.5);
+        assert_eq!(rate("180 deg/m"), PI);
+        assert_eq!(rate("180 °/m"), PI);
+        assert_eq!(rate("3 rad/s"), 3.0 / C);
+        assert_eq!(rate("180 deg/s"), PI / C);
+        assert!((rate("180 deg/ns") - rate("1 rad/ns") * PI).abs() < 1e-14);
+        assert!("1 1/m".parse::<AngularRate>().is_err());
     }
 
     #[test]

@@ -250,7 +250,9 @@ impl<D: Dimension> JsonSchema for Measure<D> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let units: Vec<&str> = Self::spellings().collect();
+        let units: Vec<String> = Self::spellings()
+            .map(|unit| unit.replace('^', r"\^"))
+            .collect();
         let number = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?";
         let pattern = format!(r"^\s*{number}\s*({})\s*$", units.join("|"));
         json_schema!({ "type": "string", "pattern": pattern, "examples": [Self::customary(2.5)] })

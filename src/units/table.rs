@@ -12,8 +12,8 @@ pub struct Unit {
     pub(super) spellings: &'static [&'static str],
     pub(super) times: f64,
     pub(super) over: f64,
-    /// Whether base units are seconds (of a [`Time`]) rather than metres.
-    pub(super) seconds: bool,
+    /// The power of the speed of light (m/s) that turns base units in seconds into ones in metres.
+    pub(super) light: i8,
 }
 
 const fn unit(symbol: &'static str, times: f64, over: f64) -> Unit {
@@ -22,14 +22,22 @@ const fn unit(symbol: &'static str, times: f64, over: f64) -> Unit {
         spellings: &[],
         times,
         over,
-        seconds: false,
+        light: 0,
     }
 }
 
 const fn seconds(symbol: &'static str, over: f64) -> Unit {
     Unit {
-        seconds: true,
+        light: 1,
         ..unit(symbol, 1.0, over)
+    }
+}
+
+/// A unit whose base is 1/s, and becomes 1/m by 1/c.
+const fn per_second(symbol: &'static str, times: f64, over: f64) -> Unit {
+    Unit {
+        light: -1,
+        ..unit(symbol, times, over)
     }
 }
 
@@ -70,6 +78,63 @@ const TIMES: [Unit; 13] = {
         seconds("s", 1.0),
     ]
 };
+
+const INVERSE_LENGTHS: [Unit; 4] = [
+    Unit {
+        spellings: &["1/m"],
+        ..unit("/m", 1.0, 1.0)
+    },
+    Unit {
+        spellings: &["1/cm"],
+        ..unit("/cm", 1e2, 1.0)
+    },
+    Unit {
+        spellings: &["1/mm"],
+        ..unit("/mm", 1e3, 1.0)
+    },
+    Unit {
+        spellings: &["1/km"],
+        ..unit("/km", 1.0, 1e3)
+    },
+];
+
+/// a/c² is an inverse length: base units are 1/m, the speed of light per second, or m/s².
+const ACCELERATIONS: [Unit; 8] = {
+    let [m, cm, mm, km] = INVERSE_LENGTHS;
+    [
+        m,
+        cm,
+        mm,
+        km,
+        Unit {
+            spellings: &["m/s^2", "m/s²"],
+            light: -2,
+            ..unit("m/s2", 1.0, 1.0)
+        },
+        per_second("c/s", 1.0, 1.0),
+        per_second("c/ns", 1e9, 1.0),
+        per_second("c/ps", 1e12, 1.0),
+    ]
+};
+
+/// Radians per metre of light path, or per second.
+const ANGULAR_RATES: [Unit; 6] = [
+    unit("rad/m", 1.0, 1.0),
+    Unit {
+        spellings: &["°/m"],
+        ..unit("deg/m", PI, 180.0)
+    },
+    per_second("rad/s", 1.0, 1.0),
+    Unit {
+        spellings: &["°/s"],
+        ..per_second("deg/s", PI, 180.0)
+    },
+    per_second("rad/ns", 1e9, 1.0),
+    Unit {
+        spellings: &["°/ns"],
+        ..per_second("deg/ns", PI * 1e9, 180.0)
+    },
+];
 
 /// What a measure measures, and the units that it may have.
 pub trait Dimension: Copy + fmt::Debug + PartialEq + 'static {
@@ -152,4 +217,18 @@ dimension!(
     "A percentage (%).",
     "a percentage",
     [unit("%", 1.0, 1.0)]
+);
+dimension!(
+    AccelerationDimension,
+    Acceleration,
+    "A proper acceleration, as a/c² (/m, /cm, /mm, /km) or a (m/s2, c/s, c/ns, c/ps).",
+    "an acceleration",
+    ACCELERATIONS
+);
+dimension!(
+    AngularRateDimension,
+    AngularRate,
+    "An angular rate, over time as optical path length (rad/m, deg/m) or in seconds (rad/s, deg/s, rad/ns, deg/ns).",
+    "an angular rate",
+    ANGULAR_RATES
 );

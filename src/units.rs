@@ -48,12 +48,11 @@ impl<D: Dimension> Measure<D> {
         }
     }
 
-    /// `factor` times this, in the same unit.
-    pub fn scaled(self, factor: f64) -> Self {
-        Measure {
-            number: self.number * factor,
-            ..self
-        }
+    /// `factor` times this, to four digits, in the same unit: a bound to name in a message.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        let product = self.number * factor;
+        let number = format!("{product:.3e}").parse().unwrap_or(product);
+        Measure { number, ..self }
     }
 
     /// In base units, seconds turned into metres with the speed of light `c` in metres per second.

@@ -1,7 +1,9 @@
 //! What every output says of its origin.
 
 use nullray::film::Film;
-use nullray::scene::model::Scene;
+use nullray::scene::model::{
+    Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
+};
 use sha2::{Digest, Sha256};
 
 /// Key and value pairs: program, scene, hash, camera, units.
@@ -34,10 +36,110 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             camera.horizontal_fov.to_string(),
         ),
     ];
+    let equations = (scene.equations != Equations::Exact)
+        .then(|| ("equations", equations(scene.equations).to_string()));
     pairs
         .into_iter()
+        .chain(equations)
+        .chain(moving(camera))
+        .chain(sensor(camera))
         .map(|(key, value)| (key.into(), value))
         .collect()
+}
+
+/// Of a camera that does more than to move without acceleration and to expose for an instant.
+fn moving(camera: &CameraModel) -> Vec<(&'static str, String)> {
+    let mut pairs = Vec::new();
+    if camera.motion != Motion::Inertial {
+        pairs.push(("camera_motion", motion(&camera.motion).into()));
+    }
+    if let Motion::Accelerated(a) = camera.motion {
+        pairs.push(("camera_proper_acceleration_per_m", vector(a)));
+    }
+    if let Motion::Circular { centre, axis, rate } = camera.motion {
+        pairs.push(("camera_circle_centre", vector(centre)));
+        pairs.push(("camera_circle_axis", vector(axis)));
+        pairs.push(("camera_circle_rate_rad_per_m", rate.to_string()));
+    }
+    if let Some(shutter) = camera.shutter {
+        pairs.push(("shutter_duration", shutter.duration.to_string()));
+        pairs.push(("shutter_records", records(shutter.records).into()));
+    }
+    if let Some(interval) = camera.frame_interval {
+        pairs.push(("frame_interval", interval.to_string()));
+    }
+    pairs
+}
+
+/// Of a camera whose sensor is not its pinhole, or turns.
+fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
+    let mut pairs = Vec::new();
+    if let (Some(sensor), Some([x, y])) = (camera.sensor, camera.sensor_half_size()) {
+        pairs.push(("sensor_focal_length", sensor.focal_length.to_string()));
+        pairs.push(("sensor_size", format!("{} {}", 2.0 * x, 2.0 * y)));
+        pairs.push(("sensor_assembly", assembly(sensor.assembly).into()));
+    }
+    if let Some(rotation) = camera.rotation {
+        pairs.push(("rotation_axis", vector(rotation.axis)));
+        pairs.push(("rotation_rate_rad_per_m", rotation.rate.to_string()));
+        pairs.push(("rotation_through", pivot(rotation.through).into()));
+        pairs.push(("rotation_elements", elements(rotation.elements).into()));
+    }
+    pairs
+}
+
+/// As the scene file says it.
+pub fn equations(equations: Equations) -> &'static str {
+    match equations {
+        Equations::Exact => "exact",
+        Equations::Paper2015 => "paper2015",
+    }
+}
+
+/// As the scene file says it.
+pub fn motion(motion: &Motion) -> &'static str {
+    match motion {
+        Motion::Inertial => "inertial",
+        Motion::Accelerated(_) => "acceleration",
+        Motion::Segments(_) => "segments",
+        Motion::Profile(_) => "profile",
+        Motion::Keyframes(_) => "keyframes",
+        Motion::Circular { .. } => "circle",
+    }
+}
+
+/// As the scene file says it.
+pub fn assembly(assembly: Assembly) -> &'static str {
+    match assembly {
+        Assembly::Rigid => "rigid",
+        Assembly::WorldLength => "world_length",
+        Assembly::Bell => "bell",
+    }
+}
+
+/// As the scene file says it.
+pub fn pivot(pivot: Pivot) -> &'static str {
+    match pivot {
+        Pivot::Pinhole => "pinhole",
+        Pivot::Sensor => "sensor",
+    }
+}
+
+/// As the scene file says it.
+pub fn elements(elements: Elements) -> &'static str {
+    match elements {
+        Elements::Exact => "exact",
+        Elements::Comoving => "comoving",
+        Elements::Aberrated => "aberrated",
+    }
+}
+
+/// As the scene file says it.
+pub fn records(records: Records) -> &'static str {
+    match records {
+        Records::Mean => "mean",
+        Records::Energy => "energy",
+    }
 }
 
 fn vector(v: glam::DVec3) -> String {

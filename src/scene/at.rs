@@ -21,6 +21,11 @@ impl<T> At<T> {
     pub fn nowhere(value: T) -> Self {
         At { value, span: 0..0 }
     }
+
+    /// Whether the text says it.
+    pub fn is_said(&self) -> bool {
+        !self.span.is_empty()
+    }
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {

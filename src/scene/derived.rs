@@ -1,7 +1,9 @@
 //! What follows from a scene: conversions and frames.
 
-use super::model::{CameraModel, Object, Scene};
-use crate::spacetime::{Camera, Event, InertialFrame, Rest, World};
+use glam::DVec3;
+
+use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor};
+use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
 
 impl Scene {
     /// Seconds for a time of `metres` (ct), with the scene's speed of light.
@@ -25,6 +27,64 @@ impl CameraModel {
     pub fn shot(&self) -> Event<World> {
         let pinhole = Event::new(self.time, glam::DVec3::ZERO);
         self.frame().event_to_world(pinhole)
+    }
+
+    /// The camera's proper times at which its world line begins and ends, metres; infinite where it does
+    /// not.
+    pub fn lifetime(&self) -> [f64; 2] {
+        match &self.motion {
+            Motion::Profile(knots) => {
+                let time = |knot: Option<&(f64, DVec3)>| knot.map_or(0.0, |(time, _)| *time);
+                [time(knots.first()), time(knots.last())]
+            }
+            Motion::Keyframes(events) => [0.0, chords(events)],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// Half the width and half the height of the sensor, metres; none for a point camera.
+    pub fn sensor_half_size(&self) -> Option<[f64; 2]> {
+        let width = self.sensor?.focal_length * libm::tan(0.5 * self.horizontal_fov);
+        let [columns, rows] = self.size.map(f64::from);
+        Some([width, width * rows / columns])
+    }
+
+    /// The corners of the sensor relative to the pinhole in the camera frame, metres, where the camera
+    /// has [`CameraModel::velocity`]; none for a point camera.
+    pub fn sensor_corners(&self) -> Option<[DVec3; 4]> {
+        let [right, up, forward] = self.axes;
+        let [width, height] = self.sensor_half_size()?;
+        let distance = self.sensor?.own_focal_length(forward, self.velocity);
+        let corner = |x: f64, y: f64| right * (x * width) + up * (y * height) - forward * distance;
+        Some([
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+            corner(-1.0, -1.0),
+        ])
+    }
+}
+
+/// The proper time along straight lines from event to event.
+fn chords(events: &[Event<World>]) -> f64 {
+    let pairs = events.iter().zip(events.iter().skip(1));
+    pairs.map(|(a, b)| (*b - *a).interval().sqrt()).sum()
+}
+
+impl Sensor {
+    /// The focal length in the frame of a camera that looks along `forward` (unit vector of that frame)
+    /// and moves without acceleration, metres.
+    ///
+    /// A rod of the proper length d′ at the angle α to its velocity has the world length
+    /// d = d′ √(1 − β² cos² α) = d′ √(1 + γ²β² sin² α) / γ. Where d is that of the file, d′ is the
+    /// focal length: γ d along the motion, d across it.
+    pub fn own_focal_length(&self, forward: DVec3, velocity: Velocity) -> f64 {
+        if self.assembly == Assembly::Rigid || velocity.is_rest() {
+            return self.focal_length;
+        }
+        let (n, w) = velocity.split();
+        let across = libm::sinh(w) * forward.cross(n).length();
+        self.focal_length * velocity.gamma() / libm::hypot(1.0, across)
     }
 }
 

@@ -12,8 +12,13 @@
 //! | table | what it says |
 //! |---|---|
 //! | `speed_of_light` | a key at the top: with what speed seconds become metres |
+//! | `model` | a key at the top: special relativity, or the equations of Jarabo et al. 2015 |
 //! | `[medium]` | refractive index of what light travels through |
 //! | `[camera]` | pose, field of view, image size, velocity, time of the shot (required) |
+//! | `[camera.motion]` | acceleration, keyframes or a circle |
+//! | `[camera.sensor]` | a sensor behind the pinhole |
+//! | `[camera.rotation]` | a sensor that turns |
+//! | `[camera.shutter]` | a shutter that is open for a while |
 //! | `[[object]]` | geometry from glTF or a shape, transform, velocity, origin event (at least one) |
 //! | `[[source]]` | time-resolved radiance of surfaces: a stored cube, or a pulse of light |
 //! | `[radiance]` | what radiance measures, from which the searchlight exponent follows |
@@ -29,16 +34,33 @@
 //!   `"0.6 m"`, `"3 mm"` (optical path length ct: m, cm, mm, um or µm, nm, km) or `"2 ps"` (s, ms, us or
 //!   µs, ns, ps, fs, as), the latter converted with the scene's speed of light. Angles: deg, rad.
 //!   Wavelengths: nm, um, mm, cm, m. Speeds: m/s, km/s, km/h. Percentages: %.
+//!   Accelerations: /m, /cm, /mm, /km or 1/m … (a/c²), m/s2 or m/s², c/s, c/ns, c/ps. Angular rates: rad/m,
+//!   deg/m, rad/s, deg/s, rad/ns, deg/ns. Those with seconds are converted with the scene's speed of light.
 //! - Colours are linear red, green, blue.
 //!
 //! ## Frames and clocks
 //!
 //! - The world is right-handed with +Y up; the medium and the scene's coordinates rest in it.
-//! - The *camera frame* has the world's axes, boosted without rotation. `look_at − eye` is the forward
-//!   axis **in the camera frame**; `eye` is the world position of the pinhole when the camera's clock
-//!   shows 0, which is at world time `clock_zero`. `time` is the camera's proper time of the shot. For
-//!   a camera at rest all this is what it seems; at 0.9 c the point `look_at` is in general not seen in
-//!   the middle of the picture.
+//! - The *camera* is a pinhole on a world line. Its clock shows the pinhole's proper time: 0 at the world
+//!   time `clock_zero`, when the pinhole is at `eye` and has its `velocity`. `time` is the camera's time of
+//!   the shot, or at which the shutter opens.
+//! - The *camera frame* at a time of that clock is the inertial frame that moves along with the pinhole
+//!   then. Its axes are the world's, boosted without rotation to the momentary velocity; in them the
+//!   picture's axes stay the same, turned by `rotation` alone. `look_at − eye` is the forward axis **in the
+//!   camera frame**. For a camera at rest all this is what it seems; at 0.9 c the point `look_at` is in
+//!   general not seen in the middle of the picture.
+//! - `motion` says how the pinhole moves on from there: without acceleration where the file says none; with
+//!   a proper acceleration (what an accelerometer on board shows), whose direction is one of the camera
+//!   frame; or along a path in the world (`keyframes`, `circle`), whose times are the world's. Profiles and
+//!   keyframes have a first and a last time, and an exposure lies between them.
+//! - A *sensor* lies across the forward axis at the focal length d behind the pinhole, and all of it is
+//!   exposed at one camera time: at one time of the comoving frame, or with `"bell"`, where every element
+//!   has a world line alike, at one time of the elements' own clocks. What d measures is the `assembly`'s:
+//!   `"rigid"`, the distance in the camera frame, which a Born-rigid body keeps when it accelerates;
+//!   `"world_length"`, the distance in the world, so that in the camera frame it is d/√(1 − β² cos² α), with
+//!   α the angle between forward axis and velocity: γd along the motion, d across it; `"bell"`, the distance
+//!   in the world when clocks on the sensor and in the pinhole show the same. The sensor's width is 2 d tan(`hfov`/2).
+//! - A *rotation* turns the sensor right-handed about an axis of the camera frame, by rate × camera time.
 //! - An *object* is at rest in its own frame. `transform` takes the file's coordinates to the object's
 //!   (scale, then rotation, then translation, or one matrix by rows); `origin` is the world event at
 //!   which the object's own origin is when the object's clock shows 0. Lengths in the object's frame are

@@ -65,7 +65,8 @@ pub struct CameraModel {
     /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation):
     /// right, up, forward.
     pub axes: [DVec3; 3],
-    /// Horizontal field of view in the camera frame, radians, in (0, π).
+    /// Horizontal field of view in the camera frame, radians, in (0, π); with a sensor, that at
+    /// [`Sensor::focal_length`], which gives the sensor's width.
     pub horizontal_fov: f64,
     /// Image size in pixels, width and height.
     pub size: [u32; 2],
@@ -112,7 +113,8 @@ pub enum Motion {
 /// A sensor behind the pinhole, across the forward axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// From the sensor to the pinhole, metres, above 0. The sensor's width follows from the field of view.
+    /// From the sensor to the pinhole, metres, above 0, in the frame that `assembly` says. The sensor's
+    /// width is 2 d tan(fov/2) at this length d, whatever its length in the camera's own frame.
     pub focal_length: f64,
     /// What holds the two together.
     pub assembly: Assembly,
@@ -126,6 +128,7 @@ pub enum Assembly {
     /// The focal length is that measured in the world: along the motion the camera's own is γ times longer.
     WorldLength,
     /// Sensor and pinhole accelerate alike, like the two ships of Bell: their distance in the world stays.
+    /// Without acceleration the same as [`Assembly::WorldLength`].
     Bell,
 }
 

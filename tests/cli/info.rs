@@ -153,6 +153,115 @@ fn of_a_scene() {
     assert_eq!(data["objects"][1]["velocity"]["gamma"], 1.25);
 }
 
+/// `SMALL` with more said of its camera.
+fn with_camera(folder: &Folder, keys: &str) {
+    let text = super::SMALL.replacen("[camera]", &format!("[camera]\n{keys}"), 1);
+    folder.write("scene.toml", text);
+}
+
+const MOVING: &str = "motion.acceleration = { proper = '0.5 /m', direction = [0, 0, -1] }
+sensor = { focal_length = '2 cm', assembly = 'bell' }
+shutter = { duration = '3 m', records = 'energy' }
+frame_interval = '0.5 m'
+";
+
+#[test]
+fn of_a_camera_that_accelerates_and_exposes_for_a_while() {
+    let folder = Folder::empty();
+    with_camera(&folder, MOVING);
+    let parts = [
+        "γ = 1.048285 when its clock shows 0",
+        "accelerates for ever at (0, 0, -0.5) /m",
+        "0.02 m behind the pinhole in the world, accelerating like it (Bell)",
+        "the shutter is open from 0 m to 3 m of its own time; records the integral",
+        "frames are 0.5 m of its own time apart",
+    ];
+    let data = said(&folder, "scene.toml", &parts);
+    let camera = &data["camera"];
+    assert_eq!(camera["motion"]["kind"], "acceleration");
+    assert_eq!(camera["motion"]["proper_per_m"][2], -0.5);
+    assert_eq!(camera["sensor"]["assembly"], "bell");
+    assert_eq!(camera["shutter"]["records"], "energy");
+    assert_eq!(camera["frame_interval"], 0.5);
+}
+
+#[test]
+fn of_a_camera_that_turns_in_the_papers_equations() {
+    let folder = Folder::empty();
+    with_camera(
+        &folder,
+        "sensor.focal_length = '2 cm'\nrotation = { axis = [0, 2, 0], rate = '0.5 rad/m', elements = 'comoving' }",
+    );
+    let text = fs::read_to_string(folder.path("scene.toml")).unwrap();
+    let still = text.replacen("velocity = { beta = [0.6, 0, 0] }", "", 1);
+    folder.write("scene.toml", format!("model = 'paper2015'\n{still}"));
+    let parts = [
+        "model       the equations of Jarabo et al. 2015",
+        "turns at 0.5 rad per metre of its own time about (0.0000, 1.0000, 0.0000) through the pinhole",
+    ];
+    let data = said(&folder, "scene.toml", &parts);
+    assert_eq!(data["model"], "paper2015");
+    assert_eq!(data["camera"]["rotation"]["elements"], "comoving");
+}
+
+#[test]
+fn of_cameras_on_paths() {
+    let folder = Folder::empty();
+    let velocity = "velocity = { beta = [0, 0, -0.3] }";
+    let pose = "eye = [0, 1, 4]\nlook_at = [0, 0.5, 0]";
+    for (pose_said, motion, part, kind) in [
+        (
+            pose,
+            "segments = [{ duration = '2 m' }, { acceleration = { proper = '1 /m', direction = [1, 0, 0] } }]",
+            "accelerates in 2 segments from 0 m of its own time on, for ever",
+            "segments",
+        ),
+        (
+            pose,
+            "profile = [{ time = '0 m' }, { time = '2 m' }]",
+            "by a profile of 2 times, from 0 m to 2 m of its own",
+            "profile",
+        ),
+        (
+            "look_at = [0, 0.5, 0]",
+            "keyframes = [{ time = '1 m', position = [0, 1, 4] }, { time = '3 m', position = [1, 1, 4] }]",
+            "through 2 keyframes, from 1 m to 3 m of world time",
+            "keyframes",
+        ),
+        (
+            pose,
+            "circle = { centre = [0, 0, 0], axis = [0, 1, 0], rate = '0.125 rad/m' }",
+            "circles (0, 0, 0) m about the axis (0, 1, 0) at 0.125 rad per metre of world time",
+            "circle",
+        ),
+    ] {
+        let scene = super::SMALL.replacen(velocity, "", 1);
+        let said_now = format!("{pose_said}\nmotion = {{ {motion} }}");
+        folder.write("scene.toml", scene.replacen(pose, &said_now, 1));
+        let data = said(&folder, "scene.toml", &[part]);
+        assert_eq!(data["camera"]["motion"]["kind"], kind);
+    }
+}
+
+#[test]
+fn the_metadata_of_a_picture_say_how_its_camera_moved() {
+    let folder = Folder::empty();
+    with_camera(&folder, MOVING);
+    folder.ok(&["render", "scene.toml", "-o", "a.exr"]);
+    let data: Value = serde_json::from_str(&folder.ok(&["info", "a.exr", "--json"])).unwrap();
+    for (key, value) in [
+        ("camera_motion", "acceleration"),
+        ("camera_proper_acceleration_per_m", "0 0 -0.5"),
+        ("sensor_focal_length", "0.02"),
+        ("sensor_assembly", "bell"),
+        ("shutter_duration", "3"),
+        ("shutter_records", "energy"),
+        ("frame_interval", "0.5"),
+    ] {
+        assert_eq!(data["metadata"][key], value, "{key}");
+    }
+}
+
 #[test]
 fn files_of_other_kinds_and_broken_ones_are_refused() {
     let folder = Folder::empty();

@@ -1,10 +1,16 @@
 //! Scene files: what is read, what is refused and where, and that nothing makes the reader fail.
 
+#[macro_use]
+mod cases;
+
 mod accepted;
 mod hostile;
+mod motion;
 mod overridden;
 mod refused;
+mod refused_motion;
 mod schema;
+mod sensor;
 
 use std::fs::File;
 use std::path::Path;

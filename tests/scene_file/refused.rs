@@ -1,30 +1,7 @@
-//! One row per refusal: what is changed in the valid scene, and where, what and why it is refused.
+//! What is refused of all parts of a scene, row by row.
 
+use crate::cases::check;
 use crate::{Folder, VALID, problem, rendered};
-
-struct Case {
-    from: &'static str,
-    to: &'static str,
-    place: &'static str,
-    /// The text that the label points at.
-    span: &'static str,
-    what: &'static str,
-    help: &'static str,
-}
-
-/// Rows of: text to replace → its replacement; place, text at the label; what is wrong, help.
-macro_rules! cases {
-    ($name:ident: $($from:tt => $to:tt at $place:tt $span:tt: $what:tt, $help:tt;)*) => {
-        const $name: &[Case] = &[$(Case {
-            from: $from,
-            to: $to,
-            place: $place,
-            span: $span,
-            what: $what,
-            help: $help,
-        }),*];
-    };
-}
 
 const HFOV: &str = "hfov = \"40 deg\"";
 const CAMERA_VELOCITY: &str = "velocity = { beta = 0.5, direction = [0, 0, -1] }";
@@ -169,35 +146,6 @@ cases! { SETTINGS:
     "samples_per_pixel = 16" => "samples_per_pixel = 0" at "display.samples_per_pixel" "0": "0 samples", "1 to 65536";
     "samples_per_pixel = 16" => "samples_per_pixel = 65537" at "display.samples_per_pixel" "65537": "65537 samples", "1 to 65536";
     "[display]" => "[effects]\ndoppler = 1\n[display]" at "effects.doppler" "1": "expected a boolean", "emitted wavelength";
-}
-
-fn check(cases: &[Case]) {
-    let folder = Folder::with_files();
-    for case in cases {
-        let text = VALID.replacen(case.from, case.to, 1);
-        assert_ne!(
-            text, VALID,
-            "nothing changed by {} → {}",
-            case.from, case.to
-        );
-        let result = folder.parse(&text);
-        if let Err(error) = &result {
-            let shown = rendered(error);
-            assert!(!shown.contains("Failed to read"), "{shown}");
-        }
-        let refusal = problem(result);
-        let named = format!("{} → {}: {refusal} ({})", case.from, case.to, refusal.help);
-        assert_eq!(refusal.place, case.place, "{named}");
-        assert!(refusal.what.contains(case.what), "{named}");
-        assert!(refusal.help.contains(case.help), "{named}");
-        let (_, labels) = refusal.source.as_ref().expect("a label");
-        let label = labels
-            .iter()
-            .find(|label| label.primary())
-            .unwrap_or(&labels[0]);
-        let at = &text[label.offset()..label.offset() + label.len()];
-        assert!(at.starts_with(case.span), "{named}: points at {at}");
-    }
 }
 
 #[test]

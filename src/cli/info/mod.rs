@@ -1,6 +1,7 @@
 //! `nullray info`: what a file holds, told apart by its content.
 
 mod array;
+mod camera;
 mod gltf;
 mod picture;
 mod scene;

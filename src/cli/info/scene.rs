@@ -3,60 +3,24 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::plan::motion;
-use nullray::scene::model::{Binding, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind};
+use nullray::scene::model::{
+    Binding, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
+};
 use nullray::scene::{self, Overrides};
-use nullray::spacetime::Velocity;
 use serde_json::{Value, json};
 
-use super::{Info, Sheet};
+use super::super::metadata;
+use super::{Info, Sheet, camera};
 
 pub fn info(path: &Path) -> Result<Info> {
     let scene = scene::load(path, &Overrides::default())?;
     let mut sheet = Sheet::new();
-    camera(&mut sheet, &scene);
+    camera::rows(&mut sheet, &scene);
     sheet.list("object", &scene.objects, object);
     sheet.list("source", &scene.sources, |s| source(&scene, s));
     settings(&mut sheet, &scene);
     sheet.row("", "`nullray plan` on it tells what it needs");
     Info::new(path, "nullray scene", sheet, &data(&scene))
-}
-
-fn camera(sheet: &mut Sheet, scene: &Scene) {
-    let camera = &scene.camera;
-    let [width, height] = camera.size;
-    let (eye, forward) = (camera.origin.x, camera.axes[2]);
-    sheet.row(
-        "camera",
-        format!(
-            "{width} × {height} pixels, {} samples each, {:.2}° wide",
-            scene.samples_per_pixel,
-            camera.horizontal_fov.to_degrees()
-        ),
-    );
-    sheet.row("", moving(camera.velocity));
-    sheet.row(
-        "",
-        format!(
-            "at ({}, {}, {}) m when its clock shows 0, at world time {} m",
-            eye.x, eye.y, eye.z, camera.origin.ct
-        ),
-    );
-    sheet.row(
-        "",
-        format!(
-            "looks along ({:.4}, {:.4}, {:.4}) in its own frame",
-            forward.x, forward.y, forward.z
-        ),
-    );
-    sheet.row(
-        "",
-        format!("the shot is at {} m of its own time", camera.time),
-    );
-}
-
-fn moving(velocity: Velocity) -> String {
-    motion(velocity.beta().to_array(), velocity.gamma())
 }
 
 fn object(object: &Object) -> String {
@@ -68,7 +32,11 @@ fn object(object: &Object) -> String {
         } => format!("{}, node {node}", path.display()),
         Geometry::Shape { shape, .. } => shape_name(*shape).into(),
     };
-    format!("{} ({geometry}): {}", object.name, moving(object.velocity))
+    format!(
+        "{} ({geometry}): {}",
+        object.name,
+        camera::moving(object.velocity)
+    )
 }
 
 fn shape_name(shape: Shape) -> &'static str {
@@ -121,6 +89,12 @@ fn lit(scene: &Scene, source: &Source) -> String {
 }
 
 fn settings(sheet: &mut Sheet, scene: &Scene) {
+    if scene.equations == Equations::Paper2015 {
+        sheet.row(
+            "model",
+            "the equations of Jarabo et al. 2015, with their approximations",
+        );
+    }
     sheet.row("radiance", scene.quantity.to_string());
     let effects = scene.effects;
     let all = [
@@ -142,14 +116,12 @@ fn settings(sheet: &mut Sheet, scene: &Scene) {
 }
 
 fn data(scene: &Scene) -> Value {
-    let camera = &scene.camera;
-    let velocity = |v: Velocity| json!({ "beta": v.beta().to_array(), "gamma": v.gamma() });
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
             Geometry::Gltf { path, .. } => json!(path.display().to_string()),
             Geometry::Shape { .. } => Value::Null,
         };
-        json!({ "name": o.name, "file": file, "velocity": velocity(o.velocity) })
+        json!({ "name": o.name, "file": file, "velocity": camera::velocity(o.velocity) })
     });
     let sources = scene.sources.iter().map(|s| {
         let file = match &s.kind {
@@ -160,14 +132,8 @@ fn data(scene: &Scene) -> Value {
     });
     json!({
         "kind": "scene",
-        "camera": {
-            "size": camera.size,
-            "horizontal_fov_rad": camera.horizontal_fov,
-            "velocity": velocity(camera.velocity),
-            "eye": camera.origin.x.to_array(),
-            "clock_zero": camera.origin.ct,
-            "time": camera.time,
-        },
+        "model": metadata::equations(scene.equations),
+        "camera": camera::data(&scene.camera),
         "samples_per_pixel": scene.samples_per_pixel,
         "objects": objects.collect::<Vec<_>>(),
         "sources": sources.collect::<Vec<_>>(),

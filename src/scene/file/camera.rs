@@ -3,11 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::motion::Motion;
+use super::sensor::{Sensor, SensorRotation, Shutter};
 use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::units::{Angle, Time};
 
-/// The camera: a rigid pinhole camera with all rays of an image through one event.
+/// The camera: a pinhole on a world line, and what sees through it. With nothing but a pose, a velocity and
+/// a time it is a point camera without acceleration: all rays of a picture leave one event.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(
     default,
@@ -18,7 +21,7 @@ pub(in crate::scene) struct Camera {
     /// World position of the pinhole when the camera's clock shows 0, metres, like [0, 1, 5].
     pub eye: Option<At<Vector>>,
     /// look_at − eye is the forward axis in the *camera* frame, whose axes are the world's, boosted
-    /// without rotation. For a moving camera it is a direction, not a point that is met: aberration
+    /// without rotation, at any time. For a moving camera it is a direction, not a point that is met: aberration
     /// moves what is seen there.
     pub look_at: Option<At<Vector>>,
     /// A direction of the camera frame that is up in the picture; only its part across the forward axis
@@ -29,17 +32,28 @@ pub(in crate::scene) struct Camera {
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
-    /// Horizontal field of view in the camera frame, above 0 and below 180 deg. Default: the glTF
-    /// camera's, or else "60 deg".
+    /// Horizontal field of view in the camera frame, above 0 and below 180 deg; with a sensor, at its
+    /// focal length as said. Default: the glTF camera's, or else "60 deg".
     pub hfov: Option<At<Angle>>,
     /// Width and height in pixels, each 1 to 65536, together at most 2^28. Default: [640, 480].
     pub size: At<[u32; 2]>,
-    /// Velocity in the world. Default: at rest.
+    /// Velocity in the world when the camera's clock shows 0. Default: at rest.
     pub velocity: Option<At<Velocity>>,
     /// World time (ct) at which the camera's clock shows 0 and the pinhole is at `eye`. Default: "0 m".
     pub clock_zero: At<Time>,
-    /// The camera's proper time of the shot, like "3.2 m" or "2 ns". Default: "0 m".
+    /// The camera's proper time of the shot, or at which the shutter opens, like "3.2 m" or "2 ns".
+    /// Default: "0 m".
     pub time: At<Time>,
+    /// Camera time between the frames of a sequence, above 0.
+    pub frame_interval: Option<At<Time>>,
+    /// How the pinhole moves on from there. Default: without acceleration.
+    pub motion: Option<At<Motion>>,
+    /// A sensor behind the pinhole. Default: none; all rays of a picture leave one event.
+    pub sensor: Option<At<Sensor>>,
+    /// How the sensor turns. Default: not at all.
+    pub rotation: Option<At<SensorRotation>>,
+    /// How long the shutter is open. Default: an instant.
+    pub shutter: Option<At<Shutter>>,
 }
 
 impl Default for Camera {
@@ -55,6 +69,11 @@ impl Default for Camera {
             velocity: None,
             clock_zero: At::nowhere(Time::customary(0.0)),
             time: At::nowhere(Time::customary(0.0)),
+            frame_interval: None,
+            motion: None,
+            sensor: None,
+            rotation: None,
+            shutter: None,
         }
     }
 }

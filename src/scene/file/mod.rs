@@ -4,7 +4,9 @@
 //! plain structs; which keys exclude each other is told apart in `resolve`.
 
 mod camera;
+mod motion;
 mod object;
+mod sensor;
 mod source;
 
 use schemars::JsonSchema;
@@ -17,7 +19,9 @@ use super::values::{Number, Vector};
 use crate::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
+pub(super) use motion::{Circle, Keyframe, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
+pub(super) use sensor::{Assembly, Elements, Pivot, Records, Sensor, SensorRotation};
 pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
@@ -30,6 +34,11 @@ pub(in crate::scene) struct Scene {
     /// Default: "299792458 m/s".
     #[serde(default = "Scene::speed_of_light")]
     pub speed_of_light: At<Speed>,
+    /// Whose equations the picture follows: "exact" (special relativity) or "paper2015" (those of Jarabo
+    /// et al. 2015, with their approximations: for comparison with implementations that follow them).
+    /// Default: "exact".
+    #[serde(default)]
+    pub model: At<Equations>,
     /// What light travels through.
     #[serde(default)]
     pub medium: Medium,
@@ -60,6 +69,16 @@ impl Scene {
     fn speed_of_light() -> At<Speed> {
         At::nowhere(Speed::customary(super::model::SPEED_OF_LIGHT))
     }
+}
+
+/// Whose equations a picture follows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Equations {
+    #[default]
+    Exact,
+    Paper2015,
 }
 
 /// What light travels through.

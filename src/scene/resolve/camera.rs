@@ -1,12 +1,12 @@
 //! The camera.
 
 use super::context::Context;
-use super::{pose, velocity};
+use super::motion::{self, Moving};
+use super::{path, pose, sensor};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
-use crate::scene::model::{CameraModel, Motion};
-use crate::spacetime::Event;
+use crate::scene::model::CameraModel;
 
 /// The largest width or height.
 const LARGEST_SIDE: u32 = 65536;
@@ -16,29 +16,57 @@ const LARGEST_AREA: u64 = 1 << 28;
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
     let size = image_size(cx, &camera.size)?;
-    let pose = pose::resolve(cx, at, &camera.into())?;
-    Ok(CameraModel {
-        origin: Event::new(cx.time(&camera.clock_zero)?, pose.eye),
+    motion::only_one_way(cx, camera)?;
+    let pose = pose(cx, at)?;
+    let Moving {
+        origin,
+        velocity,
+        motion,
+    } = motion::resolve(cx, camera, pose.eye)?;
+    let interval = camera.frame_interval.as_ref();
+    let interval = interval.map(|interval| cx.duration(interval, "`frame_interval`"));
+    let model = CameraModel {
+        origin,
         axes: pose.axes,
         horizontal_fov: horizontal_fov(cx, camera, &pose, size)?,
         size,
-        velocity: velocity::resolve(cx, &camera.velocity)?,
-        motion: Motion::Inertial,
-        sensor: None,
-        rotation: None,
+        velocity,
+        motion,
+        sensor: sensor::resolve(cx, camera)?,
+        rotation: sensor::rotation(cx, camera)?,
         time: cx.time(&camera.time)?,
-        shutter: None,
-        frame_interval: None,
-    })
+        shutter: sensor::shutter(cx, camera)?,
+        frame_interval: interval.transpose()?,
+    };
+    sensor::refuse_faster_than_light(cx, camera, &model)?;
+    motion::refuse_outside(cx, camera, &model)?;
+    Ok(model)
 }
 
-/// The file's, or that of the glTF camera, or the default.
+/// The pose when the camera's clock shows 0.
+fn pose(cx: &Context, at: &At<Camera>) -> Result<pose::Pose> {
+    let camera = &at.value;
+    let mut keys = pose::Keys::from(camera);
+    let start = match motion::keyframes(camera) {
+        Some(keyframes) => path::start(cx, camera, keyframes)?,
+        None => None,
+    };
+    if camera.gltf.is_none() && start.is_some() {
+        keys.eye = &start;
+    }
+    pose::resolve(cx, at, &keys)
+}
+
+/// That of the sensor's width, or the file's, or that of the glTF camera, or the default.
 fn horizontal_fov(
     cx: &Context,
     camera: &Camera,
     pose: &pose::Pose,
     [width, height]: [u32; 2],
 ) -> Result<f64> {
+    if let Some(horizontal) = sensor::horizontal_fov(cx, camera)? {
+        return Ok(horizontal);
+    }
     if let Some(hfov) = &camera.hfov {
         return pose::fov(cx, hfov);
     }

@@ -1,5 +1,6 @@
 //! What every part of resolution asks: times in metres, positive numbers, colours, paths.
 
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -9,10 +10,14 @@ use crate::import::gltf::{self, GltfCamera};
 use crate::scene::at::At;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
-use crate::units::{LARGEST, Speed, Time, quoted};
+use crate::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
 
 /// The smallest positive number accepted: powers of smaller ones leave f64's range.
 const SMALLEST: f64 = 1e-30;
+
+/// Factors on a bound, for naming in a message four digits that are safely on the right side of it.
+pub(super) const BELOW: f64 = 0.999;
+pub(super) const ABOVE: f64 = 1.001;
 
 /// Reads the pose of a camera from a glTF file: the named node's, or the only one.
 pub(super) type ReadGltfCamera = fn(&Path, Option<&str>) -> Result<GltfCamera>;
@@ -86,6 +91,32 @@ impl<'a> Context<'a> {
             time.value
         );
         Err(self.refuse(time, what, "give a shorter time"))
+    }
+
+    /// A proper acceleration (a/c²) in 1/m.
+    pub fn acceleration(&self, acceleration: &At<Acceleration>) -> Result<f64> {
+        let value = acceleration.value.per_metre(self.speed_of_light);
+        self.per_metre(acceleration, value, "/m")
+    }
+
+    /// An angular rate in radians per metre.
+    pub fn angular_rate(&self, rate: &At<AngularRate>) -> Result<f64> {
+        let value = rate.value.radians_per_metre(self.speed_of_light);
+        self.per_metre(rate, value, "rad/m")
+    }
+
+    fn per_metre<T: Display>(&self, at: &At<T>, value: f64, unit: &str) -> Result<f64> {
+        if value.abs() <= LARGEST {
+            return Ok(value);
+        }
+        let what = format!("{} is {value:e} {unit}, beyond {LARGEST:e}", at.value);
+        Err(self.refuse(at, what, "give a smaller one"))
+    }
+
+    /// A length above 0, in metres.
+    pub fn positive_length(&self, length: &At<Length>, name: &str) -> Result<f64> {
+        let like = format!("like \"{}\"", Length::customary(0.05));
+        self.above_zero(length, length.value.metres(), name, &like)
     }
 
     /// A time above 0, in metres.

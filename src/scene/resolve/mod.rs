@@ -4,9 +4,13 @@
 mod binding;
 mod camera;
 mod context;
+mod equations;
+mod motion;
 mod object;
+mod path;
 mod pose;
 mod radiance;
+mod sensor;
 mod settings;
 mod shape;
 mod source;
@@ -16,7 +20,7 @@ mod velocity;
 use std::path::Path;
 
 use super::file;
-use super::model::{Equations, Scene};
+use super::model::Scene;
 use super::report::Report;
 use crate::error::Result;
 use context::Context;
@@ -29,14 +33,14 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
     let objects = object::resolve_all(&cx, &file.object, &file.camera.span)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
-    Ok(Scene {
+    let scene = Scene {
         speed_of_light: cx.speed_of_light,
         medium_index,
         camera,
         objects,
         sources,
         quantity,
-        equations: Equations::Exact,
+        equations: equations::resolve(&file.model),
         effects: settings::effects(&file.effects),
         outside: settings::outside(&file.outside),
         back_faces: settings::back_faces(file.display.value.back_faces),
@@ -44,6 +48,8 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
         text: cx.report.text.to_string(),
-        name: cx.report.name,
-    })
+        name: cx.report.name.clone(),
+    };
+    equations::check(&cx, file, &scene)?;
+    Ok(scene)
 }

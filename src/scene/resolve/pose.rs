@@ -147,11 +147,15 @@ fn unit(v: DVec3) -> Option<DVec3> {
     Direction::<World>::new(v).map(Direction::unit)
 }
 
+/// Whether this is in (0, π), and tan(fov/2) has digits left: to within a billionth at either end.
+pub(super) fn is_fov(radians: f64) -> bool {
+    radians > 1e-9 && radians < std::f64::consts::PI - 1e-9
+}
+
 /// A field of view in radians, in (0, π).
 pub(super) fn fov(cx: &Context, hfov: &At<Angle>) -> Result<f64> {
     let radians = hfov.value.radians();
-    // Beyond the nearest degree-billionth to either end tan(fov/2) has no digits left.
-    if radians > 1e-9 && radians < std::f64::consts::PI - 1e-9 {
+    if is_fov(radians) {
         return Ok(radians);
     }
     let what = format!(

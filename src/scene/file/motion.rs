@@ -1,0 +1,108 @@
+//! `[camera.motion]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::at::At;
+use crate::scene::values::Vector;
+use crate::units::{Acceleration, AngularRate, Time};
+
+/// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, said in exactly one way. Without
+/// this table: without acceleration.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { acceleration = { proper = \"0.1 /m\", direction = [0, 0, -1] } }"
+)]
+pub(in crate::scene) struct Motion {
+    /// Constant proper acceleration, for ever: hyperbolic motion.
+    pub acceleration: Option<At<ProperAcceleration>>,
+    /// One stretch of constant proper acceleration after the other, from the camera's time 0 on; before
+    /// and after them the camera coasts. At most 100000.
+    pub segments: Option<At<Vec<At<MotionSegment>>>>,
+    /// Proper acceleration at ascending proper times, linear between them. The world line goes from the
+    /// first time to the last, and has no more; 0 is one of the times, or lies between them. 2 to 100000
+    /// entries.
+    pub profile: Option<At<Vec<At<ProfileKnot>>>>,
+    /// World events through which the pinhole goes, smoothly, in place of `eye`, `velocity` and
+    /// `clock_zero`: times ascend, and everything between is slower than light. The world line goes from
+    /// the first event, where the camera's clock shows 0, to the last, and has no more. The forward axis
+    /// is look_at − the first position. 2 to 100000 entries.
+    pub keyframes: Option<At<Vec<At<Keyframe>>>>,
+    /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.
+    pub circle: Option<At<Circle>>,
+}
+
+/// A proper acceleration: what an accelerometer that moves along shows.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { proper = \"0.1 /m\", direction = [0, 0, -1] }"
+)]
+pub(in crate::scene) struct ProperAcceleration {
+    /// Its magnitude, like "0.1 /m" (a/c²), "9.81 m/s2" or "0.03 c/ns"; a negative one is against
+    /// `direction`. 0 is no acceleration.
+    pub proper: At<Acceleration>,
+    /// Its direction in the camera's frame, whose axes are the world's, boosted without rotation; of any
+    /// length but 0. Needed unless `proper` is 0.
+    pub direction: Option<At<Vector>>,
+}
+
+/// A stretch of constant proper acceleration.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { duration = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
+)]
+pub(in crate::scene) struct MotionSegment {
+    /// The camera's time that it takes, above 0. Only the last stretch may leave it out: it then goes on
+    /// for ever.
+    pub duration: Option<At<Time>>,
+    /// The proper acceleration, in the camera's frame when the stretch begins. Default: none; the camera
+    /// coasts.
+    pub acceleration: Option<At<ProperAcceleration>>,
+}
+
+/// A proper acceleration at a proper time.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { time = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
+)]
+pub(in crate::scene) struct ProfileKnot {
+    /// The camera's time, above that of the entry before.
+    pub time: At<Time>,
+    /// The proper acceleration then, in the camera's frame. Default: none.
+    pub acceleration: Option<At<ProperAcceleration>>,
+}
+
+/// A world event of the pinhole.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { time = \"3 m\", position = [1, 1, 4] }"
+)]
+pub(in crate::scene) struct Keyframe {
+    /// World time (ct), above that of the entry before.
+    pub time: At<Time>,
+    /// World position, metres.
+    pub position: At<Vector>,
+}
+
+/// A circle at constant speed.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { centre = [0, 0, 0], axis = [0, 1, 0], period = \"60 m\" }"
+)]
+pub(in crate::scene) struct Circle {
+    /// A point of the axis, world metres; `eye` is not on the axis.
+    pub centre: At<Vector>,
+    /// The axis in the world, of any length but 0; the camera goes round it right-handed.
+    pub axis: At<Vector>,
+    /// World time of a revolution, above 0. Excludes `rate`.
+    pub period: Option<At<Time>>,
+    /// Angle per world time, like "1 rad/m"; a negative one is the other way round, 0 is rest. Excludes
+    /// `period`.
+    pub rate: Option<At<AngularRate>>,
+}

@@ -1,0 +1,111 @@
+//! `[camera.sensor]`, `[camera.rotation]` and `[camera.shutter]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::at::At;
+use crate::scene::values::Vector;
+use crate::units::{AngularRate, Length, Time};
+
+/// A sensor behind the pinhole, in place of a point camera, all rays of which leave one event.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { focal_length = \"36 mm\", width = \"24 mm\" }"
+)]
+pub(in crate::scene) struct Sensor {
+    /// From the sensor to the pinhole, along the forward axis, above 0. `eye` is the pinhole.
+    pub focal_length: At<Length>,
+    /// Width of the sensor, above 0; its height follows from `size`. Excludes `hfov`. Default: what
+    /// gives the horizontal field of view at this focal length.
+    pub width: Option<At<Length>>,
+    /// What keeps sensor and pinhole apart: "rigid" (the focal length is that of the camera's frame; it
+    /// accelerates as a rigid body), "world_length" (the focal length is that measured in the world:
+    /// along the motion the camera's own is γ times longer) or "bell" (both accelerate alike, so that
+    /// their distance in the world stays; without acceleration the same as "world_length").
+    /// Default: "rigid".
+    #[serde(default)]
+    pub assembly: At<Assembly>,
+}
+
+/// What keeps sensor and pinhole apart.
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Assembly {
+    #[default]
+    Rigid,
+    WorldLength,
+    Bell,
+}
+
+/// A sensor that turns at a constant rate about an axis that is fixed in the frame of a camera without
+/// acceleration.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { axis = [0, 1, 0], rate = \"0.5 rad/m\" }"
+)]
+pub(in crate::scene) struct SensorRotation {
+    /// The axis in the camera's frame, whose axes are the world's, boosted without rotation; of any
+    /// length but 0.
+    pub axis: At<Vector>,
+    /// Angle per camera time, like "0.5 rad/m" or "10 deg/ns", right-handed about the axis; at camera
+    /// time 0 nothing is turned. Every part of the sensor is slower than light.
+    pub rate: At<AngularRate>,
+    /// What the axis passes through: "pinhole", or "sensor" (its centre). Default: "pinhole".
+    #[serde(default)]
+    pub through: At<Pivot>,
+    /// How the sensor's elements see: "exact" (by the light that comes to them through the pinhole,
+    /// which does not turn), "comoving" (each like an inertial camera with a pinhole that moves along
+    /// with it) or "aberrated" (the same, with the pinhole seen aberrated, so that the sensor can cover
+    /// it). The latter two need [camera.sensor]. Default: "exact".
+    #[serde(default)]
+    pub elements: At<Elements>,
+}
+
+/// What an axis of rotation passes through.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Pivot {
+    #[default]
+    Pinhole,
+    Sensor,
+}
+
+/// How the elements of a turning sensor see.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Elements {
+    #[default]
+    Exact,
+    Comoving,
+    Aberrated,
+}
+
+/// A shutter that is open for a while. Without this table the picture is of an instant.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { duration = \"0.5 m\" }"
+)]
+pub(in crate::scene) struct Shutter {
+    /// Camera time for which it is open, above 0; it opens at `camera.time`.
+    pub duration: At<Time>,
+    /// What the picture holds: "mean" (over the exposure) or "energy" (the integral over the exposure:
+    /// mean × duration in metres). Default: "mean".
+    #[serde(default)]
+    pub records: At<Records>,
+}
+
+/// What an exposure records.
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Records {
+    #[default]
+    Mean,
+    Energy,
+}

@@ -1,0 +1,78 @@
+//! Whose equations, and what those of the paper do not have.
+//!
+//! Jarabo et al. 2015 treat a static world, cameras without or with constant proper acceleration, and
+//! turning sensors whose elements are inertial cameras of their own (comoving or aberrated).
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{Elements, Equations, Motion, Scene};
+use crate::units::quoted;
+
+const EXACT: &str = "leave this out, or give model = \"exact\"";
+
+pub(super) fn resolve(equations: &At<file::Equations>) -> Equations {
+    match equations.value {
+        file::Equations::Exact => Equations::Exact,
+        file::Equations::Paper2015 => Equations::Paper2015,
+    }
+}
+
+/// Refuses scenes that the equations do not cover.
+pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
+    if scene.equations == Equations::Exact {
+        return Ok(());
+    }
+    static_world(cx, file, scene)?;
+    motion(cx, file, scene)?;
+    rotation(cx, file, scene)
+}
+
+fn static_world(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
+    let mut objects = file.object.iter().zip(&scene.objects);
+    let moving = objects.find(|(_, object)| !object.velocity.is_rest());
+    let Some((at, object)) = moving else {
+        return Ok(());
+    };
+    let span = at.value.velocity.as_ref().map_or(&at.span, |v| &v.span);
+    let what = format!(
+        "the paper's world is static, and {} moves",
+        quoted(&object.name)
+    );
+    let other = (&file.model.span, "this model");
+    Err(cx.report.refuse_two(span, other, what, EXACT))
+}
+
+fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
+    let Some(motion) = &file.camera.value.motion else {
+        return Ok(());
+    };
+    if let Motion::Inertial | Motion::Accelerated(_) = scene.camera.motion {
+        return Ok(());
+    }
+    let what = "the paper's cameras are inertial or have one constant proper acceleration";
+    let help = "give `acceleration`, no motion, or model = \"exact\"";
+    let other = (&file.model.span, "this model");
+    Err(cx.report.refuse_two(&motion.span, other, what, help))
+}
+
+fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
+    let (Some(at), Some(rotation)) = (&file.camera.value.rotation, &scene.camera.rotation) else {
+        return Ok(());
+    };
+    if rotation.elements != Elements::Exact {
+        return Ok(());
+    }
+    let elements = &at.value.elements;
+    let span = if elements.is_said() {
+        &elements.span
+    } else {
+        &at.span
+    };
+    let what =
+        "the paper has no exact rotation: its sensor's elements are inertial cameras of their own";
+    let help = "give elements = \"comoving\" or \"aberrated\", or model = \"exact\"";
+    let other = (&file.model.span, "this model");
+    Err(cx.report.refuse_two(span, other, what, help))
+}

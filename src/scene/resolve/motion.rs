@@ -1,0 +1,242 @@
+//! How the pinhole moves: the state when the camera's clock shows 0, and what becomes of it.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::context::Context;
+use super::{path, velocity};
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{CameraModel, Motion};
+use crate::spacetime::worldline::Segment;
+use crate::spacetime::{Direction, Event, Velocity, World};
+
+/// The most segments, times of a profile, or keyframes.
+const MOST: usize = 100_000;
+
+const HELP: &str =
+    "say it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes` or `circle`";
+
+/// A world line as the file gives it.
+pub(super) struct Moving {
+    /// The pinhole when the camera's clock shows 0.
+    pub origin: Event<World>,
+    /// Its velocity then.
+    pub velocity: Velocity,
+    /// How it moves on.
+    pub motion: Motion,
+}
+
+/// The motion that `camera` says in one way, and whose pose has the pinhole at `eye`.
+pub(super) fn resolve(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Moving> {
+    if let Some(keyframes) = keyframes(camera) {
+        return path::keyframes(cx, keyframes);
+    }
+    let origin = Event::new(cx.time(&camera.clock_zero)?, eye);
+    let Some(at) = &camera.motion else {
+        return free(cx, camera, origin, Motion::Inertial);
+    };
+    let motion = &at.value;
+    if let Some(circle) = &motion.circle {
+        return path::circle(cx, camera, circle, origin);
+    }
+    let motion = if let Some(a) = &motion.acceleration {
+        accelerated(acceleration(cx, a)?)
+    } else if let Some(segments) = &motion.segments {
+        self::segments(cx, segments)?
+    } else if let Some(profile) = &motion.profile {
+        self::profile(cx, profile)?
+    } else {
+        return Err(cx.refuse(at, "this says no motion", HELP));
+    };
+    free(cx, camera, origin, motion)
+}
+
+/// The keyframes of a camera that moves by them.
+pub(super) fn keyframes(camera: &file::Camera) -> Option<&At<Vec<At<file::Keyframe>>>> {
+    camera.motion.as_ref()?.value.keyframes.as_ref()
+}
+
+/// A motion that starts with the file's velocity.
+fn free(
+    cx: &Context,
+    camera: &file::Camera,
+    origin: Event<World>,
+    motion: Motion,
+) -> Result<Moving> {
+    let velocity = velocity::resolve(cx, &camera.velocity)?;
+    Ok(Moving {
+        origin,
+        velocity,
+        motion,
+    })
+}
+
+/// Refuses all but one way to say a motion.
+pub(super) fn only_one_way(cx: &Context, camera: &file::Camera) -> Result<()> {
+    let Some(motion) = camera.motion.as_ref().map(|at| &at.value) else {
+        return Ok(());
+    };
+    let ways: [(&str, Option<&Range<usize>>); 5] = [
+        ("acceleration", span(&motion.acceleration)),
+        ("segments", span(&motion.segments)),
+        ("profile", span(&motion.profile)),
+        ("keyframes", span(&motion.keyframes)),
+        ("circle", span(&motion.circle)),
+    ];
+    let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
+    let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
+        return Ok(());
+    };
+    let what = format!("the motion is said twice, as `{first}` and as `{second}`");
+    Err(cx.report.refuse_two(there, (here, "and here"), what, HELP))
+}
+
+fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
+    at.as_ref().map(|at| &at.span)
+}
+
+/// A constant proper acceleration, which may be none.
+fn accelerated(acceleration: DVec3) -> Motion {
+    match acceleration == DVec3::ZERO {
+        true => Motion::Inertial,
+        false => Motion::Accelerated(acceleration),
+    }
+}
+
+/// A proper acceleration, 1/m.
+fn acceleration(cx: &Context, at: &At<file::ProperAcceleration>) -> Result<DVec3> {
+    let file::ProperAcceleration { proper, direction } = &at.value;
+    let magnitude = cx.acceleration(proper)?;
+    if magnitude == 0.0 {
+        return Ok(DVec3::ZERO);
+    }
+    let Some(direction) = direction else {
+        let help = "add direction = [0, 0, -1], or the like";
+        return Err(cx.refuse(at, "this acceleration has no direction", help));
+    };
+    let unit = Direction::<World>::new(direction.value.vec()).ok_or_else(|| {
+        let what = "the direction of an acceleration that is not 0 is the zero vector";
+        cx.refuse(direction, what, "any direction of length above 0 will do")
+    })?;
+    Ok(unit.unit() * magnitude)
+}
+
+fn optional(cx: &Context, at: &Option<At<file::ProperAcceleration>>) -> Result<DVec3> {
+    at.as_ref().map_or(Ok(DVec3::ZERO), |a| acceleration(cx, a))
+}
+
+fn segments(cx: &Context, at: &At<Vec<At<file::MotionSegment>>>) -> Result<Motion> {
+    bounded(cx, at, 1, "segments")?;
+    let last = at.value.len() - 1;
+    let entries = at.value.iter().enumerate();
+    let segments = entries.map(|(i, entry)| segment(cx, entry, i == last));
+    let segments: Vec<Segment> = segments.collect::<Result<_>>()?;
+    match segments.iter().all(|s| s.acceleration == DVec3::ZERO) {
+        true => Ok(Motion::Inertial),
+        false => Ok(Motion::Segments(segments)),
+    }
+}
+
+fn segment(cx: &Context, at: &At<file::MotionSegment>, last: bool) -> Result<Segment> {
+    let duration = match &at.value.duration {
+        Some(duration) => cx.duration(duration, "`duration`")?,
+        None if last => f64::INFINITY,
+        None => {
+            let what = "this segment has no `duration`, and is not the last";
+            let help = "add a duration, like \"2 m\": only the last segment may go on for ever";
+            return Err(cx.refuse(at, what, help));
+        }
+    };
+    Ok(Segment {
+        duration,
+        acceleration: optional(cx, &at.value.acceleration)?,
+    })
+}
+
+fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> {
+    bounded(cx, at, 2, "times of a profile")?;
+    let knot = |knot: &At<file::ProfileKnot>| {
+        let time = cx.time(&knot.value.time)?;
+        Ok((time, optional(cx, &knot.value.acceleration)?))
+    };
+    let knots: Vec<(f64, DVec3)> = at.value.iter().map(knot).collect::<Result<_>>()?;
+    let times: Vec<f64> = knots.iter().map(|(time, _)| *time).collect();
+    ascending(cx, &times, |i| Some(&at.value.get(i)?.value.time))?;
+    if let (Some(&first), Some(&last)) = (times.first(), times.last())
+        && (first > 0.0 || last < 0.0)
+    {
+        let what = format!("this profile, from {first} m to {last} m, leaves out camera time 0");
+        let help = "`eye` and `velocity` are those at camera time 0: let the profile begin there, or before";
+        return Err(cx.refuse(at, what, help));
+    }
+    Ok(Motion::Profile(knots))
+}
+
+/// Refuses an exposure that is not within the world line, on which the default time 0 always is.
+pub(super) fn refuse_outside(
+    cx: &Context,
+    camera: &file::Camera,
+    model: &CameraModel,
+) -> Result<()> {
+    let [first, last] = model.lifetime();
+    let (time, shutter) = (model.time, model.shutter.map_or(0.0, |s| s.duration));
+    let (at, what) = if time < first {
+        (&camera.time, "begins before the camera's world line does")
+    } else if time > last {
+        (
+            &camera.time,
+            "begins after the camera's world line has ended",
+        )
+    } else if time + shutter > last {
+        let duration = camera.shutter.as_ref().map(|at| &at.value.duration);
+        let at = duration.unwrap_or(&camera.time);
+        (at, "ends after the camera's world line has ended")
+    } else {
+        return Ok(());
+    };
+    let what = format!("the exposure {what}");
+    let help = format!("the world line goes from {first} m to {last} m of the camera's time");
+    Err(cx.refuse(at, what, help))
+}
+
+/// Refuses lists that are too short or too long.
+pub(super) fn bounded<T>(cx: &Context, at: &At<Vec<T>>, fewest: usize, name: &str) -> Result<()> {
+    let count = at.value.len();
+    if (fewest..=MOST).contains(&count) {
+        return Ok(());
+    }
+    let few = if count < fewest {
+        "too few"
+    } else {
+        "too many"
+    };
+    let what = format!("{count} {name} are {few}");
+    Err(cx.refuse(at, what, format!("give {fewest} to {MOST}")))
+}
+
+/// Refuses times that do not ascend, at the first that does not; `said` is what says the i-th.
+pub(super) fn ascending<'a, T: std::fmt::Display + 'a>(
+    cx: &Context,
+    times: &[f64],
+    said: impl Fn(usize) -> Option<&'a At<T>>,
+) -> Result<()> {
+    let pairs = times.iter().zip(times.iter().skip(1));
+    let Some(before) = pairs.into_iter().position(|(a, b)| b <= a) else {
+        return Ok(());
+    };
+    let (Some(first), Some(second)) = (said(before), said(before + 1)) else {
+        return Ok(());
+    };
+    Err(not_ascending(cx, first, second))
+}
+
+fn not_ascending<T: std::fmt::Display>(cx: &Context, first: &At<T>, second: &At<T>) -> Error {
+    let (earlier, later) = (&first.value, &second.value);
+    let what = format!("the time {later} is not after that of the entry before, {earlier}");
+    let help = "give the entries in the order of their times, each time once";
+    let other = (&first.span, "the entry before");
+    cx.report.refuse_two(&second.span, other, what, help)
+}

@@ -1,0 +1,157 @@
+//! Motions that the world's coordinates say: keyframes and circles.
+//!
+//! A point at r⊥ from an axis n that turns at the rate ω has the velocity β = ω n × r⊥ (c = 1).
+
+use glam::DVec3;
+
+use super::context::{ABOVE, BELOW, Context};
+use super::motion::{Moving, ascending, bounded};
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file::{Camera, Circle, Keyframe};
+use crate::scene::model::Motion;
+use crate::scene::values::Vector;
+use crate::spacetime::{Direction, Event, Velocity, World};
+
+/// The smallest distance from the axis, in parts of the distances that it is the difference of.
+const ON_AXIS: f64 = 1e-12;
+
+const SLOWER: &str = "give more time or less way between keyframes: a camera is slower than light";
+
+/// The position of the first keyframe, in place of `eye`: beside keyframes nothing else says where the
+/// camera is or how fast.
+pub(super) fn start(
+    cx: &Context,
+    camera: &Camera,
+    at: &At<Vec<At<Keyframe>>>,
+) -> Result<Option<At<Vector>>> {
+    let key = (at, "keyframes");
+    if let Some(eye) = &camera.eye {
+        return Err(cx.refuse_both(key, (eye, "eye")));
+    }
+    if let Some(velocity) = &camera.velocity {
+        return Err(cx.refuse_both(key, (velocity, "velocity")));
+    }
+    if camera.clock_zero.is_said() {
+        return Err(cx.refuse_both(key, (&camera.clock_zero, "clock_zero")));
+    }
+    bounded(cx, at, 2, "keyframes")?;
+    let first = at.value.first();
+    Ok(first.map(|first| first.value.position.clone()))
+}
+
+/// A motion by keyframes.
+pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Moving> {
+    let event = |key: &At<Keyframe>| {
+        let Keyframe { time, position } = &key.value;
+        Ok(Event::new(cx.time(time)?, position.value.vec()))
+    };
+    let events: Vec<Event<World>> = at.value.iter().map(event).collect::<Result<_>>()?;
+    let times: Vec<f64> = events.iter().map(|event| event.ct).collect();
+    ascending(cx, &times, |i| Some(&at.value.get(i)?.value.time))?;
+    slower_than_light(cx, at, &events)?;
+    let [first, second] = [0, 1].map(|i| events.get(i).copied().unwrap_or(Event::ORIGIN));
+    let start = (second.x - first.x) / (second.ct - first.ct);
+    Ok(Moving {
+        origin: first,
+        velocity: Velocity::from_beta(start).map_err(|e| cx.refuse(at, e.to_string(), SLOWER))?,
+        motion: Motion::Keyframes(events),
+    })
+}
+
+/// Refuses keyframes that nothing slower than light connects, not even on a straight line.
+fn slower_than_light(
+    cx: &Context,
+    at: &At<Vec<At<Keyframe>>>,
+    events: &[Event<World>],
+) -> Result<()> {
+    let pairs = events.iter().zip(events.iter().skip(1));
+    let keys = at.value.iter().zip(at.value.iter().skip(1));
+    for ((a, b), (first, second)) in pairs.zip(keys) {
+        let (distance, time) = ((b.x - a.x).length(), b.ct - a.ct);
+        if distance < time {
+            continue;
+        }
+        let beta = distance / time;
+        let what = format!(
+            "this keyframe is {distance} m from the one before, and {time} m of time after it: |β| = {beta}"
+        );
+        let other = (&first.value.position.span, "the one before");
+        let span = &second.value.position.span;
+        return Err(cx.report.refuse_two(span, other, what, SLOWER));
+    }
+    Ok(())
+}
+
+/// A circle through `origin`.
+pub(super) fn circle(
+    cx: &Context,
+    camera: &Camera,
+    at: &At<Circle>,
+    origin: Event<World>,
+) -> Result<Moving> {
+    if let Some(velocity) = &camera.velocity {
+        return Err(cx.refuse_both((at, "circle"), (velocity, "velocity")));
+    }
+    let circle = &at.value;
+    let axis = Direction::<World>::new(circle.axis.value.vec()).ok_or_else(|| {
+        let what = "the axis of the circle is the zero vector";
+        cx.refuse(&circle.axis, what, "give an axis like [0, 1, 0]")
+    })?;
+    let (axis, centre) = (axis.unit(), circle.centre.value.vec());
+    let radius = radius(cx, at, origin.x, axis)?;
+    let rate = rate(cx, at)?;
+    let beta = axis.cross(radius) * rate;
+    let refuse = |_| too_fast(cx, at, radius.length(), rate);
+    Ok(Moving {
+        origin,
+        velocity: Velocity::from_beta(beta).map_err(refuse)?,
+        motion: Motion::Circular { centre, axis, rate },
+    })
+}
+
+/// From the axis to the eye.
+fn radius(cx: &Context, at: &At<Circle>, eye: DVec3, axis: DVec3) -> Result<DVec3> {
+    let centre = &at.value.centre;
+    let from_centre = eye - centre.value.vec();
+    let across = from_centre - axis * from_centre.dot(axis);
+    let largest = eye.length().max(centre.value.vec().length());
+    if across.length() > ON_AXIS * largest {
+        return Ok(across);
+    }
+    let what = "the axis of the circle goes through `eye`: the camera would stay where it is";
+    let help = "move the centre or `eye`, so that `eye` is on the circle";
+    Err(cx.refuse(centre, what, help))
+}
+
+/// Radians per metre of world time, from the one of `period` and `rate` that is said.
+fn rate(cx: &Context, at: &At<Circle>) -> Result<f64> {
+    let Circle { period, rate, .. } = &at.value;
+    cx.exclusive((period, "period"), (rate, "rate"))?;
+    if let Some(period) = period {
+        return Ok(std::f64::consts::TAU / cx.duration(period, "`period`")?);
+    }
+    let Some(rate) = rate else {
+        let help = "add period = \"60 m\" or rate = \"0.1 rad/m\"";
+        return Err(cx.refuse(at, "this circle has no speed", help));
+    };
+    cx.angular_rate(rate)
+}
+
+/// The refusal of a circle on which β = |ω| r is not below 1.
+fn too_fast(cx: &Context, at: &At<Circle>, radius: f64, rate: f64) -> Error {
+    let beta = rate.abs() * radius;
+    let what = format!("on this circle, {radius} m around the axis, |β| = {beta} is not below 1");
+    let Circle { period, rate, .. } = &at.value;
+    match (period, rate) {
+        (Some(period), _) => {
+            let shortest = period.value.scaled(beta * ABOVE);
+            cx.refuse(period, what, format!("the shortest period is {shortest}"))
+        }
+        (None, Some(rate)) => {
+            let largest = rate.value.scaled(BELOW / beta);
+            cx.refuse(rate, what, format!("the largest rate is {largest}"))
+        }
+        (None, None) => cx.refuse(at, what, "give a slower one"),
+    }
+}

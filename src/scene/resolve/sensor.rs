@@ -1,0 +1,211 @@
+//! The sensor behind the pinhole, how it turns, and how long it is exposed.
+//!
+//! A sensor of the width w at the focal length d has the field of view 2 arctan(w / 2d). An element at
+//! the distance R from the axis of a rotation at the rate Ω moves at |Ω| R < 1 in the camera's frame; in
+//! a rigid body whose pinhole has the proper acceleration a, only what is at p with 1 + a·p > 0 moves
+//! slower than light (Rindler).
+
+use glam::DVec3;
+
+use super::context::{BELOW, Context};
+use super::pose;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::{
+    Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Sensor, Shutter,
+};
+use crate::spacetime::{Direction, World};
+
+/// The sensor that the file says.
+pub(super) fn resolve(cx: &Context, camera: &file::Camera) -> Result<Option<Sensor>> {
+    let Some(at) = &camera.sensor else {
+        return Ok(None);
+    };
+    Ok(Some(Sensor {
+        focal_length: focal_length(cx, &at.value)?,
+        assembly: match at.value.assembly.value {
+            file::Assembly::Rigid => Assembly::Rigid,
+            file::Assembly::WorldLength => Assembly::WorldLength,
+            file::Assembly::Bell => Assembly::Bell,
+        },
+    }))
+}
+
+fn focal_length(cx: &Context, sensor: &file::Sensor) -> Result<f64> {
+    let length = &sensor.focal_length;
+    if length.value.metres() < 0.0 {
+        let what = format!(
+            "a focal length of {} has the pinhole behind the sensor",
+            length.value
+        );
+        return Err(cx.refuse(length, what, "a focal length is above 0, like \"36 mm\""));
+    }
+    cx.positive_length(length, "`focal_length`")
+}
+
+/// The horizontal field of view that a sensor's width gives, radians.
+pub(super) fn horizontal_fov(cx: &Context, camera: &file::Camera) -> Result<Option<f64>> {
+    let Some(sensor) = camera.sensor.as_ref().map(|at| &at.value) else {
+        return Ok(None);
+    };
+    cx.exclusive((&camera.hfov, "hfov"), (&sensor.width, "sensor.width"))?;
+    let Some(width) = &sensor.width else {
+        return Ok(None);
+    };
+    let metres = cx.positive_length(width, "`width`")?;
+    let radians = 2.0 * libm::atan2(0.5 * metres, focal_length(cx, sensor)?);
+    if pose::is_fov(radians) {
+        return Ok(Some(radians));
+    }
+    let what = format!(
+        "a sensor of {} at a focal length of {} has a field of view of {radians:e} rad",
+        width.value, sensor.focal_length.value
+    );
+    let help = "give a width of the focal length's order, like \"24 mm\" at \"36 mm\"";
+    Err(cx.refuse(width, what, help))
+}
+
+/// How the sensor turns.
+pub(super) fn rotation(cx: &Context, camera: &file::Camera) -> Result<Option<Rotation>> {
+    let Some(at) = &camera.rotation else {
+        return Ok(None);
+    };
+    let rotation = &at.value;
+    let axis = Direction::<World>::new(rotation.axis.value.vec()).ok_or_else(|| {
+        let what = "the axis of rotation is the zero vector";
+        cx.refuse(&rotation.axis, what, "give an axis like [0, 1, 0]")
+    })?;
+    if camera.sensor.is_none() {
+        without_sensor(cx, rotation)?;
+    }
+    Ok(Some(Rotation {
+        axis: axis.unit(),
+        rate: cx.angular_rate(&rotation.rate)?,
+        through: match rotation.through.value {
+            file::Pivot::Pinhole => Pivot::Pinhole,
+            file::Pivot::Sensor => Pivot::Sensor,
+        },
+        elements: match rotation.elements.value {
+            file::Elements::Exact => Elements::Exact,
+            file::Elements::Comoving => Elements::Comoving,
+            file::Elements::Aberrated => Elements::Aberrated,
+        },
+    }))
+}
+
+/// Refuses what only a sensor apart from the pinhole can do.
+fn without_sensor(cx: &Context, rotation: &file::SensorRotation) -> Result<()> {
+    let help = "add [camera.sensor] with a focal_length, or leave this out";
+    if rotation.elements.value != file::Elements::Exact {
+        let what = "elements that move with the sensor need a sensor, and this camera is a point";
+        return Err(cx.refuse(&rotation.elements, what, help));
+    }
+    if rotation.through.value == file::Pivot::Sensor {
+        let what = "the axis goes through the sensor, and this camera has none: it is a point";
+        return Err(cx.refuse(&rotation.through, what, help));
+    }
+    Ok(())
+}
+
+/// How long the shutter is open.
+pub(super) fn shutter(cx: &Context, camera: &file::Camera) -> Result<Option<Shutter>> {
+    let Some(at) = &camera.shutter else {
+        return Ok(None);
+    };
+    Ok(Some(Shutter {
+        duration: cx.duration(&at.value.duration, "`duration`")?,
+        records: match at.value.records.value {
+            file::Records::Mean => Records::Mean,
+            file::Records::Energy => Records::Energy,
+        },
+    }))
+}
+
+/// Refuses sensors some part of which would not be slower than light.
+pub(super) fn refuse_faster_than_light(
+    cx: &Context,
+    file: &file::Camera,
+    model: &CameraModel,
+) -> Result<()> {
+    if let (Some(at), Some(rotation)) = (&file.rotation, &model.rotation) {
+        refuse_rotation(cx, file, at, model, rotation)?;
+    }
+    match (&file.sensor, &model.sensor) {
+        (Some(at), Some(sensor)) if sensor.assembly == Assembly::Rigid => {
+            refuse_horizon(cx, file, at, model)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn refuse_rotation(
+    cx: &Context,
+    file: &file::Camera,
+    at: &At<file::SensorRotation>,
+    model: &CameraModel,
+    rotation: &Rotation,
+) -> Result<()> {
+    if let (Some(motion), false) = (&file.motion, model.motion == Motion::Inertial) {
+        let what = "a sensor turns only in a camera without acceleration, and this one accelerates";
+        let help = "leave out [camera.rotation] or [camera.motion]";
+        let other = (&motion.span, "the acceleration");
+        return Err(cx.report.refuse_two(&at.span, other, what, help));
+    }
+    let radius = swept_radius(model, rotation);
+    let speed = rotation.rate.abs() * radius;
+    if speed < 1.0 {
+        return Ok(());
+    }
+    let rate = &at.value.rate;
+    let what = format!(
+        "the farthest corner of the sensor, {radius} m from the axis, would move at |ΩR| = {speed}, not \
+         below the speed of light"
+    );
+    let largest = rate.value.scaled(BELOW / speed);
+    Err(cx.refuse(rate, what, format!("the largest rate is {largest}")))
+}
+
+/// From the axis to the farthest corner of the sensor, metres; 0 for a point camera.
+fn swept_radius(model: &CameraModel, rotation: &Rotation) -> f64 {
+    let Some(corners) = model.sensor_corners() else {
+        return 0.0;
+    };
+    let pivot = match rotation.through {
+        Pivot::Pinhole => DVec3::ZERO,
+        Pivot::Sensor => corners.iter().sum::<DVec3>() * 0.25,
+    };
+    let radius = |&corner: &DVec3| (corner - pivot).cross(rotation.axis).length();
+    corners.iter().map(radius).fold(0.0, f64::max)
+}
+
+/// Refuses a rigid sensor that reaches the horizon of its pinhole's acceleration.
+fn refuse_horizon(
+    cx: &Context,
+    file: &file::Camera,
+    at: &At<file::Sensor>,
+    model: &CameraModel,
+) -> Result<()> {
+    let accelerations = match &model.motion {
+        Motion::Accelerated(a) => vec![*a],
+        Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
+        Motion::Profile(knots) => knots.iter().map(|(_, a)| *a).collect(),
+        Motion::Inertial | Motion::Keyframes(_) | Motion::Circular { .. } => Vec::new(),
+    };
+    let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {
+        return Ok(());
+    };
+    let reaches = |a: &&DVec3| corners.iter().any(|&p| 1.0 + a.dot(p) <= 0.0);
+    let Some(a) = accelerations.iter().find(reaches) else {
+        return Ok(());
+    };
+    let (a, length) = (a.length(), &at.value.focal_length);
+    let what = format!(
+        "at a proper acceleration of {a} /m a rigid body ends {} m behind its pinhole, and this sensor \
+         reaches farther",
+        1.0 / a
+    );
+    let help = "give a shorter focal length, a weaker acceleration, or assembly = \"bell\"";
+    let other = (&motion.span, "the acceleration");
+    Err(cx.report.refuse_two(&length.span, other, what, help))
+}

@@ -5,6 +5,7 @@
 
 mod camera;
 mod object;
+mod panel;
 mod source;
 
 use schemars::JsonSchema;
@@ -18,6 +19,7 @@ use crate::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
 pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
+pub(super) use panel::{Panel, Sheet, Show};
 pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
@@ -54,6 +56,12 @@ pub(in crate::scene) struct Scene {
     /// How radiance becomes a picture to look at.
     #[serde(default)]
     pub display: At<Display>,
+    /// Variants of the scene, each a picture of its own.
+    #[serde(default)]
+    pub panel: Vec<At<Panel>>,
+    /// How the panels are put on one page.
+    #[serde(default)]
+    pub sheet: Sheet,
 }
 
 impl Scene {

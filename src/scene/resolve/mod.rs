@@ -5,6 +5,7 @@ mod binding;
 mod camera;
 mod context;
 mod object;
+mod panel;
 mod pose;
 mod radiance;
 mod settings;
@@ -43,6 +44,8 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
         background: cx.colour(&file.display.value.background)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
+        panels: panel::resolve_all(&cx, &file.panel)?,
+        sheet: panel::sheet(&cx, &file.sheet)?,
         text: cx.report.text.to_string(),
         name: cx.report.name,
     })

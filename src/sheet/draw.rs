@@ -45,19 +45,16 @@ fn write(page: &mut Pixmap, line: &Line) -> Result<()> {
 /// Copies the picture, each pixel `scale` times in both directions.
 fn place(page: &mut Pixmap, picture: &RgbImage, at: Rect, scale: u32) {
     let row_length = page.width() as usize;
-    let (left, width) = (at.left as usize, at.width as usize);
     let rows = page.pixels_mut().chunks_exact_mut(row_length);
     let rows = rows.skip(at.top as usize).take(at.height as usize);
-    for (y, row) in rows.enumerate() {
-        let line = picture.rgb.chunks_exact(3 * picture.width as usize);
-        let line = line.skip(y / scale as usize).take(1).flatten();
-        let line: Vec<u8> = line.copied().collect();
-        let spread = line.chunks_exact(3);
-        let spread = spread.flat_map(|rgb| std::iter::repeat_n(rgb, scale as usize));
-        for (pixel, rgb) in row.iter_mut().skip(left).take(width).zip(spread) {
-            if let [r, g, b] = *rgb {
-                *pixel = PremultipliedColorU8::from_rgba(r, g, b, 255).unwrap_or(*pixel);
-            }
+    let lines = picture.rgb.chunks_exact(3 * picture.width as usize);
+    let lines = lines.flat_map(|line| std::iter::repeat_n(line, scale as usize));
+    for (row, line) in rows.zip(lines) {
+        let (pixels, _) = line.as_chunks::<3>();
+        let spread = pixels.iter();
+        let spread = spread.flat_map(|rgb| std::iter::repeat_n(*rgb, scale as usize));
+        for (pixel, [r, g, b]) in row.iter_mut().skip(at.left as usize).zip(spread) {
+            *pixel = PremultipliedColorU8::from_rgba(r, g, b, 255).unwrap_or(*pixel);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Where everything is on a page.
 
+use super::lines::{LEADING, Measured, broken, lettered, lines, widest_word};
 use super::{Options, Panel};
 use crate::error::{Error, Result};
-use crate::text::{self, Label};
 
 /// Small pictures are enlarged to about this size, pixels.
 const COMFORTABLE: u32 = 240;
@@ -14,10 +14,8 @@ const MAX_AREA: u64 = 1 << 28;
 const EM: (f64, f64, f64) = (0.045, 13.0, 60.0);
 /// The title's size, em.
 const TITLE: f64 = 1.35;
-/// From one baseline to the next, as a multiple of the size of the type.
-const LEADING: f64 = 1.3;
-/// From the top of a line of text to its baseline, as a multiple of its size.
-const ASCENT: f64 = 0.95;
+/// Between cells, and around them, em.
+const SPACE: f64 = 1.2;
 
 /// A page: everything has its place.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,85 +95,68 @@ struct Draft {
     em: f64,
     columns: u32,
     rows: u32,
-    margin: u32,
-    gap: u32,
+    /// Between cells, and around them.
+    space: u32,
     /// The largest picture.
     picture: [u32; 2],
     cell: [u32; 2],
     labels: Vec<Vec<Measured>>,
 }
 
-/// A line and its width.
-type Measured = (String, f64);
-
 impl Draft {
     fn new(panels: &[Panel], picture: [u32; 2], options: &Options) -> Result<Draft> {
         let (part, least, most) = EM;
         let em = (part * f64::from(picture[0])).clamp(least, most);
         let count = panels.len() as u32;
-        let columns = options
-            .columns
-            .unwrap_or_else(|| (1..).find(|n| n * n >= count).unwrap_or(count));
+        let nearly_square = || (1..count).find(|n| n * n >= count).unwrap_or(count);
+        let columns = options.columns.unwrap_or_else(nearly_square);
         let columns = columns.clamp(1, count);
-        let texts: Vec<String> = (panels.iter().enumerate())
-            .map(|(index, panel)| lettered(index, panels.len(), &panel.label))
-            .collect();
-        let mut width = f64::from(picture[0]);
-        for text in &texts {
-            width = width.max(widest_word(text, em)?);
-        }
-        let width = width.ceil();
-        let labels: Result<Vec<_>> = texts.iter().map(|text| broken(text, em, width)).collect();
-        let labels = labels?;
-        let lines = labels.iter().map(Vec::len).max().unwrap_or(0);
-        let beneath = if lines == 0 {
-            0.0
-        } else {
-            (0.5 + LEADING * lines as f64) * em
-        };
+        let (labels, width) = labels(panels, picture[0], em)?;
+        let most_lines = labels.iter().map(Vec::len).max().unwrap_or(0);
+        let beneath = height_of(most_lines, em);
         Ok(Draft {
             em,
             columns,
             rows: count.div_ceil(columns),
-            margin: (1.2 * em).round() as u32,
-            gap: (1.2 * em).round() as u32,
+            space: (SPACE * em).round() as u32,
             picture,
-            cell: [width as u32, picture[1] + beneath.ceil() as u32],
+            cell: [width, picture[1] + beneath],
             labels,
         })
     }
 
+    /// Columns and rows of pixels that all cells take.
+    fn extent(&self) -> [u64; 2] {
+        let side = |count: u32, cell: u32| {
+            let (count, cell, space) = (u64::from(count), u64::from(cell), u64::from(self.space));
+            count * cell + (count - 1) * space
+        };
+        [
+            side(self.columns, self.cell[0]),
+            side(self.rows, self.cell[1]),
+        ]
+    }
+
     fn place(self, panels: &[Panel], options: &Options, scale: u32) -> Result<Layout> {
-        let [cell_width, cell_height] = self.cell.map(u64::from);
-        let (columns, rows) = (u64::from(self.columns), u64::from(self.rows));
-        let (margin, gap) = (u64::from(self.margin), u64::from(self.gap));
-        let across = columns * cell_width + (columns - 1) * gap;
+        let [across, down] = self.extent();
         let size = TITLE * self.em;
         let title = options.title.as_deref().unwrap_or("");
         let content = (across as f64).max(widest_word(title, size)?).ceil();
         let title = broken(title, size, content)?;
-        let above = match title.len() {
-            0 => 0.0,
-            lines => (LEADING * lines as f64 + 0.5) * size,
-        };
-        let width = content as u64 + 2 * margin;
-        let top = margin + above.ceil() as u64;
-        let height = top + rows * cell_height + (rows - 1) * gap + margin;
+        let above = u64::from(height_of(title.len(), size));
+        let margin = u64::from(self.space);
+        let (width, height) = (content as u64 + 2 * margin, above + down + 2 * margin);
         if width.max(height) > u64::from(MAX_SIDE) || width * height > MAX_AREA {
             return Err(too_large(width, height));
         }
-        let size_of_page = [width as u32, height as u32];
-        let left = ((width - across) / 2) as u32;
-        let middle = f64::from(size_of_page[0]) / 2.0;
-        let title = lines(title, [middle, margin as f64], size);
-        let cells = (panels.iter().zip(&self.labels).zip(0..))
-            .map(|((panel, label), index)| {
-                self.cell(panel, label, index, [left, top as u32], scale)
-            })
+        let corner = [((width - across) / 2) as u32, (margin + above) as u32];
+        let numbered = panels.iter().zip(&self.labels).zip(0..);
+        let cells = numbered
+            .map(|((panel, label), index)| self.cell(panel, label, index, corner, scale))
             .collect();
         Ok(Layout {
-            size: size_of_page,
-            title,
+            size: [width as u32, height as u32],
+            title: lines(title, [width as f64 / 2.0, margin as f64], size),
             cells,
             scale,
         })
@@ -192,8 +173,8 @@ impl Draft {
         let (column, row) = (index % self.columns, index / self.columns);
         let [cell_width, cell_height] = self.cell;
         let frame = Rect {
-            left: left + column * (cell_width + self.gap),
-            top: top + row * (cell_height + self.gap),
+            left: left + column * (cell_width + self.space),
+            top: top + row * (cell_height + self.space),
             width: cell_width,
             height: cell_height,
         };
@@ -214,61 +195,26 @@ impl Draft {
     }
 }
 
-/// Lines one beneath the other, centred, from the top at `y` on.
-fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec<Line> {
-    let place = |(number, (text, width)): (usize, Measured)| Line {
-        text,
-        middle: [x, y + (ASCENT + LEADING * number as f64) * size],
-        size,
-        width,
-    };
-    measured.into_iter().enumerate().map(place).collect()
-}
-
-/// The label of panel `index`, with its letter where there are several panels.
-fn lettered(index: usize, count: usize, label: &str) -> String {
-    if count == 1 {
-        return label.to_string();
+/// All labels in lines, and the width in which each word of them has room.
+fn labels(panels: &[Panel], picture: u32, em: f64) -> Result<(Vec<Vec<Measured>>, u32)> {
+    let numbered = panels.iter().enumerate();
+    let texts = numbered.map(|(index, panel)| lettered(index, panels.len(), &panel.label));
+    let texts: Vec<String> = texts.collect();
+    let mut width = f64::from(picture);
+    for text in &texts {
+        width = width.max(widest_word(text, em)?);
     }
-    format!("({}) {label}", letters(index))
+    let width = width.ceil();
+    let labels: Result<_> = texts.iter().map(|text| broken(text, em, width)).collect();
+    Ok((labels?, width as u32))
 }
 
-/// a, b, …, z, aa, ab, …
-fn letters(index: usize) -> String {
-    let last = char::from(b'a' + (index % 26) as u8);
-    match index / 26 {
-        0 => last.to_string(),
-        before => letters(before - 1) + &last.to_string(),
+/// The height of so many lines with the space that sets them off; nothing for none.
+fn height_of(lines: usize, size: f64) -> u32 {
+    match lines {
+        0 => 0,
+        lines => ((0.5 + LEADING * lines as f64) * size).ceil() as u32,
     }
-}
-
-fn width(text: &str, size: f64) -> Result<f64> {
-    text::width(&Label::new(text), size)
-}
-
-fn widest_word(text: &str, size: f64) -> Result<f64> {
-    let mut widest: f64 = 0.0;
-    for word in text.split_whitespace() {
-        widest = widest.max(width(word, size)?);
-    }
-    Ok(widest)
-}
-
-/// The text in lines of at most `room` pixels, broken at spaces.
-fn broken(text: &str, size: f64, room: f64) -> Result<Vec<Measured>> {
-    let mut lines: Vec<Measured> = Vec::new();
-    for word in text.split_whitespace() {
-        if let Some((line, line_width)) = lines.last_mut() {
-            let longer = format!("{line} {word}");
-            let longer_width = width(&longer, size)?;
-            if longer_width <= room {
-                (*line, *line_width) = (longer, longer_width);
-                continue;
-            }
-        }
-        lines.push((word.to_string(), width(word, size)?));
-    }
-    Ok(lines)
 }
 
 fn check(panel: &Panel) -> Result<()> {
@@ -291,27 +237,4 @@ fn too_large(width: impl std::fmt::Display, height: impl std::fmt::Display) -> E
     let help =
         format!("smaller or fewer pictures: at most {MAX_SIDE} pixels per side, {MAX_AREA} in all");
     Error::unsupported("sheet", "", what, help)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn letters_go_on_after_z() {
-        assert_eq!(
-            [0, 25, 26, 27, 51, 52].map(letters),
-            ["a", "z", "aa", "ab", "az", "ba"]
-        );
-    }
-
-    #[test]
-    fn lines_are_broken_at_spaces_and_fit() {
-        let lines = broken("one two  three four", 10.0, 45.0).unwrap();
-        assert!(lines.len() > 1);
-        assert!(lines.iter().all(|(_, width)| *width <= 45.0), "{lines:?}");
-        let words: Vec<_> = lines.iter().map(|(text, _)| text.as_str()).collect();
-        assert_eq!(words.join(" "), "one two three four");
-        assert!(broken("", 10.0, 45.0).unwrap().is_empty());
-    }
 }

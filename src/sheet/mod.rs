@@ -15,6 +15,7 @@
 
 mod draw;
 mod layout;
+mod lines;
 
 use crate::error::Result;
 use crate::image::RgbImage;

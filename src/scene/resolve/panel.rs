@@ -36,6 +36,9 @@ pub(super) fn resolve_all(cx: &Context, panels: &[At<file::Panel>]) -> Result<Ve
         let what = format!("{} panels are too many", panels.len());
         return Err(cx.refuse(beyond, what, format!("a scene has at most {MOST} panels")));
     }
+    if panels.is_empty() {
+        return Ok(Vec::new());
+    }
     let mut taken = HashSet::new();
     let changes = changes(&cx.report.text);
     let changes = changes.into_iter().chain(std::iter::repeat_with(Vec::new));
@@ -140,7 +143,11 @@ fn collect(table: &dyn TableLike, path: &str, found: &mut Vec<(String, String)>)
             Item::Value(Value::InlineTable(below)) if below.is_dotted() => {
                 collect(below, &path, found);
             }
-            value => found.push((path, value.to_string().trim().to_string())),
+            // An array of tables under headers is one value too; the comment after a value is none of it.
+            value => {
+                let value = value.clone().into_value();
+                found.extend(value.map(|v| (path, v.decorated("", "").to_string())));
+            }
         }
     }
 }

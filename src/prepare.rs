@@ -9,7 +9,7 @@ use crate::film::Layout;
 use crate::plan::{Plan, ViewKind};
 use crate::progress::Progress;
 use crate::sampler::Sampler;
-use crate::scene::model::Scene;
+use crate::scene::model::{CameraModel, Scene};
 use crate::trace::{BaseColours, RestFrame, TimeResolved};
 
 /// A scene with everything loaded and built that its plan lists.
@@ -87,6 +87,12 @@ impl Prepared {
             layout: plan.film.clone(),
             warnings,
         })
+    }
+
+    /// Has the next picture taken by `camera`, which may differ from the scene's in the time of its shot
+    /// alone: everything else stays as it is loaded and built.
+    pub fn retake(&mut self, camera: &CameraModel) {
+        self.shot = Shot::new(camera);
     }
 }
 

@@ -106,6 +106,7 @@ mod derived;
 mod file;
 mod load;
 pub mod model;
+mod motion;
 mod names;
 mod overrides;
 mod panel;

@@ -20,7 +20,7 @@ use super::values::{Number, Vector};
 use crate::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
-pub(super) use motion::{Circle, Keyframe, MotionSegment, ProfileKnot, ProperAcceleration};
+pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
 pub(super) use panel::{Panel, Sheet, Show};
 pub(super) use sensor::{Assembly, Elements, Pivot, Records, Sensor, SensorRotation};

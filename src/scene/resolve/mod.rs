@@ -17,6 +17,7 @@ mod shape;
 mod source;
 mod transform;
 mod velocity;
+mod worldline;
 
 use std::path::Path;
 

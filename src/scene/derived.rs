@@ -56,7 +56,7 @@ impl CameraModel {
 
 impl Sensor {
     /// The focal length in the frame of a camera that looks along `forward` (unit vector of that frame)
-    /// and moves without acceleration, metres.
+    /// and momentarily moves with `velocity`, metres.
     ///
     /// A rod of the proper length d′ at the angle α to its velocity has the world length
     /// d = d′ √(1 − β² cos² α) = d′ √(1 + γ²β² sin² α) / γ. Where d is that of the file, d′ is the

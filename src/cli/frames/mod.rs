@@ -129,7 +129,7 @@ impl Sequence<'_> {
         self.done.prepared_in += start.elapsed().as_secs_f64();
         let start = Instant::now();
         bar.start();
-        prepared.retake(&scene.camera);
+        prepared.retake(scene)?;
         let film = nullray::render::render(prepared, &bar)?;
         drop(bar);
         interrupt::check()?;

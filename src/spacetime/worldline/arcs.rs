@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::cone::past_cone;
+use super::cone::{self, past_cone};
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
 use super::hyperbola;
 use super::state::{Crossing, State};
@@ -112,6 +112,23 @@ impl Arcs {
     /// The arc that the past light cone crosses whose apex is at `from(event)` from each event.
     fn crossed(&self, from: impl Fn(Event<World>) -> Displacement<World>) -> usize {
         self.arcs[1..].partition_point(|arc| is_causal(from(arc.begin.event)))
+    }
+
+    /// The crossing in the frame comoving at `near`, a state of this line, where it is on the same arc.
+    #[inline]
+    pub fn comoving(
+        &self,
+        near: &State,
+        offset: Displacement<Camera>,
+    ) -> Option<Option<Displacement<Camera>>> {
+        let own = self.index(near.proper_time);
+        if self.arcs.len() > 1 {
+            let offset = near.frame().world_from_frame().displacement(offset);
+            if self.crossed(|event| plus(near.event - event, offset)) != own {
+                return None;
+            }
+        }
+        Some(cone::comoving(near, offset))
     }
 
     /// The crossing, its displacement counted from `near`, a state of this line.

@@ -78,27 +78,29 @@ impl Elapsed {
 #[inline]
 pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Crossing> {
     let apex = near.frame().frame_from_world().displacement(offset);
-    let g = near.thrust.g;
-    let light = if g == 0.0 {
-        let y = straight(apex, offset.interval());
-        Light {
-            y,
-            z: 1.0,
-            minus: y,
-        }
-    } else {
-        curved(near, apex, offset)?
-    };
-    let Light { y, z, minus } = light;
-    let along = if is_near(z) {
-        0.5 * g * y * minus
-    } else {
-        0.5 * (y - minus)
-    };
-    let moved = plus(near.ahead * (0.5 * (y + minus)), near.aside * along);
+    // A boost leaves the interval its digits.
+    let interval = (!near.velocity.is_rest()).then(|| offset.interval());
+    let light = crossed(near, apex, interval)?;
+    let (ct, along) = light.place(near.thrust.g);
+    let moved = plus(near.ahead * ct, near.aside * along);
     let start = near.proper_time;
+    let elapsed = Elapsed {
+        start,
+        y: light.y,
+        z: light.z,
+        g: near.thrust.g,
+    };
     let largest = moved.x.abs().max_element() + moved.ct.abs();
-    (largest < f64::INFINITY).then(|| Crossing::new(near.event, moved, Elapsed { start, y, z, g }))
+    (largest < f64::INFINITY).then(|| Crossing::new(near.event, moved, elapsed))
+}
+
+/// The same in the frame comoving at `near`, for an offset in that frame.
+#[inline]
+pub(super) fn comoving(near: &State, apex: Displacement<Camera>) -> Option<Displacement<Camera>> {
+    let Thrust { g, n, .. } = near.thrust;
+    let (ct, along) = crossed(near, apex, None)?.place(g);
+    let moved = Displacement::new(ct, n * along);
+    (moved.x.abs().max_element() + ct.abs() < f64::INFINITY).then_some(moved)
 }
 
 /// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the
@@ -123,6 +125,19 @@ struct Light {
     minus: f64,
 }
 
+impl Light {
+    /// t and x∥.
+    #[inline]
+    fn place(&self, g: f64) -> (f64, f64) {
+        let Light { y, z, minus } = *self;
+        let along = match is_near(z) {
+            true => 0.5 * g * y * minus,
+            false => 0.5 * (y - minus),
+        };
+        (0.5 * (y + minus), along)
+    }
+}
+
 /// Whether z = e^(gτ) follows from y, and not y from z.
 #[inline]
 fn is_near(z: f64) -> bool {
@@ -139,18 +154,23 @@ struct Apex {
     interval: f64,
 }
 
-/// The crossing with a hyperbola, or none beyond its horizon.
+/// The crossing with a straight line or a hyperbola, or none beyond its horizon, for an apex in the frame
+/// comoving at `near`; its interval where that is known better than from there.
 #[inline]
-fn curved(near: &State, apex: Displacement<Camera>, offset: Displacement<World>) -> Option<Light> {
+fn crossed(near: &State, apex: Displacement<Camera>, interval: Option<f64>) -> Option<Light> {
     let Thrust { g, n, .. } = near.thrust;
+    if g == 0.0 {
+        let y = straight(apex, interval.unwrap_or_else(|| apex.interval()));
+        return Some(Light {
+            y,
+            z: 1.0,
+            minus: y,
+        });
+    }
     let (t, along) = (apex.ct, n.dot(apex.x));
     let across = (apex.x - n * along).length_squared();
-    // A boost leaves the interval its digits; along an axis pq − X⊥² has more of them.
-    let interval = if near.velocity.is_rest() {
-        (t + along) * (t - along) - across
-    } else {
-        offset.interval()
-    };
+    // Along an axis pq − X⊥² has more digits than T² − R².
+    let interval = interval.unwrap_or_else(|| (t + along) * (t - along) - across);
     let apex = Apex {
         t,
         along,

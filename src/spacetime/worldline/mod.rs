@@ -197,6 +197,25 @@ impl WorldLine {
         }
     }
 
+    /// The same in the momentarily comoving frame of `near`, from an offset in that frame: what the parts of
+    /// a body see of each other keeps its digits at any speed.
+    #[inline]
+    pub fn on_comoving_light_cone(
+        &self,
+        near: &State,
+        offset: Displacement<Camera>,
+    ) -> Option<Displacement<Camera>> {
+        if let Kind::Arcs(line) = &self.kind
+            && let Some(crossing) = line.comoving(near, offset)
+        {
+            return crossing;
+        }
+        let frame = near.frame();
+        let offset = frame.world_from_frame().displacement(offset);
+        let crossing = self.on_past_light_cone(near, offset)?;
+        Some(frame.frame_from_world().displacement(crossing.displacement))
+    }
+
     /// Where the line crosses the past light cone of `apex`, as [`WorldLine::on_past_light_cone`]. The
     /// displacement of the crossing is counted from `apex` itself: a null vector into the past.
     pub fn on_past_light_cone_of(&self, apex: Event<World>) -> Option<Crossing> {

@@ -145,17 +145,11 @@ fn curved(near: &State, apex: Displacement<Camera>, offset: Displacement<World>)
     let Thrust { g, n, .. } = near.thrust;
     let (t, along) = (apex.ct, n.dot(apex.x));
     let across = (apex.x - n * along).length_squared();
-    // A boost leaves the interval its digits; along an axis pq − X⊥² has more of them.
-    let interval = if near.velocity.is_rest() {
-        (t + along) * (t - along) - across
-    } else {
-        offset.interval()
-    };
     let apex = Apex {
         t,
         along,
         across,
-        interval,
+        interval: offset.interval(),
     };
     if g * (t.abs() + along.abs()) < CLOSE {
         Some(apex.close(g))

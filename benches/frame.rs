@@ -119,7 +119,34 @@ impl Bench {
                 self.measure(&format!("{name}, watched"), &prepared, watched, Some(&peer));
                 let two = Way { threads: 2, ..one };
                 self.measure(&format!("{name}, two threads"), &prepared, two, None);
+                self.cameras(&name, &prepared, &files, &text);
             }
+        }
+    }
+
+    /// What cameras cost whose rays leave each from its own event, relative to the point camera of
+    /// `point`; its scene is `text`.
+    fn cameras(&mut self, name: &str, point: &Prepared, files: &Files, text: &str) {
+        for camera in scene::CAMERAS {
+            let other = files.prepare(&camera.in_place(text));
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+            let pool = pool.build().expect("a thread");
+            let time = |scene| seconds(|| pool.install(|| render(scene, &Silent).is_ok()));
+            let (mut best, mut best_point) = (f64::INFINITY, f64::INFINITY);
+            for _ in 0..self.size.rounds {
+                best_point = best_point.min(time(point));
+                best = best.min(time(&other));
+            }
+            let case = format!("{name}, {}", camera.name);
+            let (times, rate) = (
+                best / best_point,
+                point.layout.size[0].pow(2) as f64 / best / 1e6,
+            );
+            println!("{case:<60} {rate:6.2} Mrays/s   {times:.2} times the point camera's time");
+            let line = serde_json::json!({
+                "case": case, "seconds": best, "mrays_per_s": rate, "threads": 1, "times_point": times,
+            });
+            writeln!(self.report, "{line}").expect("report");
         }
     }
 

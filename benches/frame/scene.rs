@@ -78,6 +78,59 @@ pub const MAIN_CASES: &[Case] = &[
     cube(HEADLINE, "cubic", false),
 ];
 
+/// A camera whose rays leave each from an event of its own, to be compared with a point camera that
+/// sees the same.
+pub struct Camera {
+    pub name: &'static str,
+    tables: &'static [&'static str],
+    /// Other than a rigid body. Its focal length is γ times longer in its own frame, and its film wider.
+    assembly: Option<&'static str>,
+}
+
+const fn lens(
+    name: &'static str,
+    tables: &'static [&'static str],
+    assembly: Option<&'static str>,
+) -> Camera {
+    Camera {
+        name,
+        tables,
+        assembly,
+    }
+}
+
+impl Camera {
+    /// The scene `text` of a point camera at 0.9 c with this camera in its place.
+    pub fn in_place(&self, text: &str) -> String {
+        let mut text = format!("{text}{}", self.tables.concat());
+        if let Some(assembly) = self.assembly {
+            text += &format!("assembly = \"{assembly}\"\n");
+            let (before, rest) = text.split_once("hfov = \"").expect("a field of view");
+            let (degrees, after) = rest.split_once(" deg").expect("degrees");
+            let half = 0.5 * degrees.parse::<f64>().expect("a number").to_radians();
+            let wide = 2.0 * (half.tan() / 0.19f64.sqrt()).atan();
+            text = format!("{before}hfov = \"{} deg{after}", wide.to_degrees());
+        }
+        text
+    }
+}
+
+const SENSOR: &str = "[camera.sensor]\nfocal_length = \"36 mm\"\n";
+const ACCELERATION: &str =
+    "[camera.motion]\nacceleration = { proper = \"0.1 /m\", direction = [0, 0, 1] }\n";
+const ROTATION: &str = "[camera.rotation]\naxis = [0, 1, 0]\nrate = \"2 rad/m\"\n";
+const SHUTTER: &str = "[camera.shutter]\nduration = \"1 mm\"\n";
+
+pub const CAMERAS: &[Camera] = &[
+    lens("sensor", &[SENSOR], None),
+    lens("fixed length in the world", &[SENSOR], Some("world_length")),
+    lens("accelerating sensor", &[ACCELERATION, SENSOR], None),
+    lens("Bell's ships", &[ACCELERATION, SENSOR], Some("bell")),
+    lens("turning sensor", &[ROTATION, SENSOR], None),
+    lens("shutter", &[SHUTTER], None),
+    lens("shutter and acceleration", &[ACCELERATION, SHUTTER], None),
+];
+
 /// The files of a mesh and its size.
 pub struct Files {
     folder: PathBuf,

@@ -18,8 +18,8 @@ use glam::DVec3;
 use super::inertial::Exposure;
 use super::{Apart, Look, Pinhole, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
-use crate::spacetime::worldline::{State, WorldLine};
-use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, World};
+use crate::spacetime::worldline::{State, Vicinity, WorldLine};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
 
 /// A camera on a world line, with a sensor, a shutter, or both.
 #[derive(Debug)]
@@ -41,6 +41,8 @@ pub struct Accelerated {
 struct Placed {
     state: State,
     world_from_camera: Boost<World, Camera>,
+    /// What is around the state, where the acceleration is constant there.
+    vicinity: Option<Vicinity>,
     /// By how much the focal length is longer in its own frame than the scene says, metres.
     stretch: f64,
     /// From the event of the shot to the pinhole's event.
@@ -93,6 +95,7 @@ impl Accelerated {
         let state = self.line.state(self.time + t)?;
         Some(Placed {
             world_from_camera: *state.frame().world_from_frame(),
+            vicinity: self.line.vicinity(&state),
             stretch: self.sensor.map_or(0.0, |sensor| {
                 let own = sensor.own_focal_length(self.film.forward(), state.velocity);
                 own - sensor.focal_length
@@ -122,20 +125,49 @@ impl Accelerated {
     /// The element at `element` from the pinhole on a rigid body, in its frame.
     #[inline]
     fn rigid(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
-        let element = Displacement::new(0.0, element);
-        let own = self.line.on_comoving_light_cone(&camera.state, element)?;
-        let seen = Direction::new(own.x - element.x)?;
-        Some(camera.sight(seen, camera.world_from_camera.displacement(own)))
+        let apex = Displacement::new(0.0, element);
+        let crossing = |v: &Vicinity| {
+            let own = v.crossing(apex, element.length_squared())?;
+            Some((own, v.in_world(own)))
+        };
+        let near = camera.vicinity.as_ref().and_then(crossing);
+        let (own, from) = near.or_else(|| self.rigid_anywhere(camera, apex))?;
+        Some(camera.sight(along(own.x - element)?, from))
+    }
+
+    /// Where light left the pinhole for a place on its body, in its frame and the world, where the
+    /// acceleration is not constant, or changes while the light is under way.
+    #[inline(never)]
+    fn rigid_anywhere(&self, camera: &Placed, apex: Displacement<Camera>) -> Option<Passage> {
+        let at = camera.world_from_camera.displacement(apex);
+        let from = self
+            .line
+            .on_past_light_cone(&camera.state, at)?
+            .displacement;
+        let camera_from_world = camera.state.frame().frame_from_world();
+        Some((camera_from_world.displacement(from), from))
     }
 
     /// The element at `element` from the pinhole, as the world measures, on a ship of its own.
     #[inline]
     fn ships(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
-        let element = Displacement::new(0.0, element);
-        let crossing = self.line.on_past_light_cone(&camera.state, element)?;
-        let from = crossing.displacement;
-        let d = Direction::new(from.x - element.x)?;
-        let (seen, ratio) = camera.world_from_camera.inverse().direction(d);
+        let camera_from_world = camera.state.frame().frame_from_world();
+        let at = Displacement::new(0.0, element);
+        let crossing = |v: &Vicinity| {
+            let apex = camera_from_world.displacement(at);
+            Some(v.in_world(v.crossing(apex, element.length_squared())?))
+        };
+        let near = camera.vicinity.as_ref().and_then(crossing);
+        let anywhere = || {
+            Some(
+                self.line
+                    .on_past_light_cone(&camera.state, at)?
+                    .displacement,
+            )
+        };
+        let from = near.or_else(anywhere)?;
+        let d = along(from.x - element)?;
+        let (seen, ratio) = camera_from_world.direction(d);
         Some(Sight {
             d,
             seen,
@@ -144,6 +176,10 @@ impl Accelerated {
         })
     }
 }
+
+/// From the pinhole's event at the time of exposure to that at which the light passed: in the comoving
+/// frame and in the world.
+type Passage = (Displacement<Camera>, Displacement<World>);
 
 impl Placed {
     /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
@@ -157,6 +193,16 @@ impl Placed {
             from,
         }
     }
+}
+
+/// The direction of `way`, whose squares are in the usual range unless the camera's sizes are not.
+#[inline]
+fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
+    let square = way.length_squared();
+    if (1e-200..1e200).contains(&square) {
+        return Some(Direction::from_unit(way * (1.0 / square.sqrt())));
+    }
+    Direction::new(way)
 }
 
 /// What an element sees whose light never passed the pinhole.

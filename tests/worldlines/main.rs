@@ -16,3 +16,4 @@ mod precision;
 mod profile;
 mod refusals;
 mod tables;
+mod vicinity;

@@ -8,10 +8,11 @@
 
 use glam::DVec3;
 
-use super::cone::{self, past_cone};
+use super::cone::past_cone;
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
 use super::hyperbola;
 use super::state::{Crossing, State};
+use super::vicinity::Vicinity;
 use super::{Segment, is_causal, minus, plus};
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
 
@@ -114,21 +115,13 @@ impl Arcs {
         self.arcs[1..].partition_point(|arc| is_causal(from(arc.begin.event)))
     }
 
-    /// The crossing in the frame comoving at `near`, a state of this line, where it is on the same arc.
-    #[inline]
-    pub fn comoving(
-        &self,
-        near: &State,
-        offset: Displacement<Camera>,
-    ) -> Option<Option<Displacement<Camera>>> {
-        let own = self.index(near.proper_time);
-        if self.arcs.len() > 1 {
-            let offset = near.frame().world_from_frame().displacement(offset);
-            if self.crossed(|event| plus(near.event - event, offset)) != own {
-                return None;
-            }
-        }
-        Some(cone::comoving(near, offset))
+    /// The arc around `near`, a state of this line.
+    pub fn vicinity(&self, near: &State) -> Vicinity {
+        let since = match self.index(near.proper_time) {
+            0 => f64::NEG_INFINITY,
+            index => self.arcs[index].begin.proper_time - near.proper_time,
+        };
+        Vicinity::new(*near, since)
     }
 
     /// The crossing, its displacement counted from `near`, a state of this line.

@@ -92,15 +92,6 @@ pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Cro
     (largest < f64::INFINITY).then(|| Crossing::new(near.event, moved, elapsed))
 }
 
-/// The same in the frame comoving at `near`, for an offset in that frame.
-#[inline]
-pub(super) fn comoving(near: &State, apex: Displacement<Camera>) -> Option<Displacement<Camera>> {
-    let Thrust { g, n, .. } = near.thrust;
-    let (ct, along) = crossed(near, apex, apex.interval())?.place(g);
-    let moved = Displacement::new(ct, n * along);
-    (moved.x.abs().max_element() + ct.abs() < f64::INFINITY).then_some(moved)
-}
-
 /// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the
 /// digits of the world's coordinates.
 #[inline]
@@ -194,21 +185,26 @@ impl Apex {
         self.through(self.y(half + 0.5 * q, s, big_q), g)
     }
 
-    /// The root y of b, S and Q.
+    /// The root y of b, S and Q, as a fraction.
     #[inline]
-    fn y(&self, b: f64, s: f64, big_q: f64) -> f64 {
-        let (over, under) = if b > 0.0 {
+    fn y(&self, b: f64, s: f64, big_q: f64) -> (f64, f64) {
+        if b > 0.0 {
             (self.interval, b + s)
         } else {
             (b - s, big_q)
-        };
-        over / under
+        }
     }
 
+    /// The point at y = `over`/`under`.
     #[inline]
-    fn through(&self, y: f64, g: f64) -> Light {
-        let z = 1.0 + g * y;
-        Light { y, z, minus: y / z }
+    fn through(&self, (over, under): (f64, f64), g: f64) -> Light {
+        let y = over / under;
+        Light {
+            y,
+            z: 1.0 + g * y,
+            // y/z, without waiting for either.
+            minus: over / (under + g * over),
+        }
     }
 
     #[inline(never)]

@@ -54,6 +54,7 @@ mod series;
 mod spline;
 mod state;
 mod taylor;
+mod vicinity;
 
 use glam::DVec3;
 
@@ -64,6 +65,7 @@ pub use error::{MAX_ACCELERATION, MAX_ENTRIES, MAX_KEYFRAME_SPEED, WorldLineErro
 use keyframes::Keyframes;
 use profile::Profile;
 pub use state::{Crossing, State};
+pub use vicinity::Vicinity;
 
 /// A stretch of constant proper acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,23 +199,12 @@ impl WorldLine {
         }
     }
 
-    /// The same in the momentarily comoving frame of `near`, from an offset in that frame: what the parts of
-    /// a body see of each other keeps its digits at any speed.
-    #[inline]
-    pub fn on_comoving_light_cone(
-        &self,
-        near: &State,
-        offset: Displacement<Camera>,
-    ) -> Option<Displacement<Camera>> {
-        if let Kind::Arcs(line) = &self.kind
-            && let Some(crossing) = line.comoving(near, offset)
-        {
-            return crossing;
+    /// What there is around `near`, a state of this line, where its proper acceleration is constant there.
+    pub fn vicinity(&self, near: &State) -> Option<Vicinity> {
+        match &self.kind {
+            Kind::Arcs(line) => Some(line.vicinity(near)),
+            _ => None,
         }
-        let frame = near.frame();
-        let offset = frame.world_from_frame().displacement(offset);
-        let crossing = self.on_past_light_cone(near, offset)?;
-        Some(frame.frame_from_world().displacement(crossing.displacement))
     }
 
     /// Where the line crosses the past light cone of `apex`, as [`WorldLine::on_past_light_cone`]. The

@@ -1,0 +1,80 @@
+//! The stretch of constant proper acceleration around one state, for very many light cones.
+//!
+//! In the frame comoving at the state, let the apex of a past light cone be at time T, a along the
+//! acceleration g and X⊥ across it, and spacelike from the state: r² = a² + X⊥² − T² > 0. With
+//!
+//! ```text
+//! h = ½ g r²,   S² = X⊥² + (a + h)²,   w = S + T
+//! ```
+//!
+//! the roots of [`super::cone`] (there I = −r² and b = T + h) are t + x∥ = −r²/(w + h) and
+//! t − x∥ = −r²/(w − h), so that the cone crosses the line at
+//!
+//! ```text
+//! t = −r² w/(w² − h²),   x∥ = r² h/(w² − h²),
+//! ```
+//!
+//! as long as w > h: for T = 0, until 1 + ga = 0, the horizon. Where T < 0, w is (r² + h(2a + h))/(S − T), so
+//! that nothing cancels before a horizon is near.
+
+use glam::DVec3;
+
+use super::state::State;
+use crate::spacetime::{Camera, Displacement, World};
+
+/// The part of a world line around a state, as far as its proper acceleration is constant.
+#[derive(Debug, Clone, Copy)]
+pub struct Vicinity {
+    near: State,
+    g: f64,
+    n: DVec3,
+    /// t + x∥ where it begins, in the comoving frame.
+    begin: f64,
+}
+
+impl Vicinity {
+    /// That of `near`, since `elapsed` ≤ 0 of proper time.
+    pub(super) fn new(near: State, elapsed: f64) -> Self {
+        let g = near.thrust.g;
+        Vicinity {
+            near,
+            g,
+            n: near.thrust.n,
+            begin: match g > 0.0 && elapsed > f64::NEG_INFINITY {
+                true => libm::expm1(g * elapsed) / g,
+                false => elapsed,
+            },
+        }
+    }
+
+    /// Where the line crosses the past light cone of the event at `apex` from the state in the comoving frame,
+    /// counted from the state; none beyond a horizon, or before the acceleration changed. `square` is
+    /// r² = |x|² − t² > 0 of the apex, which other frames may know better.
+    #[inline(always)]
+    pub fn crossing(
+        &self,
+        apex: Displacement<Camera>,
+        square: f64,
+    ) -> Option<Displacement<Camera>> {
+        let along = self.n.dot(apex.x);
+        let across = (apex.x - self.n * along).length_squared();
+        let h = 0.5 * self.g * square;
+        let s = (across + (along + h) * (along + h)).sqrt();
+        let w = match apex.ct >= 0.0 {
+            true => s + apex.ct,
+            false => (square + h * (2.0 * along + h)) / (s - apex.ct),
+        };
+        let scale = square / ((w - h) * (w + h));
+        let (ct, ahead) = (-w * scale, h * scale);
+        (w > h && scale < f64::INFINITY && ct + ahead >= self.begin)
+            .then(|| Displacement::new(ct, self.n * ahead))
+    }
+
+    /// A displacement of the comoving frame by `ct` and `x` = n x∥, as [`Vicinity::crossing`] gives them, in
+    /// the world.
+    #[inline(always)]
+    pub fn in_world(&self, crossing: Displacement<Camera>) -> Displacement<World> {
+        let ahead = self.n.dot(crossing.x);
+        self.near.ahead * crossing.ct + self.near.aside * ahead
+    }
+}

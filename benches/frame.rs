@@ -22,8 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::camera::{Moving, Still, View};
-use nullray::plan::ViewKind;
+use nullray::camera::{AnyView, View};
 use nullray::prepare::Prepared;
 use nullray::progress::{Progress, Silent};
 use nullray::render::render;
@@ -108,7 +107,7 @@ impl Bench {
             let text = scene::of_mesh(&files, case, place, self.size.image);
             let prepared = files.prepare(&text);
             let rays = world_directions(&prepared);
-            let peer = || peer.trace(prepared.shot.event.x, &rays);
+            let peer = || peer.trace(prepared.camera.shot.event.x, &rays);
             let name = format!("{name}/{}", case.name);
             let one = Way::default();
             self.measure(&name, &prepared, one, Some(&peer));
@@ -216,13 +215,12 @@ fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
 /// The world look directions through all pixel centres, in tiles of 8 × 8.
 fn world_directions(scene: &Prepared) -> Vec<DVec3> {
     const TILE: usize = 8;
-    let still = Still(scene.shot.pinhole.clone());
-    let moving = Moving::new(&scene.shot);
     let look = |(y, x): (usize, usize)| {
         let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
-        match scene.view {
-            ViewKind::Still => still.look(x, y).0.unit(),
-            _ => moving.look(x, y).0.unit(),
+        match &scene.camera.view {
+            AnyView::Still(view) => view.look(x, y, 0.0).d.unit(),
+            AnyView::Moving(view) => view.look(x, y, 0.0).d.unit(),
+            other => panic!("the peer has no {:?} camera", other.kind()),
         }
     };
     let tiles = grid(scene.layout.size[0] as usize / TILE);

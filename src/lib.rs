@@ -62,6 +62,7 @@ pub mod render;
 pub mod sampler;
 pub mod scene;
 pub mod shapes;
+pub mod sheet;
 pub mod spacetime;
 pub mod text;
 pub mod time_texture;

@@ -15,10 +15,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::aov::Aov;
+use crate::camera::{self, Camera};
 use crate::error::{Error, Result};
 use crate::film::Layout;
 use crate::import::{gltf, npy};
-use crate::scene::model::{Geometry, Mapping, Scene, SourceKind};
+use crate::scene::model::{Elements, Geometry, Mapping, Scene, SourceKind};
 use crate::shapes;
 
 pub use bindings::{Lit, lit_by};
@@ -46,25 +47,13 @@ impl Default for Request {
     }
 }
 
-/// How film points become world directions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewKind {
-    /// The camera rests in the world: no boost.
-    Still,
-    /// Directions are boosted.
-    Moving,
-    /// The camera moves; aberration is turned off.
-    Unaberrated,
-}
-
 /// What will be done.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
     /// The scene's name.
     pub scene: String,
     /// How film points become world directions.
-    pub view: ViewKind,
+    pub view: camera::Kind,
     /// The rest frames; one BVH each.
     pub frames: Vec<PlannedFrame>,
     /// Per object of the scene, what is loaded of it.
@@ -185,12 +174,12 @@ impl Plan {
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
         let memory = memory::memory(&frames, &objects, &cubes, &layout);
-        let view = view(scene);
+        let view = Camera::new(scene)?.view.kind();
         let mut plan = Plan {
             scene: scene.name.clone(),
             view,
             frames,
-            time_resolved: layout.has_gaps,
+            time_resolved: is_time_resolved(scene, &objects),
             objects,
             cubes,
             film: layout,
@@ -223,14 +212,6 @@ impl Plan {
     }
 }
 
-fn view(scene: &Scene) -> ViewKind {
-    match (scene.camera.velocity.is_rest(), scene.effects.aberration) {
-        (true, _) => ViewKind::Still,
-        (false, true) => ViewKind::Moving,
-        (false, false) => ViewKind::Unaberrated,
-    }
-}
-
 fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout {
     Layout {
         size: scene.camera.size,
@@ -241,13 +222,23 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
         },
         pixel_centers: request.pixel_centers,
         channels: request.aovs.clone(),
-        has_gaps: (0..objects.len()).any(|o| {
-            objects[o]
-                .materials
-                .iter()
-                .any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
-        }),
+        has_gaps: covers_itself(scene) || is_time_resolved(scene, objects),
     }
+}
+
+/// Whether any radiance varies with time.
+fn is_time_resolved(scene: &Scene, objects: &[PlannedObject]) -> bool {
+    let varies = |o: usize| {
+        let mut materials = objects[o].materials.iter();
+        materials.any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
+    };
+    (0..objects.len()).any(varies)
+}
+
+/// Whether the camera's sensor can hide the pinhole from parts of itself.
+fn covers_itself(scene: &Scene) -> bool {
+    let rotation = scene.camera.rotation;
+    scene.camera.sensor.is_some() && rotation.is_some_and(|r| r.elements == Elements::Aberrated)
 }
 
 fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {

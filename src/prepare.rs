@@ -3,10 +3,10 @@
 mod geometry;
 mod light;
 
-use crate::camera::Shot;
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::film::Layout;
-use crate::plan::{Plan, ViewKind};
+use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::sampler::Sampler;
 use crate::scene::model::Scene;
@@ -16,9 +16,7 @@ use crate::trace::{BaseColours, RestFrame, TimeResolved};
 #[derive(Debug)]
 pub struct Prepared {
     /// The camera at the moment of the shot.
-    pub shot: Shot,
-    /// How film points become world directions.
-    pub view: ViewKind,
+    pub camera: Camera,
     /// The rest frames with their BVHs.
     pub frames: Vec<RestFrame>,
     /// Radiance of surfaces.
@@ -50,7 +48,7 @@ impl Prepared {
     /// # Errors
     /// Broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
-        let shot = Shot::new(&scene.camera);
+        let camera = Camera::new(scene)?;
         let mut light = light::Builder::new(scene, plan);
         let mut warnings = Vec::new();
         let mut frames = Vec::with_capacity(plan.frames.len());
@@ -77,8 +75,7 @@ impl Prepared {
             Sampler::stratified(plan.film.samples)
         };
         Ok(Prepared {
-            shot,
-            view: plan.view,
+            camera,
             frames,
             light,
             ray_index,
@@ -87,6 +84,16 @@ impl Prepared {
             layout: plan.film.clone(),
             warnings,
         })
+    }
+
+    /// Has the next picture taken by the camera of `scene`, which may differ from that of the scene that was
+    /// prepared in its motion and time alone: everything else stays as it is loaded and built.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn retake(&mut self, scene: &Scene) -> Result<()> {
+        self.camera = Camera::new(scene)?;
+        Ok(())
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{self, View};
+use crate::camera::{AnyView, View};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
@@ -16,21 +16,21 @@ use crate::trace::{self, AovRecorder, NoAovs, Pipeline, Radiance, Recorder, Surf
 /// # Errors
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
-    use crate::plan::ViewKind;
-    let shot = &scene.shot;
-    match scene.view {
-        ViewKind::Still => scene.seen(camera::Still(shot.pinhole.clone()), progress),
-        ViewKind::Moving => scene.seen(camera::Moving::new(shot), progress),
-        ViewKind::Unaberrated => {
-            scene.seen(camera::Unaberrated(camera::Moving::new(shot)), progress)
-        }
+    match &scene.camera.view {
+        AnyView::Still(view) => scene.seen(view, progress),
+        AnyView::Moving(view) => scene.seen(view, progress),
+        AnyView::Unaberrated(view) => scene.seen(view, progress),
+        AnyView::Inertial(view) => scene.seen(view, progress),
+        AnyView::Accelerated(view) => scene.seen(view.as_ref(), progress),
+        AnyView::Turning(view) => scene.seen(view, progress),
+        AnyView::Paper(view) => scene.seen(view, progress),
     }
 }
 
 // Each step fixes one type of the pipeline; every combination is compiled for itself.
 impl Prepared {
-    fn seen<V: View>(&self, view: V, progress: &dyn Progress) -> Result<Film> {
-        let (event, index) = (self.shot.event, self.ray_index);
+    fn seen<V: View>(&self, view: &V, progress: &dyn Progress) -> Result<Film> {
+        let (event, index) = (self.camera.shot.event, self.ray_index);
         match self.frames.as_slice() {
             [rest] if rest.frame.velocity().is_rest() => {
                 self.met(view, trace::Still::new(rest, event, index), progress)
@@ -42,7 +42,7 @@ impl Prepared {
 
     fn met<V: View, S: Surfaces>(
         &self,
-        view: V,
+        view: &V,
         surfaces: S,
         progress: &dyn Progress,
     ) -> Result<Film> {
@@ -54,7 +54,7 @@ impl Prepared {
 
     fn lit<V: View, S: Surfaces, R: Radiance>(
         &self,
-        view: V,
+        view: &V,
         surfaces: S,
         radiance: &R,
         progress: &dyn Progress,
@@ -63,7 +63,7 @@ impl Prepared {
             view,
             surfaces,
             radiance,
-            event: self.shot.event,
+            event: self.camera.shot.event,
             index: self.ray_index,
             background: self.background,
             sampler: self.sampler,

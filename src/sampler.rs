@@ -67,6 +67,32 @@ impl Sampler {
     }
 }
 
+impl Sampler {
+    /// The moment of sample `index` in an exposure, in [0, 1): n samples take n different strata of
+    /// time.
+    ///
+    /// Of an a × b grid of cells (a ≤ b columns, rows) the a samples of each b-th part of the time lie
+    /// in all columns, and in rows b/a apart: what depends on time less delay, and so on time and
+    /// place alike, finds place and time uncorrelated (an orthogonal array; Owen 1992).
+    #[inline]
+    pub fn moment(&self, column: u32, row: u32, index: u32) -> f64 {
+        if self.centred {
+            return 0.5;
+        }
+        let (a, b) = (self.columns, self.rows);
+        let pixel = hash(!(column as u64 | ((row as u64) << 32)));
+        let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let (i, j) = (index % a, index / a);
+        let part = match a {
+            1 => sub_cell(j, b, pixel),
+            _ => f64::from((j + i * (b / a) + (pixel >> 32) as u32 % b) % b),
+        };
+        let within = (sub_cell(i, a, pixel.rotate_left(23)) + unit(noise as u32)) / f64::from(a);
+        // Rounding may lift the last sample to 1.
+        ((part + within) / f64::from(b)).min(1.0 - f64::EPSILON)
+    }
+}
+
 /// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
     if n == 1 {
@@ -143,5 +169,39 @@ mod tests {
         let sum: f64 = (0..10_000).map(|i| sampler.offset(i, 3, 0)[0]).sum();
         // Standard error of the mean of 10⁴ uniform numbers: 1/√(12·10⁴) = 0.0029.
         assert!((sum / 10_000.0 - 0.5).abs() < 0.012);
+    }
+
+    #[test]
+    fn moments_fill_every_stratum_of_time_once() {
+        for n in [1, 2, 5, 7, 12, 16, 64, 100] {
+            let sampler = Sampler::stratified(n);
+            for pixel in [(0, 0), (3, 5), (1000, 17)] {
+                let moment = |i| sampler.moment(pixel.0, pixel.1, i);
+                let mut strata: Vec<u32> = (0..n).map(|i| (moment(i) * n as f64) as u32).collect();
+                strata.sort_unstable();
+                assert_eq!(strata, (0..n).collect::<Vec<_>>(), "{n} samples");
+            }
+        }
+    }
+
+    #[test]
+    fn place_and_time_are_uncorrelated_in_every_pixel() {
+        // Of 64 samples those of each eighth of the time lie in all 8 columns and all 8 rows.
+        let sampler = Sampler::stratified(64);
+        for pixel in [(0, 0), (7, 2), (90, 4000)] {
+            let mut seen = [[0; 8]; 16];
+            for i in 0..64 {
+                let [x, y] = sampler.offset(pixel.0, pixel.1, i);
+                let part = (sampler.moment(pixel.0, pixel.1, i) * 8.0) as usize;
+                seen[(x * 8.0) as usize][part] += 1;
+                seen[8 + (y * 8.0) as usize][part] += 1;
+            }
+            assert_eq!(seen, [[1; 8]; 16]);
+        }
+    }
+
+    #[test]
+    fn the_only_moment_of_a_centred_sample_is_the_middle() {
+        assert_eq!(Sampler::centred().moment(4, 5, 0), 0.5);
     }
 }

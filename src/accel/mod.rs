@@ -159,10 +159,34 @@ impl Bvh {
         origin: DVec3,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
+        replaced: impl FnMut(usize),
+    ) {
+        let rays = directions.iter().map(|&direction| (origin, direction));
+        self.closest_along(rays, hits, replaced);
+    }
+
+    /// The same for rays with an origin of their own each.
+    #[inline]
+    pub fn closest_from_each(
+        &self,
+        origins: &[DVec3],
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        replaced: impl FnMut(usize),
+    ) {
+        let rays = origins.iter().copied().zip(directions.iter().copied());
+        self.closest_along(rays, hits, replaced);
+    }
+
+    #[inline(always)]
+    fn closest_along(
+        &self,
+        rays: impl Iterator<Item = (DVec3, DVec3)>,
+        hits: &mut [Option<Hit>],
         mut replaced: impl FnMut(usize),
     ) {
         self.with_stack(|stack| {
-            for (i, (&direction, entry)) in directions.iter().zip(hits).enumerate() {
+            for (i, ((origin, direction), entry)) in rays.zip(hits).enumerate() {
                 let ray = Ray {
                     origin,
                     direction,

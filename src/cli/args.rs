@@ -1,12 +1,15 @@
 //! What was typed. One definition makes the parser, the help, the man pages and the completions.
 
+mod values;
+
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use nullray::aov::{self, Aov};
+use nullray::aov::Aov;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
-use nullray::units::{Percentage, Time};
+use nullray::units::Time;
 
 use super::help;
 
@@ -25,6 +28,9 @@ pub enum Command {
     /// Render a scene to pictures.
     #[command(after_help = help::RENDER, after_long_help = help::render_long())]
     Render(RenderArguments),
+    /// Render the panels of scenes to contact sheets: one labelled page for each scene.
+    #[command(after_help = help::SHEET)]
+    Sheet(SheetArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
@@ -52,8 +58,19 @@ pub struct SceneArguments {
     /// The scene file (TOML). Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// Auxiliary channels for .exr and .npz: "all", or a list of channels ("event.ct") and groups of
+    /// them ("event").
+    #[arg(long, value_name = "LIST", value_parser = values::aovs)]
+    pub aovs: Option<AovList>,
+}
+
+/// What is changed of a scene.
+#[derive(Debug, Args)]
+pub struct Changes {
     /// Image size in pixels.
-    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
@@ -62,24 +79,66 @@ pub struct SceneArguments {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time: Option<String>,
     /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %".
-    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = percentage)]
+    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = values::percentage)]
     pub exposure: Option<String>,
     /// The radiance that becomes white in a .png.
     #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
     pub white: Option<f64>,
-    /// Auxiliary channels for .exr and .npz: "all", or a list of channels ("event.ct") and groups of
-    /// them ("event").
-    #[arg(long, value_name = "LIST", value_parser = aovs)]
-    pub aovs: Option<AovList>,
     /// One sample per pixel, exactly at its centre.
     #[arg(long, visible_alias = "pixel-centres", conflicts_with = "spp")]
     pub pixel_centers: bool,
     /// Change a key of the scene file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
     /// The most memory that the scene may take.
-    #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = bytes)]
+    #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = values::bytes)]
     pub max_memory: u64,
+}
+
+/// Which moments are rendered, where they are many.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sequences")]
+pub struct FrameArguments {
+    /// Frames A to B, B not included. Frame k is taken k intervals after the camera's time.
+    #[arg(long, value_name = "A..B", value_parser = values::frames, group = "sequence", allow_hyphen_values = true)]
+    pub frames: Option<Range<u64>>,
+    /// The camera's proper time of frame 0. Frames go on until --to.
+    #[arg(
+        long,
+        value_name = "TIME",
+        group = "sequence",
+        requires = "to",
+        conflicts_with = "time",
+        allow_hyphen_values = true
+    )]
+    pub from: Option<Time>,
+    /// The camera's proper time at which no frame is taken any more.
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "from",
+        conflicts_with = "frames",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<Time>,
+    /// Frames per second of the camera's clock. Default: by the scene's camera.frame_interval.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "sequence",
+        conflicts_with = "interval",
+        value_parser = values::rate,
+        allow_hyphen_values = true
+    )]
+    pub fps: Option<f64>,
+    /// Camera time between frames, with its unit: "1 cm" or "40 ps".
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "sequence",
+        allow_hyphen_values = true
+    )]
+    pub interval: Option<Time>,
 }
 
 #[derive(Debug, Args)]
@@ -97,6 +156,36 @@ pub struct RenderArguments {
     /// Distance between isochrones, with its unit. Default: a round number.
     #[arg(long, value_name = "TIME", requires = "isochrones")]
     pub isochrone_step: Option<Time>,
+    /// Render this panel of the scene; all without it. Repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Vec<String>,
+    /// Worker threads. Default: one per core. The pictures do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub frames: FrameArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct SheetArguments {
+    /// The scene files (TOML), with panels or without.
+    #[arg(value_name = "SCENE", required = true)]
+    pub scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// Where to write the page of one scene. Default: the scene's name with -sheet.png, in the current
+    /// directory.
+    #[arg(short, long, value_name = "FILE.png", conflicts_with = "directory")]
+    pub output: Option<PathBuf>,
+    /// Where to write all pages; made where it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub directory: Option<PathBuf>,
+    /// Also write each panel, beside its page: the scene's name and the panel's.
+    #[arg(long)]
+    pub keep_panels: bool,
     /// Worker threads. Default: one per core. The pictures do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -109,6 +198,9 @@ pub struct RenderArguments {
 pub struct PlanArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
+    /// Plan this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
@@ -129,6 +221,16 @@ pub struct InfoArguments {
 pub struct AovList(pub Vec<Aov>);
 
 impl SceneArguments {
+    /// What is asked of the scene beyond its file.
+    pub fn request(&self) -> nullray::plan::Request {
+        nullray::plan::Request {
+            aovs: self.aovs.clone().map_or(Vec::new(), |list| list.0),
+            ..self.changes.request()
+        }
+    }
+}
+
+impl Changes {
     /// The changes to the scene file.
     pub fn overrides(&self) -> Overrides {
         Overrides {
@@ -141,62 +243,12 @@ impl SceneArguments {
         }
     }
 
-    /// What is asked of the scene beyond its file.
+    /// What is asked of a scene beyond its file.
     pub fn request(&self) -> nullray::plan::Request {
         nullray::plan::Request {
-            aovs: self.aovs.clone().map_or(Vec::new(), |list| list.0),
+            aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.max_memory,
         }
     }
-}
-
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let (width, height) = text
-        .split_once(['x', 'X', '×'])
-        .ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
-    let pixels = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0);
-    match (pixels(width), pixels(height)) {
-        (Some(width), Some(height)) => Ok([width, height]),
-        _ => Err("width and height are whole numbers above 0".into()),
-    }
-}
-
-fn assignment(text: &str) -> Result<(String, String), String> {
-    let (key, value) = text
-        .split_once('=')
-        .filter(|(key, _)| !key.trim().is_empty())
-        .ok_or("write KEY=VALUE, for instance --set \"camera.time=3 m\"")?;
-    Ok((key.trim().into(), value.trim().into()))
-}
-
-fn bytes(text: &str) -> Result<u64, String> {
-    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
-        "" | "b" => 1,
-        "k" | "kb" | "kib" => 1 << 10,
-        "m" | "mb" | "mib" => 1 << 20,
-        "g" | "gb" | "gib" => 1 << 30,
-        "t" | "tb" | "tib" => 1 << 40,
-        other => return Err(format!("\"{other}\" is no unit of memory; write 16GiB")),
-    };
-    let number = digits
-        .trim()
-        .parse::<u64>()
-        .map_err(|e| format!("{e}; write 16GiB"))?;
-    number.checked_mul(unit).ok_or_else(|| "too large".into())
-}
-
-fn aovs(text: &str) -> Result<AovList, String> {
-    aov::parse(text).map(AovList)
-}
-
-/// A percentage; a bare number is one too.
-fn percentage(text: &str) -> Result<String, String> {
-    let text = match text.trim().parse::<f64>() {
-        Ok(number) => format!("{number} %"),
-        Err(_) => text.into(),
-    };
-    let parsed = text.parse::<Percentage>();
-    parsed.map(|_| text).map_err(|error| error.to_string())
 }

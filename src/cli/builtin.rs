@@ -3,24 +3,31 @@
 use std::path::Path;
 
 use nullray::scene::Overrides;
-use nullray::scene::model::Scene;
-use nullray::{Result, files};
-
-use super::args::SceneArguments;
+use nullray::scene::model::{Panel, Scene};
+use nullray::{Result, files, scene};
 
 /// The text of the built-in scene.
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
+const FOLDER: &str = files::BUILT_IN;
 
 /// The scene of a command: the file that was named, or the built-in one.
-pub fn scene_or_builtin(arguments: &SceneArguments) -> Result<Scene> {
-    match &arguments.scene {
-        Some(path) => nullray::scene::load(path, &arguments.overrides()),
-        None => scene(&arguments.overrides()),
+pub fn load(path: Option<&Path>, overrides: &Overrides) -> Result<Scene> {
+    match path {
+        Some(path) => scene::load(path, overrides),
+        None => scene::parse(TEXT, NAME, Path::new(FOLDER), overrides),
     }
 }
 
-/// The built-in scene.
-pub fn scene(overrides: &Overrides) -> Result<Scene> {
-    nullray::scene::parse(TEXT, NAME, Path::new(files::BUILT_IN), overrides)
+/// The scene of a panel of `whole`, which was read from the same place.
+pub fn load_panel(
+    path: Option<&Path>,
+    whole: &Scene,
+    panel: &Panel,
+    overrides: &Overrides,
+) -> Result<Scene> {
+    match path {
+        Some(path) => scene::load_panel(path, whole, panel, overrides),
+        None => scene::parse_panel(TEXT, Path::new(FOLDER), whole, panel, overrides),
+    }
 }

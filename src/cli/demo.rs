@@ -9,7 +9,7 @@ use nullray::scene::Overrides;
 use nullray::{Error, Result, files};
 
 use super::builtin::{self, TEXT};
-use super::output::{Isochrones, Outputs};
+use super::output::Outputs;
 use super::{interrupt, print, render};
 
 const DIRECTORY: &str = "nullray-out";
@@ -38,10 +38,7 @@ pub fn run() -> Result<()> {
     )?;
     let moving = Outputs {
         images: vec![directory.join("moving.png"), directory.join("moving.exr")],
-        isochrones: Some(Isochrones {
-            path: directory.join("moving-isochrones.png"),
-            step: None,
-        }),
+        isochrones: Some(directory.join("moving-isochrones.png")),
         ..Outputs::default()
     };
     one(&Overrides::default(), moving)?;
@@ -54,7 +51,7 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         aovs: outputs.needs(),
         ..Default::default()
     };
-    render::one(&builtin::scene(overrides)?, &request, &outputs, false)
+    render::one(&builtin::load(None, overrides)?, &request, &outputs, false)
 }
 
 /// Writes the built-in scene and its files into `directory`, except for those that are there already.

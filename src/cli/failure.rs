@@ -27,7 +27,7 @@ pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
     match caught(work) {
         // What fails while everything is being stopped fails because of that.
         Ok(Err(_)) | Err(_) if interrupt::is_stopping() => {
-            complain(interrupt::MESSAGE);
+            complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
         }
         Ok(Ok(())) => ExitCode::SUCCESS,

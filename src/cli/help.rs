@@ -8,6 +8,7 @@ pub const PROGRAM: &str = "\
 Examples:
   nullray                            render the built-in scene into nullray-out/
   nullray render scene.toml          write scene.png
+  nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
   nullray help render                all options, examples and channel names
@@ -22,8 +23,20 @@ Examples:
   nullray render scene.toml -o still.png -o data.exr --aovs all
   nullray render scene.toml --time \"2 ns\" --set \"camera.velocity={beta=[0,0,-0.5]}\"
   nullray render scene.toml --size 320x240 --spp 1 --isochrones times.png
+  nullray render scene.toml --from \"0 ns\" --to \"10 ns\" --fps 5e9 --white 0.5 -o \"frame-####.png\"
+  nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
+  nullray render figure.toml --panel beta-0.9 -o right.png
 
 `nullray help render` tells of formats and channels.";
+
+pub const SHEET: &str = "\
+Examples:
+  nullray sheet figure.toml
+  nullray sheet figure.toml --size 320x240 --spp 1 -o draft.png
+  nullray sheet figure-*.toml --directory pages --keep-panels
+
+A scene's [[panel]] tables say what its panels are, [sheet] the title and the columns; a scene without \
+panels is one panel of its own name. Give display.white, or --white, for panels that are equally bright.";
 
 pub const PLAN: &str = "\
 Examples:
@@ -38,7 +51,7 @@ objects, sources. Only headers are read, except of .exr.";
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {
     let mut text = format!(
-        "{}\n{FORMATS}",
+        "{}\n{SEQUENCES}\n{FORMATS}",
         RENDER
             .rsplit_once("\n\n")
             .map_or(RENDER, |(examples, _)| examples)
@@ -48,6 +61,16 @@ pub fn render_long() -> String {
     }
     text + "\n\n" + SAMPLES
 }
+
+const SEQUENCES: &str = "
+Sequences: with --frames, or --from and --to, a picture of each frame is written. A run of # in the name \
+(\"frame-####.png\") becomes its number; without one the number stands before the extension. Frame k is \
+numbered k whatever part of the sequence is rendered, so that 0..50 and 50..100, on two machines, are one \
+sequence. A frame whose files are there, whole and made by the same request of the same version from the \
+same input, is not rendered again: after an interruption the same command goes on.
+
+Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name before the \
+extension; with one --panel and -o the name is taken as it is.";
 
 const FORMATS: &str = "
 Formats, by the extension of -o:

@@ -18,12 +18,15 @@ use super::complain;
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;
 /// What is said then.
-pub const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
+const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
+/// And of work that knows what of it is done.
+const GO_ON: &str = "the same command goes on with the frames that are missing\n";
 
 /// How long work may take to notice.
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
+static CAN_GO_ON: AtomicBool = AtomicBool::new(false);
 /// The temporary files that may be in progress belong into these directories.
 static DIRECTORIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -42,8 +45,21 @@ fn stop() {
     if std::io::stderr().is_terminal() {
         complain("\r\x1b[K");
     }
-    complain(MESSAGE);
+    complain(&message());
     std::process::exit(CODE.into());
+}
+
+/// Says that the work can be gone on with after it was stopped.
+pub fn can_go_on() {
+    CAN_GO_ON.store(true, Ordering::Relaxed);
+}
+
+/// What is said when everything was stopped.
+pub fn message() -> String {
+    match CAN_GO_ON.load(Ordering::Relaxed) {
+        true => format!("{MESSAGE}{GO_ON}"),
+        false => MESSAGE.into(),
+    }
 }
 
 /// Whether to stop.

@@ -4,17 +4,20 @@ mod args;
 mod builtin;
 mod demo;
 mod failure;
+mod frames;
 mod help;
 mod info;
 mod inputs;
 mod interrupt;
 mod metadata;
 mod output;
+mod panels;
 mod plan;
 mod progress;
 mod reference;
 mod remarks;
 mod render;
+mod sheet;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -35,6 +38,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
     match command {
         None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
+        Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Schema) => reference::schema(),

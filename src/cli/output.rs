@@ -1,108 +1,113 @@
-//! What is written where, by extension; what cannot be written is refused before any work.
+//! What is written where, by extension.
 
-use std::fs;
+mod check;
+mod names;
+mod picture;
+
 use std::path::{Path, PathBuf};
 
+use nullray::Result;
 use nullray::aov::Aov;
 use nullray::film::Film;
 use nullray::image::{self, Layers};
-use nullray::scene::model::Scene;
-use nullray::{Error, Result, isochrones, tonemap};
+use nullray::scene::model::{Scene, Show};
 
-use super::failure::refused;
+use super::frames::Identity;
 use super::metadata::metadata;
 use super::{inputs, interrupt};
+
+pub use check::{check_all, check_page};
+pub use names::{numbered, suffixed};
+pub use picture::{Picture, picture};
 
 /// The retarded time, which isochrones need.
 const RETARDED_TIME: Aov = Aov::EventCt;
 
 /// The files of one rendering.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Outputs {
     /// By extension: png, exr, npz.
     pub images: Vec<PathBuf>,
-    /// The picture of retarded times.
-    pub isochrones: Option<Isochrones>,
-    /// Auxiliary channels that were asked for.
-    pub aovs: Vec<Aov>,
-}
-
-/// A picture of retarded times.
-#[derive(Debug)]
-pub struct Isochrones {
-    /// A .png.
-    pub path: PathBuf,
+    /// What a png of them shows.
+    pub show: Show,
+    /// The picture of retarded times, a png.
+    pub isochrones: Option<PathBuf>,
     /// Distance between isochrones, metres.
     pub step: Option<f64>,
+    /// Auxiliary channels that were asked for.
+    pub aovs: Vec<Aov>,
+    /// Tells the files of a frame of a sequence from all others.
+    pub identity: Option<Identity>,
 }
 
-/// What one file is to hold.
-enum Kind {
+/// What one file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The tone-mapped picture.
     Display,
+    /// The picture of retarded times.
+    Isochrones,
+    /// All channels, single precision.
     Exr,
+    /// All channels, double precision.
     Npz,
-    Isochrones(Option<f64>),
+}
+
+impl Kind {
+    /// The kind of a file of this name, of which it is known that it can be written.
+    fn of(path: &Path, show: Show) -> Kind {
+        match (extension(path).as_str(), show) {
+            ("exr", _) => Kind::Exr,
+            ("npz", _) => Kind::Npz,
+            (_, Show::Picture) => Kind::Display,
+            (_, Show::Isochrones) => Kind::Isochrones,
+        }
+    }
+
+    /// A word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Display => "display",
+            Kind::Isochrones => "isochrones",
+            Kind::Exr => "exr",
+            Kind::Npz => "npz",
+        }
+    }
 }
 
 impl Outputs {
     /// Auxiliary channels that have to be rendered.
     pub fn needs(&self) -> Vec<Aov> {
         let mut needed = self.aovs.clone();
-        if self.isochrones.is_some() && !needed.contains(&RETARDED_TIME) {
+        let times = self.files().any(|(_, kind)| kind == Kind::Isochrones);
+        if times && !needed.contains(&RETARDED_TIME) {
             needed.push(RETARDED_TIME);
         }
         needed
     }
 
-    /// Refuses, before any work, what could not be written after it, and what would be written over
-    /// one of the files that are read.
-    pub fn check(&self, read: &[PathBuf]) -> Result<()> {
-        let read: Vec<_> = read.iter().map(|path| inputs::identity(path)).collect();
-        let mut known = Vec::new();
-        for (flag, path) in self.paths() {
-            let option = format!("{flag} {}", path.display());
-            check_kind(&option, flag, path)?;
-            let identity = inputs::identity(path);
-            if known.contains(&identity) {
-                let help = "give each picture a name of its own";
-                return Err(refused(option, "two outputs have this name", help));
-            }
-            if read.contains(&identity) {
-                let what = "this is a file that the scene is made of: it would be overwritten";
-                return Err(refused(option, what, "write to another name"));
-            }
-            known.push(identity);
-            can_hold(&option, path)?;
-        }
-        self.check_options()
-    }
-
-    fn check_options(&self) -> Result<()> {
-        let only_display = self.images.iter().all(|p| extension(p) == "png");
-        if only_display && !self.aovs.is_empty() {
-            let what = "a .png holds no auxiliary channels";
-            return Err(refused(
-                "--aovs",
-                what,
-                "add an output: -o FILE.exr or -o FILE.npz",
-            ));
-        }
-        let step = self.isochrones.as_ref().and_then(|i| i.step);
-        match step.filter(|step| *step <= 0.0) {
-            Some(_) => Err(refused(
-                "--isochrone-step",
-                "the distance between isochrones is not above 0",
-                "give a time like \"0.1 m\" or \"1 ns\"",
-            )),
-            None => Ok(()),
-        }
+    /// All files, and what they hold.
+    pub fn files(&self) -> impl Iterator<Item = (&Path, Kind)> {
+        let images = self.images.iter();
+        let images = images.map(|path| (path.as_path(), Kind::of(path, self.show)));
+        let isochrones = self.isochrones.iter();
+        images.chain(isochrones.map(|path| (path.as_path(), Kind::Isochrones)))
     }
 
     /// All files, with the option that names them.
     fn paths(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         let images = self.images.iter().map(|path| ("-o", path.as_path()));
         let isochrones = self.isochrones.iter();
-        images.chain(isochrones.map(|i| ("--isochrones", i.path.as_path())))
+        images.chain(isochrones.map(|path| ("--isochrones", path.as_path())))
+    }
+
+    /// The same with every file's name changed.
+    pub fn renamed(&self, name: impl Fn(&Path) -> PathBuf) -> Outputs {
+        Outputs {
+            images: self.images.iter().map(|path| name(path)).collect(),
+            isochrones: self.isochrones.as_deref().map(name),
+            ..self.clone()
+        }
     }
 
     /// Writes all files, one after the other; `say`s which.
@@ -113,19 +118,9 @@ impl Outputs {
         say: &mut dyn FnMut(&str) -> Result<()>,
     ) -> Result<()> {
         for (_, path) in self.paths() {
-            interrupt::will_write_into(inputs::directory(&inputs::identity(path)).into());
+            will_write(path);
         }
-        let images = self.images.iter().map(|path| {
-            let kind = match extension(path).as_str() {
-                "png" => Kind::Display,
-                "exr" => Kind::Exr,
-                _ => Kind::Npz,
-            };
-            (path, kind)
-        });
-        let isochrones = self.isochrones.iter();
-        let isochrones = isochrones.map(|i| (&i.path, Kind::Isochrones(i.step)));
-        for (path, kind) in images.chain(isochrones) {
+        for (path, kind) in self.files() {
             interrupt::check()?;
             let note = self.write_one(path, kind, scene, film)?;
             say(&format!("wrote {}{note}\n", path.display()))?;
@@ -134,55 +129,54 @@ impl Outputs {
     }
 
     fn write_one(&self, path: &Path, kind: Kind, scene: &Scene, film: &Film) -> Result<String> {
-        match kind {
-            Kind::Display => return display(path, scene, film),
-            Kind::Exr => image::exr::write(path, &self.layers(scene, film)?)?,
-            Kind::Npz => image::npz::write(path, &self.layers(scene, film)?)?,
-            Kind::Isochrones(step) => {
-                times(path, step, scene, film)?;
-                return Ok(" (retarded time)".into());
-            }
+        let mut metadata = metadata(scene, film);
+        if let Some(identity) = &self.identity {
+            metadata.push((Identity::KEY.into(), identity.fingerprint(kind)));
         }
-        let channels = 3 + self.aovs.len();
-        Ok(format!(" ({channels} channels)"))
+        match kind {
+            Kind::Display => self.write_picture(path, Show::Picture, scene, film, metadata),
+            Kind::Isochrones => self.write_picture(path, Show::Isochrones, scene, film, metadata),
+            Kind::Exr | Kind::Npz => self.write_layers(path, kind, film, metadata),
+        }
     }
 
-    fn layers(&self, scene: &Scene, film: &Film) -> Result<Layers> {
+    fn write_picture(
+        &self,
+        path: &Path,
+        show: Show,
+        scene: &Scene,
+        film: &Film,
+        mut metadata: Vec<(String, String)>,
+    ) -> Result<String> {
+        let Picture { image, white } = picture(scene, film, show, self.step)?;
+        metadata.extend(white.map(|white| ("white".into(), white.to_string())));
+        image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
+        Ok(match white {
+            Some(white) => format!(" (white is radiance {})", five_digits(white)),
+            None => " (retarded time)".into(),
+        })
+    }
+
+    fn write_layers(
+        &self,
+        path: &Path,
+        kind: Kind,
+        film: &Film,
+        metadata: Vec<(String, String)>,
+    ) -> Result<String> {
         let [width, height] = film.size();
-        Layers::new(
-            width,
-            height,
-            film.channels(&self.aovs),
-            metadata(scene, film),
-        )
+        let layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
+        match kind {
+            Kind::Exr => image::exr::write(path, &layers)?,
+            _ => image::npz::write(path, &layers)?,
+        }
+        Ok(format!(" ({} channels)", layers.channels.len()))
     }
 }
 
-/// Writes the picture of retarded times.
-fn times(path: &Path, step: Option<f64>, scene: &Scene, film: &Film) -> Result<()> {
-    let [width, height] = film.size();
-    let options = isochrones::Options {
-        step,
-        speed_of_light: scene.speed_of_light,
-        ..isochrones::Options::default()
-    };
-    let times = film.aov(RETARDED_TIME).unwrap_or_default();
-    let picture = isochrones::draw(width, height, times, &options)?;
-    let (width, height) = (picture.width, picture.height);
-    image::png::write(path, width, height, &picture.rgb, &metadata(scene, film))
-}
-
-/// Writes the tone-mapped picture; says how bright white is.
-fn display(path: &Path, scene: &Scene, film: &Film) -> Result<String> {
-    let [width, height] = film.size();
-    let mapped = tonemap::tonemap(film.radiance(), scene.exposure)?;
-    let mut metadata = metadata(scene, film);
-    metadata.push(("white".into(), mapped.white.to_string()));
-    image::png::write(path, width, height, &mapped.rgb, &metadata)?;
-    Ok(format!(
-        " (white is radiance {})",
-        five_digits(mapped.white)
-    ))
+/// Says that a file of this name is about to be written, so that its temporary one can be cleared away.
+pub fn will_write(path: &Path) {
+    interrupt::will_write_into(inputs::directory(&inputs::identity(path)).into());
 }
 
 /// A number in five significant digits, which `--white` takes again.
@@ -198,45 +192,4 @@ fn five_digits(value: f64) -> String {
 fn extension(path: &Path) -> String {
     path.extension()
         .map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
-}
-
-fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
-    let extension = extension(path);
-    match (flag, extension.as_str()) {
-        (_, "png") | ("-o", "exr" | "npz") => Ok(()),
-        ("-o", _) => Err(refused(
-            option,
-            "the name does not say which kind of picture to write",
-            "end it in .png (display), .exr (linear, all channels) or .npz (for numpy)",
-        )),
-        _ => Err(refused(
-            option,
-            "isochrones are a picture for displays",
-            "end its name in .png",
-        )),
-    }
-}
-
-/// Whether a file can be made there. A rendering that cannot be saved is not begun.
-fn can_hold(option: &str, path: &Path) -> Result<()> {
-    let directory = inputs::directory(path);
-    if !directory.is_dir() {
-        let what = format!("there is no directory {}", directory.display());
-        return Err(refused(
-            option,
-            what,
-            "make the directory first, or write elsewhere",
-        ));
-    }
-    if path.exists() && !path.is_file() {
-        let what = "there is something of this name that is not a file";
-        return Err(refused(
-            option,
-            what,
-            "name a file that is new, or that may be replaced",
-        ));
-    }
-    let probe = directory.join(format!(".nullray-{}-probe.part", std::process::id()));
-    let made = fs::File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
-    made.map_err(Error::io(path, "no file can be written into its directory"))
 }

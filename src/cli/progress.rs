@@ -28,11 +28,17 @@ impl Bar {
         };
         let bar = ProgressBar::with_draw_target(Some(rays), target);
         if let Ok(style) =
-            ProgressStyle::with_template("{wide_bar} {percent:>3} %  {rate}  {eta} left")
+            ProgressStyle::with_template("{prefix}{wide_bar} {percent:>3} %  {rate}  {eta} left")
         {
             bar.set_style(style.with_key("rate", rate));
         }
         Bar(bar)
+    }
+
+    /// The same, with what it is of in front.
+    pub fn named(self, what: String) -> Self {
+        self.0.set_prefix(what + "  ");
+        self
     }
 
     /// Rate and time left count from now on.

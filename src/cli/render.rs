@@ -3,56 +3,141 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use nullray::plan::{self, Plan};
+use nullray::film::Film;
+use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
 use super::args::RenderArguments;
-use super::output::{Isochrones, Outputs};
+use super::failure::refused;
+use super::frames::{self, Frames};
+use super::output::{Outputs, check_all, suffixed};
+use super::panels::{self, named_after};
 use super::progress::Bar;
 use super::{builtin, inputs, interrupt, print, remarks};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
-    let scene = builtin::scene_or_builtin(&arguments.scene)?;
-    let outputs = Outputs {
-        images: images(arguments),
-        isochrones: isochrones(arguments, &scene),
-        aovs: arguments.scene.request().aovs,
-    };
-    let mut request = arguments.scene.request();
-    request.aovs = outputs.needs();
-    in_pool(arguments.threads, || {
-        one(&scene, &request, &outputs, arguments.quiet)
+    let overrides = arguments.scene.changes.overrides();
+    let scene = builtin::load(arguments.scene.scene.as_deref(), &overrides)?;
+    let outputs = outputs(arguments, &scene);
+    let frames = Frames::of(&arguments.frames, &scene)?;
+    let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
+    in_pool(arguments.threads, || match frames {
+        Some(_) if of_panels => Err(panels_and_frames()),
+        Some(frames) => {
+            let request = request(arguments, &outputs);
+            frames::run(arguments, &scene, &frames, &request, &outputs)
+        }
+        None if of_panels => all_panels(arguments, &scene, &outputs),
+        None => {
+            let request = request(arguments, &outputs);
+            one(&scene, &request, &outputs, arguments.quiet)
+        }
     })
 }
 
+fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {
+    Request {
+        aovs: outputs.needs(),
+        ..arguments.scene.request()
+    }
+}
+
+fn panels_and_frames() -> Error {
+    refused(
+        "--frames, --from",
+        "a sequence is made of one scene, and this one has panels",
+        "render the panels without frames, or give a scene without panels",
+    )
+}
+
+/// Renders the panels that are asked for.
+fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> Result<()> {
+    let path = arguments.scene.scene.as_deref();
+    let chosen = panels::chosen(whole, &arguments.panel)?;
+    let scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
+    // With one panel and a name for it there is nothing to be told apart.
+    let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
+    let mut jobs = Vec::new();
+    for (panel, scene) in whole.panels.iter().zip(scenes) {
+        if !chosen.contains(&panel) {
+            continue;
+        }
+        let mut outputs = match exact {
+            true => outputs.clone(),
+            false => outputs.renamed(|path| suffixed(path, &panel.name)),
+        };
+        outputs.show = panel.show;
+        jobs.push((request(arguments, &outputs), scene, outputs));
+    }
+    let mut read = Vec::new();
+    for (request, scene, _) in &jobs {
+        read.extend(inputs::of(scene, &Plan::new(scene, request)?));
+    }
+    check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
+    for (request, scene, outputs) in &jobs {
+        one(scene, request, outputs, arguments.quiet)?;
+    }
+    Ok(())
+}
+
 /// Renders one scene to its outputs; says what was written unless `quiet`.
-pub fn one(scene: &Scene, request: &plan::Request, outputs: &Outputs, quiet: bool) -> Result<()> {
+pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> Result<()> {
     let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
-    outputs.check(&inputs::of(scene, &plan))?;
+    check_all([outputs.clone()], &inputs::of(scene, &plan))?;
+    let rendered = film(scene, &plan, quiet)?;
+    outputs.write(scene, &rendered.film, &mut say)?;
+    rendered.remark(&plan, &mut say)
+}
+
+/// A finished film, and what there is to say of it.
+pub struct Rendered {
+    pub film: Film,
+    /// Seconds.
+    prepared_in: f64,
+    rendered_in: f64,
+    warnings: Vec<String>,
+}
+
+impl Rendered {
+    /// Says what it cost, and what is odd.
+    pub fn remark(&self, plan: &Plan, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<()> {
+        let rays = plan.rays.camera;
+        say(&remarks::cost(rays, self.prepared_in, self.rendered_in))?;
+        say(&remarks::coverage(&self.film))?;
+        say(&remarks::blackness(&self.film))?;
+        for warning in &self.warnings {
+            say(&format!("warning: {}\n", super::info::escaped(warning)))?;
+        }
+        Ok(())
+    }
+}
+
+/// Loads, builds and renders, with a progress bar unless `quiet`.
+pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
-    let prepared = Prepared::new(scene, &plan, &bar)?;
+    let prepared = Prepared::new(scene, plan, &bar)?;
     let prepared_in = start.elapsed().as_secs_f64();
     bar.start();
     let film = nullray::render::render(&prepared, &bar)?;
     drop(bar);
     interrupt::check()?;
-    let rendered_in = start.elapsed().as_secs_f64() - prepared_in;
-    outputs.write(scene, &film, &mut say)?;
-    say(&remarks::cost(plan.rays.camera, prepared_in, rendered_in))?;
-    say(&remarks::coverage(&film))?;
-    say(&remarks::blackness(&film))?;
-    for warning in &prepared.warnings {
-        say(&format!("warning: {}\n", super::info::escaped(warning)))?;
-    }
-    Ok(())
+    Ok(Rendered {
+        film,
+        prepared_in,
+        rendered_in: start.elapsed().as_secs_f64() - prepared_in,
+        warnings: prepared.warnings,
+    })
 }
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.
-fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+pub fn in_pool<T: Send>(
+    threads: Option<u16>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
     let Some(threads) = threads else {
         return work();
     };
@@ -64,22 +149,21 @@ fn in_pool<T: Send>(threads: Option<u16>, work: impl FnOnce() -> Result<T> + Sen
     pool.install(work)
 }
 
-/// What `-o` says, or the scene's name with .png.
-fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
-    if !arguments.output.is_empty() {
-        return arguments.output.clone();
+fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
+    let step = arguments.isochrone_step;
+    Outputs {
+        images: images(arguments),
+        isochrones: arguments.isochrones.clone(),
+        step: step.map(|time| time.metres(scene.speed_of_light)),
+        aovs: arguments.scene.request().aovs,
+        ..Outputs::default()
     }
-    let stem = arguments.scene.scene.as_ref().and_then(|p| p.file_stem());
-    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
-    let mut name = stem.unwrap_or("nullray".as_ref()).to_os_string();
-    name.push(".png");
-    vec![name.into()]
 }
 
-fn isochrones(arguments: &RenderArguments, scene: &Scene) -> Option<Isochrones> {
-    let path = arguments.isochrones.clone()?;
-    let step = arguments
-        .isochrone_step
-        .map(|time| time.metres(scene.speed_of_light));
-    Some(Isochrones { path, step })
+/// What `-o` says, or the scene's name with .png.
+fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
+    match arguments.output.as_slice() {
+        [] => vec![named_after(arguments.scene.scene.as_deref(), ".png")],
+        said => said.to_vec(),
+    }
 }

@@ -1,6 +1,7 @@
 //! What a plan leaves out, and what its pictures do not show.
 
-use super::{Plan, Skipped, ViewKind};
+use super::{Plan, Skipped};
+use crate::camera::Kind;
 use crate::scene::model::{Scene, SourceKind};
 use crate::spacetime::Quantity;
 
@@ -21,7 +22,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     };
     let still = scene.objects.iter().all(|o| o.velocity.is_rest());
     skip(
-        plan.view == ViewKind::Still,
+        plan.view == Kind::Still,
         "boost of look directions",
         "the camera rests in the world",
     );
@@ -100,8 +101,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
 
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
-    let moving =
-        plan.view != ViewKind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
+    let moving = plan.view != Kind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
     let is_line = |q: Quantity| matches!(q, Quantity::Line { .. });
     let colours = !is_line(scene.quantity) || scene.sources.iter().any(|s| !is_line(s.quantity));
     if moving && colours && scene.effects.doppler {

@@ -2,7 +2,8 @@
 
 use std::fmt::{self, Formatter, Write};
 
-use super::{Plan, PlannedFrame, PlannedObject, ViewKind};
+use super::{Plan, PlannedFrame, PlannedObject};
+use crate::camera::Kind;
 
 /// The most entries of a list that are shown one by one.
 const MOST: usize = 8;
@@ -33,9 +34,13 @@ impl Plan {
     fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
         let view = match self.view {
-            ViewKind::Still => "camera at rest",
-            ViewKind::Moving => "moving camera",
-            ViewKind::Unaberrated => "moving camera without aberration",
+            Kind::Still => "camera at rest",
+            Kind::Moving => "moving camera",
+            Kind::Unaberrated => "moving camera without aberration",
+            Kind::Inertial => "a ray of its own event for each sample",
+            Kind::Accelerated => "accelerated camera, each sample of its own event",
+            Kind::Turning => "turning sensor, each sample of its own event and velocity",
+            Kind::Paper => "camera by the equations of 2015",
         };
         let samples = match (self.film.samples, self.film.pixel_centers) {
             (_, true) => "the ray through the centre of each".into(),

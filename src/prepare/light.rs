@@ -16,7 +16,8 @@ use crate::mesh::{Material, Mesh};
 use crate::plan::{Lit, Plan, lit_by};
 use crate::progress::Progress;
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeSource, Effects, Geometry, Mapping, Scene, SourceKind,
+    Binding, CaptureCamera, Clock, CubeSource, Effects, Equations, Geometry, Mapping, Scene,
+    SourceKind,
 };
 use crate::spacetime::Quantity;
 use crate::time_texture::{Capture, Cube, SeenPoint, TimeAxis, TimeTexture};
@@ -83,7 +84,7 @@ impl<'a> Builder<'a> {
         let base = BaseColours {
             colours: self.colours,
             textures: self.textures.decoded,
-            response: response(scene.quantity, scene.effects),
+            response: response(scene.quantity, scene),
         };
         // Without time, emitter k is base colour k.
         if !plan.time_resolved {
@@ -112,15 +113,12 @@ impl<'a> Builder<'a> {
                         albedo: colour,
                         pulses,
                     },
-                    response(quantity, scene.effects),
+                    response(quantity, scene),
                 )
             }
             Lit::Cube(source) => {
                 let emitter = sources[source].clone().unwrap_or(Emitter::Base(colour));
-                (
-                    emitter,
-                    response(scene.sources[source].quantity, scene.effects),
-                )
+                (emitter, response(scene.sources[source].quantity, scene))
             }
         });
         let emitters = emitters.collect();
@@ -145,16 +143,31 @@ fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
     }
 }
 
-/// What an observer makes of radiance of `quantity` with these effects.
-fn response(quantity: Quantity, effects: Effects) -> Response {
-    let colour = match (quantity, effects.doppler) {
+/// What an observer in `scene` makes of radiance of `quantity`.
+fn response(quantity: Quantity, scene: &Scene) -> Response {
+    let Effects {
+        doppler,
+        searchlight,
+        ..
+    } = scene.effects;
+    let colour = match (quantity, doppler) {
         (Quantity::Line { wavelength }, true) => Colouring::ShiftedLine(wavelength),
         (Quantity::Line { wavelength }, false) => Colouring::UnshiftedLine(wavelength),
         _ => Colouring::Channels,
     };
     Response {
-        scaled: effects.searchlight.then_some(quantity),
+        scaled: searchlight.then_some(scaling(quantity, scene.equations)),
         colour,
+    }
+}
+
+/// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
+fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
+    match (equations, quantity) {
+        (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
+            Quantity::PerWavelength
+        }
+        _ => quantity,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor};
+use super::model::{Assembly, CameraModel, Object, Scene, Sensor};
 use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
 
 impl Scene {
@@ -18,28 +18,17 @@ impl Scene {
 }
 
 impl CameraModel {
-    /// The camera's rest frame: its origin is the pinhole when the camera's clock shows 0.
+    /// The frame in which the camera rests when its clock shows 0, at all times where it does not
+    /// accelerate. Its origin is the pinhole then.
     pub fn frame(&self) -> InertialFrame<Camera> {
         InertialFrame::new(self.velocity, self.origin)
     }
 
-    /// The world event of the shot: the pinhole when the camera's clock shows [`CameraModel::time`].
+    /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows
+    /// [`CameraModel::time`]. Of any camera, [`CameraModel::world_line`] knows it.
     pub fn shot(&self) -> Event<World> {
-        let pinhole = Event::new(self.time, glam::DVec3::ZERO);
+        let pinhole = Event::new(self.time, DVec3::ZERO);
         self.frame().event_to_world(pinhole)
-    }
-
-    /// The camera's proper times at which its world line begins and ends, metres; infinite where it does
-    /// not.
-    pub fn lifetime(&self) -> [f64; 2] {
-        match &self.motion {
-            Motion::Profile(knots) => {
-                let time = |knot: Option<&(f64, DVec3)>| knot.map_or(0.0, |(time, _)| *time);
-                [time(knots.first()), time(knots.last())]
-            }
-            Motion::Keyframes(events) => [0.0, chords(events)],
-            _ => [f64::NEG_INFINITY, f64::INFINITY],
-        }
     }
 
     /// Half the width and half the height of the sensor, metres; none for a point camera.
@@ -65,15 +54,9 @@ impl CameraModel {
     }
 }
 
-/// The proper time along straight lines from event to event.
-fn chords(events: &[Event<World>]) -> f64 {
-    let pairs = events.iter().zip(events.iter().skip(1));
-    pairs.map(|(a, b)| (*b - *a).interval().sqrt()).sum()
-}
-
 impl Sensor {
     /// The focal length in the frame of a camera that looks along `forward` (unit vector of that frame)
-    /// and moves without acceleration, metres.
+    /// and momentarily moves with `velocity`, metres.
     ///
     /// A rod of the proper length d′ at the angle α to its velocity has the world length
     /// d = d′ √(1 − β² cos² α) = d′ √(1 + γ²β² sin² α) / γ. Where d is that of the file, d′ is the

@@ -20,14 +20,22 @@ const LONGEST: usize = 4 << 20;
 /// place in it and what would be right. Files that it names are looked for, not read (except for the
 /// pose of a glTF camera).
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
-    let bytes = read(path)?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    let name = path.display().to_string();
+    parse(&text_of(path)?, &name, base(path), overrides)
+}
+
+/// The text of the scene file at `path`.
+pub(super) fn text_of(path: &Path) -> Result<String> {
+    String::from_utf8(read(path)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let help = "a scene is a TOML file in UTF-8";
         Error::invalid(path, format!("byte {at}"), "not UTF-8 text", help)
-    })?;
-    let base = path.parent().unwrap_or(Path::new(""));
-    parse(&text, &path.display().to_string(), base, overrides)
+    })
+}
+
+/// The folder against which relative paths in the scene file at `path` resolve.
+pub(super) fn base(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// Reads the text of a scene called `name`; relative paths in it resolve against `base`.

@@ -25,6 +25,8 @@
 //! | `[effects]` | aberration, Doppler shift, searchlight effect, retardation: each on or off |
 //! | `[outside]` | what stands in for data that a cube does not have |
 //! | `[display]` | exposure, background, back faces, samples per pixel |
+//! | `[[panel]]` | a variant of the scene, by what it changes; each is a picture of its own |
+//! | `[sheet]` | how the panels are put on one page |
 //!
 //! ## Numbers and units
 //!
@@ -104,8 +106,10 @@ mod derived;
 mod file;
 mod load;
 pub mod model;
+mod motion;
 mod names;
 mod overrides;
+mod panel;
 mod place;
 mod report;
 mod resolve;
@@ -115,4 +119,5 @@ mod values;
 
 pub use load::{load, parse};
 pub use overrides::Overrides;
+pub use panel::{load_panel, parse_panel};
 pub use schema::schema;

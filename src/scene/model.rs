@@ -1,11 +1,15 @@
 //! The scene, resolved: every quantity typed and in metres, every name looked up, nothing loaded.
 
+mod panel;
+
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
 
 use crate::spacetime::worldline::Segment;
 use crate::spacetime::{Event, Quantity, Velocity, World};
+
+pub use panel::{Panel, Sheet, Show};
 
 /// The speed of light in vacuum, metres per second (exact).
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
@@ -46,6 +50,10 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).
     pub samples_per_pixel: u32,
+    /// Variants of the scene, in the order of the file.
+    pub panels: Vec<Panel>,
+    /// How they are put on one page.
+    pub sheet: Sheet,
 }
 
 /// Whose equations a picture follows.

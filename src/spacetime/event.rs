@@ -153,6 +153,13 @@ impl<F: Frame> Add<Displacement<F>> for Event<F> {
     }
 }
 
+impl<F: Frame> Add for Displacement<F> {
+    type Output = Displacement<F>;
+    fn add(self, other: Self) -> Self {
+        Displacement::new(self.ct + other.ct, self.x + other.x)
+    }
+}
+
 impl<F: Frame> Mul<f64> for Displacement<F> {
     type Output = Self;
     fn mul(self, s: f64) -> Self {

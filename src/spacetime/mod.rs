@@ -14,6 +14,7 @@
 mod boost;
 mod doppler;
 mod event;
+pub mod paper2015;
 mod ray;
 mod velocity;
 pub mod worldline;

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::surfaces::{Patch, RestFrame, Surfaces};
 use crate::accel::Hit;
+use crate::camera::Apart;
 use crate::spacetime::{Direction, Event, NullRay, Quantity, Rest, World};
 use crate::time_texture::{Coverage, Sampled};
 
@@ -23,6 +24,8 @@ pub struct SurfacePoint<'a> {
     pub hit: Hit,
     /// The world ray.
     pub ray: NullRay<World>,
+    /// Where it leaves, relative to the event of the shot.
+    pub from: Apart,
     /// The same ray in the rest frame.
     pub local: NullRay<Rest>,
 }

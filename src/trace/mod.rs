@@ -14,9 +14,9 @@ mod surfaces;
 pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
 pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
-pub use surfaces::{Found, Frames, Moving, Patch, RestFrame, Scratch, Still, Surfaces};
+pub use surfaces::{Found, Frames, Moving, Patch, Rays, RestFrame, Scratch, Still, Surfaces};
 
-use crate::camera::View;
+use crate::camera::{Apart, Departure, View};
 use crate::colour;
 use crate::film::{Tile, TileFilm};
 use crate::sampler::Sampler;
@@ -27,7 +27,7 @@ use crate::time_texture::Coverage;
 #[derive(Debug)]
 pub struct Pipeline<'a, V, S, R> {
     /// Film point → world direction and W.
-    pub view: V,
+    pub view: &'a V,
     /// Ray → nearest hit.
     pub surfaces: S,
     /// Hit → emitted radiance.
@@ -52,12 +52,25 @@ pub struct Observed {
 }
 
 /// Buffers of one thread's tile.
-#[derive(Debug, Default)]
-pub struct Buffers {
+#[derive(Debug)]
+pub struct Buffers<D> {
     offsets: Vec<[f64; 2]>,
     directions: Vec<Direction<World>>,
     ratios: Vec<f64>,
+    from: Vec<D>,
     scratch: Scratch,
+}
+
+impl<D> Default for Buffers<D> {
+    fn default() -> Self {
+        Buffers {
+            offsets: Vec::new(),
+            directions: Vec::new(),
+            ratios: Vec::new(),
+            from: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
 }
 
 impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
@@ -67,31 +80,44 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         tile: Tile,
         index: u32,
         recorder: &A,
-        buffers: &mut Buffers,
+        buffers: &mut Buffers<V::From>,
         film: &mut TileFilm,
     ) {
         self.shoot(tile, index, buffers);
-        self.surfaces
-            .nearest(&buffers.directions, &mut buffers.scratch);
+        let rays = Rays {
+            directions: &buffers.directions,
+            from: &buffers.from,
+        };
+        self.surfaces.nearest(rays, &mut buffers.scratch);
         for pixel in 0..tile.pixels() {
             self.develop(pixel, recorder, buffers, film);
         }
     }
 
     /// Look directions and wavelength ratios of sample `index` of every pixel.
-    fn shoot(&self, tile: Tile, index: u32, buffers: &mut Buffers) {
+    fn shoot(&self, tile: Tile, index: u32, buffers: &mut Buffers<V::From>) {
         buffers.offsets.clear();
         buffers.directions.clear();
         buffers.ratios.clear();
+        buffers.from.clear();
         // Two loops: of hashing integers, and of divisions.
         let offset = |(column, row)| self.sampler.offset(column, row, index);
         buffers.offsets.extend(tile.coordinates().map(offset));
         for ((column, row), offset) in tile.coordinates().zip(&buffers.offsets) {
-            let (d, w) = self
-                .view
-                .look(column as f64 + offset[0], row as f64 + offset[1]);
-            buffers.directions.push(d);
-            buffers.ratios.push(w);
+            let (x, y) = (column as f64 + offset[0], row as f64 + offset[1]);
+            let look = self.view.look(x, y, self.moment(column, row, index));
+            buffers.directions.push(look.d);
+            buffers.ratios.push(look.ratio);
+            buffers.from.push(look.from);
+        }
+    }
+
+    /// The moment of the exposure, 0 to 1, of a sample.
+    #[inline(always)]
+    fn moment(&self, column: u32, row: u32, index: u32) -> f64 {
+        match V::EXPOSED {
+            true => self.sampler.moment(column, row, index),
+            false => 0.0,
         }
     }
 
@@ -101,63 +127,82 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         &self,
         pixel: usize,
         recorder: &A,
-        buffers: &Buffers,
+        buffers: &Buffers<V::From>,
         film: &mut TileFilm,
     ) {
         let d = buffers.directions[pixel];
-        let Some(found) = buffers.scratch.found(pixel) else {
-            self.expose(pixel, self.unmet(), film);
+        let from = buffers.from[pixel];
+        let offset = buffers.offsets[pixel];
+        let weight = weight(from);
+        if !V::From::TOGETHER && weight == 0.0 {
+            film.add_coverage(pixel, Coverage::OCCLUDED);
+            film.add(pixel, [0.0; 3]);
             film.add_unmet();
-            recorder.record(pixel, buffers.offsets[pixel], d, None, film);
+            recorder.record(pixel, offset, d, None, film);
+            return;
+        }
+        let Some(found) = buffers.scratch.found(pixel) else {
+            self.expose(pixel, self.unmet(weight), film);
+            film.add_unmet();
+            recorder.record(pixel, offset, d, None, film);
             return;
         };
-        let (point, rho) = self.point(found, d);
+        let (point, rho) = self.point(found, d, from);
         let w = WavelengthRatio(buffers.ratios[pixel] * rho);
-        self.expose(pixel, self.observe(&point, w), film);
-        recorder.record(
-            pixel,
-            buffers.offsets[pixel],
-            d,
-            Some(&Seen { point, w }),
-            film,
-        );
+        self.expose(pixel, self.observe(&point, w, weight), film);
+        recorder.record(pixel, offset, d, Some(&Seen { point, w }), film);
     }
 
     /// The surface point, and ω_rest/ω_world of the light that comes from it.
     #[inline]
-    fn point(&self, found: Found, d: Direction<World>) -> (SurfacePoint<'_>, f64) {
+    fn point(&self, found: Found, d: Direction<World>, from: V::From) -> (SurfacePoint<'_>, f64) {
         let rest = self.surfaces.rest(found.frame);
-        let (local, rho) = self.surfaces.local(found.frame, d);
+        let (local, rho) = self.surfaces.local(found.frame, d, from);
         let point = SurfacePoint {
             rest,
             frame: found.frame,
             patch: rest.patch(found.hit.triangle),
             hit: found.hit,
-            ray: NullRay::new(self.event, d, self.index),
+            ray: self.ray(d, from),
+            from: from.into(),
             local,
         };
         (point, rho)
+    }
+
+    /// The world ray from `from` along `d`.
+    #[inline]
+    fn ray(&self, d: Direction<World>, from: V::From) -> NullRay<World> {
+        if V::From::TOGETHER {
+            return NullRay::new(self.event, d, self.index);
+        }
+        let Apart {
+            displacement,
+            delay,
+            ..
+        } = from.into();
+        NullRay::new(self.event + displacement, d, self.index * delay)
     }
 
     /// Adds a sample to its pixel; coverage only where it can be other than full.
     #[inline]
     fn expose(&self, pixel: usize, observed: Observed, film: &mut TileFilm) {
         film.add(pixel, observed.radiance);
-        if R::HAS_GAPS {
+        if R::HAS_GAPS || !V::From::TOGETHER {
             film.add_coverage(pixel, observed.coverage);
         }
     }
 
-    fn unmet(&self) -> Observed {
+    fn unmet(&self, weight: f64) -> Observed {
         Observed {
-            radiance: self.background,
+            radiance: self.background.map(|c| c * weight),
             coverage: Coverage::HELD,
         }
     }
 
-    /// Observed radiance of a surface point seen with wavelength ratio `w`.
+    /// What is recorded of a surface point seen with wavelength ratio `w`.
     #[inline]
-    fn observe(&self, point: &SurfacePoint, w: WavelengthRatio) -> Observed {
+    fn observe(&self, point: &SurfacePoint, w: WavelengthRatio, weight: f64) -> Observed {
         if point.patch.black_back && !point.hit.front {
             return Observed {
                 radiance: [0.0; 3],
@@ -168,12 +213,22 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
         let factor = emission
             .response
             .scaled
-            .map_or(1.0, |q| q.radiance_factor(w));
+            .map_or(1.0, |q| q.radiance_factor(w))
+            * weight;
         let colour = emission.colour(w);
         Observed {
             radiance: std::array::from_fn(|c| emission.unscaled[c] + factor * colour[c]),
             coverage: emission.coverage,
         }
+    }
+}
+
+/// What a ray's radiance counts for.
+#[inline(always)]
+fn weight<D: Departure>(from: D) -> f64 {
+    match D::TOGETHER {
+        true => 1.0,
+        false => from.into().weight,
     }
 }
 

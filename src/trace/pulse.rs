@@ -61,9 +61,7 @@ impl TimeResolved {
         if strength == 0.0 || cosine <= 0.0 {
             return None;
         }
-        let skip = (point.frame, point.hit.triangle);
-        let from = (point.seen_along(), point.hit.s);
-        if pulse.shadows && surfaces.occluded(from, d, self.index, r, skip) {
+        if pulse.shadows && surfaces.occluded(point, d, self.index, r) {
             return None;
         }
         let w = WavelengthRatio(1.0 / rho);

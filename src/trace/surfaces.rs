@@ -7,7 +7,9 @@
 
 use glam::DVec3;
 
+use super::SurfacePoint;
 use crate::accel::{Bvh, Hit, Ray};
+use crate::camera::Departure;
 use crate::mesh::Mesh;
 use crate::spacetime::{
     Boost, Direction, Displacement, Event, InertialFrame, NullRay, Rest, World,
@@ -63,30 +65,39 @@ pub struct Found {
     pub frame: u32,
 }
 
-/// The nearest surfaces along rays that share the camera's event, and occlusion between any events.
+/// Rays of one batch: look directions in the world, and where each leaves.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a, D> {
+    /// Look directions.
+    pub directions: &'a [Direction<World>],
+    /// Where each leaves, relative to the event of the shot.
+    pub from: &'a [D],
+}
+
+/// The nearest surfaces along rays of a camera, and occlusion between any events.
 pub trait Surfaces: Sync {
-    /// Makes `scratch` hold the nearest hit along each of `directions`.
-    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch);
+    /// Makes `scratch` hold the nearest hit along each of `rays`.
+    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch);
 
     /// The rest frame of index `frame`.
     fn rest(&self, frame: u32) -> &RestFrame;
 
-    /// The ray along `d` in the coordinates of rest frame `frame`, and ω_rest/ω_world of its light.
-    fn local(&self, frame: u32, d: Direction<World>) -> (NullRay<Rest>, f64);
+    /// The ray from `from` along `d` in the coordinates of rest frame `frame`, and ω_rest/ω_world of its
+    /// light.
+    fn local<D: Departure>(&self, frame: u32, d: Direction<World>, from: D)
+    -> (NullRay<Rest>, f64);
 
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
 
-    /// Whether anything but triangle `skip.1` of frame `skip.0` is met from the point `from.1` metres
-    /// along the camera's ray `from.0`, along `d` in a medium of index `index`, within
-    /// s < `distance`.
+    /// Whether anything but the triangle of `point` itself is met from there along `d` in a medium of
+    /// index `index`, within s < `distance`.
     fn occluded(
         &self,
-        from: (Direction<World>, f64),
+        point: &SurfacePoint,
         d: Direction<World>,
         index: f64,
         distance: f64,
-        skip: (u32, u32),
     ) -> bool;
 }
 
@@ -97,6 +108,8 @@ pub struct Scratch {
     hits: Vec<Option<Hit>>,
     frames: Vec<u32>,
     local: Vec<DVec3>,
+    /// Where each ray leaves; empty where all leave together.
+    origins: Vec<DVec3>,
 }
 
 /// One rest frame, at rest in the world.
@@ -137,10 +150,39 @@ fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
     Event::new(d.ct, d.x)
 }
 
+/// `origin` moved by where a ray leaves; bit for bit the same where all leave together.
+#[inline(always)]
+fn leaving<D: Departure>(
+    origin: Event<Rest>,
+    from: D,
+    displacement: impl FnOnce(Displacement<World>) -> Displacement<Rest>,
+) -> Event<Rest> {
+    match D::TOGETHER {
+        true => origin,
+        false => origin + displacement(from.into().displacement),
+    }
+}
+
+/// The index of the medium along a ray.
+#[inline(always)]
+fn index_along<D: Departure>(index: f64, from: D) -> f64 {
+    match D::TOGETHER {
+        true => index,
+        false => index * from.into().delay,
+    }
+}
+
+/// World coordinates are those of a frame at rest in the world, but for its origin.
+fn unboosted(d: Displacement<World>) -> Displacement<Rest> {
+    Displacement::new(d.ct, d.x)
+}
+
 impl Surfaces for Still<'_> {
-    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
-        scratch.start(directions.len());
-        scratch.local.extend(directions.iter().map(|d| d.unit()));
+    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
+        scratch.start(rays.directions.len());
+        let directions = rays.directions.iter().map(|d| d.unit());
+        scratch.local.extend(directions);
+        scratch.leave(self.origin, rays.from, unboosted);
         scratch.meet(0, &self.rest.bvh, self.origin.x);
     }
 
@@ -150,10 +192,10 @@ impl Surfaces for Still<'_> {
     }
 
     #[inline]
-    fn local(&self, _: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
+    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
         let local = NullRay {
-            origin: self.origin,
-            tangent: Displacement::new(-self.index, d.unit()),
+            origin: leaving(self.origin, from, unboosted),
+            tangent: Displacement::new(-index_along(self.index, from), d.unit()),
         };
         (local, 1.0)
     }
@@ -163,16 +205,11 @@ impl Surfaces for Still<'_> {
         (Direction::from_unit(d.unit()), 1.0)
     }
 
-    fn occluded(
-        &self,
-        (seen, s): (Direction<World>, f64),
-        d: Direction<World>,
-        _: f64,
-        distance: f64,
-        skip: (u32, u32),
-    ) -> bool {
-        let ray = shadow_ray(self.origin.x, self.local(0, seen).0.at(s).x, d.unit());
-        self.rest.bvh.any(&ray, distance, Some(skip.1))
+    fn occluded(&self, point: &SurfacePoint, d: Direction<World>, _: f64, distance: f64) -> bool {
+        let from = point.rest_event().x;
+        let ray = shadow_ray(point.local.origin.x, from, d.unit());
+        let skip = Some(point.hit.triangle);
+        self.rest.bvh.any(&ray, distance, skip)
     }
 }
 
@@ -190,43 +227,44 @@ impl<'a> Moving<'a> {
         self.rest.frame.frame_from_world()
     }
 
-    /// Meets `directions` with this frame, which has index `frame`.
+    /// Meets `rays` with this frame, which has index `frame`.
     #[inline]
-    fn meet(&self, frame: u32, directions: &[Direction<World>], scratch: &mut Scratch) {
-        let tangents = directions
-            .iter()
-            .map(|d| self.boost().tangent(self.index, *d).x);
+    fn meet<D: Departure>(&self, frame: u32, rays: Rays<D>, scratch: &mut Scratch) {
+        let tangents = rays.directions.iter().zip(rays.from).map(|(d, from)| {
+            let index = index_along(self.index, *from);
+            self.boost().tangent(index, *d).x
+        });
         scratch.local.clear();
         scratch.local.extend(tangents);
+        scratch.leave(self.origin, rays.from, |d| self.boost().displacement(d));
         scratch.meet(frame, &self.rest.bvh, self.origin.x);
     }
 
     #[inline]
-    fn ray(&self, d: Direction<World>) -> (NullRay<Rest>, f64) {
-        let (tangent, ratio) = self.boost().tangent_and_ratio(self.index, d);
-        let origin = self.origin;
+    fn ray<D: Departure>(&self, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
+        let index = index_along(self.index, from);
+        let (tangent, ratio) = self.boost().tangent_and_ratio(index, d);
+        let origin = leaving(self.origin, from, |d| self.boost().displacement(d));
         (NullRay { origin, tangent }, ratio)
     }
 
     fn shadows(
         &self,
-        (seen, s): (Direction<World>, f64),
-        d: Direction<World>,
-        index: f64,
+        seen: NullRay<Rest>,
+        s: f64,
+        direction: DVec3,
         distance: f64,
         skip: Option<u32>,
     ) -> bool {
-        let from = self.ray(seen).0.at(s).x;
-        let direction = self.boost().tangent(index, d).x;
-        let ray = shadow_ray(self.origin.x, from, direction);
+        let ray = shadow_ray(seen.origin.x, seen.at(s).x, direction);
         self.rest.bvh.any(&ray, distance, skip)
     }
 }
 
 impl Surfaces for Moving<'_> {
-    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
-        scratch.start(directions.len());
-        self.meet(0, directions, scratch);
+    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
+        scratch.start(rays.directions.len());
+        self.meet(0, rays, scratch);
     }
 
     #[inline]
@@ -235,8 +273,8 @@ impl Surfaces for Moving<'_> {
     }
 
     #[inline]
-    fn local(&self, _: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
-        self.ray(d)
+    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
+        self.ray(d, from)
     }
 
     #[inline]
@@ -246,33 +284,30 @@ impl Surfaces for Moving<'_> {
 
     fn occluded(
         &self,
-        from: (Direction<World>, f64),
+        point: &SurfacePoint,
         d: Direction<World>,
         index: f64,
         distance: f64,
-        skip: (u32, u32),
     ) -> bool {
-        self.shadows(from, d, index, distance, Some(skip.1))
+        let direction = self.boost().tangent(index, d).x;
+        let skip = Some(point.hit.triangle);
+        self.shadows(point.local, point.hit.s, direction, distance, skip)
     }
 }
 
 impl<'a> Frames<'a> {
     /// `rests` seen from `camera` in a medium of index `index`.
     pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
-        Frames(
-            rests
-                .iter()
-                .map(|rest| Moving::new(rest, camera, index))
-                .collect(),
-        )
+        let frame = |rest| Moving::new(rest, camera, index);
+        Frames(rests.iter().map(frame).collect())
     }
 }
 
 impl Surfaces for Frames<'_> {
-    fn nearest(&self, directions: &[Direction<World>], scratch: &mut Scratch) {
-        scratch.start(directions.len());
+    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
+        scratch.start(rays.directions.len());
         for (k, frame) in self.0.iter().enumerate() {
-            frame.meet(k as u32, directions, scratch);
+            frame.meet(k as u32, rays, scratch);
         }
     }
 
@@ -282,8 +317,13 @@ impl Surfaces for Frames<'_> {
     }
 
     #[inline]
-    fn local(&self, frame: u32, d: Direction<World>) -> (NullRay<Rest>, f64) {
-        self.0[frame as usize].ray(d)
+    fn local<D: Departure>(
+        &self,
+        frame: u32,
+        d: Direction<World>,
+        from: D,
+    ) -> (NullRay<Rest>, f64) {
+        self.0[frame as usize].ray(d, from)
     }
 
     #[inline]
@@ -293,15 +333,16 @@ impl Surfaces for Frames<'_> {
 
     fn occluded(
         &self,
-        from: (Direction<World>, f64),
+        point: &SurfacePoint,
         d: Direction<World>,
         index: f64,
         distance: f64,
-        skip: (u32, u32),
     ) -> bool {
         self.0.iter().enumerate().any(|(k, frame)| {
-            let skip = (k as u32 == skip.0).then_some(skip.1);
-            frame.shadows(from, d, index, distance, skip)
+            let skip = (k as u32 == point.frame).then_some(point.hit.triangle);
+            let (seen, _) = frame.ray(point.seen_along(), point.from);
+            let direction = frame.boost().tangent(index, d).x;
+            frame.shadows(seen, point.hit.s, direction, distance, skip)
         })
     }
 }
@@ -333,7 +374,28 @@ impl Scratch {
     /// Takes over what the rays along `local` meet in `frame`, where it is nearer.
     fn meet(&mut self, frame: u32, bvh: &Bvh, origin: DVec3) {
         let (hits, frames) = (&mut self.hits, &mut self.frames);
-        bvh.closest_each(origin, &self.local, hits, |ray| frames[ray] = frame);
+        let replaced = |ray: usize| frames[ray] = frame;
+        match self.origins.as_slice() {
+            [] => bvh.closest_each(origin, &self.local, hits, replaced),
+            origins => bvh.closest_from_each(origins, &self.local, hits, replaced),
+        }
+    }
+
+    /// Takes over where rays leave, which is about `origin`.
+    #[inline]
+    fn leave<D: Departure>(
+        &mut self,
+        origin: Event<Rest>,
+        from: &[D],
+        displacement: impl Fn(Displacement<World>) -> Displacement<Rest>,
+    ) {
+        self.origins.clear();
+        if !D::TOGETHER {
+            let origins = from
+                .iter()
+                .map(|from| leaving(origin, *from, &displacement).x);
+            self.origins.extend(origins);
+        }
     }
 
     /// What ray `ray` of the batch met.

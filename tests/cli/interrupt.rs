@@ -118,3 +118,47 @@ fn writing_stops_and_clears_its_temporary_file_away() {
     assert_eq!(output.status.code(), Some(130));
     assert_eq!(folder.names(), ["scene.toml"]);
 }
+
+#[test]
+fn a_sequence_stops_with_whole_frames_and_says_how_to_go_on() {
+    let folder = Folder::new();
+    let arguments = [
+        "render",
+        "scene.toml",
+        "--frames",
+        "0..1000000",
+        "--interval",
+        "1 mm",
+        "-o",
+        "f.png",
+        "--white",
+        "1",
+    ];
+    let child = folder
+        .command(&arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while folder.names().len() < 4 && start.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("the same command goes on"), "{said}");
+    let names = folder.names();
+    let frames: Vec<_> = names.iter().filter(|n| *n != "scene.toml").collect();
+    assert!(frames.len() >= 3, "{names:?}");
+    // All that is there is taken as it is when the command is given again.
+    let whole = format!("0..{}", frames.len());
+    let again = arguments.map(|word| if word == "0..1000000" { &whole } else { word });
+    let said = folder.ok(&again);
+    let all = format!("0 rendered, {} there already", frames.len());
+    assert!(said.contains(&all), "{said}");
+}

@@ -1,12 +1,16 @@
 //! The program as its users meet it: what it prints, writes, refuses, and with which exit code.
 
 mod builtin;
+mod frames;
 mod info;
 mod interrupt;
+mod panels;
 mod plan;
 mod reference;
 mod refused;
 mod render;
+mod resume;
+mod sheet;
 
 use std::fs;
 use std::path::{Path, PathBuf};

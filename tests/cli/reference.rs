@@ -12,6 +12,7 @@ fn the_schema_is_json_that_knows_the_tables_of_a_scene() {
     assert!(required.contains(&&Value::from("camera")), "{required:?}");
     for table in [
         "camera", "object", "source", "display", "effects", "outside", "radiance", "medium",
+        "panel", "sheet",
     ] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }
@@ -21,7 +22,15 @@ fn the_schema_is_json_that_knows_the_tables_of_a_scene() {
 fn every_shell_gets_completions_that_know_the_commands() {
     for shell in ["bash", "zsh", "fish"] {
         let text = Folder::empty().ok(&["completions", shell]);
-        for word in ["render", "plan", "info", "isochrones", "exposure"] {
+        for word in [
+            "render",
+            "plan",
+            "sheet",
+            "info",
+            "isochrones",
+            "exposure",
+            "interval",
+        ] {
             assert!(text.contains(word), "{shell}: {word}");
         }
     }
@@ -35,6 +44,7 @@ fn the_manual_has_a_page_for_each_command() {
         "nullray",
         "nullray-render",
         "nullray-plan",
+        "nullray-sheet",
         "nullray-info",
         "nullray-schema",
     ] {

@@ -5,7 +5,7 @@ use std::fs;
 use super::{Folder, SMALL, repository};
 
 /// Runs `nullray` with `arguments`, which it must refuse with a message that has all of `parts`.
-fn refused(folder: &Folder, arguments: &[&str], parts: &[&str]) {
+pub fn refused(folder: &Folder, arguments: &[&str], parts: &[&str]) {
     let before = folder.names();
     let run = folder.run(arguments);
     let message = run.message();

@@ -16,6 +16,18 @@ impl Row {
         self.cells[column].parse().unwrap()
     }
 
+    /// A column that is no number.
+    #[allow(dead_code)] // most tables have none
+    pub fn text(&self, column: &str) -> &str {
+        &self.cells[column]
+    }
+
+    /// Whether there is a column of this name.
+    #[allow(dead_code)]
+    pub fn has(&self, column: &str) -> bool {
+        self.cells.contains_key(column)
+    }
+
     /// The vector whose components are in the columns `prefix`x, `prefix`y, `prefix`z.
     pub fn vector(&self, prefix: &str) -> DVec3 {
         let component = |axis| self.number(&format!("{prefix}{axis}"));

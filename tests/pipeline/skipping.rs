@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use nullray::plan::{Plan, Request, ViewKind};
+use nullray::camera::Kind;
+use nullray::plan::{Plan, Request};
 use nullray::prepare::{Light, Prepared};
 use nullray::progress::Silent;
 use nullray::scene::model::{Binding, Scene};
@@ -165,8 +166,8 @@ fn a_scene_at_rest_without_sources_has_no_boosts_no_time_and_no_channels() {
     }
     let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
     assert_eq!(
-        (plan.view, prepared.view),
-        (ViewKind::Still, ViewKind::Still)
+        (plan.view, prepared.camera.view.kind()),
+        (Kind::Still, Kind::Still)
     );
     assert!(matches!(prepared.light, Light::Constant(_)));
     assert!(prepared.layout.channels.is_empty() && !prepared.layout.has_gaps);

@@ -22,12 +22,16 @@ fn moving(motion: &str) -> CameraModel {
     ))
 }
 
+fn span(camera: &CameraModel) -> [f64; 2] {
+    camera.world_line().unwrap().span()
+}
+
 #[test]
 fn without_a_motion_a_camera_does_not_accelerate() {
     let camera = camera("eye = [0, 0, 5]\nlook_at = [0, 0, 0]\nframe_interval = '2 ns'");
     assert_eq!(camera.motion, Motion::Inertial);
     assert_eq!(camera.frame_interval, Some(2.0));
-    assert_eq!(camera.lifetime(), [f64::NEG_INFINITY, f64::INFINITY]);
+    assert_eq!(span(&camera), [f64::NEG_INFINITY, f64::INFINITY]);
 }
 
 #[test]
@@ -84,7 +88,7 @@ fn a_profile_begins_and_ends_with_its_first_and_last_time() {
     );
     let expected = vec![(-1.0, DVec3::Y), (4.0, DVec3::ZERO)];
     assert_eq!(camera.motion, Motion::Profile(expected));
-    assert_eq!(camera.lifetime(), [-1.0, 4.0]);
+    assert_eq!(span(&camera), [-1.0, 4.0]);
     assert_eq!(camera.origin, Event::new(7.0, DVec3::new(3.0, 0.0, 4.0)));
 }
 
@@ -103,7 +107,7 @@ fn keyframes_say_where_the_camera_is_and_where_it_looks_from() {
     assert_eq!(camera.motion, Motion::Keyframes(events));
     // A straight line at β = 3/5 for 5 m: 4 m of proper time.
     assert!((camera.velocity.beta() - DVec3::X * 0.6).length() < 1e-12);
-    assert!((camera.lifetime()[1] - 4.0).abs() < 1e-12);
+    assert!((span(&camera)[1] - 4.0).abs() < 1e-12);
 }
 
 #[test]
@@ -131,6 +135,26 @@ fn a_circle_gives_the_velocity_across_its_radius() {
 fn a_circle_at_the_rate_zero_is_rest() {
     let camera = moving("circle = { centre = [3, 9, 0], axis = [0, 2, 0], rate = '0 rad/m' }");
     assert_eq!(camera.velocity, Velocity::REST);
+}
+
+#[test]
+fn a_world_line_has_the_cameras_place_and_velocity_when_its_clock_shows_zero() {
+    let velocity = "eye = [3, 0, 4]\nlook_at = [0, 0, 0]\nvelocity = { beta = [0.6, 0, 0] }";
+    for keys in [
+        velocity.to_string(),
+        format!("{velocity}\nmotion.acceleration = {{ proper = '1 /m', direction = [0, 1, 0] }}"),
+        format!("{velocity}\nmotion.segments = [{{ acceleration = {{ proper = '1 /m', direction = [0, 1, 0] }} }}]"),
+        format!("{velocity}\nmotion.profile = [{{ time = '-1 m' }}, {{ time = '1 m', acceleration = {{ proper = '1 /m', direction = [0, 1, 0] }} }}]"),
+        "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = '1 m', position = [3, 0, 4] }, { time = '4 m', position = [3, 2, 4] }]".into(),
+        "eye = [3, 0, 4]\nlook_at = [0, 0, 0]\nmotion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], rate = '0.1 rad/m' }".into(),
+    ] {
+        let camera = camera(&keys);
+        let state = camera.world_line().unwrap().state(0.0).unwrap();
+        assert_eq!(state.velocity, camera.velocity, "{keys}");
+        assert!(!camera.velocity.is_rest(), "{keys}");
+        assert_eq!(state.event, camera.origin, "{keys}");
+        assert_eq!(camera.origin.x, DVec3::new(3.0, 0.0, 4.0));
+    }
 }
 
 #[test]

@@ -51,6 +51,15 @@ cases! { PATHS:
     VELOCITY => "motion.circle = { centre = [0, 0, 0], axis = [0, 1, 0], period = \"31.41 m\" }" at "camera.motion.circle.period" "\"31.41 m\"": "is not below 1", "the shortest period is 31.45 m";
 }
 
+cases! { WORLD_LINES:
+    TIME => "motion.segments = [{ duration = \"1 m\" }, { duration = \"100 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }]" at "camera.motion.segments[1]" "{ duration = \"100 m\"": "this acceleration leads beyond rapidity 40 near", "weaker or shorter";
+    TIME => "motion.profile = [{ time = \"0 m\" }, { time = \"1 m\" }, { time = \"90 m\", acceleration = { proper = \"1 /m\", direction = [0, 0, -1] } }]" at "camera.motion.profile[1]" "{ time = \"1 m\"": "this acceleration leads beyond rapidity 40 near", "weaker or shorter";
+    TIME => "time = \"50 m\"\nmotion.acceleration = { proper = \"1 /m\", direction = [0, 0, -1] }" at "camera.time" "\"50 m\"": "the exposure begins where the camera is too fast", "nearer to 0";
+    TIME => "time = \"30 m\"\nshutter.duration = \"20 m\"\nmotion.acceleration = { proper = \"1 /m\", direction = [0, 0, -1] }" at "camera.shutter.duration" "\"20 m\"": "the exposure ends where the camera is too fast", "nearer to 0";
+    // The chord is slower than light, the curve that has to pick up speed and to lose it is not.
+    PLACE => "look_at = [0, 0, 0]\nmotion.keyframes = [{ time = \"0 m\", position = [0, 0, 5] }, { time = \"1 m\", position = [0, 0, 5] }, { time = \"2 m\", position = [0.95, 0, 5] }, { time = \"3 m\", position = [0.95, 0, 5] }]\n" at "camera.motion.keyframes[2]" "{ time = \"2 m\"": "from the keyframe before to this one moves at |β| = 1.", "gentler turns";
+}
+
 cases! { TIMES:
     TIME => "time = \"-1 m\"\nmotion.profile = [{ time = \"0 m\" }, { time = \"2 m\" }]" at "camera.time" "\"-1 m\"": "the exposure begins before the camera's world line does", "from 0 m to 2 m";
     TIME => "time = \"3 m\"\nmotion.profile = [{ time = \"0 m\" }, { time = \"2 m\" }]" at "camera.time" "\"3 m\"": "the exposure begins after the camera's world line has ended", "from 0 m to 2 m";
@@ -111,6 +120,11 @@ fn motions_that_cannot_be_are_refused() {
 #[test]
 fn paths_that_cannot_be_are_refused() {
     check(PATHS);
+}
+
+#[test]
+fn world_lines_that_nothing_can_follow_are_refused() {
+    check(WORLD_LINES);
 }
 
 #[test]

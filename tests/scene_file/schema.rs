@@ -3,6 +3,10 @@
 use nullray::scene::schema;
 use serde_json::Value;
 
+use crate::motion::camera;
+
+const REFERENCE: &str = include_str!("../../scenes/reference.toml");
+
 /// All (key, property) pairs of a schema.
 fn properties(schema: &Value) -> Vec<(String, Value)> {
     let mut found = Vec::new();
@@ -86,11 +90,48 @@ fn unknown_keys_are_refused_in_every_table() {
 
 #[test]
 fn the_reference_scene_shows_every_key() {
-    let reference = include_str!("../../scenes/reference.toml");
-    let words: Vec<&str> = reference
+    let words: Vec<&str> = REFERENCE
         .split(|c: char| !(c.is_alphanumeric() || c == '_'))
         .collect();
     for (key, _) in properties(&schema()) {
         assert!(words.contains(&key.as_str()), "{key}");
     }
+}
+
+/// The TOML in the comments of the reference scene from one line to another, prose left out.
+fn commented(from: &str, to: &str) -> Vec<&'static str> {
+    let lines = REFERENCE.lines().skip_while(|line| *line != from);
+    let block = lines.take_while(|line| *line != to);
+    let text = block.filter_map(|line| line.strip_prefix("# "));
+    let toml = |line: &&str| line.contains('=') || line.starts_with(['[', ']', ' ']);
+    text.filter(toml).collect()
+}
+
+#[test]
+fn every_motion_of_the_reference_scene_is_accepted() {
+    let mut motions: Vec<String> = Vec::new();
+    for line in commented("# [camera.motion]", "# [camera.sensor]").split_off(1) {
+        match motions.last_mut() {
+            Some(motion) if line.starts_with([' ', ']']) => *motion += &format!("\n{line}"),
+            _ => motions.push(line.to_string()),
+        }
+    }
+    assert_eq!(motions.len(), 6);
+    for motion in motions {
+        let eye = match motion.starts_with("keyframes") {
+            true => "",
+            false => "eye = [0, 1, 5]\n",
+        };
+        let moving = camera(&format!(
+            "{eye}look_at = [0, 1, 0]\n[camera.motion]\n{motion}"
+        ));
+        assert!(moving.world_line().is_ok(), "{motion}");
+    }
+}
+
+#[test]
+fn sensor_rotation_and_shutter_of_the_reference_scene_are_accepted() {
+    let tables = commented("# [camera.sensor]", "# A glTF file:").join("\n");
+    let camera = camera(&format!("eye = [0, 1, 5]\nlook_at = [0, 1, 0]\n{tables}"));
+    assert!(camera.sensor.is_some() && camera.rotation.is_some() && camera.shutter.is_some());
 }

@@ -19,6 +19,8 @@ pub fn info(path: &Path) -> Result<Info> {
     sheet.list("object", &scene.objects, object);
     sheet.list("source", &scene.sources, |s| source(&scene, s));
     settings(&mut sheet, &scene);
+    let panels: Vec<_> = scene.panels.iter().map(|p| p.name.clone()).collect();
+    sheet.names("panels", &panels);
     sheet.row("", "`nullray plan` on it tells what it needs");
     Info::new(path, "nullray scene", sheet, &data(&scene))
 }
@@ -137,5 +139,6 @@ fn data(scene: &Scene) -> Value {
         "samples_per_pixel": scene.samples_per_pixel,
         "objects": objects.collect::<Vec<_>>(),
         "sources": sources.collect::<Vec<_>>(),
+        "panels": scene.panels.iter().map(|p| &p.name).collect::<Vec<_>>(),
     })
 }

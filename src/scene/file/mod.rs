@@ -6,6 +6,7 @@
 mod camera;
 mod motion;
 mod object;
+mod panel;
 mod sensor;
 mod source;
 
@@ -19,8 +20,9 @@ use super::values::{Number, Vector};
 use crate::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
-pub(super) use motion::{Circle, Keyframe, MotionSegment, ProfileKnot, ProperAcceleration};
+pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
+pub(super) use panel::{Panel, Sheet, Show};
 pub(super) use sensor::{Assembly, Elements, Pivot, Records, Sensor, SensorRotation};
 pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};
 
@@ -63,6 +65,12 @@ pub(in crate::scene) struct Scene {
     /// How radiance becomes a picture to look at.
     #[serde(default)]
     pub display: At<Display>,
+    /// Variants of the scene, each a picture of its own.
+    #[serde(default)]
+    pub panel: Vec<At<Panel>>,
+    /// How the panels are put on one page.
+    #[serde(default)]
+    pub sheet: Sheet,
 }
 
 impl Scene {

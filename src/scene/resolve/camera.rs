@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::motion::{self, Moving};
-use super::{path, pose, sensor};
+use super::{path, pose, sensor, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
@@ -22,6 +22,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
         origin,
         velocity,
         motion,
+        line,
     } = motion::resolve(cx, camera, pose.eye)?;
     let interval = camera.frame_interval.as_ref();
     let interval = interval.map(|interval| cx.duration(interval, "`frame_interval`"));
@@ -39,7 +40,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
         frame_interval: interval.transpose()?,
     };
     sensor::refuse_faster_than_light(cx, camera, &model)?;
-    motion::refuse_outside(cx, camera, &model)?;
+    worldline::refuse_outside(cx, camera, &model, &line)?;
     Ok(model)
 }
 
@@ -107,6 +108,7 @@ mod tests {
     use super::*;
     use crate::import::gltf::GltfCamera;
     use crate::scene::report::Report;
+    use crate::spacetime::Event;
 
     /// A camera of the file with a vertical field of view of 90 degrees and no aspect ratio.
     fn upright(_: &Path, node: Option<&str>) -> Result<GltfCamera> {
@@ -147,5 +149,15 @@ mod tests {
     fn a_field_of_view_in_the_scene_goes_before_that_of_the_gltf_camera() {
         let camera = resolved("hfov = \"1 rad\"");
         assert_eq!(camera.horizontal_fov, 1.0);
+    }
+
+    #[test]
+    fn keyframes_take_the_place_of_where_a_gltf_camera_is() {
+        let camera = resolved(
+            "motion.keyframes = [{ time = '1 m', position = [0, 0, 7] }, \
+             { time = '3 m', position = [1, 0, 7] }]",
+        );
+        assert_eq!(camera.origin, Event::new(1.0, DVec3::Z * 7.0));
+        assert_eq!(camera.axes[2], DVec3::NEG_Z);
     }
 }

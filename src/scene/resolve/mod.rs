@@ -7,6 +7,7 @@ mod context;
 mod equations;
 mod motion;
 mod object;
+mod panel;
 mod path;
 mod pose;
 mod radiance;
@@ -16,6 +17,7 @@ mod shape;
 mod source;
 mod transform;
 mod velocity;
+mod worldline;
 
 use std::path::Path;
 
@@ -47,6 +49,8 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
         background: cx.colour(&file.display.value.background)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
+        panels: panel::resolve_all(&cx, &file.panel)?,
+        sheet: panel::sheet(&cx, &file.sheet)?,
         text: cx.report.text.to_string(),
         name: cx.report.name.clone(),
     };

@@ -5,12 +5,12 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::context::Context;
-use super::{path, velocity};
+use super::{path, velocity, worldline};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{CameraModel, Motion};
-use crate::spacetime::worldline::Segment;
+use crate::scene::model::Motion;
+use crate::spacetime::worldline::{Segment, WorldLine};
 use crate::spacetime::{Direction, Event, Velocity, World};
 
 /// The most segments, times of a profile, or keyframes.
@@ -27,51 +27,51 @@ pub(super) struct Moving {
     pub velocity: Velocity,
     /// How it moves on.
     pub motion: Motion,
+    /// The world line that these give.
+    pub line: WorldLine,
 }
 
 /// The motion that `camera` says in one way, and whose pose has the pinhole at `eye`.
 pub(super) fn resolve(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Moving> {
-    if let Some(keyframes) = keyframes(camera) {
-        return path::keyframes(cx, keyframes);
-    }
-    let origin = Event::new(cx.time(&camera.clock_zero)?, eye);
+    let motion = motion(cx, camera, eye)?;
+    let velocity = velocity::resolve(cx, &camera.velocity)?;
+    let origin = match &motion {
+        Motion::Keyframes(events) => events.first().copied().unwrap_or(Event::ORIGIN),
+        _ => Event::new(cx.time(&camera.clock_zero)?, eye),
+    };
+    let line = motion.world_line(velocity, origin);
+    let line = line.map_err(|error| worldline::refusal(cx, camera, &error))?;
+    Ok(Moving {
+        origin,
+        velocity: line.state(0.0).map_or(velocity, |state| state.velocity),
+        motion,
+        line,
+    })
+}
+
+fn motion(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Motion> {
     let Some(at) = &camera.motion else {
-        return free(cx, camera, origin, Motion::Inertial);
+        return Ok(Motion::Inertial);
     };
     let motion = &at.value;
-    if let Some(circle) = &motion.circle {
-        return path::circle(cx, camera, circle, origin);
-    }
-    let motion = if let Some(a) = &motion.acceleration {
-        accelerated(acceleration(cx, a)?)
+    if let Some(a) = &motion.acceleration {
+        Ok(accelerated(acceleration(cx, a)?))
     } else if let Some(segments) = &motion.segments {
-        self::segments(cx, segments)?
+        self::segments(cx, segments)
     } else if let Some(profile) = &motion.profile {
-        self::profile(cx, profile)?
+        self::profile(cx, profile)
+    } else if let Some(keyframes) = &motion.keyframes {
+        path::keyframes(cx, keyframes)
+    } else if let Some(circle) = &motion.circle {
+        path::circle(cx, camera, circle, eye)
     } else {
-        return Err(cx.refuse(at, "this says no motion", HELP));
-    };
-    free(cx, camera, origin, motion)
+        Err(cx.refuse(at, "this says no motion", HELP))
+    }
 }
 
 /// The keyframes of a camera that moves by them.
 pub(super) fn keyframes(camera: &file::Camera) -> Option<&At<Vec<At<file::Keyframe>>>> {
     camera.motion.as_ref()?.value.keyframes.as_ref()
-}
-
-/// A motion that starts with the file's velocity.
-fn free(
-    cx: &Context,
-    camera: &file::Camera,
-    origin: Event<World>,
-    motion: Motion,
-) -> Result<Moving> {
-    let velocity = velocity::resolve(cx, &camera.velocity)?;
-    Ok(Moving {
-        origin,
-        velocity,
-        motion,
-    })
 }
 
 /// Refuses all but one way to say a motion.
@@ -173,33 +173,6 @@ fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> 
         return Err(cx.refuse(at, what, help));
     }
     Ok(Motion::Profile(knots))
-}
-
-/// Refuses an exposure that is not within the world line, on which the default time 0 always is.
-pub(super) fn refuse_outside(
-    cx: &Context,
-    camera: &file::Camera,
-    model: &CameraModel,
-) -> Result<()> {
-    let [first, last] = model.lifetime();
-    let (time, shutter) = (model.time, model.shutter.map_or(0.0, |s| s.duration));
-    let (at, what) = if time < first {
-        (&camera.time, "begins before the camera's world line does")
-    } else if time > last {
-        (
-            &camera.time,
-            "begins after the camera's world line has ended",
-        )
-    } else if time + shutter > last {
-        let duration = camera.shutter.as_ref().map(|at| &at.value.duration);
-        let at = duration.unwrap_or(&camera.time);
-        (at, "ends after the camera's world line has ended")
-    } else {
-        return Ok(());
-    };
-    let what = format!("the exposure {what}");
-    let help = format!("the world line goes from {first} m to {last} m of the camera's time");
-    Err(cx.refuse(at, what, help))
 }
 
 /// Refuses lists that are too short or too long.

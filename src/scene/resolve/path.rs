@@ -1,17 +1,17 @@
 //! Motions that the world's coordinates say: keyframes and circles.
 //!
-//! A point at r⊥ from an axis n that turns at the rate ω has the velocity β = ω n × r⊥ (c = 1).
+//! A point at the distance r from an axis about which it goes at the rate ω has the speed β = |ω| r (c = 1).
 
 use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
-use super::motion::{Moving, ascending, bounded};
+use super::motion::{ascending, bounded};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Circle, Keyframe};
 use crate::scene::model::Motion;
 use crate::scene::values::Vector;
-use crate::spacetime::{Direction, Event, Velocity, World};
+use crate::spacetime::{Direction, Event, World};
 
 /// The smallest distance from the axis, in parts of the distances that it is the difference of.
 const ON_AXIS: f64 = 1e-12;
@@ -41,7 +41,7 @@ pub(super) fn start(
 }
 
 /// A motion by keyframes.
-pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Moving> {
+pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Motion> {
     let event = |key: &At<Keyframe>| {
         let Keyframe { time, position } = &key.value;
         Ok(Event::new(cx.time(time)?, position.value.vec()))
@@ -50,13 +50,7 @@ pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Movi
     let times: Vec<f64> = events.iter().map(|event| event.ct).collect();
     ascending(cx, &times, |i| Some(&at.value.get(i)?.value.time))?;
     slower_than_light(cx, at, &events)?;
-    let [first, second] = [0, 1].map(|i| events.get(i).copied().unwrap_or(Event::ORIGIN));
-    let start = (second.x - first.x) / (second.ct - first.ct);
-    Ok(Moving {
-        origin: first,
-        velocity: Velocity::from_beta(start).map_err(|e| cx.refuse(at, e.to_string(), SLOWER))?,
-        motion: Motion::Keyframes(events),
-    })
+    Ok(Motion::Keyframes(events))
 }
 
 /// Refuses keyframes that nothing slower than light connects, not even on a straight line.
@@ -83,13 +77,8 @@ fn slower_than_light(
     Ok(())
 }
 
-/// A circle through `origin`.
-pub(super) fn circle(
-    cx: &Context,
-    camera: &Camera,
-    at: &At<Circle>,
-    origin: Event<World>,
-) -> Result<Moving> {
+/// A circle through `eye`.
+pub(super) fn circle(cx: &Context, camera: &Camera, at: &At<Circle>, eye: DVec3) -> Result<Motion> {
     if let Some(velocity) = &camera.velocity {
         return Err(cx.refuse_both((at, "circle"), (velocity, "velocity")));
     }
@@ -99,18 +88,15 @@ pub(super) fn circle(
         cx.refuse(&circle.axis, what, "give an axis like [0, 1, 0]")
     })?;
     let (axis, centre) = (axis.unit(), circle.centre.value.vec());
-    let radius = radius(cx, at, origin.x, axis)?;
+    let radius = radius(cx, at, eye, axis)?.length();
     let rate = rate(cx, at)?;
-    let beta = axis.cross(radius) * rate;
-    let refuse = |_| too_fast(cx, at, radius.length(), rate);
-    Ok(Moving {
-        origin,
-        velocity: Velocity::from_beta(beta).map_err(refuse)?,
-        motion: Motion::Circular { centre, axis, rate },
-    })
+    match rate.abs() * radius {
+        beta if beta >= 1.0 => Err(too_fast(cx, at, radius, beta)),
+        _ => Ok(Motion::Circular { centre, axis, rate }),
+    }
 }
 
-/// From the axis to the eye.
+/// From the axis to the eye, across the axis.
 fn radius(cx: &Context, at: &At<Circle>, eye: DVec3, axis: DVec3) -> Result<DVec3> {
     let centre = &at.value.centre;
     let from_centre = eye - centre.value.vec();
@@ -139,8 +125,7 @@ fn rate(cx: &Context, at: &At<Circle>) -> Result<f64> {
 }
 
 /// The refusal of a circle on which β = |ω| r is not below 1.
-fn too_fast(cx: &Context, at: &At<Circle>, radius: f64, rate: f64) -> Error {
-    let beta = rate.abs() * radius;
+fn too_fast(cx: &Context, at: &At<Circle>, radius: f64, beta: f64) -> Error {
     let what = format!("on this circle, {radius} m around the axis, |β| = {beta} is not below 1");
     let Circle { period, rate, .. } = &at.value;
     match (period, rate) {

@@ -1,6 +1,69 @@
-//! World lines.
+//! World lines: where something is at each of its proper times, and where light last left it.
+//!
+//! | kind | given by | proper times |
+//! |---|---|---|
+//! | [inertial](WorldLine::inertial) | velocity | all |
+//! | [hyperbolic](WorldLine::hyperbolic) | constant proper acceleration | all |
+//! | [segments](WorldLine::segments) | stretches of constant proper acceleration | all |
+//! | [profile](WorldLine::profile) | proper acceleration over proper time | first to last knot |
+//! | [keyframes](WorldLine::keyframes) | events of the world | first to last event |
+//! | [circular](WorldLine::circular) | axis and rate | all |
+//!
+//! Proper time τ and world time ct are in metres, accelerations in 1/m (1 m⁻¹ is c²/m = 9·10¹⁶ m/s²).
+//! The comoving frame's axes are the world's, boosted without rotation; a *stretch of constant proper
+//! acceleration* is constant in axes carried along without rotation (Fermi–Walker), which turn against those
+//! when the acceleration is oblique to the velocity (Thomas precession).
+//!
+//! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so that the past light
+//! cone of an event E crosses the line at most once. It may not cross at all: a line that accelerates for
+//! ever has a horizon, and one that begins and ends is not there before and after.
+//!
+//! [`WorldLine::on_past_light_cone`] works with differences from a state nearby, so that the way from a
+//! sensor to its pinhole keeps its digits wherever in the world the camera is.
+//!
+//! ```
+//! use glam::DVec3;
+//! use nullray::spacetime::worldline::WorldLine;
+//! use nullray::spacetime::{Displacement, Event, Velocity};
+//! # fn main() -> Result<(), nullray::spacetime::worldline::WorldLineError> {
+//! let ship = WorldLine::hyperbolic(Velocity::REST, Event::ORIGIN, DVec3::X)?;
+//! let later = ship.state(2.0).unwrap();
+//! assert_eq!(later.event.ct, f64::sinh(2.0));
+//!
+//! // Where it is seen from a metre behind.
+//! let seen = ship.on_past_light_cone(&later, Displacement::new(0.0, -DVec3::X)).unwrap();
+//! assert!(seen.proper_time() < 2.0);
+//!
+//! // No light of it comes to what it leaves behind its horizon.
+//! assert!(ship.on_past_light_cone_of(Event::new(-3.0, DVec3::ZERO)).is_none());
+//! # Ok(())
+//! # }
+//! ```
+
+mod arcs;
+mod circular;
+mod clock;
+mod cone;
+mod error;
+mod hyperbola;
+mod keyframes;
+mod profile;
+mod root;
+mod rounding;
+mod series;
+mod spline;
+mod state;
+mod taylor;
 
 use glam::DVec3;
+
+use super::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+use arcs::Arcs;
+use circular::Circular;
+pub use error::{MAX_ACCELERATION, MAX_ENTRIES, MAX_KEYFRAME_SPEED, WorldLineError};
+use keyframes::Keyframes;
+use profile::Profile;
+pub use state::{Crossing, State};
 
 /// A stretch of constant proper acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,4 +72,177 @@ pub struct Segment {
     pub duration: f64,
     /// Proper acceleration in the comoving frame's axes at its beginning, 1/m; zero is coasting.
     pub acceleration: DVec3,
+}
+
+/// The world line of something slower than light.
+#[derive(Debug, Clone)]
+pub struct WorldLine {
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Arcs(Arcs),
+    Profile(Profile),
+    Keyframes(Keyframes),
+    Circular(Circular),
+}
+
+impl WorldLine {
+    /// Without acceleration, through the event `zero` at proper time 0.
+    pub fn inertial(velocity: Velocity, zero: Event<World>) -> WorldLine {
+        Kind::Arcs(Arcs::inertial(velocity, zero)).into()
+    }
+
+    /// With constant proper acceleration for ever: a hyperbola in the frame comoving at proper time 0, in
+    /// whose axes `acceleration` is given (1/m). Without acceleration it is inertial.
+    pub fn hyperbolic(
+        velocity: Velocity,
+        zero: Event<World>,
+        acceleration: DVec3,
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Arcs(Arcs::hyperbolic(velocity, zero, acceleration)?).into())
+    }
+
+    /// One stretch of constant proper acceleration after the other from proper time 0 on; without acceleration
+    /// before and after them.
+    pub fn segments(
+        velocity: Velocity,
+        zero: Event<World>,
+        segments: &[Segment],
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Arcs(Arcs::segments(velocity, zero, segments)?).into())
+    }
+
+    /// With the proper acceleration given at knots of proper time, in the comoving frame's axes of each moment
+    /// (the world's, boosted without rotation), and linear between them; from the first knot to the last.
+    /// `velocity` and `zero` are the state at proper time 0, which must be among these times.
+    pub fn profile(
+        velocity: Velocity,
+        zero: Event<World>,
+        knots: &[(f64, DVec3)],
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Profile(Profile::new(velocity, zero, knots)?).into())
+    }
+
+    /// The natural cubic spline x(ct) through `events`, from the first, at proper time 0, to the last.
+    ///
+    /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and
+    /// the latter is zero at both ends. Refused where it is not slower than light.
+    pub fn keyframes(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Keyframes(Keyframes::new(events)?).into())
+    }
+
+    /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with
+    /// `rate` radians per metre of world time, right-handed about it; at `zero` at proper time 0.
+    pub fn circular(
+        zero: Event<World>,
+        centre: DVec3,
+        axis: DVec3,
+        rate: f64,
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Circular(Circular::new(zero, centre, axis, rate)?).into())
+    }
+
+    /// The first and the last proper time, metres; infinite where the line has no end.
+    pub fn span(&self) -> [f64; 2] {
+        match &self.kind {
+            Kind::Arcs(_) | Kind::Circular(_) => [f64::NEG_INFINITY, f64::INFINITY],
+            Kind::Profile(line) => line.span(),
+            Kind::Keyframes(line) => line.span(),
+        }
+    }
+
+    /// The state at a proper time, metres. None outside [`WorldLine::span`], and where coordinates leave
+    /// f64's range or the rapidity is above [`MAX_RAPIDITY`](super::MAX_RAPIDITY).
+    pub fn state(&self, proper_time: f64) -> Option<State> {
+        let [first, last] = self.span();
+        if !proper_time.is_finite() || proper_time < first || proper_time > last {
+            return None;
+        }
+        let state = match &self.kind {
+            Kind::Arcs(line) => line.state(proper_time),
+            Kind::Profile(line) => line.state(proper_time),
+            Kind::Keyframes(line) => line.state(proper_time),
+            Kind::Circular(line) => line.state(proper_time),
+        };
+        state.filter(|s| s.event.ct.is_finite() && s.event.x.is_finite())
+    }
+
+    /// The frame whose clock shows proper time, where the line is inertial for ever.
+    pub fn frame(&self) -> Option<InertialFrame<Camera>> {
+        match &self.kind {
+            Kind::Arcs(line) => line.frame(),
+            _ => None,
+        }
+    }
+
+    /// Where the line crosses the past light cone of the event at `offset` from that of `near`, a state of
+    /// this line: the event at which it is seen from there. The displacement of the crossing is counted from
+    /// `near.event`, and keeps the digits of a small `offset`.
+    ///
+    /// None where it does not cross: beyond the horizon of a line that accelerates for ever, before the line
+    /// begins or after it ends.
+    #[inline]
+    pub fn on_past_light_cone(
+        &self,
+        near: &State,
+        offset: Displacement<World>,
+    ) -> Option<Crossing> {
+        match &self.kind {
+            Kind::Arcs(line) => line.past_cone(near, offset),
+            Kind::Profile(line) => line.past_cone(near, offset),
+            Kind::Keyframes(line) => line.past_cone(near, offset),
+            Kind::Circular(line) => line.past_cone(near, offset),
+        }
+    }
+
+    /// The same in the momentarily comoving frame of `near`, from an offset in that frame: what the parts of
+    /// a body see of each other keeps its digits at any speed.
+    #[inline]
+    pub fn on_comoving_light_cone(
+        &self,
+        near: &State,
+        offset: Displacement<Camera>,
+    ) -> Option<Displacement<Camera>> {
+        if let Kind::Arcs(line) = &self.kind
+            && let Some(crossing) = line.comoving(near, offset)
+        {
+            return crossing;
+        }
+        let frame = near.frame();
+        let offset = frame.world_from_frame().displacement(offset);
+        let crossing = self.on_past_light_cone(near, offset)?;
+        Some(frame.frame_from_world().displacement(crossing.displacement))
+    }
+
+    /// Where the line crosses the past light cone of `apex`, as [`WorldLine::on_past_light_cone`]. The
+    /// displacement of the crossing is counted from `apex` itself: a null vector into the past.
+    pub fn on_past_light_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        match &self.kind {
+            Kind::Arcs(line) => line.past_cone_of(apex),
+            Kind::Profile(line) => line.past_cone_of(apex),
+            Kind::Keyframes(line) => line.past_cone_of(apex),
+            Kind::Circular(line) => line.past_cone_of(apex),
+        }
+    }
+}
+
+impl From<Kind> for WorldLine {
+    fn from(kind: Kind) -> Self {
+        WorldLine { kind }
+    }
+}
+
+/// Whether a displacement leads to the causal future, the light cone included.
+fn is_causal(d: Displacement<World>) -> bool {
+    d.ct >= d.x.length()
+}
+
+fn plus(a: Displacement<World>, b: Displacement<World>) -> Displacement<World> {
+    Displacement::new(a.ct + b.ct, a.x + b.x)
+}
+
+fn minus(a: Displacement<World>, b: Displacement<World>) -> Displacement<World> {
+    Displacement::new(a.ct - b.ct, a.x - b.x)
 }

@@ -1,0 +1,208 @@
+//! Cameras on any world line that have a sensor, a shutter, or both.
+//!
+//! At proper time t the pinhole is at X(t), with the comoving frame Λ(t). The sensor element of film
+//! vector D is exposed at the event E = X(t) + q, with the pinhole's four-velocity u(t):
+//!
+//! ```text
+//! rigid:         q = Λ (0, −f D)          world length:  the same with f′ (`inertial`)
+//! Bell's ships:  q = (0, −f D)            in the world: shifted copies of one world line
+//! ```
+//!
+//! A rigid camera is Born-rigid: the elements that are simultaneous with the pinhole in its comoving
+//! frame keep their distances and share its velocity. The light passed the pinhole at the event P of
+//! X(·) on the past light cone of E; its look direction is that of P − E. For a pinhole without
+//! acceleration that is P = −f|D| u again.
+
+use glam::DVec3;
+
+use super::inertial::Exposure;
+use super::{Apart, Look, Pinhole, Shot, View};
+use crate::scene::model::{Assembly, CameraModel, Sensor};
+use crate::spacetime::worldline::{State, WorldLine};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, World};
+
+/// A camera on a world line, with a sensor, a shutter, or both.
+#[derive(Debug)]
+pub struct Accelerated {
+    line: WorldLine,
+    film: Pinhole,
+    sensor: Option<Sensor>,
+    /// Camera time and event of the shot.
+    time: f64,
+    event: Event<World>,
+    /// The camera at that time, where there is no exposure.
+    instant: Option<Placed>,
+    exposure: Exposure,
+    aberration: bool,
+}
+
+/// The camera at a proper time.
+#[derive(Debug)]
+struct Placed {
+    state: State,
+    world_from_camera: Boost<World, Camera>,
+    /// By how much the focal length is longer in its own frame than the scene says, metres.
+    stretch: f64,
+    /// From the event of the shot to the pinhole's event.
+    moved: Displacement<World>,
+}
+
+/// How an element sees.
+struct Sight {
+    d: Direction<World>,
+    seen: Direction<Camera>,
+    ratio: f64,
+    /// From the pinhole's event at the time of exposure to the event at which the ray leaves.
+    from: Displacement<World>,
+}
+
+impl Accelerated {
+    /// The view of `model`, which moves along `line`; its shutter opens at `shot`.
+    pub fn new(model: &CameraModel, line: WorldLine, shot: &Shot, aberration: bool) -> Self {
+        let exposure = Exposure::of(model);
+        let mut camera = Accelerated {
+            line,
+            film: shot.pinhole.clone(),
+            sensor: model.sensor,
+            time: model.time,
+            event: shot.event,
+            instant: None,
+            exposure,
+            aberration,
+        };
+        if exposure.duration == 0.0 {
+            camera.instant = camera.placed(0.0);
+        }
+        camera
+    }
+
+    /// Whether light that every element gets passed the pinhole on its world line, during the whole
+    /// exposure.
+    pub(super) fn sees_everywhere(&self) -> bool {
+        let times = [0.0, self.exposure.duration];
+        times.iter().all(|t| {
+            let placed = self.placed(*t);
+            let mut corners = self.film.corners().into_iter();
+            placed.is_some_and(|p| corners.all(|[x, y]| self.sight(&p, x, y).is_some()))
+        })
+    }
+
+    /// The camera `t` after the shot, where its world line goes that far.
+    #[inline]
+    fn placed(&self, t: f64) -> Option<Placed> {
+        let state = self.line.state(self.time + t)?;
+        Some(Placed {
+            world_from_camera: *state.frame().world_from_frame(),
+            stretch: self.sensor.map_or(0.0, |sensor| {
+                let own = sensor.own_focal_length(self.film.forward(), state.velocity);
+                own - sensor.focal_length
+            }),
+            moved: state.event - self.event,
+            state,
+        })
+    }
+
+    /// What the element at film point `(x, y)` sees.
+    #[inline]
+    fn sight(&self, camera: &Placed, x: f64, y: f64) -> Option<Sight> {
+        let Some(sensor) = self.sensor else {
+            let seen = self.film.direction(x, y);
+            return Some(camera.sight(seen, Displacement::new(0.0, DVec3::ZERO)));
+        };
+        let element = self.film.vector(x, y) * -sensor.focal_length;
+        match sensor.assembly {
+            Assembly::Bell => self.ships(camera, element),
+            // The focal length is stretched, the sensor is not.
+            Assembly::Rigid | Assembly::WorldLength => {
+                self.rigid(camera, element - self.film.forward() * camera.stretch)
+            }
+        }
+    }
+
+    /// The element at `element` from the pinhole on a rigid body, in its frame.
+    #[inline]
+    fn rigid(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
+        let element = Displacement::new(0.0, element);
+        let own = self.line.on_comoving_light_cone(&camera.state, element)?;
+        let seen = Direction::new(own.x - element.x)?;
+        Some(camera.sight(seen, camera.world_from_camera.displacement(own)))
+    }
+
+    /// The element at `element` from the pinhole, as the world measures, on a ship of its own.
+    #[inline]
+    fn ships(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
+        let element = Displacement::new(0.0, element);
+        let crossing = self.line.on_past_light_cone(&camera.state, element)?;
+        let from = crossing.displacement;
+        let d = Direction::new(from.x - element.x)?;
+        let (seen, ratio) = camera.world_from_camera.inverse().direction(d);
+        Some(Sight {
+            d,
+            seen,
+            ratio: 1.0 / ratio,
+            from,
+        })
+    }
+}
+
+impl Placed {
+    /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
+    #[inline]
+    fn sight(&self, seen: Direction<Camera>, from: Displacement<World>) -> Sight {
+        let (d, ratio) = self.world_from_camera.direction(seen);
+        Sight {
+            d,
+            seen,
+            ratio,
+            from,
+        }
+    }
+}
+
+/// What an element sees whose light never passed the pinhole.
+fn nothing() -> Look<Apart> {
+    Look {
+        d: Direction::from_unit(DVec3::NAN),
+        ratio: f64::NAN,
+        from: Apart {
+            weight: 0.0,
+            ..Apart::NOWHERE_ELSE
+        },
+    }
+}
+
+impl View for Accelerated {
+    type From = Apart;
+    const EXPOSED: bool = true;
+
+    #[inline]
+    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        let later;
+        let camera = match &self.instant {
+            Some(placed) => placed,
+            None => {
+                let Some(placed) = self.placed(moment * self.exposure.duration) else {
+                    return nothing();
+                };
+                later = placed;
+                &later
+            }
+        };
+        let Some(sight) = self.sight(camera, x, y) else {
+            return nothing();
+        };
+        Look {
+            d: if self.aberration {
+                sight.d
+            } else {
+                Direction::from_unit(sight.seen.unit())
+            },
+            ratio: sight.ratio,
+            from: Apart {
+                displacement: camera.moved + sight.from,
+                delay: 1.0,
+                weight: self.exposure.weight,
+            },
+        }
+    }
+}

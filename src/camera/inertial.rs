@@ -1,0 +1,112 @@
+//! Cameras without acceleration that have a sensor, a shutter, or both.
+//!
+//! In the camera frame sensor and pinhole rest. The element at −f D, exposed at camera time t, gets
+//! light that passed the pinhole at t − f|D| and came along D/|D|. The pinhole's event moves along its
+//! four-velocity u = (γ, γβ): relative to the shot it is
+//!
+//! ```text
+//! P = (t − t_shot − f |D|) u.
+//! ```
+//!
+//! A focal length f that is fixed in the world is, in the camera's own frame,
+//!
+//! ```text
+//! f′ = f / √(1 − β² cos²α) = γ f / √(1 + γ²β² sin²α),     α the angle between forward axis and motion
+//! ```
+//!
+//! since of a rod f′ along the forward axis the part along the motion is contracted. It is γf along
+//! the motion (Jarabo et al. 2015, before Eq. 4) and f across it. Without a sensor f is 0.
+
+use glam::DVec3;
+
+use super::{Apart, Look, Pinhole, Shot, View};
+use crate::scene::model::{CameraModel, Records};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
+
+/// A camera without acceleration, with a sensor, a shutter, or both.
+#[derive(Debug)]
+pub struct Inertial {
+    film: Pinhole,
+    world_from_camera: Boost<World, Camera>,
+    /// The pinhole's displacement per metre of camera time.
+    four_velocity: Displacement<World>,
+    focal_length: f64,
+    exposure: Exposure,
+    aberration: bool,
+}
+
+/// How long a camera looks, and what its samples weigh.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exposure {
+    /// Camera time, metres; 0 for an instant.
+    pub duration: f64,
+    pub weight: f64,
+}
+
+impl Exposure {
+    /// That of `model`.
+    pub fn of(model: &CameraModel) -> Self {
+        let Some(shutter) = model.shutter else {
+            return Exposure {
+                duration: 0.0,
+                weight: 1.0,
+            };
+        };
+        Exposure {
+            duration: shutter.duration,
+            weight: match shutter.records {
+                Records::Mean => 1.0,
+                Records::Energy => shutter.duration,
+            },
+        }
+    }
+}
+
+impl Inertial {
+    /// The view of `model`, whose shutter opens at `shot`.
+    pub fn new(model: &CameraModel, shot: &Shot, aberration: bool) -> Self {
+        let (film, focal_length) = match model.sensor {
+            None => (shot.pinhole.clone(), 0.0),
+            Some(sensor) => {
+                let velocity = shot.frame.velocity();
+                let own = sensor.own_focal_length(shot.pinhole.forward(), velocity);
+                (shot.pinhole.stretched(own / sensor.focal_length), own)
+            }
+        };
+        let world_from_camera = *shot.frame.world_from_frame();
+        Inertial {
+            film,
+            world_from_camera,
+            four_velocity: world_from_camera.displacement(Displacement::new(1.0, DVec3::ZERO)),
+            focal_length,
+            exposure: Exposure::of(model),
+            aberration,
+        }
+    }
+}
+
+impl View for Inertial {
+    type From = Apart;
+    const EXPOSED: bool = true;
+
+    #[inline(always)]
+    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        let (seen, length) = self.film.direction_and_length(x, y);
+        let (d, ratio) = self.world_from_camera.direction(seen);
+        let d = if self.aberration {
+            d
+        } else {
+            Direction::from_unit(seen.unit())
+        };
+        let since = moment * self.exposure.duration - self.focal_length * length;
+        Look {
+            d,
+            ratio,
+            from: Apart {
+                displacement: self.four_velocity * since,
+                delay: 1.0,
+                weight: self.exposure.weight,
+            },
+        }
+    }
+}

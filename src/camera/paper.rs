@@ -1,0 +1,107 @@
+//! A camera by the equations of Jarabo et al. 2015, approximations included.
+//!
+//! It lets all light pass the pinhole when the picture is taken, at camera time t′. Directions are
+//! those of special relativity, W is its Doppler factor D, and
+//!
+//! ```text
+//! emission time  t = t′/γ − η z′,     z′ = z √(sin²θ + cos²θ/γ²)                    (Eqs. 3, 11)
+//! ```
+//!
+//! for a point at world distance z, θ the angle of the light to the motion: a ray with its clock set
+//! to t′/γ when it leaves, and its delay shortened. For a camera that accelerates, Eq. 15 gives the
+//! world time in place of t′/γ. Field of view: Eq. 4 for a focal length that is fixed in the world; for sensor
+//! and pinhole that accelerate alike, d′ of Eq. 16. An exposure T′ lasts T′/D for each direction
+//! (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
+
+use super::inertial::Exposure;
+use super::{Apart, Look, Pinhole, Shot, View};
+use crate::scene::model::{Assembly, CameraModel, Motion};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
+use glam::DVec3;
+
+/// A camera by the equations of Jarabo et al. 2015.
+#[derive(Debug)]
+pub struct Paper {
+    film: Pinhole,
+    world_from_camera: Boost<World, Camera>,
+    beta: DVec3,
+    gamma: f64,
+    /// World time by Eq. 11 less that of the shot.
+    early: f64,
+    exposure: Exposure,
+    aberration: bool,
+}
+
+impl Paper {
+    /// The view of `model`, taken at `shot`.
+    pub fn new(model: &CameraModel, shot: &Shot, aberration: bool) -> Self {
+        let velocity = shot.frame.velocity();
+        let (beta, gamma) = (velocity.beta(), velocity.gamma());
+        let inertial = model.motion == Motion::Inertial;
+        Paper {
+            film: shot.pinhole.stretched(stretch(model, shot)),
+            world_from_camera: *shot.frame.world_from_frame(),
+            beta,
+            gamma,
+            early: match inertial {
+                true => model.origin.ct + model.time / gamma - shot.event.ct,
+                false => 0.0,
+            },
+            exposure: Exposure::of(model),
+            aberration,
+        }
+    }
+}
+
+/// How many times longer the focal length is in the camera's frame than in the world's.
+fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
+    let Some(sensor) = model.sensor else {
+        return 1.0;
+    };
+    let (_, rapidity) = shot.frame.velocity().split();
+    let (speed, gamma) = (libm::tanh(rapidity), libm::cosh(rapidity));
+    match (sensor.assembly, &model.motion) {
+        (Assembly::Rigid, _) => 1.0,
+        (Assembly::Bell, Motion::Accelerated(a)) if *a != DVec3::ZERO => {
+            let d = sensor.focal_length;
+            paper2015::comoving_separation(a.length(), d, speed) / d
+        }
+        (Assembly::WorldLength | Assembly::Bell, _) => gamma,
+    }
+}
+
+impl View for Paper {
+    type From = Apart;
+    const EXPOSED: bool = true;
+
+    #[inline]
+    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        let seen = self.film.direction(x, y);
+        let (d, doppler) = self.world_from_camera.direction(seen);
+        let along = self.beta.dot(d.unit());
+        let (since, weight) = match self.exposure.duration > 0.0 {
+            true => (
+                moment * self.exposure.duration / doppler,
+                self.exposure.weight / doppler,
+            ),
+            false => (0.0, self.exposure.weight),
+        };
+        let displacement = Displacement::new(
+            self.early + since / self.gamma,
+            self.beta * (self.gamma * since),
+        );
+        Look {
+            d: if self.aberration {
+                d
+            } else {
+                Direction::from_unit(seen.unit())
+            },
+            ratio: doppler,
+            from: Apart {
+                displacement,
+                delay: (1.0 - along * along).sqrt(),
+                weight,
+            },
+        }
+    }
+}

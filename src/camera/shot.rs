@@ -1,0 +1,203 @@
+//! The camera of a scene at the moment of its shot.
+
+use glam::DVec3;
+
+use super::turning::rotation_matrix;
+use super::{
+    Accelerated, Apart, Inertial, Look, Moving, Paper, Pinhole, Still, Turning, Unaberrated, View,
+};
+use crate::error::{Error, Result};
+use crate::scene::model::{CameraModel, Equations, Motion, Scene};
+use crate::spacetime::worldline::{State, WorldLine};
+use crate::spacetime::{self, Event, InertialFrame, World};
+
+/// Which of the views a camera needs; see the [module](super).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A point at rest in the world: no boost.
+    Still,
+    /// A moving point: directions are boosted.
+    Moving,
+    /// A moving point with aberration turned off.
+    Unaberrated,
+    /// A sensor or a shutter, without acceleration.
+    Inertial,
+    /// A sensor or a shutter on a world line.
+    Accelerated,
+    /// A turning sensor.
+    Turning,
+    /// The equations of Jarabo et al. 2015.
+    Paper,
+}
+
+/// A camera at the moment of its shot, or at which its shutter opens.
+#[derive(Debug, Clone)]
+pub struct Shot {
+    /// The film.
+    pub pinhole: Pinhole,
+    /// The inertial frame in which the camera is then at rest.
+    pub frame: InertialFrame<spacetime::Camera>,
+    /// The pinhole's event then.
+    pub event: Event<World>,
+}
+
+impl Shot {
+    /// The shot that `model` takes at its proper time `model.time`.
+    ///
+    /// # Errors
+    /// A motion that is impossible, or that has not begun or is over by then.
+    pub fn new(model: &CameraModel) -> Result<Self> {
+        let state = state(model, &model.world_line().map_err(impossible)?, model.time)?;
+        let turn = model
+            .rotation
+            .map(|r| rotation_matrix(r.axis, r.rate * model.time));
+        let film = Pinhole::new(model);
+        // Its clock shows `time` at the event of the shot.
+        let clock = Event::new(model.time, DVec3::ZERO) - Event::ORIGIN;
+        let boost = spacetime::Boost::<World, spacetime::Camera>::new(state.velocity);
+        let origin = state.event + boost.displacement(clock) * -1.0;
+        let inertial = model.motion == Motion::Inertial;
+        Ok(Shot {
+            pinhole: turn.map_or(film.clone(), |turn| film.turned(turn)),
+            frame: InertialFrame::new(state.velocity, if inertial { model.origin } else { origin }),
+            event: state.event,
+        })
+    }
+}
+
+/// The state of the pinhole of `model`, whose world line this is, at proper time `time`.
+pub(super) fn state(model: &CameraModel, line: &WorldLine, time: f64) -> Result<State> {
+    line.state(time).ok_or_else(|| {
+        let [first, last] = line.span();
+        let what = match time < first {
+            true => format!(
+                "the camera's clock shows {time} m before its world line begins, at {first} m"
+            ),
+            false => {
+                format!("the camera's clock shows {time} m after its world line ends, at {last} m")
+            }
+        };
+        let _ = model;
+        Error::invalid(
+            "camera",
+            "time",
+            what,
+            "expose within the motion, or lengthen it",
+        )
+    })
+}
+
+fn impossible(error: spacetime::worldline::WorldLineError) -> Error {
+    Error::invalid(
+        "camera",
+        "motion",
+        error.to_string(),
+        "give a motion slower than light",
+    )
+}
+
+/// The view that a camera needs, of whichever kind.
+#[derive(Debug)]
+#[allow(missing_docs)]
+pub enum AnyView {
+    Still(Still),
+    Moving(Moving),
+    Unaberrated(Unaberrated),
+    Inertial(Inertial),
+    Accelerated(Box<Accelerated>),
+    Turning(Turning),
+    Paper(Paper),
+}
+
+/// A camera ready to take its picture.
+#[derive(Debug)]
+pub struct Camera {
+    /// When and where.
+    pub shot: Shot,
+    /// How film points become rays.
+    pub view: AnyView,
+}
+
+impl Camera {
+    /// The camera of `scene`.
+    ///
+    /// # Errors
+    /// A motion that is impossible, or an exposure before it begins or after it ends.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        let shot = Shot::new(&scene.camera)?;
+        let view = AnyView::new(scene, &shot)?;
+        Ok(Camera { shot, view })
+    }
+}
+
+impl AnyView {
+    /// What the camera of `scene` needs at `shot`.
+    fn new(scene: &Scene, shot: &Shot) -> Result<Self> {
+        let model = &scene.camera;
+        let aberration = scene.effects.aberration;
+        let rests = shot.frame.velocity().is_rest();
+        let moves = !rests || model.motion != Motion::Inertial;
+        let instant_point = model.sensor.is_none() && model.shutter.is_none();
+        if let (Some(rotation), false) = (model.rotation, instant_point) {
+            let equations = scene.equations;
+            let view = Turning::new(model, rotation, shot, equations, aberration);
+            return Ok(AnyView::Turning(view));
+        }
+        if scene.equations == Equations::Paper2015 && moves {
+            return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
+        }
+        Ok(match (instant_point, rests, aberration) {
+            (true, true, _) => AnyView::Still(Still(shot.pinhole.clone())),
+            (true, false, true) => AnyView::Moving(Moving::new(shot)),
+            (true, false, false) => AnyView::Unaberrated(Unaberrated(Moving::new(shot))),
+            (false, ..) if model.motion == Motion::Inertial => {
+                AnyView::Inertial(Inertial::new(model, shot, aberration))
+            }
+            (false, ..) => AnyView::Accelerated(accelerated(scene, shot)?),
+        })
+    }
+
+    /// What is seen at film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
+    pub fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        match self {
+            AnyView::Still(view) => view.look(x, y, moment).apart(),
+            AnyView::Moving(view) => view.look(x, y, moment).apart(),
+            AnyView::Unaberrated(view) => view.look(x, y, moment).apart(),
+            AnyView::Inertial(view) => view.look(x, y, moment),
+            AnyView::Accelerated(view) => view.look(x, y, moment),
+            AnyView::Turning(view) => view.look(x, y, moment),
+            AnyView::Paper(view) => view.look(x, y, moment),
+        }
+    }
+
+    /// Its name.
+    pub fn kind(&self) -> Kind {
+        match self {
+            AnyView::Still(_) => Kind::Still,
+            AnyView::Moving(_) => Kind::Moving,
+            AnyView::Unaberrated(_) => Kind::Unaberrated,
+            AnyView::Inertial(_) => Kind::Inertial,
+            AnyView::Accelerated(_) => Kind::Accelerated,
+            AnyView::Turning(_) => Kind::Turning,
+            AnyView::Paper(_) => Kind::Paper,
+        }
+    }
+}
+
+/// The view of an accelerated camera, every element of which sees something.
+fn accelerated(scene: &Scene, shot: &Shot) -> Result<Box<Accelerated>> {
+    let model = &scene.camera;
+    let line = model.world_line().map_err(impossible)?;
+    let view = Accelerated::new(model, line, shot, scene.effects.aberration);
+    if view.sees_everywhere() {
+        return Ok(Box::new(view));
+    }
+    Err(Error::invalid(
+        &scene.name,
+        "camera.time",
+        "the light that reaches the sensor during the exposure passed the pinhole before the camera's world \
+         line begins, or never did",
+        "expose later and within the motion, or shorten the focal length",
+    ))
+}

@@ -1,0 +1,259 @@
+//! A sensor that turns about an axis, in a camera without acceleration whose pinhole rests in its frame.
+//!
+//! All in the camera frame, with the pinhole at the origin. The element that lies at q = −f D when
+//! nothing is turned is at camera time t at
+//!
+//! ```text
+//! r = c + R(Ωt)(q − c),     v = Ω × (r − c),     c: where the axis passes (pinhole or sensor's centre).
+//! ```
+//!
+//! *Exact.* Light that reaches it at t passed the pinhole at t − |r| and came along l = −r/|r|. The
+//! element's own four-velocity decides the frequency: W = W_camera(l) / (γ_v (1 + v·l)).
+//!
+//! *Comoving* (Jarabo et al. 2015, Figure 10). Each element is an inertial camera with a pinhole of its
+//! own that moves along with it: in the element's frame the look direction is c′ = R D/|D|, and the
+//! light passed that pinhole |q| before. With the boost Λ_v from the element's frame,
+//!
+//! ```text
+//! (−ω, ω l) = Λ_v (−1, c′),     P = E + |q| ω (−1, l),     W = ω W_camera(l).
+//! ```
+//!
+//! *Aberrated* (there, Figure 11). The element sees the pinhole, which does not turn, where aberration
+//! shows it: that is the exact direction again, since aberration there and back is none. But it
+//! sees the other elements i of the sensor raised out of their plane by aberration too. With n the
+//! normal towards the pinhole, s = n·l, and V the speed along n of element j relative to element i,
+//! what is at elevation 0 (elements) and arcsin s (pinhole) appears at arcsines of
+//!
+//! ```text
+//! V   and   (s + v_j)/(1 + v_j s),     V = (v_j − v_i)/(1 − v_j v_i)
+//! ```
+//!
+//! and an element that stands between hides the pinhole: the film point sees nothing. v_i is linear
+//! along the sensor, so the highest of those in the pinhole's direction is the nearest one or that at
+//! the far edge. (The nearest one, V = 0, hides a pinhole that appears behind the element's own plane.) Eq. 17 has V = (v_i + v_j)/(1 + v_i v_j) instead, which the paper's equations follow.
+//! Light's delay within the camera is left out of this question, as it is there.
+
+use glam::{DMat3, DVec3};
+
+use super::inertial::Exposure;
+use super::{Apart, Look, Pinhole, Shot, View};
+use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
+use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
+
+/// A camera with a turning sensor.
+#[derive(Debug)]
+pub struct Turning {
+    film: Pinhole,
+    world_from_camera: Boost<World, Camera>,
+    focal_length: f64,
+    axis: DVec3,
+    rate: f64,
+    /// The point c.
+    centre: DVec3,
+    elements: Elements,
+    equations: Equations,
+    /// Camera time of the shot.
+    time: f64,
+    /// The turn at that time, where there is no exposure.
+    instant: Option<DMat3>,
+    exposure: Exposure,
+    aberration: bool,
+}
+
+/// A sensor element at a moment, and how it sees.
+struct Element {
+    /// Place and velocity in the camera frame.
+    r: DVec3,
+    v: DVec3,
+    /// The look direction in the camera frame.
+    l: DVec3,
+    /// ω_camera/ω_element of light from there.
+    ratio: f64,
+    /// From the pinhole's event to the event at which the ray leaves, in the camera frame.
+    from: Displacement<Camera>,
+}
+
+impl Turning {
+    /// The view of `model`, which turns by `rotation`; its shutter opens at `shot`.
+    pub fn new(
+        model: &CameraModel,
+        rotation: Rotation,
+        shot: &Shot,
+        equations: Equations,
+        aberration: bool,
+    ) -> Self {
+        let focal_length = model.sensor.map_or(0.0, |sensor| sensor.focal_length);
+        let exposure = Exposure::of(model);
+        let turn = rotation_matrix(rotation.axis, rotation.rate * model.time);
+        Turning {
+            film: Pinhole::new(model),
+            world_from_camera: *shot.frame.world_from_frame(),
+            focal_length,
+            axis: rotation.axis,
+            rate: rotation.rate,
+            centre: match rotation.through {
+                Pivot::Pinhole => DVec3::ZERO,
+                Pivot::Sensor => model.axes[2] * -focal_length,
+            },
+            elements: rotation.elements,
+            equations,
+            time: model.time,
+            instant: (exposure.duration == 0.0).then_some(turn),
+            exposure,
+            aberration,
+        }
+    }
+
+    /// The turn at camera time `t` after the shot.
+    #[inline]
+    fn turn(&self, t: f64) -> DMat3 {
+        self.instant
+            .unwrap_or_else(|| rotation_matrix(self.axis, self.rate * (self.time + t)))
+    }
+
+    /// The element of film vector `film`, at camera time `t` after the shot.
+    #[inline]
+    fn element(&self, film: DVec3, t: f64) -> Element {
+        let turn = self.turn(t);
+        let arm = turn * (film * -self.focal_length - self.centre);
+        let (r, v) = (self.centre + arm, (self.axis * self.rate).cross(arm));
+        match self.elements {
+            Elements::Comoving => comoving(r, v, (turn * film).normalize(), film, self, t),
+            Elements::Exact | Elements::Aberrated => {
+                // A point camera has no |r| to divide by.
+                let l = if self.focal_length > 0.0 {
+                    -r
+                } else {
+                    turn * film
+                }
+                .normalize();
+                Element {
+                    r,
+                    v,
+                    l,
+                    ratio: 1.0 / (gamma(v) * (1.0 + v.dot(l))),
+                    from: Displacement::new(t - r.length(), DVec3::ZERO),
+                }
+            }
+        }
+    }
+
+    /// Whether the sensor hides the pinhole from `element`.
+    fn covered(&self, element: &Element, t: f64) -> bool {
+        let turn = self.turn(t);
+        let n = turn * self.film.forward();
+        let from_centre = element.r - (self.centre_of_sensor(turn));
+        let speed = |r: DVec3| (self.axis * self.rate).cross(r - self.centre).dot(n);
+        let far = element.r - from_centre * (1.0 + self.to_edge(from_centre, turn));
+        let own = element.v.dot(n);
+        let highest = [element.r, far]
+            .map(|r| self.relative(speed(r), own))
+            .into_iter()
+            .fold(-1.0, f64::max);
+        let s = n.dot(element.l);
+        highest >= (s + own) / (1.0 + own * s)
+    }
+
+    fn centre_of_sensor(&self, turn: DMat3) -> DVec3 {
+        self.centre + turn * (self.film.forward() * -self.focal_length - self.centre)
+    }
+
+    /// How many times `from_centre` fits between the sensor's centre and its edge, on the far side.
+    fn to_edge(&self, from_centre: DVec3, turn: DMat3) -> f64 {
+        let times = self.film.half_extent().map(|half| {
+            let half = turn * half * self.focal_length;
+            half.length_squared() / from_centre.dot(half).abs()
+        });
+        // In the very centre every direction is as good; 0/0 and 1/0 leave it covering nothing.
+        let times = times[0].min(times[1]);
+        if times.is_finite() { times } else { 0.0 }
+    }
+
+    /// Speed along the normal of an element that moves with `own` relative to one with `other`.
+    fn relative(&self, other: f64, own: f64) -> f64 {
+        match self.equations {
+            Equations::Exact => (own - other) / (1.0 - own * other),
+            Equations::Paper2015 => paper2015::composed_speed(other, own),
+        }
+    }
+
+    /// Where the ray of `element` leaves, relative to the shot, and what it weighs.
+    #[inline]
+    fn departure(&self, element: &Element, t: f64) -> Apart {
+        let covered = self.elements == Elements::Aberrated && self.covered(element, t);
+        let weight = if covered { 0.0 } else { self.exposure.weight };
+        let displacement = self.world_from_camera.displacement(element.from);
+        match self.equations {
+            Equations::Exact => Apart {
+                displacement,
+                delay: 1.0,
+                weight,
+            },
+            // Eq. 11 with the element's own γ, from the camera's place: t′/γ in place of t.
+            Equations::Paper2015 => {
+                let camera_time = self.time + t;
+                Apart {
+                    displacement: Displacement::new(
+                        camera_time / gamma(element.v) - self.time,
+                        DVec3::ZERO,
+                    ),
+                    delay: (1.0 - element.v.dot(element.l).powi(2)).sqrt(),
+                    weight,
+                }
+            }
+        }
+    }
+}
+
+/// An element with a pinhole of its own, which moves along.
+#[inline]
+fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f64) -> Element {
+    let gamma = gamma(v);
+    let along = v.dot(seen);
+    let ratio = gamma * (1.0 - along);
+    let l = (seen + v * (gamma * gamma / (gamma + 1.0) * along - gamma)) / ratio;
+    let delay = camera.focal_length * film.length() * ratio;
+    Element {
+        r,
+        v,
+        l,
+        ratio,
+        from: Displacement::new(t - delay, r + l * delay),
+    }
+}
+
+/// The rotation by `angle` radians about the unit vector `axis`, right-handed (Rodrigues).
+pub(super) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    let half = libm::sin(0.5 * angle);
+    let versine = 2.0 * half * half;
+    let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * versine);
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+}
+
+fn gamma(v: DVec3) -> f64 {
+    let speed = v.length();
+    1.0 / ((1.0 - speed) * (1.0 + speed)).sqrt()
+}
+
+impl View for Turning {
+    type From = Apart;
+    const EXPOSED: bool = true;
+
+    #[inline]
+    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        let t = moment * self.exposure.duration;
+        let element = self.element(self.film.vector(x, y), t);
+        let l = Direction::from_unit(element.l);
+        let (d, ratio) = self.world_from_camera.direction(l);
+        Look {
+            d: if self.aberration {
+                d
+            } else {
+                Direction::from_unit(element.l)
+            },
+            ratio: ratio * element.ratio,
+            from: self.departure(&element, t),
+        }
+    }
+}

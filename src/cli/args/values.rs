@@ -1,0 +1,82 @@
+//! Values of options, from their texts.
+
+use std::ops::Range;
+
+use nullray::aov;
+use nullray::units::Percentage;
+
+use super::AovList;
+
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text
+        .split_once(['x', 'X', '×'])
+        .ok_or("write WIDTHxHEIGHT, for instance 640x480")?;
+    let pixels = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0);
+    match (pixels(width), pixels(height)) {
+        (Some(width), Some(height)) => Ok([width, height]),
+        _ => Err("width and height are whole numbers above 0".into()),
+    }
+}
+
+pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text
+        .split_once('=')
+        .filter(|(key, _)| !key.trim().is_empty())
+        .ok_or("write KEY=VALUE, for instance --set \"camera.time=3 m\"")?;
+    Ok((key.trim().into(), value.trim().into()))
+}
+
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1,
+        "k" | "kb" | "kib" => 1 << 10,
+        "m" | "mb" | "mib" => 1 << 20,
+        "g" | "gb" | "gib" => 1 << 30,
+        "t" | "tb" | "tib" => 1 << 40,
+        other => return Err(format!("\"{other}\" is no unit of memory; write 16GiB")),
+    };
+    let number = digits
+        .trim()
+        .parse::<u64>()
+        .map_err(|e| format!("{e}; write 16GiB"))?;
+    number.checked_mul(unit).ok_or_else(|| "too large".into())
+}
+
+pub(super) fn aovs(text: &str) -> Result<AovList, String> {
+    aov::parse(text).map(AovList)
+}
+
+/// A percentage; a bare number is one too.
+pub(super) fn percentage(text: &str) -> Result<String, String> {
+    let text = match text.trim().parse::<f64>() {
+        Ok(number) => format!("{number} %"),
+        Err(_) => text.into(),
+    };
+    let parsed = text.parse::<Percentage>();
+    parsed.map(|_| text).map_err(|error| error.to_string())
+}
+
+/// Frames A to B, B not included.
+pub(super) fn frames(text: &str) -> Result<Range<u64>, String> {
+    let help = "write the first frame and the one after the last, for instance 0..50";
+    let (first, end) = text.split_once("..").ok_or(help)?;
+    let number = |t: &str| t.trim().parse::<u32>().map(u64::from);
+    match (number(first), number(end)) {
+        (Ok(first), Ok(end)) if first < end => Ok(first..end),
+        (Ok(first), Ok(end)) => Err(format!(
+            "{first}..{end} holds no frame: the second number is that of the first frame that is not rendered"
+        )),
+        _ => Err(format!(
+            "frames have whole numbers from 0 to {}; {help}",
+            u32::MAX
+        )),
+    }
+}
+
+/// Frames per second.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.trim().parse::<f64>();
+    let rate = rate.ok().filter(|r| r.is_finite() && *r > 0.0);
+    rate.ok_or_else(|| "give a number above 0, like 25 or 1e9".into())
+}

@@ -1,0 +1,77 @@
+//! Whether a file is there already: whole, and with the fingerprint that it would be given.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use nullray::image::{Texture, exr, png};
+
+use super::Identity;
+use crate::cli::output::{Kind, Outputs};
+
+/// Whether all files of a frame are there, as they would be written.
+pub fn all(outputs: &Outputs) -> bool {
+    let Some(identity) = &outputs.identity else {
+        return false;
+    };
+    outputs.files().all(|(path, kind)| {
+        // A look at the first bytes would do for the fingerprint; that the rest is there takes all of it.
+        let found = fingerprint(path, kind);
+        found.is_some_and(|found| found == identity.fingerprint(kind))
+    })
+}
+
+/// The fingerprint in a file that is whole; none in any other.
+fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
+    if !path.is_file() {
+        return None;
+    }
+    let metadata = match kind {
+        Kind::Display | Kind::Isochrones => of_png(path)?,
+        Kind::Exr => exr::read(path).ok()?.metadata,
+        Kind::Npz => of_npz(path)?,
+    };
+    let entry = metadata.into_iter().find(|(key, _)| key == Identity::KEY);
+    entry.map(|(_, value)| value)
+}
+
+/// The text of a PNG of which all pixels can be read.
+fn of_png(path: &Path) -> Option<Vec<(String, String)>> {
+    let text = png::inspect(path).ok()?.text;
+    let bytes = std::fs::read(path).ok()?;
+    Texture::decode(&bytes, "", path).ok()?;
+    let end = b"\0\0\0\0IEND\xae\x42\x60\x82";
+    bytes.ends_with(end).then_some(text)
+}
+
+/// The metadata of an archive of which every checksum is right.
+fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
+    let file = BufReader::new(File::open(path).ok()?);
+    let mut archive = zip::ZipArchive::new(file).ok()?;
+    let mut text = None;
+    for index in 0..archive.len() {
+        let mut member = archive.by_index(index).ok()?;
+        if member.name().is_ok_and(|name| name == "metadata.npy") {
+            text = Some(numpy_text(&mut member)?);
+        }
+        io::copy(&mut member, &mut io::sink()).ok()?;
+    }
+    let entries: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text?).ok()?;
+    let entries = entries.into_iter();
+    let texts = entries.filter_map(|(key, value)| Some((key, value.as_str()?.to_string())));
+    Some(texts.collect())
+}
+
+/// The text of a numpy array of one `<U`: a header that ends with its line, then UTF-32.
+fn numpy_text(reader: &mut impl Read) -> Option<String> {
+    /// The longest metadata that are looked at, bytes.
+    const LONGEST: u64 = 256 << 20;
+    let mut bytes = Vec::new();
+    reader.take(LONGEST).read_to_end(&mut bytes).ok()?;
+    let header = bytes.iter().position(|byte| *byte == b'\n')?;
+    let (units, rest) = bytes.get(header + 1..)?.as_chunks::<4>();
+    let text = units
+        .iter()
+        .map(|unit| char::from_u32(u32::from_le_bytes(*unit)));
+    text.collect::<Option<String>>().filter(|_| rest.is_empty())
+}

@@ -1,0 +1,189 @@
+//! Sequences: one scene at many moments. Everything is loaded and built once; a frame that is there
+//! already is not rendered again.
+
+mod existing;
+mod identity;
+mod range;
+
+use std::time::Instant;
+
+use nullray::film::Film;
+use nullray::plan::{Plan, Request};
+use nullray::prepare::Prepared;
+use nullray::scene::Overrides;
+use nullray::scene::model::{Exposure, Scene};
+use nullray::{Result, plan};
+
+use super::args::RenderArguments;
+use super::output::{Kind, Outputs, check_all, numbered};
+use super::progress::Bar;
+use super::{builtin, inputs, interrupt, print, remarks};
+
+pub use identity::Identity;
+pub use range::Frames;
+
+/// Renders the frames of `scene`; `outputs` have names to be numbered.
+pub fn run(
+    arguments: &RenderArguments,
+    scene: &Scene,
+    frames: &Frames,
+    request: &Request,
+    outputs: &Outputs,
+) -> Result<()> {
+    let plan = Plan::new(scene, request)?;
+    let read = inputs::of(scene, &plan);
+    let all = frames.numbers.clone();
+    check_all(
+        all.map(|k| outputs.renamed(|path| numbered(path, k))),
+        &read,
+    )?;
+    interrupt::can_go_on();
+    let mut sequence = Sequence {
+        arguments,
+        frames,
+        request,
+        outputs,
+        plan,
+        // The scene's own text counts as it is after its changes.
+        inputs: identity::Inputs::read(read.get(1..).unwrap_or_default()),
+        prepared: None,
+        done: Done::default(),
+    };
+    sequence.say(&flicker(scene, outputs))?;
+    for number in frames.numbers.clone() {
+        interrupt::check()?;
+        sequence.frame(number)?;
+    }
+    sequence.conclude()
+}
+
+/// A sequence that is being rendered.
+struct Sequence<'a> {
+    arguments: &'a RenderArguments,
+    frames: &'a Frames,
+    request: &'a Request,
+    outputs: &'a Outputs,
+    plan: Plan,
+    inputs: identity::Inputs,
+    /// None until the first frame that is not there.
+    prepared: Option<Prepared>,
+    done: Done,
+}
+
+/// What was done so far.
+#[derive(Default)]
+struct Done {
+    rendered: u64,
+    skipped: u64,
+    /// Seconds.
+    prepared_in: f64,
+    rendered_in: f64,
+    black: u64,
+    /// Of the first black frame.
+    remark: String,
+}
+
+impl Sequence<'_> {
+    fn say(&self, text: &str) -> Result<()> {
+        match self.arguments.quiet {
+            true => Ok(()),
+            false => print(text),
+        }
+    }
+
+    fn frame(&mut self, number: u64) -> Result<()> {
+        let scene = self.scene_at(self.frames.time(number))?;
+        let mut outputs = self.outputs.renamed(|path| numbered(path, number));
+        outputs.identity = Some(Identity::new(&scene, self.request, &outputs, &self.inputs));
+        if existing::all(&outputs) {
+            self.done.skipped += 1;
+            return self.say(&format!("frame {number} is there already\n"));
+        }
+        let film = self.film(&scene, number)?;
+        let quiet = self.arguments.quiet;
+        let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
+        outputs.write(&scene, &film, &mut say)?;
+        self.note(number, &film);
+        Ok(())
+    }
+
+    /// The scene with its shot at camera time `time`, metres.
+    fn scene_at(&self, time: f64) -> Result<Scene> {
+        let overrides = Overrides {
+            time: Some(format!("{time} m")),
+            ..self.arguments.scene.changes.overrides()
+        };
+        builtin::load(self.arguments.scene.scene.as_deref(), &overrides)
+    }
+
+    fn film(&mut self, scene: &Scene, number: u64) -> Result<Film> {
+        let Frames { numbers, .. } = self.frames;
+        let (index, count) = (number - numbers.start + 1, numbers.end - numbers.start);
+        let what = format!("frame {index} of {count}");
+        let bar = Bar::new(self.plan.rays.camera, self.arguments.quiet).named(what);
+        let start = Instant::now();
+        let prepared = match &mut self.prepared {
+            Some(prepared) => prepared,
+            none => none.insert(Prepared::new(scene, &self.plan, &bar)?),
+        };
+        self.done.prepared_in += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        bar.start();
+        prepared.retake(scene)?;
+        let film = nullray::render::render(prepared, &bar)?;
+        drop(bar);
+        interrupt::check()?;
+        self.done.rendered_in += start.elapsed().as_secs_f64();
+        Ok(film)
+    }
+
+    fn note(&mut self, number: u64, film: &Film) {
+        self.done.rendered += 1;
+        let remark = remarks::blackness(film);
+        if !remark.is_empty() {
+            self.done.black += 1;
+            if self.done.remark.is_empty() {
+                self.done.remark = format!("frame {number}: {remark}");
+            }
+        }
+    }
+
+    fn conclude(&self) -> Result<()> {
+        let done = &self.done;
+        let rays = self.plan.rays.camera.saturating_mul(done.rendered);
+        if done.rendered > 0 {
+            self.say(&remarks::cost(rays, done.prepared_in, done.rendered_in))?;
+        }
+        let counted = plan::count;
+        self.say(&format!(
+            "{} rendered, {} there already\n",
+            counted(done.rendered),
+            counted(done.skipped)
+        ))?;
+        if done.black > 1 {
+            self.say(&format!(
+                "{} frames are black, the first of them:\n",
+                counted(done.black)
+            ))?;
+        }
+        self.say(&done.remark)?;
+        let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
+        for warning in warnings {
+            self.say(&format!("warning: {}\n", super::info::escaped(warning)))?;
+        }
+        Ok(())
+    }
+}
+
+/// A warning where each frame would have its own brightness; empty otherwise.
+fn flicker(scene: &Scene, outputs: &Outputs) -> String {
+    let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
+    match scene.exposure {
+        Exposure::Percentile(_) if shown => {
+            "warning: brightness is scaled for each frame by itself, and may flicker: give --white RADIANCE, or \
+             display.white in the scene, to fix it\n"
+                .into()
+        }
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,230 @@
+//! Which frames a sequence has, and when they are taken.
+//!
+//! Frame k is taken at the camera time t₀ + k Δ, by one multiplication: what is before it does not matter,
+//! and any part of a sequence has the same frames as the whole. Of N frames per second of the camera's
+//! clock the offset is (k / N) c. A range of times is half-open; a frame that is within 10⁻⁹ Δ of its end
+//! counts as at the end.
+
+use std::ops::Range;
+
+use nullray::Result;
+use nullray::scene::model::Scene;
+use nullray::units::Time;
+
+use crate::cli::args::FrameArguments;
+use crate::cli::failure::refused;
+
+/// The most frames of one run.
+const MOST: u64 = 1_000_000;
+/// A frame this near to the end of the range is at the end, in intervals.
+const AT_THE_END: f64 = 1e-9;
+
+/// The frames of a sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frames {
+    /// Their numbers.
+    pub numbers: Range<u64>,
+    /// The camera time of frame 0, metres.
+    start: f64,
+    pace: Pace,
+}
+
+/// How frames follow each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pace {
+    /// So many per second of camera time.
+    Rate {
+        per_second: f64,
+        metres_per_second: f64,
+    },
+    /// Metres of camera time between two.
+    Interval(f64),
+}
+
+impl Pace {
+    fn interval(self) -> f64 {
+        match self {
+            Pace::Rate {
+                per_second,
+                metres_per_second,
+            } => metres_per_second / per_second,
+            Pace::Interval(interval) => interval,
+        }
+    }
+
+    /// Camera time from frame 0 to frame `number`, metres.
+    fn offset(self, number: u64) -> f64 {
+        let number = number as f64;
+        match self {
+            Pace::Rate {
+                per_second,
+                metres_per_second,
+            } => number / per_second * metres_per_second,
+            Pace::Interval(interval) => number * interval,
+        }
+    }
+}
+
+impl Frames {
+    /// The frames that are asked for; none where a single picture is.
+    ///
+    /// # Errors
+    /// Intervals that are not above 0 or not given at all; ranges without a frame, or with too many.
+    pub fn of(arguments: &FrameArguments, scene: &Scene) -> Result<Option<Frames>> {
+        let metres = |time: Time| time.metres(scene.speed_of_light);
+        let frames = match (&arguments.frames, arguments.from, arguments.to) {
+            (Some(numbers), ..) => Frames {
+                numbers: numbers.clone(),
+                start: scene.camera.time,
+                pace: pace(arguments, scene)?,
+            },
+            (None, Some(from), Some(to)) => {
+                let pace = pace(arguments, scene)?;
+                Self::between(metres(from), metres(to), pace)?
+            }
+            _ => return Ok(None),
+        };
+        let count = frames.numbers.end - frames.numbers.start;
+        if count > MOST {
+            return Err(too_many(count as f64));
+        }
+        Ok(Some(frames))
+    }
+
+    fn between(from: f64, to: f64, pace: Pace) -> Result<Frames> {
+        let count = ((to - from) / pace.interval() - AT_THE_END).ceil();
+        if count < 1.0 {
+            let what = "it is not after --from, so that there is no frame between them";
+            return Err(refused("--to", what, "give a later time"));
+        }
+        // Also a count beyond all numbers.
+        if count > MOST as f64 {
+            return Err(too_many(count));
+        }
+        Ok(Frames {
+            numbers: 0..count as u64,
+            start: from,
+            pace,
+        })
+    }
+
+    /// The camera time of a frame, metres.
+    pub fn time(&self, number: u64) -> f64 {
+        self.start + self.pace.offset(number)
+    }
+}
+
+fn pace(arguments: &FrameArguments, scene: &Scene) -> Result<Pace> {
+    if let Some(per_second) = arguments.fps {
+        return Ok(Pace::Rate {
+            per_second,
+            metres_per_second: scene.speed_of_light,
+        });
+    }
+    let said = arguments.interval;
+    let said = said.map(|time| time.metres(scene.speed_of_light));
+    match said.or(scene.camera.frame_interval) {
+        Some(interval) if interval > 0.0 => Ok(Pace::Interval(interval)),
+        Some(_) => Err(refused(
+            "--interval",
+            "the time between frames is not above 0",
+            "give a time like \"1 cm\" or \"40 ps\"",
+        )),
+        None => Err(refused(
+            arguments.from.map_or("--frames", |_| "--from"),
+            "how far frames are apart is not said",
+            "give --interval TIME or --fps N, or camera.frame_interval in the scene",
+        )),
+    }
+}
+
+fn too_many(count: f64) -> nullray::Error {
+    let what = format!("{count} frames are more than {MOST}");
+    let help = "render a part of them, or give a longer --interval";
+    refused("sequence", what, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const C: f64 = 299_792_458.0;
+
+    fn rate(per_second: f64) -> Pace {
+        Pace::Rate {
+            per_second,
+            metres_per_second: C,
+        }
+    }
+
+    #[test]
+    fn a_range_of_times_has_no_frame_at_its_end_whatever_the_rounding() {
+        for n in 1..2000u32 {
+            // One second at n frames per second, and n intervals of a tenth: neither is exact in binary.
+            let second = Frames::between(0.0, C, rate(n.into())).unwrap();
+            assert_eq!(second.numbers, 0..u64::from(n));
+            let tenths = Pace::Interval(0.1);
+            let to = 3.7 + 0.1 * f64::from(n);
+            assert_eq!(
+                Frames::between(3.7, to, tenths).unwrap().numbers,
+                0..n.into()
+            );
+        }
+    }
+
+    #[test]
+    fn a_range_that_ends_between_frames_has_the_one_before() {
+        let frames = |to| Frames::between(0.0, to, Pace::Interval(1.0)).unwrap();
+        assert_eq!(frames(2.5).numbers, 0..3);
+        assert_eq!(frames(2.0 + 1e-8).numbers, 0..3);
+        assert_eq!(frames(2.0 - 1e-12).numbers, 0..2);
+        assert_eq!(frames(1e-6).numbers, 0..1);
+    }
+
+    #[test]
+    fn the_time_of_a_frame_does_not_depend_on_those_before_it() {
+        let frames = Frames {
+            numbers: 0..10,
+            start: 2.0,
+            pace: rate(3.0),
+        };
+        assert_eq!(frames.time(9), 2.0 + 3.0 * C);
+        let frames = Frames {
+            pace: Pace::Interval(0.1),
+            ..frames
+        };
+        assert_eq!(frames.time(10), 3.0);
+    }
+
+    #[test]
+    fn the_interval_of_the_scene_counts_where_the_command_line_says_none() {
+        let mut scene = crate::cli::builtin::load(None, &Default::default()).unwrap();
+        scene.camera.time = 2.0;
+        scene.camera.frame_interval = Some(0.25);
+        let mut arguments = FrameArguments {
+            frames: Some(4..8),
+            from: None,
+            to: None,
+            fps: None,
+            interval: None,
+        };
+        let time = |arguments: &FrameArguments| {
+            let frames = Frames::of(arguments, &scene).unwrap().unwrap();
+            (frames.numbers.clone(), frames.time(4))
+        };
+        assert_eq!(time(&arguments), (4..8, 3.0));
+        arguments.interval = Some("1 m".parse().unwrap());
+        assert_eq!(time(&arguments), (4..8, 6.0));
+    }
+
+    #[test]
+    fn empty_and_endless_ranges_are_refused() {
+        for (from, to) in [(1.0, 1.0), (2.0, 1.0)] {
+            assert!(Frames::between(from, to, Pace::Interval(1.0)).is_err());
+        }
+        for to in [1e7, 1e300, f64::INFINITY] {
+            let error = Frames::between(0.0, to, Pace::Interval(1.0)).unwrap_err();
+            assert!(error.to_string().contains("more than 1000000"), "{error}");
+        }
+    }
+}

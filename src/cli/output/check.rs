@@ -1,0 +1,128 @@
+//! What cannot be written is refused before any work.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nullray::{Error, Result};
+
+use super::{Kind, Outputs, extension};
+use crate::cli::failure::refused;
+use crate::cli::inputs;
+
+/// The files that are read and those that will be written, by their identity.
+struct Names {
+    read: HashSet<PathBuf>,
+    written: HashSet<PathBuf>,
+    /// Directories of which it is known that they take files.
+    directories: HashSet<PathBuf>,
+}
+
+/// Refuses, before any work, what could not be written after it, what would be written twice, and what
+/// would be written over one of the files that are `read`.
+pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Result<()> {
+    let mut names = Names {
+        read: read.iter().map(|path| inputs::identity(path)).collect(),
+        written: HashSet::new(),
+        directories: HashSet::new(),
+    };
+    for outputs in all {
+        for (flag, path) in outputs.paths() {
+            let option = format!("{flag} {}", path.display());
+            check_kind(&option, flag, path)?;
+            names.check(&option, path)?;
+        }
+        check_options(&outputs)?;
+    }
+    Ok(())
+}
+
+/// Refuses a name that the pages of `count` scenes cannot have.
+pub fn check_page(output: &Path, count: usize) -> Result<()> {
+    let option = format!("-o {}", output.display());
+    if extension(output) != "png" {
+        let what = "a sheet is a picture for displays";
+        return Err(refused(option, what, "end its name in .png"));
+    }
+    if count != 1 {
+        let what = format!("one file for the pages of {count} scenes");
+        return Err(refused(option, what, "give --directory DIR, or one scene"));
+    }
+    Ok(())
+}
+
+impl Names {
+    fn check(&mut self, option: &str, path: &Path) -> Result<()> {
+        let identity = inputs::identity(path);
+        if self.read.contains(&identity) {
+            let what = "this is a file that the scene is made of: it would be overwritten";
+            return Err(refused(option, what, "write to another name"));
+        }
+        if !self.written.insert(identity) {
+            let help = "give each picture a name of its own";
+            return Err(refused(option, "two outputs have this name", help));
+        }
+        if path.exists() && !path.is_file() {
+            let what = "there is something of this name that is not a file";
+            let help = "name a file that is new, or that may be replaced";
+            return Err(refused(option, what, help));
+        }
+        let directory = inputs::directory(path);
+        if self.directories.insert(directory.into()) {
+            takes_files(option, path, directory)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_options(outputs: &Outputs) -> Result<()> {
+    let holds_channels = |(_, kind): (&Path, Kind)| matches!(kind, Kind::Exr | Kind::Npz);
+    if !outputs.aovs.is_empty() && !outputs.files().any(holds_channels) {
+        let what = "a .png holds no auxiliary channels";
+        return Err(refused(
+            "--aovs",
+            what,
+            "add an output: -o FILE.exr or -o FILE.npz",
+        ));
+    }
+    match outputs.step.filter(|step| *step <= 0.0) {
+        Some(_) => Err(refused(
+            "--isochrone-step",
+            "the distance between isochrones is not above 0",
+            "give a time like \"0.1 m\" or \"1 ns\"",
+        )),
+        None => Ok(()),
+    }
+}
+
+fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
+    let extension = extension(path);
+    match (flag, extension.as_str()) {
+        (_, "png") | ("-o", "exr" | "npz") => Ok(()),
+        ("-o", _) => Err(refused(
+            option,
+            "the name does not say which kind of picture to write",
+            "end it in .png (display), .exr (linear, all channels) or .npz (for numpy)",
+        )),
+        _ => Err(refused(
+            option,
+            "isochrones are a picture for displays",
+            "end its name in .png",
+        )),
+    }
+}
+
+/// Whether files can be made in `directory`. A rendering that cannot be saved is not begun.
+fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
+    if !directory.is_dir() {
+        let what = format!("there is no directory {}", directory.display());
+        return Err(refused(
+            option,
+            what,
+            "make the directory first, or write elsewhere",
+        ));
+    }
+    let probe = directory.join(format!(".nullray-{}-probe.part", std::process::id()));
+    let made = fs::File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
+    made.map_err(Error::io(path, "no file can be written into its directory"))
+}

@@ -1,0 +1,72 @@
+//! Names of the pictures of one request: numbers of frames, names of panels.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// A number's place in a pattern.
+const PLACE: char = '#';
+/// Digits of a number where there is no pattern.
+const DIGITS: usize = 4;
+
+/// The name of frame `number`: in place of the run of # in `path`'s name, padded to its length; or else
+/// before the extension, "name-0007.png".
+pub fn numbered(path: &Path, number: u64) -> PathBuf {
+    let Some((name, [start, end])) = run(path) else {
+        return suffixed(path, &format!("{number:0DIGITS$}"));
+    };
+    let width = end - start;
+    let number = format!("{number:0width$}");
+    path.with_file_name(format!("{}{number}{}", &name[..start], &name[end..]))
+}
+
+/// The file's name and where its only run of # begins and ends; none where there is no run, or several.
+fn run(path: &Path) -> Option<(String, [usize; 2])> {
+    let name = path.file_name()?.to_str()?;
+    let start = name.find(PLACE)?;
+    let length = name[start..].chars().take_while(|c| *c == PLACE).count();
+    let end = start + length;
+    (!name[end..].contains(PLACE)).then(|| (name.to_string(), [start, end]))
+}
+
+/// "name-suffix.png" for "name.png".
+pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.push("-");
+    name.push(suffix);
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(path: &str, number: u64) -> String {
+        numbered(Path::new(path), number).display().to_string()
+    }
+
+    #[test]
+    fn numbers_stand_before_the_extension_in_four_digits_or_more() {
+        assert_eq!(frame("a/name.png", 7), "a/name-0007.png");
+        assert_eq!(
+            frame("approaching-0.9.exr", 12345),
+            "approaching-0.9-12345.exr"
+        );
+    }
+
+    #[test]
+    fn a_run_of_places_takes_the_number() {
+        assert_eq!(frame("a#/frame-####.exr", 7), "a#/frame-0007.exr");
+        assert_eq!(frame("#.png", 12), "12.png");
+        assert_eq!(frame("β###.final.png", 12), "β012.final.png");
+    }
+
+    #[test]
+    fn the_name_of_a_panel_stands_before_the_extension() {
+        let path = suffixed(Path::new("out/fig.png"), "beta-0.9");
+        assert_eq!(path, Path::new("out/fig-beta-0.9.png"));
+    }
+}

@@ -1,0 +1,59 @@
+//! The panels of a scene, and the names of their files.
+
+use std::path::{Path, PathBuf};
+
+use nullray::Result;
+use nullray::scene::Overrides;
+use nullray::scene::model::{Panel, Scene};
+
+use super::builtin;
+use super::failure::refused;
+
+/// The panels of `scene` that are named, in the order of the scene; all where none is named.
+///
+/// # Errors
+/// Names that no panel has.
+pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> {
+    for name in names {
+        if !scene.panels.iter().any(|panel| panel.name == *name) {
+            return Err(unknown(scene, name));
+        }
+    }
+    let is_chosen = |panel: &&Panel| names.is_empty() || names.contains(&panel.name);
+    Ok(scene.panels.iter().filter(is_chosen).collect())
+}
+
+fn unknown(scene: &Scene, name: &str) -> nullray::Error {
+    let known: Vec<_> = scene.panels.iter().map(|p| p.name.as_str()).collect();
+    let help = match known.as_slice() {
+        [] => format!("{} has no panels: leave the option out", scene.name),
+        known => format!("there are: {}", known.join(", ")),
+    };
+    let what = "the scene has no panel of this name";
+    refused(format!("--panel {}", name.escape_debug()), what, &help)
+}
+
+/// The scenes of all panels, in their order.
+///
+/// # Errors
+/// What is wrong with any of them.
+pub fn load_all(path: Option<&Path>, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
+    let panels = whole.panels.iter();
+    panels
+        .map(|panel| builtin::load_panel(path, whole, panel, overrides))
+        .collect()
+}
+
+/// The name of the scene's file without its extension.
+pub fn stem(path: Option<&Path>) -> PathBuf {
+    let stem = path.and_then(Path::file_stem);
+    stem.unwrap_or("nullray".as_ref()).into()
+}
+
+/// A file in the current directory that is called as the scene, with `ending`.
+pub fn named_after(path: Option<&Path>, ending: &str) -> PathBuf {
+    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
+    let mut name = stem(path).into_os_string();
+    name.push(ending);
+    name.into()
+}

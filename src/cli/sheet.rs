@@ -1,0 +1,204 @@
+//! `nullray sheet`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nullray::plan::{Plan, Request};
+use nullray::scene::model::{Panel, Scene, Show};
+use nullray::text::{self, Label};
+use nullray::{Error, Result, image, scene, sheet};
+
+use super::args::SheetArguments;
+use super::output::{Outputs, Picture, check_all, check_page, picture, suffixed, will_write};
+use super::panels::{self, named_after, stem};
+use super::{inputs, interrupt, print, render};
+
+pub fn run(arguments: &SheetArguments) -> Result<()> {
+    if let Some(output) = &arguments.output {
+        check_page(output, arguments.scenes.len())?;
+    }
+    let figures: Result<Vec<_>> = arguments
+        .scenes
+        .iter()
+        .map(|path| Figure::new(path, arguments))
+        .collect();
+    let figures = figures?;
+    figures.iter().try_for_each(Figure::check_text)?;
+    make_directory(arguments)?;
+    check(&figures)?;
+    render::in_pool(arguments.threads, || {
+        figures
+            .iter()
+            .try_for_each(|figure| figure.make(arguments.quiet))
+    })
+}
+
+/// A page to be made.
+struct Figure {
+    /// The scene as it stands.
+    whole: Scene,
+    output: PathBuf,
+    parts: Vec<Part>,
+}
+
+/// A panel to be rendered.
+struct Part {
+    scene: Scene,
+    label: String,
+    /// The panel's own file, where it is kept.
+    outputs: Outputs,
+    request: Request,
+}
+
+impl Figure {
+    fn new(path: &Path, arguments: &SheetArguments) -> Result<Figure> {
+        let whole = scene::load(path, &arguments.changes.overrides())?;
+        let directory = arguments.directory.as_deref().unwrap_or(Path::new(""));
+        let default = || directory.join(named_after(Some(path), "-sheet.png"));
+        let output = arguments.output.clone().unwrap_or_else(default);
+        let beside = output.with_file_name(named_after(Some(path), ".png"));
+        let parts = parts(path, &whole, &beside, arguments)?;
+        Ok(Figure {
+            whole,
+            output,
+            parts,
+        })
+    }
+
+    /// Refuses characters that cannot be set, before anything is rendered.
+    fn check_text(&self) -> Result<()> {
+        let labels = self.parts.iter().map(|part| &part.label);
+        for line in labels.chain(&self.whole.sheet.title) {
+            text::width(&Label::new(line.as_str()), 1.0)?;
+        }
+        Ok(())
+    }
+
+    /// All that is read for it.
+    fn inputs(&self) -> Result<Vec<PathBuf>> {
+        let mut read = Vec::new();
+        for part in &self.parts {
+            read.extend(inputs::of(
+                &part.scene,
+                &Plan::new(&part.scene, &part.request)?,
+            ));
+        }
+        Ok(read)
+    }
+
+    fn make(&self, quiet: bool) -> Result<()> {
+        let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
+        let mut panels = Vec::new();
+        for part in &self.parts {
+            say(&format!("panel {}\n", part.label))?;
+            panels.push(part.render(quiet, &mut say)?);
+        }
+        let options = sheet::Options {
+            title: self.whole.sheet.title.clone(),
+            columns: self.whole.sheet.columns,
+        };
+        let page = sheet::compose(&panels, &options)?;
+        interrupt::check()?;
+        will_write(&self.output);
+        image::png::write(
+            &self.output,
+            page.width,
+            page.height,
+            &page.rgb,
+            &self.metadata(),
+        )?;
+        let (width, height) = (page.width, page.height);
+        let name = self.output.display();
+        say(&format!("wrote {name} ({width} × {height} pixels)\n"))
+    }
+
+    fn metadata(&self) -> Vec<(String, String)> {
+        let labels: Vec<_> = self.parts.iter().map(|part| part.label.as_str()).collect();
+        let pairs = [
+            ("software", format!("nullray {}", env!("CARGO_PKG_VERSION"))),
+            ("scene", self.whole.name.clone()),
+            ("scene_text", self.whole.text.clone()),
+            ("panels", labels.join("\n")),
+        ];
+        pairs.map(|(key, value)| (key.to_string(), value)).into()
+    }
+}
+
+/// A part for each panel, or one for a scene without; files are named after `file`.
+fn parts(path: &Path, whole: &Scene, file: &Path, arguments: &SheetArguments) -> Result<Vec<Part>> {
+    if whole.panels.is_empty() {
+        let label = stem(Some(path)).display().to_string();
+        let show = Show::Picture;
+        return Ok(vec![part(
+            whole.clone(),
+            &label,
+            show,
+            arguments,
+            file.into(),
+        )]);
+    }
+    let scenes = panels::load_all(Some(path), whole, &arguments.changes.overrides())?;
+    let part = |(panel, scene): (&Panel, Scene)| {
+        let file = suffixed(file, &panel.name);
+        part(scene, &panel.label, panel.show, arguments, file)
+    };
+    Ok(whole.panels.iter().zip(scenes).map(part).collect())
+}
+
+fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file: PathBuf) -> Part {
+    let outputs = Outputs {
+        images: vec![file],
+        show,
+        ..Outputs::default()
+    };
+    let request = Request {
+        aovs: outputs.needs(),
+        ..arguments.changes.request()
+    };
+    let images = match arguments.keep_panels {
+        true => outputs.images.clone(),
+        false => Vec::new(),
+    };
+    Part {
+        scene,
+        label: label.to_string(),
+        outputs: Outputs { images, ..outputs },
+        request,
+    }
+}
+
+impl Part {
+    fn render(&self, quiet: bool, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<sheet::Panel> {
+        let plan = Plan::new(&self.scene, &self.request)?;
+        let rendered = render::film(&self.scene, &plan, quiet)?;
+        self.outputs.write(&self.scene, &rendered.film, say)?;
+        rendered.remark(&plan, say)?;
+        let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;
+        Ok(sheet::Panel {
+            picture: image,
+            label: self.label.clone(),
+        })
+    }
+}
+
+fn make_directory(arguments: &SheetArguments) -> Result<()> {
+    match &arguments.directory {
+        Some(directory) => fs::create_dir_all(directory)
+            .map_err(Error::io(directory, "cannot create the directory")),
+        None => Ok(()),
+    }
+}
+
+/// Refuses what cannot be written before anything is rendered.
+fn check(figures: &[Figure]) -> Result<()> {
+    let mut read = Vec::new();
+    for figure in figures {
+        read.extend(figure.inputs()?);
+    }
+    let pages = figures.iter().map(|figure| Outputs {
+        images: vec![figure.output.clone()],
+        ..Outputs::default()
+    });
+    let panels = figures.iter().flat_map(|figure| &figure.parts);
+    check_all(pages.chain(panels.map(|part| part.outputs.clone())), &read)
+}

@@ -1,0 +1,36 @@
+//! Variants of one scene side by side: the panels of a figure, and the sheet that they are on.
+
+/// A variant of the scene: a picture of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Unique, of letters, digits, dots, underscores and hyphens: part of file names.
+    pub name: String,
+    /// What stands beneath it on a sheet.
+    pub label: String,
+    /// What its picture shows.
+    pub show: Show,
+    /// Dotted keys and the TOML text of their values, as [`Overrides::set`](crate::scene::Overrides::set)
+    /// takes them.
+    pub set: Vec<(String, String)>,
+    /// A byte range of the scene text to point at in messages.
+    pub span: std::ops::Range<usize>,
+}
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Show {
+    /// Radiance, tone-mapped.
+    #[default]
+    Picture,
+    /// Retarded times.
+    Isochrones,
+}
+
+/// How panels are put on one page.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Sheet {
+    /// Above the panels.
+    pub title: Option<String>,
+    /// Panels side by side; none for as many as there are rows, or one more.
+    pub columns: Option<u32>,
+}

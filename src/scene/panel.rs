@@ -1,0 +1,101 @@
+//! The scene that a panel shows: the file's, with the panel's changes and then those of the command line.
+
+use std::path::Path;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use toml_edit::DocumentMut;
+
+use super::load::{base, text_of};
+use super::model::{Panel, Scene};
+use super::overrides::{self, Overrides};
+use super::report::Report;
+use super::resolve;
+use crate::error::{Error, Result};
+
+/// Reads the scene of `panel`, one of those of `scene`, which was read from the file at `path`.
+///
+/// Changes are made in the order panel, `overrides`. The scene's text is one without panels that shows
+/// the same.
+///
+/// # Errors
+/// As [`load`](super::load); where the panel's own changes are wrong, with the place of the panel.
+pub fn load_panel(
+    path: &Path,
+    scene: &Scene,
+    panel: &Panel,
+    overrides: &Overrides,
+) -> Result<Scene> {
+    parse_panel(&text_of(path)?, base(path), scene, panel, overrides)
+}
+
+/// As [`load_panel`], from the text of the file that `scene` was read from.
+///
+/// # Errors
+/// As [`load_panel`].
+pub fn parse_panel(
+    text: &str,
+    base: &Path,
+    scene: &Scene,
+    panel: &Panel,
+    overrides: &Overrides,
+) -> Result<Scene> {
+    let changed = |overrides: &Overrides| parse_changed(text, &scene.name, base, panel, overrides);
+    changed(overrides).map_err(|error| match changed(&Overrides::default()) {
+        // Without the command line all is well.
+        Ok(_) => error,
+        Err(error) => blame(scene, panel, error),
+    })
+}
+
+fn parse_changed(
+    text: &str,
+    name: &str,
+    base: &Path,
+    panel: &Panel,
+    overrides: &Overrides,
+) -> Result<Scene> {
+    let of_panel = Overrides {
+        set: panel.set.clone(),
+        ..Overrides::default()
+    };
+    let (text, _) = overrides::apply(text, &of_panel)?;
+    let (text, edits) = overrides::apply(&text, overrides)?;
+    let report = Report {
+        name: name.to_string(),
+        text: without_panels(&text),
+        edits,
+    };
+    let file = report.read()?;
+    resolve::scene(report, base, &file)
+}
+
+/// The text without its panels and their sheet. One that is not TOML stays as it is.
+fn without_panels(text: &str) -> Arc<str> {
+    let Ok(mut document) = DocumentMut::from_str(text) else {
+        return text.into();
+    };
+    document.remove("panel");
+    document.remove("sheet");
+    document.to_string().into()
+}
+
+/// The refusal of what `panel` sets, at its place in the file.
+fn blame(scene: &Scene, panel: &Panel, error: Error) -> Error {
+    let problem = match error {
+        Error::Invalid(problem) => problem,
+        other => return other,
+    };
+    let report = Report {
+        name: scene.name.clone(),
+        text: scene.text.as_str().into(),
+        edits: Vec::new(),
+    };
+    let from_file = problem.file == scene.name && !problem.place.is_empty();
+    let place = match from_file {
+        true => format!("`{}`: ", problem.place),
+        false => String::new(),
+    };
+    let what = format!("panel \"{}\": {place}{}", panel.name, problem.what);
+    report.refuse(&panel.span, what, problem.help)
+}

@@ -1,0 +1,94 @@
+//! What a world line refuses, said where the file says it; and exposures that are not on it.
+
+use std::ops::Range;
+
+use super::context::Context;
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::CameraModel;
+use crate::spacetime::MAX_RAPIDITY;
+use crate::spacetime::worldline::{WorldLine, WorldLineError};
+
+const WEAKER: &str = "make it weaker or shorter";
+
+/// The refusal of a motion that is no world line.
+pub(super) fn refusal(cx: &Context, camera: &file::Camera, error: &WorldLineError) -> Error {
+    let span = |index| camera.motion.as_ref().and_then(|at| entry(at, index));
+    let here = span(error.index()).unwrap_or(&camera.time.span);
+    match *error {
+        WorldLineError::TooFast { proper_time, .. } => {
+            let what = format!(
+                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {proper_time} m of the camera's time"
+            );
+            cx.report.refuse(here, what, WEAKER)
+        }
+        WorldLineError::TooLong { proper_time, .. } => {
+            let what = format!(
+                "this acceleration is too strong to be followed beyond {proper_time} m of the camera's time"
+            );
+            cx.report.refuse(here, what, WEAKER)
+        }
+        WorldLineError::Superluminal { index, ct, speed } => {
+            let what = format!(
+                "the curve from the keyframe before to this one moves at |β| = {speed} at world time {ct} m"
+            );
+            let help = "give more time or less way between them, or gentler turns: a camera is slower than light";
+            let there = span(Some(index + 1)).unwrap_or(here);
+            cx.report
+                .refuse_two(there, (here, "the one before"), what, help)
+        }
+        _ => cx.report.refuse(here, error.to_string(), ""),
+    }
+}
+
+/// The span of an entry of the motion's list, or else of what says the motion.
+fn entry(motion: &At<file::Motion>, index: Option<usize>) -> Option<&Range<usize>> {
+    fn of<T>(list: &Option<At<Vec<At<T>>>>, index: Option<usize>) -> Option<&Range<usize>> {
+        let entry = list.as_ref()?.value.get(index?)?;
+        Some(&entry.span)
+    }
+    let m = &motion.value;
+    of(&m.segments, index)
+        .or_else(|| of(&m.profile, index))
+        .or_else(|| of(&m.keyframes, index))
+        .or(Some(&motion.span))
+}
+
+/// Refuses an exposure that is not within the world line, on which the default time 0 always is.
+pub(super) fn refuse_outside(
+    cx: &Context,
+    camera: &file::Camera,
+    model: &CameraModel,
+    line: &WorldLine,
+) -> Result<()> {
+    let duration = camera.shutter.as_ref().map(|at| &at.value.duration);
+    let end = model.time + model.shutter.map_or(0.0, |s| s.duration);
+    let times = [
+        (model.time, &camera.time, "begins"),
+        (end, duration.unwrap_or(&camera.time), "ends"),
+    ];
+    for (time, at, verb) in times {
+        if let Some((what, help)) = outside(line, time) {
+            return Err(cx.refuse(at, format!("the exposure {verb} {what}"), help));
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with a proper time, where the line has no state.
+fn outside(line: &WorldLine, time: f64) -> Option<(&'static str, String)> {
+    let [first, last] = line.span();
+    if line.state(time).is_some() {
+        return None;
+    }
+    let lifetime = format!("the world line goes from {first} m to {last} m of the camera's time");
+    Some(match time {
+        _ if time < first => ("before the camera's world line does", lifetime),
+        _ if time > last => ("after the camera's world line has ended", lifetime),
+        _ => {
+            let help = format!("rapidities are at most {MAX_RAPIDITY}: give a time nearer to 0");
+            ("where the camera is too fast", help)
+        }
+    })
+}

@@ -1,0 +1,240 @@
+//! Where everything is on a page.
+
+use super::lines::{LEADING, Measured, broken, lettered, lines, widest_word};
+use super::{Options, Panel};
+use crate::error::{Error, Result};
+
+/// Small pictures are enlarged to about this size, pixels.
+const COMFORTABLE: u32 = 240;
+/// The longest side of a page, pixels.
+const MAX_SIDE: u32 = 32_000;
+/// The most pixels of a page.
+const MAX_AREA: u64 = 1 << 28;
+/// The em as a part of the widest picture, and its bounds in pixels.
+const EM: (f64, f64, f64) = (0.045, 13.0, 60.0);
+/// The title's size, em.
+const TITLE: f64 = 1.35;
+/// Between cells, and around them, em.
+const SPACE: f64 = 1.2;
+
+/// A page: everything has its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Width and height of the page.
+    pub size: [u32; 2],
+    /// The title, line by line.
+    pub title: Vec<Line>,
+    /// One per panel, row by row.
+    pub cells: Vec<Cell>,
+    /// Pixels of the page per pixel of a picture.
+    pub scale: u32,
+}
+
+/// The place of a panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// All of it; cells are of one size and do not overlap.
+    pub frame: Rect,
+    /// The picture, within the frame.
+    pub picture: Rect,
+    /// The label, line by line, within the frame and beneath the picture.
+    pub label: Vec<Line>,
+}
+
+/// A rectangle of whole pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rect {
+    /// First column.
+    pub left: u32,
+    /// First row.
+    pub top: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// A line of text, centred.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// What it says.
+    pub text: String,
+    /// The middle of its baseline: x, y.
+    pub middle: [f64; 2],
+    /// Pixels per em.
+    pub size: f64,
+    /// How wide it is.
+    pub width: f64,
+}
+
+impl Layout {
+    /// Finds a place for everything.
+    ///
+    /// # Errors
+    /// As [`compose`](super::compose) has them.
+    pub fn new(panels: &[Panel], options: &Options) -> Result<Layout> {
+        for panel in panels {
+            check(panel)?;
+        }
+        let largest = |side: fn(&Panel) -> u32| panels.iter().map(side).max().unwrap_or(0);
+        let (width, height) = (largest(|p| p.picture.width), largest(|p| p.picture.height));
+        if width == 0 || height == 0 {
+            return Err(refuse("a sheet without panels", "give at least one panel"));
+        }
+        let scale = (COMFORTABLE / width.max(height)).max(1);
+        if width.max(height) > MAX_SIDE {
+            return Err(too_large(width, height));
+        }
+        let draft = Draft::new(panels, [width * scale, height * scale], options)?;
+        draft.place(panels, options, scale)
+    }
+}
+
+/// Sizes, with nothing placed yet.
+struct Draft {
+    em: f64,
+    columns: u32,
+    rows: u32,
+    /// Between cells, and around them.
+    space: u32,
+    /// The largest picture.
+    picture: [u32; 2],
+    cell: [u32; 2],
+    labels: Vec<Vec<Measured>>,
+}
+
+impl Draft {
+    fn new(panels: &[Panel], picture: [u32; 2], options: &Options) -> Result<Draft> {
+        let (part, least, most) = EM;
+        let em = (part * f64::from(picture[0])).clamp(least, most);
+        let count = panels.len() as u32;
+        let nearly_square = || (1..count).find(|n| n * n >= count).unwrap_or(count);
+        let columns = options.columns.unwrap_or_else(nearly_square);
+        let columns = columns.clamp(1, count);
+        let (labels, width) = labels(panels, picture[0], em)?;
+        let most_lines = labels.iter().map(Vec::len).max().unwrap_or(0);
+        let beneath = height_of(most_lines, em);
+        Ok(Draft {
+            em,
+            columns,
+            rows: count.div_ceil(columns),
+            space: (SPACE * em).round() as u32,
+            picture,
+            cell: [width, picture[1] + beneath],
+            labels,
+        })
+    }
+
+    /// Columns and rows of pixels that all cells take.
+    fn extent(&self) -> [u64; 2] {
+        let side = |count: u32, cell: u32| {
+            let (count, cell, space) = (u64::from(count), u64::from(cell), u64::from(self.space));
+            count * cell + (count - 1) * space
+        };
+        [
+            side(self.columns, self.cell[0]),
+            side(self.rows, self.cell[1]),
+        ]
+    }
+
+    fn place(self, panels: &[Panel], options: &Options, scale: u32) -> Result<Layout> {
+        let [across, down] = self.extent();
+        let size = TITLE * self.em;
+        let title = options.title.as_deref().unwrap_or("");
+        let content = (across as f64).max(widest_word(title, size)?).ceil();
+        let title = broken(title, size, content)?;
+        let above = u64::from(height_of(title.len(), size));
+        let margin = u64::from(self.space);
+        let (width, height) = (content as u64 + 2 * margin, above + down + 2 * margin);
+        if width.max(height) > u64::from(MAX_SIDE) || width * height > MAX_AREA {
+            return Err(too_large(width, height));
+        }
+        let corner = [((width - across) / 2) as u32, (margin + above) as u32];
+        let numbered = panels.iter().zip(&self.labels).zip(0..);
+        let cells = numbered
+            .map(|((panel, label), index)| self.cell(panel, label, index, corner, scale))
+            .collect();
+        Ok(Layout {
+            size: [width as u32, height as u32],
+            title: lines(title, [width as f64 / 2.0, margin as f64], size),
+            cells,
+            scale,
+        })
+    }
+
+    fn cell(
+        &self,
+        panel: &Panel,
+        label: &[Measured],
+        index: u32,
+        [left, top]: [u32; 2],
+        scale: u32,
+    ) -> Cell {
+        let (column, row) = (index % self.columns, index / self.columns);
+        let [cell_width, cell_height] = self.cell;
+        let frame = Rect {
+            left: left + column * (cell_width + self.space),
+            top: top + row * (cell_height + self.space),
+            width: cell_width,
+            height: cell_height,
+        };
+        let [width, height] = [panel.picture.width, panel.picture.height].map(|n| n * scale);
+        let picture = Rect {
+            left: frame.left + (cell_width - width) / 2,
+            top: frame.top + self.picture[1] - height,
+            width,
+            height,
+        };
+        let middle = f64::from(frame.left) + f64::from(cell_width) / 2.0;
+        let beneath = f64::from(frame.top + self.picture[1]) + 0.4 * self.em;
+        Cell {
+            frame,
+            picture,
+            label: lines(label.to_vec(), [middle, beneath], self.em),
+        }
+    }
+}
+
+/// All labels in lines, and the width in which each word of them has room.
+fn labels(panels: &[Panel], picture: u32, em: f64) -> Result<(Vec<Vec<Measured>>, u32)> {
+    let numbered = panels.iter().enumerate();
+    let texts = numbered.map(|(index, panel)| lettered(index, panels.len(), &panel.label));
+    let texts: Vec<String> = texts.collect();
+    let mut width = f64::from(picture);
+    for text in &texts {
+        width = width.max(widest_word(text, em)?);
+    }
+    let width = width.ceil();
+    let labels: Result<_> = texts.iter().map(|text| broken(text, em, width)).collect();
+    Ok((labels?, width as u32))
+}
+
+/// The height of so many lines with the space that sets them off; nothing for none.
+fn height_of(lines: usize, size: f64) -> u32 {
+    match lines {
+        0 => 0,
+        lines => ((0.5 + LEADING * lines as f64) * size).ceil() as u32,
+    }
+}
+
+fn check(panel: &Panel) -> Result<()> {
+    let picture = &panel.picture;
+    let bytes = 3 * u64::from(picture.width) * u64::from(picture.height);
+    if bytes > 0 && bytes == picture.rgb.len() as u64 {
+        return Ok(());
+    }
+    let (w, h, n) = (picture.width, picture.height, picture.rgb.len());
+    let what = format!("{n} bytes for {w} × {h} RGB pixels");
+    Err(refuse(&what, "three bytes per pixel, at least one pixel"))
+}
+
+fn refuse(what: &str, help: &str) -> Error {
+    Error::invalid("sheet", "", what, help)
+}
+
+fn too_large(width: impl std::fmt::Display, height: impl std::fmt::Display) -> Error {
+    let what = format!("a page of {width} × {height} pixels cannot be drawn");
+    let help =
+        format!("smaller or fewer pictures: at most {MAX_SIDE} pixels per side, {MAX_AREA} in all");
+    Error::unsupported("sheet", "", what, help)
+}

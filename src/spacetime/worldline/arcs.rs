@@ -1,0 +1,213 @@
+//! World lines made of stretches of constant proper acceleration.
+//!
+//! An inertial line is one straight arc, a hyperbola one curved arc, both for ever. Segments are a straight arc
+//! before proper time 0, one arc each, and a straight arc after the last. Each arc is given by the
+//! states at its ends (or at proper time 0), and everything else about it is closed form.
+//!
+//! A light cone crosses the last arc whose beginning lies in the causal past of its apex.
+
+use glam::DVec3;
+
+use super::cone::{self, past_cone};
+use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
+use super::hyperbola;
+use super::state::{Crossing, State};
+use super::{Segment, is_causal, minus, plus};
+use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+
+/// Arcs in the order of proper time; they cover all proper times.
+#[derive(Debug, Clone)]
+pub(super) struct Arcs {
+    arcs: Vec<Arc>,
+}
+
+/// A stretch of constant proper acceleration.
+#[derive(Debug, Clone)]
+struct Arc {
+    /// The state at its beginning; proper time 0 where it has none.
+    begin: State,
+    /// The state at its end, still accelerating; the same as `begin` where it has none.
+    end: State,
+}
+
+impl Arc {
+    /// An arc without an end of its own, by one of its states.
+    fn eternal(state: State) -> Self {
+        Arc {
+            begin: state,
+            end: state,
+        }
+    }
+}
+
+impl Arcs {
+    /// One straight arc.
+    pub fn inertial(velocity: Velocity, zero: Event<World>) -> Self {
+        Arcs {
+            arcs: vec![Arc::eternal(State::new(0.0, zero, velocity, DVec3::ZERO))],
+        }
+    }
+
+    /// One arc of constant proper acceleration, straight where that is zero.
+    pub fn hyperbolic(
+        velocity: Velocity,
+        zero: Event<World>,
+        acceleration: DVec3,
+    ) -> Result<Self, WorldLineError> {
+        check(acceleration, None)?;
+        Ok(Arcs {
+            arcs: vec![Arc::eternal(State::new(0.0, zero, velocity, acceleration))],
+        })
+    }
+
+    /// A straight arc before proper time 0, the segments, and a straight arc after them.
+    pub fn segments(
+        velocity: Velocity,
+        zero: Event<World>,
+        segments: &[Segment],
+    ) -> Result<Self, WorldLineError> {
+        if segments.len() > MAX_ENTRIES {
+            return Err(WorldLineError::TooMany(segments.len()));
+        }
+        let mut state = State::new(0.0, zero, velocity, DVec3::ZERO);
+        let mut arcs = vec![Arc::eternal(state)];
+        for (index, segment) in segments.iter().enumerate() {
+            check(segment.acceleration, Some(index))?;
+            check_duration(segments, index)?;
+            let begin = accelerating(&state, segment.acceleration);
+            if segment.duration.is_infinite() {
+                arcs.push(Arc::eternal(begin));
+                break;
+            }
+            state = end(&begin, segment.duration, index)?;
+            arcs.push(Arc { begin, end: state });
+            if index + 1 == segments.len() {
+                arcs.push(Arc::eternal(accelerating(&state, DVec3::ZERO)));
+            }
+        }
+        Ok(Arcs { arcs })
+    }
+
+    /// The state at a proper time, or none where it is too fast for [`Velocity`].
+    pub fn state(&self, proper_time: f64) -> Option<State> {
+        let begin = &self.arcs[self.index(proper_time)].begin;
+        let elapsed = proper_time - begin.proper_time;
+        if elapsed == 0.0 {
+            return Some(*begin);
+        }
+        hyperbola::after(begin, elapsed)
+    }
+
+    /// The one frame in which it rests for ever.
+    pub fn frame(&self) -> Option<InertialFrame<Camera>> {
+        let inertial = self.arcs.iter().all(|arc| arc.begin.thrust.is_none());
+        inertial.then(|| *self.arcs[0].begin.frame())
+    }
+
+    /// The arc that holds a proper time, the later one where two meet.
+    fn index(&self, proper_time: f64) -> usize {
+        self.arcs[1..].partition_point(|arc| arc.begin.proper_time <= proper_time)
+    }
+
+    /// The arc that the past light cone crosses whose apex is at `from(event)` from each event.
+    fn crossed(&self, from: impl Fn(Event<World>) -> Displacement<World>) -> usize {
+        self.arcs[1..].partition_point(|arc| is_causal(from(arc.begin.event)))
+    }
+
+    /// The crossing in the frame comoving at `near`, a state of this line, where it is on the same arc.
+    #[inline]
+    pub fn comoving(
+        &self,
+        near: &State,
+        offset: Displacement<Camera>,
+    ) -> Option<Option<Displacement<Camera>>> {
+        let own = self.index(near.proper_time);
+        if self.arcs.len() > 1 {
+            let offset = near.frame().world_from_frame().displacement(offset);
+            if self.crossed(|event| plus(near.event - event, offset)) != own {
+                return None;
+            }
+        }
+        Some(cone::comoving(near, offset))
+    }
+
+    /// The crossing, its displacement counted from `near`, a state of this line.
+    #[inline]
+    pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
+        if self.arcs.len() == 1 {
+            return past_cone(near, offset);
+        }
+        self.past_cone_among(near, offset)
+    }
+
+    fn past_cone_among(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
+        let from = |event| plus(near.event - event, offset);
+        let seen = |arc: &Arc| is_causal(from(arc.begin.event));
+        let own = self.index(near.proper_time);
+        let begun = own == 0 || seen(&self.arcs[own]);
+        let ended = self.arcs.get(own + 1).is_some_and(seen);
+        if begun && !ended {
+            return past_cone(near, offset);
+        }
+        // Along the own arc to its end that is nearer, from there to that of the other, and on: each way keeps
+        // the digits of a short one.
+        let target = self.crossed(from);
+        let (leave, enter) = if target < own {
+            (&self.arcs[own].begin, &self.arcs[target].end)
+        } else {
+            (&self.arcs[own].end, &self.arcs[target].begin)
+        };
+        let way = hyperbola::way(near, leave.proper_time - near.proper_time);
+        let way = plus(way, enter.event - leave.event);
+        let crossing = past_cone(enter, minus(offset, way))?;
+        Some(crossing.counted_from(near.event, plus(crossing.displacement, way)))
+    }
+
+    /// The crossing, its displacement counted from `apex` itself.
+    pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        let begin = &self.arcs[self.crossed(|event| apex - event)].begin;
+        let offset = apex - begin.event;
+        let crossing = past_cone(begin, offset)?;
+        Some(crossing.counted_from(apex, minus(crossing.displacement, offset)))
+    }
+}
+
+/// The same state with another acceleration.
+fn accelerating(state: &State, acceleration: DVec3) -> State {
+    State::new(state.proper_time, state.event, state.velocity, acceleration)
+}
+
+/// The state at the end of a segment.
+fn end(begin: &State, duration: f64, index: usize) -> Result<State, WorldLineError> {
+    let proper_time = begin.proper_time + duration;
+    hyperbola::after(begin, duration)
+        .filter(|s| s.event.ct.is_finite() && s.event.x.is_finite())
+        .ok_or(WorldLineError::TooFast { index, proper_time })
+}
+
+fn check_duration(segments: &[Segment], index: usize) -> Result<(), WorldLineError> {
+    let duration = segments[index].duration;
+    let last = index + 1 == segments.len();
+    if duration > 0.0 && (last || duration.is_finite()) {
+        return Ok(());
+    }
+    Err(WorldLineError::Duration { index, duration })
+}
+
+/// Refuses an acceleration that is not finite or too strong.
+pub(super) fn check(acceleration: DVec3, index: Option<usize>) -> Result<(), WorldLineError> {
+    if !acceleration.is_finite() {
+        return Err(match index {
+            Some(index) => WorldLineError::EntryNotFinite { index },
+            None => WorldLineError::NotFinite("a proper acceleration"),
+        });
+    }
+    let largest = acceleration.abs().max_element();
+    if largest > MAX_ACCELERATION {
+        return Err(WorldLineError::TooStrong {
+            index,
+            acceleration: largest,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,251 @@
+//! Where constant proper acceleration meets a light cone, in closed form.
+//!
+//! In the frame comoving at the start, with proper acceleration g along n and z = e^(gτ), y = (z − 1)/g, the
+//! hyperbola of [`super::hyperbola`] is in light-cone coordinates simply t + x∥ = y and t − x∥ = y/z.
+//! The past light cone of the event (T, X∥ = X, X⊥), p = T + X and q = T − X, is met where
+//! (p − y)(q − y/z) = X⊥² with p ≥ y. With P = 1 + gp, Q = 1 − gq and I = T² − X² − X⊥² = pq − X⊥², that is
+//!
+//! ```text
+//! Q y² − 2by + I = 0,    b = A + q/2,    A = ½ (pQ + g X⊥²),
+//! Q z² − 2mz + P = 0,    m = ½ (1 + PQ + g²X⊥²),
+//! ```
+//!
+//! whose roots share S = √(X⊥² + (A − q/2)²), as b² − QI = S² and m² − QP = g²S². The retarded ones are
+//!
+//! ```text
+//! y = I/(b + S) or (b − S)/Q,     z = P/(m + gS) or (m − gS)/Q,
+//! ```
+//!
+//! the first forms for b, m > 0 and the others else, so that like signs add. Since p ≥ y and 1 + gy > 0
+//! there is one exactly if P > 0: the hyperbola has a horizon, p = −1/g, and no light from it
+//! ever comes to what lies before that. For g → 0 it is y = T − R, the crossing of a straight line, of itself.
+//! No exponential and no logarithm is needed; the proper time is ln z/g.
+//!
+//! Near the start y keeps its digits, and z = 1 + gy follows; far from it z does, and y = (z − 1)/g. P and Q are
+//! small differences near a horizon, and are formed without rounding. Each coordinate is right to a few
+//! eps of the largest coordinate involved; where n is not an axis, or the start is not at rest in the world,
+//! rounding X and X⊥ to eps of it counts 1/P or 1/Q times near a horizon.
+//!
+//! Source: light-cone coordinates of a uniformly accelerated observer, e.g. Misner, Thorne, Wheeler, Gravitation,
+//! ch. 6; the arrangement is ours.
+
+use super::hyperbola::{SMALL, Thrust};
+use super::plus;
+use super::rounding::one_plus;
+use super::state::{Crossing, State};
+use crate::spacetime::{Camera, Displacement, World};
+
+/// Proper time since a start, as the closed form gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Elapsed {
+    /// Proper time at the start.
+    start: f64,
+    /// (e^(gτ) − 1)/g.
+    y: f64,
+    /// e^(gτ).
+    z: f64,
+    /// Proper acceleration.
+    g: f64,
+}
+
+impl Elapsed {
+    /// Proper time `start` + `elapsed`.
+    pub fn known(start: f64, elapsed: f64) -> Self {
+        Elapsed {
+            start,
+            y: elapsed,
+            z: 1.0,
+            g: 0.0,
+        }
+    }
+
+    pub fn proper_time(&self) -> f64 {
+        let Elapsed { start, y, z, g } = *self;
+        let u = g * y;
+        start
+            + if u.abs() < SMALL {
+                y * (1.0 - u * (1.0 / 2.0 - u * (1.0 / 3.0 - u / 4.0)))
+            } else if is_near(z) {
+                libm::log1p(u) / g
+            } else {
+                libm::log(z) / g
+            }
+    }
+}
+
+/// Where the line through `near`, with its acceleration for ever, meets the past light cone of the event at
+/// `offset` from there.
+#[inline]
+pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Crossing> {
+    let apex = near.frame().frame_from_world().displacement(offset);
+    // A boost leaves the interval its digits.
+    let interval = (!near.velocity.is_rest()).then(|| offset.interval());
+    let light = crossed(near, apex, interval)?;
+    let (ct, along) = light.place(near.thrust.g);
+    let moved = plus(near.ahead * ct, near.aside * along);
+    let start = near.proper_time;
+    let elapsed = Elapsed {
+        start,
+        y: light.y,
+        z: light.z,
+        g: near.thrust.g,
+    };
+    let largest = moved.x.abs().max_element() + moved.ct.abs();
+    (largest < f64::INFINITY).then(|| Crossing::new(near.event, moved, elapsed))
+}
+
+/// The same in the frame comoving at `near`, for an offset in that frame.
+#[inline]
+pub(super) fn comoving(near: &State, apex: Displacement<Camera>) -> Option<Displacement<Camera>> {
+    let Thrust { g, n, .. } = near.thrust;
+    let (ct, along) = crossed(near, apex, None)?.place(g);
+    let moved = Displacement::new(ct, n * along);
+    (moved.x.abs().max_element() + ct.abs() < f64::INFINITY).then_some(moved)
+}
+
+/// T − R: the proper time of the crossing with a line at rest. The interval is invariant, and keeps the
+/// digits of the world's coordinates.
+#[inline]
+fn straight(apex: Displacement<Camera>, interval: f64) -> f64 {
+    let distance = apex.x.length();
+    if apex.ct > 0.0 {
+        interval / (apex.ct + distance)
+    } else {
+        apex.ct - distance
+    }
+}
+
+/// A point of a hyperbola in light-cone coordinates.
+struct Light {
+    /// t + x∥.
+    y: f64,
+    /// e^(gτ).
+    z: f64,
+    /// t − x∥.
+    minus: f64,
+}
+
+impl Light {
+    /// t and x∥.
+    #[inline]
+    fn place(&self, g: f64) -> (f64, f64) {
+        let Light { y, z, minus } = *self;
+        let along = match is_near(z) {
+            true => 0.5 * g * y * minus,
+            false => 0.5 * (y - minus),
+        };
+        (0.5 * (y + minus), along)
+    }
+}
+
+/// Whether z = e^(gτ) follows from y, and not y from z.
+#[inline]
+fn is_near(z: f64) -> bool {
+    (0.5..2.0).contains(&z)
+}
+
+/// The apex of a light cone in light-cone coordinates.
+struct Apex {
+    t: f64,
+    along: f64,
+    /// X⊥².
+    across: f64,
+    /// I.
+    interval: f64,
+}
+
+/// The crossing with a straight line or a hyperbola, or none beyond its horizon, for an apex in the frame
+/// comoving at `near`; its interval where that is known better than from there.
+#[inline]
+fn crossed(near: &State, apex: Displacement<Camera>, interval: Option<f64>) -> Option<Light> {
+    let Thrust { g, n, .. } = near.thrust;
+    if g == 0.0 {
+        let y = straight(apex, interval.unwrap_or_else(|| apex.interval()));
+        return Some(Light {
+            y,
+            z: 1.0,
+            minus: y,
+        });
+    }
+    let (t, along) = (apex.ct, n.dot(apex.x));
+    let across = (apex.x - n * along).length_squared();
+    // Along an axis pq − X⊥² has more digits than T² − R².
+    let interval = interval.unwrap_or_else(|| (t + along) * (t - along) - across);
+    let apex = Apex {
+        t,
+        along,
+        across,
+        interval,
+    };
+    if g * (t.abs() + along.abs()) < CLOSE {
+        Some(apex.close(g))
+    } else {
+        apex.far(g)
+    }
+}
+
+/// g (|T| + |X∥|) below which no horizon is near, and neither P nor Q a small difference.
+const CLOSE: f64 = 0.125;
+
+impl Apex {
+    #[inline]
+    fn close(&self, g: f64) -> Light {
+        let (p, q) = (self.t + self.along, self.t - self.along);
+        let big_q = 1.0 - g * q;
+        let half = 0.5 * (p * big_q + g * self.across);
+        let skew = half - 0.5 * q;
+        let s = (self.across + skew * skew).sqrt();
+        self.through(self.y(half + 0.5 * q, s, big_q), g)
+    }
+
+    /// The root y of b, S and Q.
+    #[inline]
+    fn y(&self, b: f64, s: f64, big_q: f64) -> f64 {
+        let (over, under) = if b > 0.0 {
+            (self.interval, b + s)
+        } else {
+            (b - s, big_q)
+        };
+        over / under
+    }
+
+    #[inline]
+    fn through(&self, y: f64, g: f64) -> Light {
+        let z = 1.0 + g * y;
+        Light { y, z, minus: y / z }
+    }
+
+    #[inline(never)]
+    fn far(&self, g: f64) -> Option<Light> {
+        let (p, q) = (self.t + self.along, self.t - self.along);
+        let big_p = one_plus(g, self.t, self.along);
+        let big_q = one_plus(-g, self.t, -self.along);
+        if big_p.is_nan() || big_p <= 0.0 {
+            return None;
+        }
+        let (product, lift) = (big_p * big_q, 0.5 * g * self.across);
+        let half = 0.5 * p * big_q + lift;
+        // A − q/2 = ½ (PQ − 1)/g + ½ g X⊥²: with a small P and a large Q that is the better difference.
+        let skew = if (g * q).abs() > 1.0 {
+            0.5 * (product - 1.0) / g + lift
+        } else {
+            half - 0.5 * q
+        };
+        let s = (self.across + skew * skew).sqrt();
+        let light = self.through(self.y(half + 0.5 * q, s, big_q), g);
+        if is_near(light.z) {
+            return Some(light);
+        }
+        let m = 0.5 * (1.0 + product) + g * lift;
+        let (over, under) = if m > 0.0 {
+            (big_p, m + g * s)
+        } else {
+            (m - g * s, big_q)
+        };
+        Some(Light {
+            y: (over / under - 1.0) / g,
+            z: over / under,
+            minus: (1.0 - under / over) / g,
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! Motion along a smooth curve through events of the world.
+//!
+//! The curve is [`super::spline`], its clock [`super::clock`]. With v = dx/dct and w = dv/dct the four-velocity is
+//! γ(1, v), and the proper acceleration in the comoving, boosted axes is
+//!
+//! ```text
+//! a = γ² w + γ⁴/(1 + γ) (v·w) v,    γ² = 1/((1 − |v|)(1 + |v|)).
+//! ```
+
+use super::clock::Clock;
+use super::cone::{Elapsed, past_cone};
+use super::error::{WorldLineError, check_ascending, check_count};
+use super::series::{Found, Series};
+use super::spline;
+use super::state::{Crossing, State};
+use crate::spacetime::{Displacement, Event, Velocity, World};
+
+/// A spline by world time, and its clock.
+#[derive(Debug, Clone)]
+pub(super) struct Keyframes {
+    series: Series,
+    clock: Clock,
+}
+
+impl Keyframes {
+    pub fn new(events: &[Event<World>]) -> Result<Self, WorldLineError> {
+        check_count(events.len())?;
+        let finite = |e: &Event<World>| e.ct.is_finite() && e.x.is_finite();
+        if let Some(index) = events.iter().position(|e| !finite(e)) {
+            return Err(WorldLineError::EntryNotFinite { index });
+        }
+        check_ascending(events.iter().map(|e| e.ct))?;
+        let series = spline::natural(events)?;
+        let clock = Clock::new(&series.parameters, |ct| rate(&series, ct));
+        Ok(Keyframes { series, clock })
+    }
+
+    pub fn span(&self) -> [f64; 2] {
+        [0.0, self.clock.end()]
+    }
+
+    pub fn state(&self, proper_time: f64) -> Option<State> {
+        let ct = self.clock.world_time(proper_time, |ct| self.rate(ct));
+        let (event, tangent) = self.series.at(ct);
+        let (v, w) = (tangent.x, self.series.second(ct));
+        let speed = v.length();
+        let gamma_squared = 1.0 / ((1.0 - speed) * (1.0 + speed));
+        let along = gamma_squared * gamma_squared / (1.0 + gamma_squared.sqrt()) * v.dot(w);
+        let velocity = Velocity::from_beta(v).ok()?;
+        let acceleration = w * gamma_squared + v * along;
+        Some(State::new(proper_time, event, velocity, acceleration))
+    }
+
+    pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
+        let guess = past_cone(near, offset).map_or(f64::NAN, |c| c.displacement.ct);
+        let found = self
+            .series
+            .past_cone(near.event, near.event.ct, offset, guess)?;
+        Some(self.crossing(near.event, found))
+    }
+
+    pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        Some(self.crossing(apex, self.series.past_cone_of(apex)?))
+    }
+
+    fn crossing(&self, reference: Event<World>, found: Found) -> Crossing {
+        let proper_time = self.clock.proper_time(found.parameter, |ct| self.rate(ct));
+        let elapsed = Elapsed::known(proper_time, 0.0);
+        Crossing::new(reference, found.displacement, elapsed)
+    }
+
+    fn rate(&self, ct: f64) -> f64 {
+        rate(&self.series, ct)
+    }
+}
+
+/// dτ/dct = √(1 − |v|²).
+fn rate(series: &Series, ct: f64) -> f64 {
+    let speed = series.at(ct).1.x.length();
+    ((1.0 - speed) * (1.0 + speed)).sqrt()
+}

@@ -1,0 +1,231 @@
+//! Motion by a given proper acceleration over proper time: an initial-value problem.
+//!
+//! The equations and their series are those of [`super::taylor`], stepped from proper time 0 to both ends, a
+//! new step at each knot. The result is a piecewise polynomial in proper time, right to a few eps per step of
+//! the largest coordinate involved.
+
+use glam::{DVec3, DVec4};
+
+use super::arcs;
+use super::cone::{Elapsed, past_cone};
+use super::error::{WorldLineError, check_ascending, check_count};
+use super::rounding::sum;
+use super::series::{Found, Piece, Series};
+use super::state::{Crossing, State};
+use super::taylor::{self, Step};
+use crate::spacetime::{Displacement, Event, MAX_RAPIDITY, Velocity, World};
+
+/// The most steps in either direction: at most 120 MB of coefficients.
+const MAX_STEPS: usize = 150_000;
+
+/// Knots and the motion between them, by proper time.
+#[derive(Debug, Clone)]
+pub(super) struct Profile {
+    knots: Vec<(f64, DVec3)>,
+    series: Series,
+}
+
+impl Profile {
+    pub fn new(
+        velocity: Velocity,
+        zero: Event<World>,
+        knots: &[(f64, DVec3)],
+    ) -> Result<Self, WorldLineError> {
+        check_count(knots.len())?;
+        for (index, (time, acceleration)) in knots.iter().enumerate() {
+            arcs::check(*acceleration, Some(index))?;
+            if !time.is_finite() {
+                return Err(WorldLineError::EntryNotFinite { index });
+            }
+        }
+        check_ascending(knots.iter().map(|(time, _)| *time))?;
+        let (first, last) = (knots[0].0, knots[knots.len() - 1].0);
+        if !(first..=last).contains(&0.0) {
+            return Err(WorldLineError::ZeroOutside { first, last });
+        }
+        let series = integrate(velocity, zero, knots)?;
+        Ok(Profile {
+            knots: knots.to_vec(),
+            series,
+        })
+    }
+
+    pub fn span(&self) -> [f64; 2] {
+        self.series.span()
+    }
+
+    pub fn state(&self, proper_time: f64) -> Option<State> {
+        let (event, tangent) = self.series.at(proper_time);
+        let rapidity = libm::asinh(tangent.x.length());
+        let velocity = match rapidity {
+            0.0 => Velocity::REST,
+            _ => Velocity::along(tangent.x, rapidity).ok()?,
+        };
+        let acceleration = acceleration(&self.knots, proper_time);
+        Some(State::new(proper_time, event, velocity, acceleration))
+    }
+
+    pub fn past_cone(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
+        let start = near.proper_time;
+        let guess = past_cone(near, offset).map_or(f64::NAN, |c| c.proper_time() - start);
+        let found = self.series.past_cone(near.event, start, offset, guess)?;
+        Some(crossing(near.event, found))
+    }
+
+    pub fn past_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        Some(crossing(apex, self.series.past_cone_of(apex)?))
+    }
+}
+
+fn crossing(reference: Event<World>, found: Found) -> Crossing {
+    let elapsed = Elapsed::known(found.parameter, 0.0);
+    Crossing::new(reference, found.displacement, elapsed)
+}
+
+/// The span of the knots that holds a proper time, the later one at a knot.
+fn span_at(knots: &[(f64, DVec3)], proper_time: f64) -> usize {
+    knots[1..knots.len() - 1].partition_point(|(time, _)| *time <= proper_time)
+}
+
+/// The acceleration at a proper time, linear between the knots.
+fn acceleration(knots: &[(f64, DVec3)], proper_time: f64) -> DVec3 {
+    let index = span_at(knots, proper_time);
+    let ((t0, a0), (t1, a1)) = (knots[index], knots[index + 1]);
+    let u = (proper_time - t0) / (t1 - t0);
+    a0 * (1.0 - u) + a1 * u
+}
+
+fn integrate(
+    velocity: Velocity,
+    zero: Event<World>,
+    knots: &[(f64, DVec3)],
+) -> Result<Series, WorldLineError> {
+    let (n, phi) = velocity.split();
+    let start = n * libm::sinh(phi);
+    let middle = span_at(knots, 0.0);
+    let mut before = Walk::new(zero, start);
+    for index in (0..=middle).rev() {
+        before.along(knots, index, knots[index].0)?;
+    }
+    let mut after = Walk::new(zero, start);
+    for index in middle..knots.len() - 1 {
+        after.along(knots, index, knots[index + 1].0)?;
+    }
+    Ok(joined(before, after))
+}
+
+/// A sum of many terms, with what rounding leaves out.
+struct Sum {
+    value: DVec4,
+    rest: DVec4,
+}
+
+impl Sum {
+    fn new(value: DVec4) -> Self {
+        Sum {
+            value,
+            rest: DVec4::ZERO,
+        }
+    }
+
+    fn add(&mut self, term: DVec4) {
+        for i in 0..4 {
+            let (value, rest) = sum(self.value[i], term[i] + self.rest[i]);
+            (self.value[i], self.rest[i]) = (value, rest);
+        }
+    }
+}
+
+/// Steps from proper time 0 on, in either direction.
+struct Walk {
+    /// Proper time and event after each step, and before the first.
+    nodes: Vec<(f64, Event<World>)>,
+    steps: Vec<Step>,
+    /// (x, y, z, ct) after the last step.
+    position: Sum,
+    /// U after the last step.
+    u: Sum,
+}
+
+impl Walk {
+    fn new(zero: Event<World>, u: DVec3) -> Self {
+        Walk {
+            nodes: vec![(0.0, zero)],
+            steps: Vec::new(),
+            position: Sum::new(zero.x.extend(zero.ct)),
+            u: Sum::new(u.extend(0.0)),
+        }
+    }
+
+    /// Walks to proper time `target` within the span `index` of the knots.
+    fn along(
+        &mut self,
+        knots: &[(f64, DVec3)],
+        index: usize,
+        target: f64,
+    ) -> Result<(), WorldLineError> {
+        let ((t0, a0), (t1, a1)) = (knots[index], knots[index + 1]);
+        let slope = (a1 - a0) / (t1 - t0);
+        let mut time = self.nodes[self.nodes.len() - 1].0;
+        while time != target {
+            let a = acceleration(&knots[index..=index + 1], time);
+            let step = taylor::step(self.u.value.truncate(), a, slope, target - time);
+            let whole = step.length == target - time;
+            let next = if whole { target } else { time + step.length };
+            if next == time || self.steps.len() == MAX_STEPS {
+                return Err(WorldLineError::TooLong {
+                    index,
+                    proper_time: time,
+                });
+            }
+            self.take(step, next);
+            let u = self.u.value.truncate();
+            if u.length() > libm::sinh(MAX_RAPIDITY) || !u.is_finite() {
+                return Err(WorldLineError::TooFast {
+                    index,
+                    proper_time: next,
+                });
+            }
+            time = next;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, step: Step, time: f64) {
+        self.position.add(step.coefficients.iter().rev().sum());
+        self.u.add(step.gained.extend(0.0));
+        let Sum { value, .. } = self.position;
+        self.nodes
+            .push((time, Event::new(value.w, value.truncate())));
+        self.steps.push(step);
+    }
+}
+
+/// The walk to the beginning, reversed, and that to the end.
+fn joined(before: Walk, after: Walk) -> Series {
+    let nodes = before.nodes.iter().skip(1).rev().chain(&after.nodes);
+    let (parameters, events) = nodes.copied().unzip();
+    let mut series = Series {
+        parameters,
+        events,
+        ..Series::default()
+    };
+    // A piece of the past has its centre at its end.
+    for (number, step) in before.steps.iter().rev().enumerate() {
+        push(&mut series, number + 1, step);
+    }
+    for (number, step) in after.steps.iter().enumerate() {
+        push(&mut series, before.steps.len() + number, step);
+    }
+    series
+}
+
+fn push(series: &mut Series, centre: usize, step: &Step) {
+    series.pieces.push(Piece {
+        centre,
+        scale: step.length,
+        first: series.coefficients.len(),
+        count: step.coefficients.len(),
+    });
+    series.coefficients.extend_from_slice(&step.coefficients);
+}

@@ -1,0 +1,137 @@
+//! The natural cubic spline x(ct) through events, and how fast it is.
+//!
+//! The second derivatives M at the knots solve, with h the time from knot to knot,
+//!
+//! ```text
+//! hᵢ₋₁ Mᵢ₋₁ + 2 (hᵢ₋₁ + hᵢ) Mᵢ + hᵢ Mᵢ₊₁ = 6 (Δxᵢ/hᵢ − Δxᵢ₋₁/hᵢ₋₁),    M = 0 at both ends.
+//! ```
+//!
+//! On a span |v|² is a polynomial of degree 4. Its coefficients in Bernstein's basis bound it from above;
+//! halving the span makes the bound as close as is needed to prove that the curve is slower than light.
+//!
+//! Source: e.g. Stoer and Bulirsch, Introduction to Numerical Analysis, 2.4; Farin, Curves and Surfaces for
+//! CAGD, for Bernstein's basis.
+
+use glam::{DVec3, DVec4};
+
+use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
+use super::series::{Piece, Series};
+use crate::spacetime::{Event, World};
+
+/// How often a span is halved to prove that it is slower than light.
+const HALVINGS: u32 = 40;
+
+/// The spline through `events`, which ascend in time, with world time as parameter.
+pub(super) fn natural(events: &[Event<World>]) -> Result<Series, WorldLineError> {
+    let bends = second_derivatives(events);
+    let mut series = Series {
+        parameters: events.iter().map(|e| e.ct).collect(),
+        events: events.to_vec(),
+        ..Series::default()
+    };
+    for index in 0..events.len() - 1 {
+        let way = events[index + 1] - events[index];
+        let coefficients = span(way.ct, way.x, bends[index], bends[index + 1]);
+        series.pieces.push(Piece {
+            centre: index,
+            scale: way.ct,
+            first: series.coefficients.len(),
+            count: coefficients.len(),
+        });
+        let times = [way.ct, 0.0, 0.0];
+        let with_time = coefficients.iter().zip(times).map(|(c, t)| c.extend(t));
+        series
+            .coefficients
+            .extend::<Vec<DVec4>>(with_time.collect());
+    }
+    check_speed(&series)?;
+    Ok(series)
+}
+
+/// c₁, c₂, c₃ of x − x₀ in u = (ct − ct₀)/h.
+fn span(h: f64, dx: DVec3, m0: DVec3, m1: DVec3) -> [DVec3; 3] {
+    let (m0, m1) = (m0 * (h * h / 6.0), m1 * (h * h / 6.0));
+    [dx - m0 * 2.0 - m1, m0 * 3.0, m1 - m0]
+}
+
+/// d²x/dct² at each event: the tridiagonal system by elimination, which is stable as its diagonal dominates.
+fn second_derivatives(events: &[Event<World>]) -> Vec<DVec3> {
+    let mut bends = vec![DVec3::ZERO; events.len()];
+    // Row i says Mᵢ = right − above · Mᵢ₊₁.
+    let mut above = vec![0.0; events.len()];
+    for i in 1..events.len() - 1 {
+        let (before, after) = (events[i] - events[i - 1], events[i + 1] - events[i]);
+        let pivot = 2.0 * (before.ct + after.ct) - before.ct * above[i - 1];
+        let jump = (after.x / after.ct - before.x / before.ct) * 6.0;
+        above[i] = after.ct / pivot;
+        bends[i] = (jump - bends[i - 1] * before.ct) / pivot;
+    }
+    for i in (1..events.len() - 1).rev() {
+        let next = bends[i + 1];
+        bends[i] -= next * above[i];
+    }
+    bends
+}
+
+/// Refuses a curve that is not slower than light, with the fastest of the spans that are not.
+fn check_speed(series: &Series) -> Result<(), WorldLineError> {
+    let velocities = series.pieces.iter().map(|piece| velocity(series, piece));
+    let too_fast = velocities
+        .enumerate()
+        .filter(|(_, v)| !is_slow(*v, HALVINGS));
+    let fastest = too_fast
+        .map(|(index, v)| (index, fastest(v)))
+        .reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
+    let Some((index, (u, speed))) = fastest else {
+        return Ok(());
+    };
+    let ct = series.parameters[index] + series.pieces[index].scale * u;
+    Err(WorldLineError::Superluminal { index, ct, speed })
+}
+
+/// The Bernstein coefficients of the velocity c₁ + 2c₂u + 3c₃u², over h.
+fn velocity(series: &Series, piece: &Piece) -> [DVec3; 3] {
+    let c = &series.coefficients[piece.first..piece.first + piece.count];
+    let [c1, c2, c3] = [0, 1, 2].map(|k| c[k].truncate() / piece.scale);
+    [c1, c1 + c2, c1 + c2 * 2.0 + c3 * 3.0]
+}
+
+/// Whether the velocity with Bernstein coefficients `v` (degree 2) is below the limit throughout.
+fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
+    let limit = MAX_KEYFRAME_SPEED * MAX_KEYFRAME_SPEED;
+    let [a, b, c] = v;
+    let middle = (a.dot(c) + 2.0 * b.dot(b)) / 3.0;
+    let bounds = [a.dot(a), a.dot(b), middle, b.dot(c), c.dot(c)];
+    if bounds.iter().all(|bound| *bound <= limit) {
+        return true;
+    }
+    let ends_slow = bounds[0] <= limit && bounds[4] <= limit;
+    if !ends_slow || halvings == 0 {
+        return false;
+    }
+    // De Casteljau.
+    let (ab, bc) = ((a + b) * 0.5, (b + c) * 0.5);
+    let half = (ab + bc) * 0.5;
+    is_slow([a, ab, half], halvings - 1) && is_slow([half, bc, c], halvings - 1)
+}
+
+/// Where in [0, 1] the speed is largest, and how large, for the message: by samples, then by thirds about the
+/// best of them.
+fn fastest([a, b, c]: [DVec3; 3]) -> (f64, f64) {
+    let speed = |u: f64| (a.lerp(b, u)).lerp(b.lerp(c, u), u).length();
+    let sample = |i: u32| f64::from(i) / 64.0;
+    let best = (0..=64)
+        .map(sample)
+        .fold(0.0, |best, u| if speed(u) > speed(best) { u } else { best });
+    let (mut low, mut high) = ((best - sample(1)).max(0.0), (best + sample(1)).min(1.0));
+    for _ in 0..60 {
+        let third = (high - low) / 3.0;
+        if speed(low + third) < speed(high - third) {
+            low += third;
+        } else {
+            high -= third;
+        }
+    }
+    let middle = 0.5 * (low + high);
+    (middle, speed(middle))
+}

@@ -1,0 +1,107 @@
+//! Taylor series of motion with a proper acceleration that changes linearly with proper time.
+//!
+//! With the spatial part U = γβ of the four-velocity and the proper acceleration a in the boosted axes,
+//!
+//! ```text
+//! U̇ = a + s V,   γ̇ = s,   s = U·a,   V = U D,   D = 1/(1 + γ),   Ḋ = −D² s,   ẋ = U,   ct˙ = γ.
+//! ```
+//!
+//! All right-hand sides are products, whose coefficients are sums of products of earlier ones. A step begins
+//! with |a| h ≤ 1 and is shortened until the last two coefficients of U are below rounding: the nearest
+//! singularities, those of D, lie at |a| h = π for constant a. γ² = 1 + U² is set anew at each step.
+//!
+//! Source: the Taylor-series method of recurrent power series, e.g. Jorba and Zou, Exp. Math. 14 (2005).
+
+use glam::{DVec3, DVec4};
+
+/// The order of the series.
+const ORDER: usize = 24;
+
+/// What the last coefficients may be, in units of γ.
+const TOLERANCE: f64 = 1e-18;
+
+/// One step of the motion.
+pub(super) struct Step {
+    /// Its length in proper time, of the sign of what was asked for.
+    pub length: f64,
+    /// Coefficients c₁, c₂, … of (x, y, z, ct) in u = τ/length, from the step's beginning.
+    pub coefficients: Vec<DVec4>,
+    /// What it adds to U.
+    pub gained: DVec3,
+}
+
+/// The series of U and γ.
+struct Motion {
+    u: [DVec3; ORDER + 1],
+    gamma: [f64; ORDER + 1],
+}
+
+/// A step from U = `start`, `length` long or less, with proper acceleration `a` + `slope` τ.
+pub(super) fn step(start: DVec3, a: DVec3, slope: DVec3, mut length: f64) -> Step {
+    while length.abs() * a.length().max((a + slope * length).length()) > 1.0 {
+        length *= 0.5;
+    }
+    let mut motion = Motion::new(start, a * length, slope * (length * length));
+    let factor = motion.shortening();
+    motion.shorten(factor);
+    length *= factor;
+    Step {
+        length,
+        coefficients: motion.positions(length),
+        gained: (1..=ORDER).rev().map(|k| motion.u[k]).sum(),
+    }
+}
+
+impl Motion {
+    /// With proper acceleration `a` + `slope` u.
+    fn new(start: DVec3, a: DVec3, slope: DVec3) -> Self {
+        let mut u = [DVec3::ZERO; ORDER + 1];
+        let [mut gamma, mut d] = [[0.0; ORDER + 1]; 2];
+        let mut v = [DVec3::ZERO; ORDER];
+        let [mut s, mut sd] = [[0.0; ORDER]; 2];
+        u[0] = start;
+        gamma[0] = (1.0 + start.length_squared()).sqrt();
+        d[0] = 1.0 / (1.0 + gamma[0]);
+        for k in 0..ORDER {
+            let next = (k + 1) as f64;
+            s[k] = u[k].dot(a) + if k > 0 { u[k - 1].dot(slope) } else { 0.0 };
+            v[k] = (0..=k).map(|i| u[i] * d[k - i]).sum();
+            sd[k] = (0..=k).map(|i| s[i] * d[k - i]).sum();
+            let own = [a, slope].get(k).copied().unwrap_or(DVec3::ZERO);
+            let gained: DVec3 = (0..=k).map(|i| v[k - i] * s[i]).sum();
+            u[k + 1] = (own + gained) / next;
+            gamma[k + 1] = s[k] / next;
+            d[k + 1] = -(0..=k).map(|i| sd[i] * d[k - i]).sum::<f64>() / next;
+        }
+        Motion { u, gamma }
+    }
+
+    /// The factor on u that brings the last coefficients below rounding.
+    fn shortening(&self) -> f64 {
+        let factor = |k: usize| {
+            let size = self.u[k].length() / self.gamma[0];
+            libm::pow(TOLERANCE / size, 1.0 / k as f64)
+        };
+        factor(ORDER).min(factor(ORDER - 1)).min(1.0)
+    }
+
+    /// Replaces u by `factor` u.
+    fn shorten(&mut self, factor: f64) {
+        let mut power = 1.0;
+        for k in 0..=ORDER {
+            self.u[k] *= power;
+            self.gamma[k] *= power;
+            power *= factor;
+        }
+    }
+
+    /// The series of (x, y, z, ct), without the coefficients that are below rounding.
+    fn positions(&self, length: f64) -> Vec<DVec4> {
+        let own = |k: usize| self.u[k].extend(self.gamma[k]) * (length / (k + 1) as f64);
+        let least = TOLERANCE * self.gamma[0] * length.abs();
+        let count = (1..=ORDER)
+            .rev()
+            .find(|k| own(*k).abs().max_element() > least);
+        (0..=count.unwrap_or(0)).map(own).collect()
+    }
+}

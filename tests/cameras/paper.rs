@@ -1,0 +1,196 @@
+//! A camera by the equations of Jarabo et al. 2015 does what those equations say.
+
+use glam::DVec3;
+use nullray::camera::{Camera, Kind};
+use nullray::scene::model::{
+    Assembly, Elements, Equations, Motion, Pivot, Records, Rotation, Scene, Shutter,
+};
+use nullray::spacetime::{Event, Velocity, paper2015};
+
+use super::bench_camera::{looking_along_z, sensor};
+
+const BETAS: [f64; 5] = [-0.99, -0.3, 0.1, 0.6, 0.97];
+
+fn moving(beta: f64) -> Scene {
+    let mut scene = looking_along_z();
+    scene.equations = Equations::Paper2015;
+    scene.camera.velocity = Velocity::from_beta(DVec3::Z * beta).unwrap();
+    scene.camera.time = 1.7;
+    scene.camera.origin = Event::new(-0.4, DVec3::new(0.1, 0.2, 0.3));
+    scene
+}
+
+/// The angle of propagation to +z.
+fn propagation(look: DVec3) -> f64 {
+    (-look.z).clamp(-1.0, 1.0).acos()
+}
+
+#[test]
+fn light_left_at_the_time_of_equation_11_with_the_distance_of_equation_3() {
+    for beta in BETAS {
+        let scene = moving(beta);
+        let camera = Camera::new(&scene).unwrap();
+        assert_eq!(camera.view.kind(), Kind::Paper);
+        for [x, y] in [[1.3, 0.8], [0.2, 1.9], [2.0, 2.0]] {
+            let look = camera.view.look(x, y, 0.0);
+            let leaves = camera.shot.event + look.from.displacement;
+            for (distance, index) in [(2.5, 1.0), (0.3, 1.4)] {
+                let z = paper2015::contracted_distance(beta, propagation(look.d.unit()), distance);
+                let expected = -0.4 + paper2015::emission_time(beta, 1.7, z, index);
+                let got = leaves.ct - index * look.from.delay * distance;
+                assert!((got - expected).abs() < 1e-14, "{beta}: {got} {expected}");
+            }
+            // It is where the camera really is.
+            assert_eq!(leaves.x, camera.shot.event.x);
+        }
+    }
+}
+
+#[test]
+fn directions_and_doppler_factors_are_those_of_equation_2() {
+    for beta in BETAS {
+        let camera = Camera::new(&moving(beta)).unwrap();
+        for x in [1.0, 1.3, 2.0, 0.1] {
+            // Half the film is one focal length, and a positive x is seen towards −x.
+            let camera_angle = std::f64::consts::PI - (x - 1.0f64).atan();
+            let look = camera.view.look(x, 1.0, 0.0);
+            let world_angle = paper2015::world_angle(beta, camera_angle);
+            let d = paper2015::doppler_factor(beta, camera_angle);
+            assert!((look.ratio / d - 1.0).abs() < 1e-12, "{beta} {x}");
+            let across = look.d.unit().truncate().length();
+            assert!((across - world_angle.sin().abs()).abs() < 1e-12 * (1.0 + 1.0 / d));
+        }
+    }
+}
+
+#[test]
+fn the_field_of_view_is_that_of_equation_4_for_a_focal_length_fixed_in_the_world() {
+    for beta in BETAS {
+        let mut scene = moving(beta);
+        scene.effects.aberration = false;
+        scene.camera.sensor = sensor(0.05, Assembly::WorldLength);
+        let edge = Camera::new(&scene)
+            .unwrap()
+            .view
+            .look(2.0, 1.0, 0.0)
+            .d
+            .unit();
+        let half = 0.5 * paper2015::field_of_view(beta, std::f64::consts::FRAC_PI_2);
+        assert!((edge.x.abs() / edge.z - half.tan()).abs() < 1e-14, "{beta}");
+    }
+}
+
+#[test]
+fn an_accelerating_camera_has_the_separation_of_equation_16_and_the_time_of_equation_15() {
+    let (g, d, time) = (0.8, 0.4, 1.7);
+    let mut scene = moving(0.0);
+    scene.effects.aberration = false;
+    scene.camera.motion = Motion::Accelerated(DVec3::Z * g);
+    scene.camera.sensor = sensor(d, Assembly::Bell);
+    let camera = Camera::new(&scene).unwrap();
+    let look = camera.view.look(2.0, 1.0, 0.0);
+    let world_time = paper2015::world_time(g, time);
+    assert!((camera.shot.event.ct + 0.4 - world_time).abs() < 1e-14);
+    assert_eq!(look.from.displacement.ct, 0.0);
+    let speed = paper2015::speed_after(g, world_time);
+    let separation = paper2015::comoving_separation(g, d, speed);
+    let edge = look.d.unit();
+    assert!((edge.x.abs() / edge.z - d / separation).abs() < 1e-14);
+}
+
+#[test]
+fn an_exposure_is_shortened_by_the_doppler_factor_and_sums_over_camera_time() {
+    for beta in BETAS {
+        let mut scene = moving(beta);
+        let instant = Camera::new(&scene).unwrap().view.look(1.4, 0.9, 0.0);
+        scene.camera.shutter = Some(Shutter {
+            duration: 0.8,
+            records: Records::Energy,
+        });
+        let look = Camera::new(&scene).unwrap().view.look(1.4, 0.9, 0.5);
+        let d = instant.ratio;
+        assert!((look.from.weight - 0.8 / d).abs() < 1e-14);
+        let later = look.from.displacement.ct - instant.from.displacement.ct;
+        let gamma = paper2015::lorentz_factor(beta);
+        assert!((later - 0.4 / d / gamma).abs() < 1e-14);
+    }
+}
+
+fn turning(rate: f64, elements: Elements, equations: Equations) -> Scene {
+    let mut scene = looking_along_z();
+    scene.equations = equations;
+    scene.camera.sensor = sensor(0.5, Assembly::Rigid);
+    scene.camera.rotation = Some(Rotation {
+        axis: DVec3::Y,
+        rate,
+        through: Pivot::Sensor,
+        elements,
+    });
+    scene
+}
+
+#[test]
+fn an_element_with_a_pinhole_of_its_own_looks_aberrated_by_its_own_velocity() {
+    // Elements right and left of the axis move along ∓z at Ω|x|.
+    for (x, forward) in [(0.0, 1.0), (2.0, -1.0)] {
+        let scene = turning(1.2, Elements::Comoving, Equations::Exact);
+        let look = Camera::new(&scene).unwrap().view.look(x, 1.0, 0.0);
+        let speed = forward * 1.2 * 0.5;
+        let camera_angle = std::f64::consts::PI * 0.75;
+        let expected = paper2015::world_angle(speed, camera_angle);
+        assert!((propagation(look.d.unit()) - expected).abs() < 1e-14, "{x}");
+        let d = paper2015::doppler_factor(speed, camera_angle);
+        assert!((look.ratio / d - 1.0).abs() < 1e-14, "{x}");
+    }
+}
+
+/// An element that runs forward finds the far edge before the pinhole where that edge's speed along the
+/// normal is above the sine of the pinhole's elevation: aberration lifts both alike. One that runs back
+/// finds the pinhole behind its own plane at the same speed: it flees faster than light approaches.
+#[test]
+fn a_fast_sensor_hides_its_pinhole_from_its_own_elements() {
+    let sees = |rate: f64, x: f64, equations| {
+        let scene = turning(rate, Elements::Aberrated, equations);
+        let camera = Camera::new(&scene).unwrap();
+        camera.view.look(x, 1.0, 0.0).from.sees()
+    };
+    // The sensor is as wide as its focal length on either side: the pinhole is 45° above the edge, which
+    // moves at Ω/2.
+    let limit = 2.0 * 0.5f64.sqrt();
+    for equations in [Equations::Exact, Equations::Paper2015] {
+        for (rate, visible) in [(0.999 * limit, true), (1.001 * limit, false)] {
+            assert_eq!(sees(rate, 0.0, equations), visible, "running forward");
+            assert_eq!(sees(rate, 2.0, equations), visible, "running back");
+            assert!(sees(rate, 1.0, equations), "in the middle");
+        }
+    }
+}
+
+/// With relative velocities the far edge counts, with Eq. 17's sums the neighbours do: half way out, at
+/// 26.6° from the axis, the one hides the pinhole from faster sensors on only than the other.
+#[test]
+fn relative_and_composed_speeds_hide_different_parts() {
+    let sees = |x: f64, equations| {
+        let scene = turning(1.8, Elements::Aberrated, equations);
+        let camera = Camera::new(&scene).unwrap();
+        camera.view.look(x, 1.0, 0.0).from.sees()
+    };
+    // v = 0.45 at half-way out, sin(elevation) = 0.894; 0.9 at the far edge.
+    assert!(!sees(0.5, Equations::Exact));
+    assert!(sees(0.5, Equations::Paper2015));
+    // Sums are the relative velocities of a sensor seen in a mirror.
+    assert!(sees(1.5, Equations::Exact));
+    assert!(!sees(1.5, Equations::Paper2015));
+}
+
+#[test]
+fn aberration_of_the_pinhole_there_and_back_leaves_the_exact_direction() {
+    for x in [0.3, 1.1, 1.8] {
+        let look = |elements| {
+            let scene = turning(0.9, elements, Equations::Exact);
+            Camera::new(&scene).unwrap().view.look(x, 0.6, 0.0)
+        };
+        let (exact, aberrated) = (look(Elements::Exact), look(Elements::Aberrated));
+        assert_eq!((exact.d, exact.ratio), (aberrated.d, aberrated.ratio));
+    }
+}

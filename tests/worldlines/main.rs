@@ -1,0 +1,18 @@
+//! World lines against reference values, 320-bit arithmetic, closed forms and each other.
+
+#[allow(dead_code)] // each test uses its part
+#[path = "../common"]
+mod common {
+    pub mod exact;
+    pub mod table;
+    pub mod worst;
+}
+
+mod agreement;
+mod keyframes;
+mod laws;
+mod lines;
+mod precision;
+mod profile;
+mod refusals;
+mod tables;

@@ -159,7 +159,7 @@ fn crossings_are_right_to_four_ulp_of_the_largest_coordinate() {
         DVec3::NEG_Z,
     ];
     let mut met = 0;
-    for number in 0..4000 {
+    for number in 0..2000 {
         let (g, phi) = motion(&mut sequence);
         let a = axes[number % 6] * g;
         let apex = seen_at(a, phi / g, &mut sequence);
@@ -184,7 +184,7 @@ fn crossings_are_right_to_four_ulp_of_the_largest_coordinate() {
             label,
         );
     }
-    assert!(met > 3500, "{met}");
+    assert!(met > 1700, "{met}");
     place.assert_within("event");
     time.assert_within("proper time");
 }

@@ -154,8 +154,13 @@ impl Circular {
     /// What a turn by a phase adds to the position at `radial` from the axis.
     fn chord(&self, radial: DVec3, (phase, error): (f64, f64)) -> DVec3 {
         let (sin, cos) = libm::sincos(0.5 * phase);
+        // To second order: at 10¹⁰ radians the error is 10⁻⁶.
         let half = 0.5 * error;
-        let (sin, cos) = (sin + half * cos, cos - half * sin);
+        let square = 0.5 * half * half;
+        let (sin, cos) = (
+            sin + (half * cos - square * sin),
+            cos - (half * sin + square * cos),
+        );
         (self.axis.cross(radial) * cos - radial * sin) * (2.0 * sin)
     }
 }

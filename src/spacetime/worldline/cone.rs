@@ -78,9 +78,7 @@ impl Elapsed {
 #[inline]
 pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Crossing> {
     let apex = near.frame().frame_from_world().displacement(offset);
-    // A boost leaves the interval its digits.
-    let interval = (!near.velocity.is_rest()).then(|| offset.interval());
-    let light = crossed(near, apex, interval)?;
+    let light = crossed(near, apex, offset.interval())?;
     let (ct, along) = light.place(near.thrust.g);
     let moved = plus(near.ahead * ct, near.aside * along);
     let start = near.proper_time;
@@ -98,7 +96,7 @@ pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Cro
 #[inline]
 pub(super) fn comoving(near: &State, apex: Displacement<Camera>) -> Option<Displacement<Camera>> {
     let Thrust { g, n, .. } = near.thrust;
-    let (ct, along) = crossed(near, apex, None)?.place(g);
+    let (ct, along) = crossed(near, apex, apex.interval())?.place(g);
     let moved = Displacement::new(ct, n * along);
     (moved.x.abs().max_element() + ct.abs() < f64::INFINITY).then_some(moved)
 }
@@ -155,12 +153,12 @@ struct Apex {
 }
 
 /// The crossing with a straight line or a hyperbola, or none beyond its horizon, for an apex in the frame
-/// comoving at `near`; its interval where that is known better than from there.
+/// comoving at `near`, and its interval, which the world's coordinates may tell better.
 #[inline]
-fn crossed(near: &State, apex: Displacement<Camera>, interval: Option<f64>) -> Option<Light> {
+fn crossed(near: &State, apex: Displacement<Camera>, interval: f64) -> Option<Light> {
     let Thrust { g, n, .. } = near.thrust;
     if g == 0.0 {
-        let y = straight(apex, interval.unwrap_or_else(|| apex.interval()));
+        let y = straight(apex, interval);
         return Some(Light {
             y,
             z: 1.0,
@@ -169,8 +167,6 @@ fn crossed(near: &State, apex: Displacement<Camera>, interval: Option<f64>) -> O
     }
     let (t, along) = (apex.ct, n.dot(apex.x));
     let across = (apex.x - n * along).length_squared();
-    // Along an axis pq − X⊥² has more digits than T² − R².
-    let interval = interval.unwrap_or_else(|| (t + along) * (t - along) - across);
     let apex = Apex {
         t,
         along,

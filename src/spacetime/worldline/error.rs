@@ -92,7 +92,7 @@ pub enum WorldLineError {
     },
     /// Between two key events the curve is as fast as light, or faster.
     #[error(
-        "between events {} and {} the camera would move at {speed} times the speed of light, at world time {ct} m: \
+        "between events {} and {} the curve would reach {speed} times the speed of light, at world time {ct} m: \
          give it more time there, or less far to go", .index + 1, .index + 2
     )]
     Superluminal {

@@ -18,7 +18,7 @@ use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
 use super::series::{Piece, Series};
 use crate::spacetime::{Event, World};
 
-/// How often a span is halved to prove that it is slower than light.
+/// How often a span is halved to prove that it is slower than light; it is not where that does not do.
 const HALVINGS: u32 = 40;
 
 /// The spline through `events`, which ascend in time, with world time as parameter.
@@ -105,8 +105,7 @@ fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
     if bounds.iter().all(|bound| *bound <= limit) {
         return true;
     }
-    let ends_slow = bounds[0] <= limit && bounds[4] <= limit;
-    if !ends_slow || halvings == 0 {
+    if halvings == 0 {
         return false;
     }
     // De Casteljau.

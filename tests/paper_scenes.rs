@@ -1,0 +1,402 @@
+//! The figures of Jarabo et al. 2015 in `scenes/paper`: they render, and the numbers in their headers and in
+//! `scenes/paper/README.md` are those of the program.
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use glam::DVec3;
+use nullray::camera::Camera;
+use nullray::plan::{Plan, Request};
+use nullray::prepare::Prepared;
+use nullray::progress::Silent;
+use nullray::render::render;
+use nullray::scene::model::Scene;
+use nullray::scene::{self, Overrides};
+use nullray::spacetime::worldline::{State, WorldLine};
+use nullray::spacetime::{
+    self, Boost, Direction, Displacement, Event, InertialFrame, Quantity, Velocity,
+    WavelengthRatio, World, paper2015,
+};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/paper")
+}
+
+/// The files of Figures 2 to 11.
+fn figures() -> Vec<PathBuf> {
+    (2..=11)
+        .map(|n| folder().join(format!("figure-{n:02}.toml")))
+        .collect()
+}
+
+fn tiny() -> Overrides {
+    Overrides {
+        size: Some([16, 12]),
+        samples_per_pixel: Some(1),
+        ..Overrides::default()
+    }
+}
+
+/// All panels of the scene file at `path`, by name.
+fn panels(path: &Path, overrides: &Overrides) -> Vec<(String, Scene)> {
+    let scene = scene::load(path, overrides).unwrap_or_else(|e| panic!("{e}"));
+    let panel = |panel| {
+        let changed = scene::load_panel(path, &scene, panel, overrides);
+        (
+            panel.name.clone(),
+            changed.unwrap_or_else(|e| panic!("{e}")),
+        )
+    };
+    scene.panels.iter().map(panel).collect()
+}
+
+/// The panel of this name of a figure, as the file has it.
+fn panel(figure: u32, name: &str) -> Scene {
+    let path = folder().join(format!("figure-{figure:02}.toml"));
+    let panels = panels(&path, &Overrides::default());
+    let found = panels.into_iter().find(|(n, _)| n == name);
+    found
+        .unwrap_or_else(|| panic!("figure {figure} has no panel {name}"))
+        .1
+}
+
+#[test]
+fn every_panel_renders_to_a_lit_picture() {
+    for path in figures() {
+        let panels = panels(&path, &tiny());
+        assert!(panels.len() >= 3, "{}", path.display());
+        for (name, scene) in panels {
+            let plan = Plan::new(&scene, &Request::default()).unwrap();
+            let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+            let values = film.radiance().iter().flatten();
+            let brightest = values.fold(0.0, |brightest, value| {
+                assert!(value.is_finite(), "{} {name}", path.display());
+                f64::max(brightest, *value)
+            });
+            assert!(brightest > 0.0, "{} {name} is black", path.display());
+        }
+    }
+}
+
+#[test]
+fn all_figures_become_contact_sheets() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nullray"));
+    command.arg("sheet").args(figures());
+    command.args(["--size", "16x12", "--spp", "1", "-q", "--directory"]);
+    let output = command.arg(directory.path()).output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let sheets = std::fs::read_dir(directory.path()).unwrap().count();
+    assert_eq!(sheets, figures().len());
+}
+
+#[test]
+fn the_sheets_of_the_page_are_there_and_small() {
+    let mut total = 0;
+    for n in 2..=11 {
+        let path = folder().join(format!("sheets/figure-{n:02}.png"));
+        let size = std::fs::metadata(&path).unwrap().len();
+        assert!(size <= 250_000, "{} has {size} bytes", path.display());
+        total += size;
+    }
+    assert!(total <= 1_500_000, "{total}");
+}
+
+/// Rows of the README's table: identifier, the paper's number, the exact one.
+fn table() -> Vec<[String; 3]> {
+    let text = std::fs::read_to_string(folder().join("README.md")).unwrap();
+    let rows = text.lines().filter(|line| line.starts_with("| ("));
+    rows.map(|row| {
+        let cells: Vec<_> = row.split('|').map(str::trim).collect();
+        assert_eq!(cells.len(), 9, "{row}");
+        [cells[1], cells[6], cells[7]].map(str::to_string)
+    })
+    .collect()
+}
+
+/// Whether `text`, a number with a unit or without, is `value` rounded to the digits that it has.
+fn states(text: &str, value: f64) -> bool {
+    let number = text.split(' ').next().unwrap().replace('−', "-");
+    let (mantissa, exponent) = number.split_once('e').unwrap_or((&number, "0"));
+    let decimals = mantissa
+        .split_once('.')
+        .map_or(0, |(_, digits)| digits.len());
+    let unit = 10f64.powi(exponent.parse().unwrap());
+    let half = 0.5 * unit * 10f64.powi(-(decimals as i32));
+    (number.parse::<f64>().unwrap() - value).abs() <= half * (1.0 + 1e-9)
+}
+
+/// Straight ahead: the wavelength ratio at β = 0.6.
+fn ahead() -> f64 {
+    wavelength_ratio(DVec3::Z)
+}
+
+/// λ′/λ along `look` of a camera that moves along z at β = 0.6.
+fn wavelength_ratio(look: DVec3) -> f64 {
+    let velocity = Velocity::from_beta(DVec3::Z * 0.6).unwrap();
+    let boost = Boost::<World, spacetime::Camera>::new(velocity);
+    boost.direction(Direction::new(look).unwrap()).1
+}
+
+/// The event at 2 m world distance ahead whose light comes to a camera at β = 0.6 at its time 4 m: in the
+/// world, and in its frame as seen from the pinhole.
+fn emission() -> (Event<World>, Displacement<spacetime::Camera>) {
+    let velocity = Velocity::from_beta(DVec3::Z * 0.6).unwrap();
+    let frame = InertialFrame::<spacetime::Camera>::new(velocity, Event::ORIGIN);
+    let pinhole = frame.event_to_world(Event::new(4.0, DVec3::ZERO));
+    let event = pinhole + Displacement::new(-2.0, DVec3::Z * 2.0);
+    (
+        event,
+        frame.frame_from_world().displacement(event - pinhole),
+    )
+}
+
+/// Bell's ships from rest, the pinhole 1 m ahead, at proper acceleration 0.5 /m: the sensor when its
+/// velocity is 0.8, on a world line that the pinhole's is a copy of.
+fn ships() -> (WorldLine, State) {
+    let line = WorldLine::hyperbolic(Velocity::REST, Event::ORIGIN, DVec3::Z * 0.5).unwrap();
+    let sensor = line.state(libm::atanh(0.8) / 0.5).unwrap();
+    (line, sensor)
+}
+
+/// How far ahead of the sensor the pinhole is at the sensor's own time, in its frame.
+fn simultaneous_distance() -> f64 {
+    let (line, sensor) = ships();
+    let pinhole = |time: f64| {
+        let event = line.state(time).unwrap().event;
+        sensor
+            .frame()
+            .event_from_world(event + Displacement::new(0.0, DVec3::Z))
+    };
+    let (mut early, mut late) = (sensor.proper_time - 10.0, sensor.proper_time + 10.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (early + late);
+        match pinhole(middle).ct < 0.0 {
+            true => early = middle,
+            false => late = middle,
+        }
+    }
+    pinhole(late).x.z
+}
+
+/// The way of the light from pinhole to sensor in the sensor's frame.
+fn lights_way() -> f64 {
+    let (line, sensor) = ships();
+    let to_sensor = Displacement::new(0.0, -DVec3::Z);
+    let crossing = line
+        .on_past_light_cone(&sensor, to_sensor)
+        .unwrap()
+        .displacement;
+    let way = Displacement::new(crossing.ct, crossing.x + DVec3::Z);
+    sensor
+        .frame()
+        .frame_from_world()
+        .displacement(way)
+        .x
+        .length()
+}
+
+/// The paper's number and the exact one of a row.
+fn numbers(row: &str) -> (f64, f64) {
+    let d = paper2015::doppler_factor(0.6, PI);
+    match row {
+        "(a)" => (paper2015::doppler_factor(0.6, 0.0), ahead()),
+        "(b)" => (
+            paper2015::contracted_distance(0.6, PI, 2.0),
+            emission().1.x.length(),
+        ),
+        "(b′)" => {
+            let z = paper2015::contracted_distance(0.6, PI, 2.0);
+            (paper2015::emission_time(0.6, 4.0, z, 1.0), emission().0.ct)
+        }
+        "(c)" => {
+            let line = Quantity::Line { wavelength: 550e-9 };
+            (
+                paper2015::radiance_factor(d),
+                line.radiance_factor(WavelengthRatio(ahead())),
+            )
+        }
+        "(d)" => {
+            let exact = Quantity::PerWavelength.radiance_factor(WavelengthRatio(ahead()));
+            (paper2015::radiance_factor(d) / d, exact)
+        }
+        "(e)" => {
+            // The motion is along z, the axis along x; light propagates at 120° to the motion.
+            let look = DVec3::new(0.75f64.sqrt(), 0.0, 0.5);
+            let w = WavelengthRatio(wavelength_ratio(look));
+            let paper = paper2015::doppler_factor(0.6, PI * 2.0 / 3.0);
+            (
+                paper2015::radiance_factor(paper),
+                Quantity::PerWavelength.radiance_factor(w),
+            )
+        }
+        "(f)" => (
+            paper2015::comoving_separation(0.5, 1.0, 0.8),
+            simultaneous_distance(),
+        ),
+        "(f′)" => (paper2015::comoving_separation(0.5, 1.0, 0.8), lights_way()),
+        "(f″)" => {
+            let (g, d) = (0.01 / 299_792_458.0, 0.036);
+            let resting = paper2015::lorentz_factor(0.99) * d;
+            let longer = |g: f64| paper2015::comoving_separation(g, d, 0.99) / resting - 1.0;
+            (longer(g), longer(-g))
+        }
+        "(g)" => {
+            let along = |beta: f64| Velocity::from_beta(DVec3::Z * beta).unwrap();
+            let exact = along(-0.6).relative_to(along(0.6)).unwrap();
+            (paper2015::composed_speed(0.6, -0.6), exact.beta().z)
+        }
+        other => panic!("{other}: a row that no test knows"),
+    }
+}
+
+#[test]
+fn the_numbers_of_the_page_are_those_of_the_functions() {
+    let table = table();
+    assert_eq!(table.len(), 10);
+    for [row, paper, exact] in table {
+        let numbers = numbers(&row);
+        assert!(states(&paper, numbers.0), "{row}: {paper} is {}", numbers.0);
+        assert!(states(&exact, numbers.1), "{row}: {exact} is {}", numbers.1);
+    }
+}
+
+#[test]
+fn a_number_states_what_it_rounds_and_nothing_else() {
+    assert!(states("1.950", 1.9497) && !states("1.950", 1.9506));
+    assert!(states("−4.17e-12", -4.1715e-12) && !states("4.17e-12", -4.1715e-12));
+    assert!(states("64.00 m", 64.0) && !states("64.00 m", 64.01));
+}
+
+/// The focal length that the middle of a picture shows: how far an element is from the middle of the sensor,
+/// over the tangent of how far from the axis it looks, in the camera's frame.
+fn focal_length(figure: u32, name: &str) -> f64 {
+    let scene = panel(figure, name);
+    let camera = Camera::new(&scene).unwrap();
+    let [width, height] = scene.camera.size.map(f64::from);
+    let sensor = scene.camera.sensor.unwrap();
+    let pixels = 0.01;
+    let pitch = 2.0 * sensor.focal_length * libm::tan(0.5 * scene.camera.horizontal_fov) / width;
+    let look = camera.view.look(0.5 * width + pixels, 0.5 * height, 0.5);
+    let (seen, _) = camera.shot.frame.frame_from_world().direction(look.d);
+    let [right, _, forward] = scene.camera.axes.map(|axis| axis.dot(seen.unit()));
+    pixels * pitch * forward / right
+}
+
+#[test]
+fn accelerating_cameras_have_the_focal_lengths_that_their_figures_derive() {
+    for (figure, name, expected) in [
+        (3, "alike-0", 0.5833),
+        (3, "alike-1.5", 0.6632),
+        (3, "alike-3", 1.1795),
+        (3, "rigid-3", 0.5833),
+        (6, "alike-2", 1.5845),
+        (6, "rigid-2", 1.5),
+        (6, "paper-2", 1.2234),
+        (7, "alike-constant", 0.7 * 1.25),
+        (7, "alike-accelerating", 0.7 * 1.3846),
+        (7, "alike-braking", 0.7 * 1.1852),
+        (7, "rigid-constant", 0.7),
+        (7, "rigid-accelerating", 0.7 * 2.1667),
+        (7, "rigid-braking", 0.7 * 0.7941),
+        (7, "paper-accelerating", 0.7 * 1.0651),
+    ] {
+        let length = focal_length(figure, name);
+        assert!(
+            (length / expected - 1.0).abs() < 1e-4,
+            "{figure} {name}: {length}"
+        );
+    }
+}
+
+#[test]
+fn a_camera_longer_in_its_own_frame_sees_as_from_further_back() {
+    // γ(0.99) = 7.0888: a focal length of 36 mm is 0.2552 m long, which γ makes 1.809 m of world time.
+    assert!((focal_length(5, "world-0.99") - 0.2552).abs() < 1e-4);
+    let scene = panel(5, "world-0.99");
+    let camera = Camera::new(&scene).unwrap();
+    let [width, height] = scene.camera.size.map(f64::from);
+    let from = camera.view.look(0.5 * width, 0.5 * height, 0.5).from;
+    assert!((from.displacement.ct + 1.809).abs() < 1e-3, "{from:?}");
+}
+
+#[test]
+fn local_frames_before_and_after_the_turn_are_at_the_same_place() {
+    // (cosh 1 − 1)/0.5 = 1.0862 m behind, 2 sinh 1 = 2.3504 m before and after.
+    let event = |name| Camera::new(&panel(8, name)).unwrap().shot.event;
+    let (before, still, after) = (event("approaching"), event("still"), event("receding"));
+    assert!((before.x - after.x).length() < 1e-12);
+    assert!(((before.x - still.x) - DVec3::Z * 1.0862).length() < 1e-4);
+    assert!((after.ct - still.ct - 2.3504).abs() < 1e-4);
+}
+
+#[test]
+fn tiles_of_the_turning_sensor_move_with_their_place() {
+    let path = folder().join("figure-09.toml");
+    let panels = panels(&path, &Overrides::default());
+    let rates: Vec<_> = panels.iter().map(|(_, scene)| tiles_turn(scene)).collect();
+    assert_eq!(rates, [0.0, 0.3, 0.6, 0.9]);
+}
+
+/// Ω of the sensor in `scene`, 1/m, all of whose tiles have been seen to move with Ω × r from their place r
+/// at world time 0.
+fn tiles_turn(scene: &Scene) -> f64 {
+    let camera = &scene.camera;
+    assert_eq!(camera.origin.ct, 0.0);
+    let rate = camera.velocity.beta().z / camera.origin.x.y;
+    let omega = DVec3::X * rate;
+    let close = |a: DVec3, b: DVec3| (a - b).length() < 1e-5;
+    // The camera is 2 cm above its element, along its motion.
+    let element = camera.origin.x.with_z(0.0);
+    assert!(close(camera.velocity.beta(), omega.cross(element)));
+    let tiles = scene.objects.iter().filter(|o| o.name != "pinhole");
+    let mut places = Vec::new();
+    for tile in tiles {
+        let place = tile.origin.x.with_z(0.0);
+        assert_eq!(tile.origin.ct, 0.0, "{}", tile.name);
+        assert!(
+            close(tile.velocity.beta(), omega.cross(place)),
+            "{}",
+            tile.name
+        );
+        assert!(!places.contains(&place), "{}: two at one place", tile.name);
+        places.push(place);
+    }
+    assert_eq!(places.len(), 91);
+    assert!(places.contains(&element), "no tile under the camera");
+    (rate * 1e9).round() / 1e9
+}
+
+#[test]
+fn edges_of_a_turning_sensor_see_the_wavelengths_that_its_figure_derives() {
+    for (name, left, right) in [("exact-0.2", 466.1, 638.7), ("comoving-0.2", 473.7, 649.0)] {
+        let scene = panel(10, name);
+        let camera = Camera::new(&scene).unwrap();
+        let [width, height] = scene.camera.size.map(f64::from);
+        for (x, expected) in [(0.0, left), (width, right)] {
+            let observed = 550.0 * camera.view.look(x, 0.5 * height, 0.5).ratio;
+            assert!((observed - expected).abs() < 0.1, "{name}: {observed} nm");
+        }
+    }
+}
+
+#[test]
+fn a_turning_sensor_covers_what_its_figure_derives() {
+    // Uncovered, as parts of the half width: to 0.387 on the blue side, to 0.790 on the red one.
+    for (name, left, right) in [("aberrated-0.9", 0.387, 0.790), ("paper-0.9", 0.790, 0.387)] {
+        let scene = panel(11, name);
+        let camera = Camera::new(&scene).unwrap();
+        let [width, height] = scene.camera.size.map(f64::from);
+        let sees = |part: f64| {
+            let x = 0.5 * width * (1.0 + part);
+            camera.view.look(x, 0.5 * height, 0.5).from.sees()
+        };
+        assert!(sees(-left + 0.002) && !sees(-left - 0.002), "{name}, left");
+        assert!(sees(right - 0.002) && !sees(right + 0.002), "{name}, right");
+    }
+}

@@ -131,11 +131,6 @@ fn states(text: &str, value: f64) -> bool {
     (number.parse::<f64>().unwrap() - value).abs() <= half * (1.0 + 1e-9)
 }
 
-/// Straight ahead: the wavelength ratio at β = 0.6.
-fn ahead() -> f64 {
-    wavelength_ratio(DVec3::Z)
-}
-
 /// λ′/λ along `look` of a camera that moves along z at β = 0.6.
 fn wavelength_ratio(look: DVec3) -> f64 {
     let velocity = Velocity::from_beta(DVec3::Z * 0.6).unwrap();
@@ -203,9 +198,10 @@ fn lights_way() -> f64 {
 
 /// The paper's number and the exact one of a row.
 fn numbers(row: &str) -> (f64, f64) {
+    let ahead = wavelength_ratio(DVec3::Z);
     let d = paper2015::doppler_factor(0.6, PI);
     match row {
-        "(a)" => (paper2015::doppler_factor(0.6, 0.0), ahead()),
+        "(a)" => (paper2015::doppler_factor(0.6, 0.0), ahead),
         "(b)" => (
             paper2015::contracted_distance(0.6, PI, 2.0),
             emission().1.x.length(),
@@ -218,11 +214,11 @@ fn numbers(row: &str) -> (f64, f64) {
             let line = Quantity::Line { wavelength: 550e-9 };
             (
                 paper2015::radiance_factor(d),
-                line.radiance_factor(WavelengthRatio(ahead())),
+                line.radiance_factor(WavelengthRatio(ahead)),
             )
         }
         "(d)" => {
-            let exact = Quantity::PerWavelength.radiance_factor(WavelengthRatio(ahead()));
+            let exact = Quantity::PerWavelength.radiance_factor(WavelengthRatio(ahead));
             (paper2015::radiance_factor(d) / d, exact)
         }
         "(e)" => {

@@ -64,11 +64,6 @@ impl Pinhole {
         self.forward
     }
 
-    /// Half of the film across and half of it upwards, per unit of focal length, in the camera frame.
-    pub fn half_extent(&self) -> [DVec3; 2] {
-        [self.right, self.up]
-    }
-
     /// The film's corners, in pixels.
     pub fn corners(&self) -> [[f64; 2]; 4] {
         let [w, h] = self.size;

@@ -20,18 +20,21 @@
 //!
 //! *Aberrated* (there, Figure 11). The element sees the pinhole, which does not turn, where aberration
 //! shows it: that is the exact direction again, since aberration there and back is none. But it
-//! sees the other elements i of the sensor raised out of their plane by aberration too. With n the
-//! normal towards the pinhole, s = n·l, and V the speed along n of element j relative to element i,
-//! what is at elevation 0 (elements) and arcsin s (pinhole) appears at arcsines of
+//! sees the other elements i of the sensor out of their plane by aberration too. With n the normal
+//! towards the pinhole, s = n·l, and V the speed along n of element j relative to element i, what is at
+//! elevation 0 (elements) and arcsin s (pinhole) appears at the arcsines of
 //!
 //! ```text
 //! V   and   (s + v_j)/(1 + v_j s),     V = (v_j − v_i)/(1 − v_j v_i)
 //! ```
 //!
-//! and an element that stands between hides the pinhole: the film point sees nothing. v_i is linear
-//! along the sensor, so the highest of those in the pinhole's direction is the nearest one or that at
-//! the far edge. (The nearest one, V = 0, hides a pinhole that appears behind the element's own plane.) Eq. 17 has V = (v_i + v_j)/(1 + v_i v_j) instead, which the paper's equations follow.
-//! Light's delay within the camera is left out of this question, as it is there.
+//! and where an element between j and the foot of the pinhole's perpendicular appears higher, the film
+//! point sees nothing. v_i is linear along the sensor, so the highest is at one of the two ends: V = 0 next
+//! to j, V = v_j at the foot, which rests. The latter is never higher than the pinhole. What is left is
+//! v_j ≤ −s: the element flees from the pinhole faster than its light follows, and turns its back on it.
+//! Eq. 17 has V = (v_i + v_j)/(1 + v_i v_j) instead, which the paper's equations follow: then it is v_j ≥ s, on
+//! the other side of the axis. Light's delay within the camera is left out of this question, as it is
+//! there.
 
 use glam::{DMat3, DVec3};
 
@@ -62,8 +65,7 @@ pub struct Turning {
 
 /// A sensor element at a moment, and how it sees.
 struct Element {
-    /// Place and velocity in the camera frame.
-    r: DVec3,
+    /// Velocity in the camera frame.
     v: DVec3,
     /// The look direction in the camera frame.
     l: DVec3,
@@ -128,7 +130,6 @@ impl Turning {
                 }
                 .normalize();
                 Element {
-                    r,
                     v,
                     l,
                     ratio: 1.0 / (gamma(v) * (1.0 + v.dot(l))),
@@ -142,31 +143,12 @@ impl Turning {
     fn covered(&self, element: &Element, t: f64) -> bool {
         let turn = self.turn(t);
         let n = turn * self.film.forward();
-        let from_centre = element.r - (self.centre_of_sensor(turn));
+        let foot = self.centre + turn * (self.film.forward() * -self.focal_length - self.centre);
         let speed = |r: DVec3| (self.axis * self.rate).cross(r - self.centre).dot(n);
-        let far = element.r - from_centre * (1.0 + self.to_edge(from_centre, turn));
         let own = element.v.dot(n);
-        let highest = [element.r, far]
-            .map(|r| self.relative(speed(r), own))
-            .into_iter()
-            .fold(-1.0, f64::max);
+        let highest = self.relative(own, own).max(self.relative(speed(foot), own));
         let s = n.dot(element.l);
         highest >= (s + own) / (1.0 + own * s)
-    }
-
-    fn centre_of_sensor(&self, turn: DMat3) -> DVec3 {
-        self.centre + turn * (self.film.forward() * -self.focal_length - self.centre)
-    }
-
-    /// How many times `from_centre` fits between the sensor's centre and its edge, on the far side.
-    fn to_edge(&self, from_centre: DVec3, turn: DMat3) -> f64 {
-        let times = self.film.half_extent().map(|half| {
-            let half = turn * half * self.focal_length;
-            half.length_squared() / from_centre.dot(half).abs()
-        });
-        // In the very centre every direction is as good; 0/0 and 1/0 leave it covering nothing.
-        let times = times[0].min(times[1]);
-        if times.is_finite() { times } else { 0.0 }
     }
 
     /// Speed along the normal of an element that moves with `own` relative to one with `other`.
@@ -214,7 +196,6 @@ fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f
     let l = (seen + v * (gamma * gamma / (gamma + 1.0) * along - gamma)) / ratio;
     let delay = camera.focal_length * film.length() * ratio;
     Element {
-        r,
         v,
         l,
         ratio,

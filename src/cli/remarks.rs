@@ -1,6 +1,8 @@
 //! What there is to say of a finished picture.
 
+use nullray::camera::Kind;
 use nullray::film::Film;
+use nullray::plan::Plan;
 use nullray::plan;
 use nullray::time_texture::Coverage;
 
@@ -57,7 +59,7 @@ fn missing(c: Coverage) -> &'static str {
 }
 
 /// What part of the picture the data cover, in words; empty where nothing was missing.
-pub fn coverage(film: &Film) -> String {
+pub fn coverage(film: &Film, plan: &Plan) -> String {
     let Some(c) = film.mean_coverage() else {
         return String::new();
     };
@@ -65,7 +67,7 @@ pub fn coverage(film: &Film) -> String {
         (c.before, "before the first bin"),
         (c.after, "after the last bin"),
         (c.off_texture, "off the texture"),
-        (c.occluded, "hidden from the capture camera"),
+        (c.occluded, hidden(plan)),
     ];
     let missing: Vec<_> = parts
         .iter()
@@ -77,6 +79,15 @@ pub fn coverage(film: &Film) -> String {
     }
     let held = percent(c.held);
     format!("coverage {held}; no data for {}\n", missing.join(", "))
+}
+
+/// What hides that which could be seen.
+fn hidden(plan: &Plan) -> &'static str {
+    match (plan.rays.capture > 0, plan.view) {
+        (true, Kind::Turning) => "hidden from the capture camera or by the sensor itself",
+        (true, _) => "hidden from the capture camera",
+        (false, _) => "hidden by the sensor itself",
+    }
 }
 
 /// A part in per cent; what rounds to nothing or all, but is not, says so.

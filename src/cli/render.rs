@@ -106,7 +106,7 @@ impl Rendered {
     pub fn remark(&self, plan: &Plan, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<()> {
         let rays = plan.rays.camera;
         say(&remarks::cost(rays, self.prepared_in, self.rendered_in))?;
-        say(&remarks::coverage(&self.film))?;
+        say(&remarks::coverage(&self.film, plan))?;
         say(&remarks::blackness(&self.film))?;
         for warning in &self.warnings {
             say(&format!("warning: {}\n", super::info::escaped(warning)))?;

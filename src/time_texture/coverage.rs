@@ -14,7 +14,7 @@ pub struct Coverage {
     pub after: f64,
     /// Beyond the texture's edge, or outside the capture camera's image.
     pub off_texture: f64,
-    /// Not seen by the capture camera.
+    /// Not seen by the capture camera, or hidden from an element of the sensor by others.
     pub occluded: f64,
 }
 

@@ -144,11 +144,11 @@ fn an_element_with_a_pinhole_of_its_own_looks_aberrated_by_its_own_velocity() {
     }
 }
 
-/// An element that runs forward finds the far edge before the pinhole where that edge's speed along the
-/// normal is above the sine of the pinhole's elevation: aberration lifts both alike. One that runs back
-/// finds the pinhole behind its own plane at the same speed: it flees faster than light approaches.
+/// An element that runs back finds the pinhole behind its own plane once its speed along the normal is
+/// the sine of the pinhole's elevation: it flees faster than light approaches. Nothing stands between
+/// one that runs forward and its pinhole. Eq. 17's sums are the relative velocities in a mirror.
 #[test]
-fn a_fast_sensor_hides_its_pinhole_from_its_own_elements() {
+fn an_element_that_flees_from_its_pinhole_sees_nothing() {
     let sees = |rate: f64, x: f64, equations| {
         let scene = turning(rate, Elements::Aberrated, equations);
         let camera = Camera::new(&scene).unwrap();
@@ -157,30 +157,18 @@ fn a_fast_sensor_hides_its_pinhole_from_its_own_elements() {
     // The sensor is as wide as its focal length on either side: the pinhole is 45° above the edge, which
     // moves at Ω/2.
     let limit = 2.0 * 0.5f64.sqrt();
-    for equations in [Equations::Exact, Equations::Paper2015] {
-        for (rate, visible) in [(0.999 * limit, true), (1.001 * limit, false)] {
-            assert_eq!(sees(rate, 0.0, equations), visible, "running forward");
-            assert_eq!(sees(rate, 2.0, equations), visible, "running back");
-            assert!(sees(rate, 1.0, equations), "in the middle");
-        }
+    for (rate, visible) in [(0.999 * limit, true), (1.001 * limit, false)] {
+        assert_eq!(sees(rate, 2.0, Equations::Exact), visible, "running back");
+        assert!(sees(rate, 0.0, Equations::Exact), "running forward");
+        assert_eq!(
+            sees(rate, 0.0, Equations::Paper2015),
+            visible,
+            "running forward"
+        );
+        assert!(sees(rate, 2.0, Equations::Paper2015), "running back");
+        assert!(sees(rate, 1.0, Equations::Exact), "in the middle");
     }
-}
-
-/// With relative velocities the far edge counts, with Eq. 17's sums the neighbours do: half way out, at
-/// 26.6° from the axis, the one hides the pinhole from faster sensors on only than the other.
-#[test]
-fn relative_and_composed_speeds_hide_different_parts() {
-    let sees = |x: f64, equations| {
-        let scene = turning(1.8, Elements::Aberrated, equations);
-        let camera = Camera::new(&scene).unwrap();
-        camera.view.look(x, 1.0, 0.0).from.sees()
-    };
-    // v = 0.45 at half-way out, sin(elevation) = 0.894; 0.9 at the far edge.
-    assert!(!sees(0.5, Equations::Exact));
-    assert!(sees(0.5, Equations::Paper2015));
-    // Sums are the relative velocities of a sensor seen in a mirror.
-    assert!(sees(1.5, Equations::Exact));
-    assert!(!sees(1.5, Equations::Paper2015));
+    assert!(sees(1.99, 0.0, Equations::Exact));
 }
 
 #[test]

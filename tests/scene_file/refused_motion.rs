@@ -146,7 +146,7 @@ fn rotations_that_cannot_be_are_refused() {
 fn what_the_paper_does_not_have_is_refused_of_its_equations() {
     check(PAPER);
     let folder = Folder::with_files();
-    let acceleration = "motion.acceleration = { proper = '0.1 /m', direction = [1, 2, 3] }";
+    let acceleration = "motion.acceleration = { proper = '0.1 /m', direction = [1, 2, -3] }";
     assert!(folder.parse(&paper(acceleration)).is_ok());
     for (keys, place, what, help) in [
         (
@@ -160,6 +160,26 @@ fn what_the_paper_does_not_have_is_refused_of_its_equations() {
             "camera.motion",
             "inertial or have one constant",
             "no motion",
+        ),
+        (
+            "motion.acceleration = { proper = '0.1 /m', direction = [0, 1, 3] }",
+            "camera.motion",
+            "this one slows down",
+            "along the motion",
+        ),
+        (
+            "motion.acceleration = { proper = '0.1 /m', direction = [0, 0, -1] }\n\
+             shutter = { duration = '1 m' }",
+            "camera.motion",
+            "exposures are of cameras at constant speed",
+            "[camera.shutter]",
+        ),
+        (
+            "sensor = { focal_length = '1 cm' }\n\
+             rotation = { axis = [0, 1, 0], rate = '1 rad/m', elements = 'comoving' }",
+            "camera.velocity",
+            "turns a camera that rests",
+            "model = \"exact\"",
         ),
         (
             "rotation = { axis = [0, 1, 0], rate = '1 rad/m' }",

@@ -3,11 +3,13 @@
 //! Jarabo et al. 2015 treat a static world, cameras without or with constant proper acceleration, and
 //! turning sensors whose elements are inertial cameras of their own (comoving or aberrated).
 
+use glam::DVec3;
+
 use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{Elements, Equations, Motion, Scene};
+use crate::scene::model::{CameraModel, Elements, Equations, Motion, Scene};
 use crate::units::quoted;
 
 const EXACT: &str = "leave this out, or give model = \"exact\"";
@@ -48,13 +50,34 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     let Some(motion) = &file.camera.value.motion else {
         return Ok(());
     };
-    if let Motion::Inertial | Motion::Accelerated(_) = scene.camera.motion {
-        return Ok(());
+    let refuse = |what: &str, help: &str| {
+        let other = (&file.model.span, "this model");
+        Err(cx.report.refuse_two(&motion.span, other, what, help))
+    };
+    let camera = &scene.camera;
+    match camera.motion {
+        Motion::Inertial => Ok(()),
+        Motion::Accelerated(_) if camera.shutter.is_some() => refuse(
+            "the paper's exposures are of cameras at constant speed",
+            "leave [camera.shutter] out, or give model = \"exact\"",
+        ),
+        Motion::Accelerated(acceleration) if brakes(camera, acceleration) => refuse(
+            "the paper's cameras speed up from rest, and this one slows down when its picture is taken",
+            "accelerate along the motion, or give model = \"exact\"",
+        ),
+        Motion::Accelerated(_) => Ok(()),
+        _ => refuse(
+            "the paper's cameras are inertial or have one constant proper acceleration",
+            "give `acceleration`, no motion, or model = \"exact\"",
+        ),
     }
-    let what = "the paper's cameras are inertial or have one constant proper acceleration";
-    let help = "give `acceleration`, no motion, or model = \"exact\"";
-    let other = (&file.model.span, "this model");
-    Err(cx.report.refuse_two(&motion.span, other, what, help))
+}
+
+/// Whether `camera` slows down at its time.
+fn brakes(camera: &CameraModel, acceleration: DVec3) -> bool {
+    let line = camera.world_line().ok();
+    let state = line.and_then(|line| line.state(camera.time));
+    state.is_some_and(|state| state.velocity.rapidity().dot(acceleration) < 0.0)
 }
 
 fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
@@ -62,7 +85,7 @@ fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
         return Ok(());
     };
     if rotation.elements != Elements::Exact {
-        return Ok(());
+        return at_rest(cx, file, scene);
     }
     let elements = &at.value.elements;
     let span = if elements.is_said() {
@@ -75,4 +98,16 @@ fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     let help = "give elements = \"comoving\" or \"aberrated\", or model = \"exact\"";
     let other = (&file.model.span, "this model");
     Err(cx.report.refuse_two(span, other, what, help))
+}
+
+fn at_rest(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
+    let Some(velocity) = &file.camera.value.velocity else {
+        return Ok(());
+    };
+    if scene.camera.velocity.is_rest() {
+        return Ok(());
+    }
+    let what = "the paper turns a camera that rests, and this one moves";
+    let other = (&file.model.span, "this model");
+    Err(cx.report.refuse_two(&velocity.span, other, what, EXACT))
 }

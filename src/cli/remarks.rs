@@ -2,8 +2,7 @@
 
 use nullray::camera::Kind;
 use nullray::film::Film;
-use nullray::plan::Plan;
-use nullray::plan;
+use nullray::plan::{self, Plan};
 use nullray::time_texture::Coverage;
 
 /// Rays and times.

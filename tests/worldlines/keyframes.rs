@@ -193,3 +193,13 @@ fn the_speed_of_light_itself_is_refused() {
         WorldLineError::Superluminal { index: 0, .. }
     ));
 }
+
+/// The rate of the clock is a difference of rounded numbers there, and known to five digits only.
+#[test]
+fn keys_just_below_the_speed_of_light_are_followed_as_far_as_their_rate_is_known() {
+    let key = |i: i32| Event::new(f64::from(i), DVec3::X * (f64::from(i) * (1.0 - 3e-12)));
+    let keys: Vec<Event<World>> = (0..1000).map(key).collect();
+    let line = WorldLine::keyframes(&keys).unwrap();
+    let expected = 999.0 * 6e-12f64.sqrt();
+    assert!((line.span()[1] / expected - 1.0).abs() < 1e-4);
+}

@@ -50,6 +50,10 @@ pub fn run(
         done: Done::default(),
     };
     sequence.say(&flicker(scene, outputs))?;
+    // A sequence that goes beyond the camera's motion is not begun.
+    if let Some(last) = frames.numbers.clone().last() {
+        sequence.scene_at(frames.time(last))?;
+    }
     for number in frames.numbers.clone() {
         interrupt::check()?;
         sequence.frame(number)?;

@@ -32,34 +32,35 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
     pdf.pages(pages).kids([leaf]).count(1);
-    let size = [drawing.width, drawing.height].map(float);
     let mut leaf = pdf.page(leaf);
     leaf.parent(pages).contents(content);
-    leaf.media_box(Rect::new(0.0, 0.0, size[0], size[1]));
-    // Translucent colours are mixed as displays have them.
+    describe(&mut leaf, drawing, &page.alphas);
+    leaf.finish();
+    let packed = packed(&page.content.finish());
+    pdf.stream(content, &packed).filter(Filter::FlateDecode);
+    let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
+    let mut about = pdf.document_info(info);
+    about.title(TextStr(&drawing.title));
+    about.producer(TextStr(producer));
+    about.finish();
+    pdf.finish()
+}
+
+/// The size of the page, how its colours mix, and the opacities that its content uses.
+fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, alphas: &BTreeSet<u8>) {
+    let [width, height] = [drawing.width, drawing.height].map(float);
+    leaf.media_box(Rect::new(0.0, 0.0, width, height));
     let mut group = leaf.group();
     group.transparency().isolated(true);
     group.color_space().device_rgb();
     group.finish();
     let mut resources = leaf.resources();
     let mut states = resources.ext_g_states();
-    for alpha in &page.alphas {
+    for alpha in alphas {
         let value = fraction(*alpha);
         let mut state = states.insert(Name(alpha_name(*alpha).as_bytes())).dict();
         state.pair(Name(b"CA"), value).pair(Name(b"ca"), value);
     }
-    states.finish();
-    resources.finish();
-    leaf.finish();
-    let packed = packed(&page.content.finish());
-    pdf.stream(content, &packed).filter(Filter::FlateDecode);
-    let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
-    let mut about = pdf.document_info(info);
-    about
-        .title(TextStr(&drawing.title))
-        .producer(TextStr(producer));
-    about.finish();
-    pdf.finish()
 }
 
 fn packed(content: &[u8]) -> Vec<u8> {

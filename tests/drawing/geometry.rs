@@ -117,6 +117,16 @@ fn an_odd_pattern_takes_turns() {
 }
 
 #[test]
+fn dashes_of_no_length_are_dots_where_ends_are_round() {
+    let line = Path::line([10.0, 30.0], [108.0, 30.0]);
+    let stroke = Stroke::new(Colour::BLACK, 4.0).rounded().dashed([0.0, 5.0]);
+    let area = inked(&page("", vec![Item::stroked(line, stroke)]));
+    // 20 dots, from 0 to 95, of 2 points radius.
+    let expected = 20.0 * std::f64::consts::PI * 4.0;
+    assert!((area / expected - 1.0).abs() < 0.01, "{area} {expected}");
+}
+
+#[test]
 fn a_circle_covers_its_area() {
     let circle = Item::filled(Path::circle([60.0, 30.0], 20.0), Colour::BLACK);
     let area = inked(&page("", vec![circle]));

@@ -82,7 +82,7 @@ pub fn render(pdf: &[u8], page_height: f64, width: u32, height: u32, scale: f64)
     let mut path = Vec::new();
     let mut numbers: Vec<f64> = Vec::new();
     let mut name = String::new();
-    let content = content(pdf).replace('[', " ").replace(']', " ");
+    let content = content(pdf).replace(['[', ']'], " ");
     for word in content.split_whitespace() {
         if let Ok(number) = word.parse() {
             numbers.push(number);

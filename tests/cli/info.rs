@@ -193,7 +193,9 @@ fn of_a_camera_that_turns_in_the_papers_equations() {
         "sensor.focal_length = '2 cm'\nrotation = { axis = [0, 2, 0], rate = '0.5 rad/m', elements = 'comoving' }",
     );
     let text = fs::read_to_string(folder.path("scene.toml")).unwrap();
-    let still = text.replacen("velocity = { beta = [0.6, 0, 0] }", "", 1);
+    let still = text
+        .replacen("velocity = { beta = [0.6, 0, 0] }", "", 1)
+        .replacen("velocity = { beta = [0, 0, -0.3] }", "", 1);
     folder.write("scene.toml", format!("model = 'paper2015'\n{still}"));
     let parts = [
         "model       the equations of Jarabo et al. 2015",

@@ -117,7 +117,7 @@ mod schema;
 mod suggest;
 mod values;
 
-pub use load::{load, parse};
+pub use load::{load, load_diagram, parse, parse_diagram};
 pub use overrides::Overrides;
 pub use panel::{load_panel, parse_panel};
 pub use schema::schema;

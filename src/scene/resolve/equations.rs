@@ -45,7 +45,7 @@ fn static_world(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
 }
 
 fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
-    let Some(motion) = &file.camera.value.motion else {
+    let Some(motion) = file.camera.as_ref().and_then(|at| at.value.motion.as_ref()) else {
         return Ok(());
     };
     if let Motion::Inertial | Motion::Accelerated(_) = scene.camera.motion {
@@ -58,7 +58,11 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
 }
 
 fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
-    let (Some(at), Some(rotation)) = (&file.camera.value.rotation, &scene.camera.rotation) else {
+    let said = file
+        .camera
+        .as_ref()
+        .and_then(|at| at.value.rotation.as_ref());
+    let (Some(at), Some(rotation)) = (said, &scene.camera.rotation) else {
         return Ok(());
     };
     if rotation.elements != Elements::Exact {

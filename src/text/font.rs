@@ -1,12 +1,8 @@
 //! Labels, and their outlines.
 
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
-
-use super::kern::kerning;
-use crate::error::{Error, Result};
-
-const REGULAR: &[u8] = include_bytes!("fonts/LibertinusSerif-Regular.otf");
-const ITALIC: &[u8] = include_bytes!("fonts/LibertinusSerif-Italic.otf");
+use super::outline::Outline;
+use super::setter::Setter;
+use crate::error::Result;
 
 /// How a run of text is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,30 +17,6 @@ pub enum Style {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Label {
     runs: Vec<(Style, String)>,
-}
-
-/// A path that is to be filled by the non-zero rule.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Outline {
-    /// The path; every contour begins with a [`Segment::Move`] and ends with a [`Segment::Close`].
-    pub segments: Vec<Segment>,
-    /// How far the text advances.
-    pub width: f64,
-}
-
-/// A piece of a path, with absolute points (x to the right, y down).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Segment {
-    /// Begins a contour.
-    Move([f64; 2]),
-    /// A straight line to a point.
-    Line([f64; 2]),
-    /// A quadratic Bézier curve: control point, end.
-    Quadratic([f64; 2], [f64; 2]),
-    /// A cubic Bézier curve: two control points, end.
-    Cubic([f64; 2], [f64; 2], [f64; 2]),
-    /// Closes the contour.
-    Close,
 }
 
 impl Label {
@@ -77,56 +49,17 @@ impl From<&str> for Label {
     }
 }
 
-impl Segment {
-    /// The segment with every point moved through `map`.
-    pub fn map(self, map: impl Fn([f64; 2]) -> [f64; 2]) -> Segment {
-        match self {
-            Segment::Move(p) => Segment::Move(map(p)),
-            Segment::Line(p) => Segment::Line(map(p)),
-            Segment::Quadratic(a, p) => Segment::Quadratic(map(a), map(p)),
-            Segment::Cubic(a, b, p) => Segment::Cubic(map(a), map(b), map(p)),
-            Segment::Close => Segment::Close,
-        }
-    }
-}
-
-impl Outline {
-    /// The outline moved by (x, y).
-    pub fn translated(&self, x: f64, y: f64) -> Outline {
-        let segments = self.segments.iter();
-        Outline {
-            segments: segments.map(|s| s.map(|[a, b]| [a + x, b + y])).collect(),
-            width: self.width,
-        }
-    }
-}
-
 /// The outline of `label` with `size` units per em.
 ///
 /// # Errors
-/// A character that the font does not have, named.
+/// A character that the font does not have, named. What its italics lack is set upright.
 pub fn outline(label: &Label, size: f64) -> Result<Outline> {
-    let mut outline = Outline::default();
+    let text = label.text();
+    let mut setter = Setter::new(&text)?;
     for (style, text) in &label.runs {
-        let face = face(*style)?;
-        let scale = size / f64::from(face.units_per_em());
-        let mut previous = None;
-        for c in text.chars() {
-            let glyph = glyph(&face, *style, c, text)?;
-            if let Some(previous) = previous {
-                outline.width += f64::from(kerning(&face, previous, glyph)) * scale;
-            }
-            let mut pen = Pen {
-                origin: outline.width,
-                scale,
-                segments: &mut outline.segments,
-            };
-            face.outline_glyph(glyph, &mut pen);
-            outline.width += f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)) * scale;
-            previous = Some(glyph);
-        }
+        setter.run(*style, text, size, 0.0)?;
     }
-    Ok(outline)
+    Ok(setter.outline)
 }
 
 /// How far `label` advances with `size` units per em.
@@ -134,66 +67,9 @@ pub fn width(label: &Label, size: f64) -> Result<f64> {
     Ok(outline(label, size)?.width)
 }
 
-fn face(style: Style) -> Result<Face<'static>> {
-    let data = match style {
-        Style::Upright => REGULAR,
-        Style::Italic => ITALIC,
-    };
-    Face::parse(data, 0).map_err(|e| Error::invalid("embedded font", "", e.to_string(), ""))
-}
-
-fn glyph(face: &Face, style: Style, c: char, text: &str) -> Result<GlyphId> {
-    face.glyph_index(c).ok_or_else(|| {
-        let style = match style {
-            Style::Upright => "upright",
-            Style::Italic => "italic",
-        };
-        let code = u32::from(c);
-        let what = format!("the {style} font has no character {c:?} (U+{code:04X})");
-        let help = "Latin and Greek letters, digits, and the usual signs of physics";
-        Error::unsupported(format!("label \"{text}\""), "", what, help)
-    })
-}
-
-/// Collects the curves of a glyph, scaled, moved to its place, y down.
-struct Pen<'a> {
-    origin: f64,
-    scale: f64,
-    segments: &'a mut Vec<Segment>,
-}
-
-impl Pen<'_> {
-    fn at(&self, x: f32, y: f32) -> [f64; 2] {
-        let (x, y) = (f64::from(x) * self.scale, f64::from(y) * self.scale);
-        [self.origin + x, -y]
-    }
-}
-
-impl OutlineBuilder for Pen<'_> {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.segments.push(Segment::Move(self.at(x, y)));
-    }
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.segments.push(Segment::Line(self.at(x, y)));
-    }
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let control = self.at(x1, y1);
-        let end = self.at(x, y);
-        self.segments.push(Segment::Quadratic(control, end));
-    }
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let controls = (self.at(x1, y1), self.at(x2, y2));
-        let end = self.at(x, y);
-        let cubic = Segment::Cubic(controls.0, controls.1, end);
-        self.segments.push(cubic);
-    }
-    fn close(&mut self) {
-        self.segments.push(Segment::Close);
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Segment;
     use super::*;
 
     #[test]
@@ -202,6 +78,12 @@ mod tests {
         outline(&Label::new(text), 10.0).unwrap();
         outline(&Label::default().italic(text), 10.0).unwrap();
         outline(&Label::new("⊥"), 10.0).unwrap();
+    }
+
+    #[test]
+    fn what_italics_lack_is_set_upright() {
+        let italic = outline(&Label::default().italic("⊥"), 10.0).unwrap();
+        assert_eq!(italic, outline(&Label::new("⊥"), 10.0).unwrap());
     }
 
     #[test]

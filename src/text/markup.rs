@@ -1,0 +1,330 @@
+//! Reads the markup of [rich text](super::rich) into runs.
+
+use super::Style;
+use super::rich::{Level, Run};
+use crate::error::{Error, Result};
+
+/// Signs by name, as TeX calls them.
+const SIGNS: &[(&str, char)] = &[
+    ("alpha", 'α'),
+    ("beta", 'β'),
+    ("gamma", 'γ'),
+    ("delta", 'δ'),
+    ("epsilon", 'ε'),
+    ("zeta", 'ζ'),
+    ("eta", 'η'),
+    ("theta", 'θ'),
+    ("iota", 'ι'),
+    ("kappa", 'κ'),
+    ("lambda", 'λ'),
+    ("mu", 'μ'),
+    ("nu", 'ν'),
+    ("xi", 'ξ'),
+    ("pi", 'π'),
+    ("rho", 'ρ'),
+    ("sigma", 'σ'),
+    ("tau", 'τ'),
+    ("upsilon", 'υ'),
+    ("phi", 'φ'),
+    ("chi", 'χ'),
+    ("psi", 'ψ'),
+    ("omega", 'ω'),
+    ("Gamma", 'Γ'),
+    ("Delta", 'Δ'),
+    ("Theta", 'Θ'),
+    ("Lambda", 'Λ'),
+    ("Xi", 'Ξ'),
+    ("Pi", 'Π'),
+    ("Sigma", 'Σ'),
+    ("Upsilon", 'Υ'),
+    ("Phi", 'Φ'),
+    ("Psi", 'Ψ'),
+    ("Omega", 'Ω'),
+    ("prime", '′'),
+    ("times", '×'),
+    ("cdot", '·'),
+    ("pm", '±'),
+    ("minus", '−'),
+    ("le", '≤'),
+    ("ge", '≥'),
+    ("ne", '≠'),
+    ("approx", '≈'),
+    ("infty", '∞'),
+    ("partial", '∂'),
+    ("sqrt", '√'),
+    ("degree", '°'),
+    ("parallel", '∥'),
+    ("perp", '⊥'),
+    ("to", '→'),
+];
+
+/// The runs of `markup`.
+///
+/// # Errors
+/// What the markup leaves open or does not know, with the place in characters.
+pub(super) fn parse(markup: &str) -> Result<Vec<Run>> {
+    let mut parser = Parser {
+        markup,
+        characters: markup.chars().collect(),
+        next: 0,
+        italics: None,
+        runs: Vec::new(),
+    };
+    parser.group(Level::Line, None)?;
+    match parser.italics {
+        Some(at) => Err(parser.wrong(
+            at,
+            "the italics that begin here do not end",
+            "a second *; \\* is an asterisk",
+        )),
+        None => Ok(parser.runs),
+    }
+}
+
+struct Parser<'a> {
+    markup: &'a str,
+    characters: Vec<char>,
+    next: usize,
+    /// Where the italics in which we are began.
+    italics: Option<usize>,
+    runs: Vec<Run>,
+}
+
+impl Parser<'_> {
+    /// Reads up to the end, or to the brace that closes the one at `open`.
+    fn group(&mut self, level: Level, open: Option<usize>) -> Result<()> {
+        while let Some(c) = self.take() {
+            match (c, open) {
+                ('}', Some(_)) => return Ok(()),
+                ('}', None) => {
+                    let help = "a { before it; \\} is a brace";
+                    return Err(self.wrong(self.next - 1, "this brace closes nothing", help));
+                }
+                _ => self.element(c, level)?,
+            }
+        }
+        match open {
+            Some(open) => Err(self.wrong(
+                open,
+                "this brace is not closed",
+                "a } after it; \\{ is a brace",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// What begins with `c`, which is taken.
+    fn element(&mut self, c: char, level: Level) -> Result<()> {
+        match c {
+            '*' if self.italics.is_some() => self.italics = None,
+            '*' => self.italics = Some(self.next - 1),
+            '{' => self.group(level, Some(self.next - 1))?,
+            '_' => self.script(level, Level::Subscript)?,
+            '^' => self.script(level, Level::Superscript)?,
+            '\\' => self.escape(level)?,
+            '\'' => self.quote(level),
+            '-' if !self.follows_a_word() => self.push(level, '−'),
+            c => self.push(level, c),
+        }
+        Ok(())
+    }
+
+    fn script(&mut self, outer: Level, level: Level) -> Result<()> {
+        let at = self.next - 1;
+        if outer != Level::Line {
+            return Err(self.wrong(
+                at,
+                "a script has no scripts of its own",
+                "one level of _ and ^",
+            ));
+        }
+        match self.take() {
+            Some('{') => self.group(level, Some(self.next - 1)),
+            Some(c) if !c.is_whitespace() && c != '*' => self.element(c, level),
+            _ => Err(self.wrong(
+                at,
+                "nothing stands in this script",
+                "_a or _{…}; \\_ and \\^ are the characters",
+            )),
+        }
+    }
+
+    /// What follows a backslash: a name, or a character that is meant as it stands.
+    fn escape(&mut self, level: Level) -> Result<()> {
+        let at = self.next - 1;
+        let name: String = self.characters[self.next..]
+            .iter()
+            .take_while(|c| c.is_ascii_alphabetic())
+            .collect();
+        if name.is_empty() {
+            let Some(c) = self.take() else {
+                return Err(self.wrong(
+                    at,
+                    "nothing follows this backslash",
+                    "\\\\ is a backslash",
+                ));
+            };
+            self.push(level, c);
+            return Ok(());
+        }
+        self.next += name.len();
+        let Some((_, sign)) = SIGNS.iter().find(|(known, _)| *known == name) else {
+            let help =
+                "names of Greek letters, and of signs such as \\times; {} after a name ends it";
+            return Err(self.wrong(at, &format!("there is no sign of the name \\{name}"), help));
+        };
+        self.push(level, *sign);
+        Ok(())
+    }
+
+    /// A prime, two, or an apostrophe.
+    fn quote(&mut self, level: Level) {
+        let before = self.next.checked_sub(2).map(|i| self.characters[i]);
+        let letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
+        let after = self.characters.get(self.next).copied();
+        if self.italics.is_none() && letter(before) && letter(after) {
+            self.push(level, '’');
+        } else if after == Some('\'') {
+            self.next += 1;
+            self.push(level, '″');
+        } else {
+            self.push(level, '′');
+        }
+    }
+
+    /// Whether the character before the one just taken is a letter or a digit.
+    fn follows_a_word(&self) -> bool {
+        let before = self.next.checked_sub(2).map(|i| self.characters[i]);
+        before.is_some_and(char::is_alphanumeric)
+    }
+
+    fn take(&mut self) -> Option<char> {
+        let c = self.characters.get(self.next).copied();
+        self.next += usize::from(c.is_some());
+        c
+    }
+
+    fn push(&mut self, level: Level, c: char) {
+        let style = match self.italics {
+            Some(_) => Style::Italic,
+            None => Style::Upright,
+        };
+        match self.runs.last_mut() {
+            Some(run) if run.style == style && run.level == level => run.text.push(c),
+            _ => self.runs.push(Run {
+                style,
+                level,
+                text: c.into(),
+            }),
+        }
+    }
+
+    fn wrong(&self, at: usize, what: &str, help: &str) -> Error {
+        let place = format!("character {}", at + 1);
+        Error::invalid(format!("text \"{}\"", self.markup), place, what, help)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The runs as text: italics between slashes, scripts after their mark.
+    fn runs(markup: &str) -> String {
+        let shown = parse(markup).unwrap().into_iter().map(|run| {
+            let mark = match run.level {
+                Level::Line => "",
+                Level::Subscript => "_",
+                Level::Superscript => "^",
+            };
+            match run.style {
+                Style::Upright => format!("{mark}({})", run.text),
+                Style::Italic => format!("{mark}/{}/", run.text),
+            }
+        });
+        shown.collect()
+    }
+
+    fn refusal(markup: &str) -> String {
+        parse(markup).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn italics_stand_between_asterisks() {
+        assert_eq!(runs("at *ct* = 5"), "(at )/ct/( = 5)");
+    }
+
+    #[test]
+    fn scripts_take_one_character_or_a_group() {
+        assert_eq!(runs("*x*_A"), "/x/_(A)");
+        assert_eq!(runs("10^{9 m}s"), "(10)^(9 m)(s)");
+        assert_eq!(runs("x_\\gamma"), "(x)_(γ)");
+    }
+
+    #[test]
+    fn italics_may_stand_in_scripts_and_around_them() {
+        assert_eq!(runs("x_{*i*}"), "(x)_/i/");
+        assert_eq!(runs("*x_i*"), "/x/_/i/");
+    }
+
+    #[test]
+    fn quotes_are_primes_except_within_words() {
+        assert_eq!(runs("*ct*'"), "/ct/(′)");
+        assert_eq!(runs("S' and S''"), "(S′ and S″)");
+        assert_eq!(runs("Alice's"), "(Alice’s)");
+        assert_eq!(runs("*x't*"), "/x′t/");
+    }
+
+    #[test]
+    fn hyphens_are_minus_signs_except_after_words() {
+        assert_eq!(runs("10^{-9}"), "(10)^(−9)");
+        assert_eq!(runs("a - b"), "(a − b)");
+        assert_eq!(runs("space-time"), "(space-time)");
+    }
+
+    #[test]
+    fn names_are_signs_and_escapes_are_characters() {
+        assert_eq!(runs("\\Delta{}t \\times 2"), "(Δt × 2)");
+        assert_eq!(runs("\\*\\_\\^\\\\\\'\\-\\{\\}"), "(*_^\\'-{})");
+    }
+
+    #[test]
+    fn every_sign_is_in_the_font() {
+        for (name, _) in SIGNS {
+            super::super::RichText::parse(&format!("\\{name}*\\{name}*")).unwrap();
+        }
+    }
+
+    #[test]
+    fn italics_that_do_not_end_are_refused_where_they_begin() {
+        let error = refusal("5 * 3");
+        assert!(
+            error.contains("5 * 3") && error.contains("character 3"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn braces_must_close() {
+        assert!(refusal("x_{a").contains("character 3"));
+        assert!(refusal("a}").contains("closes nothing"));
+    }
+
+    #[test]
+    fn scripts_of_scripts_and_of_nothing_are_refused() {
+        assert!(refusal("x^{a_b}").contains("no scripts"));
+        assert!(refusal("x^").contains("nothing stands"));
+        assert!(refusal("x_ a").contains("nothing stands"));
+    }
+
+    #[test]
+    fn an_unknown_name_is_refused() {
+        let error = refusal("\\gammat");
+        assert!(error.contains("\\gammat"), "{error}");
+    }
+
+    #[test]
+    fn a_lone_backslash_is_refused() {
+        assert!(refusal("a\\").contains("character 2"));
+    }
+}

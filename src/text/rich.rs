@@ -1,0 +1,228 @@
+//! Text with italics, sub- and superscripts.
+//!
+//! ```text
+//! *x*_A     *ct*'     *γ* = 5/3     10^{-9} s     \Delta*τ*     Alice's clock
+//! ```
+//!
+//! | markup | what it sets |
+//! |---|---|
+//! | `*…*` | italics, for quantities |
+//! | `_a`, `_{…}`, `^a`, `^{…}` | a subscript or a superscript; both, one directly after the other, stand above each other |
+//! | `'` | a prime ′ (`''`: ″), but the apostrophe ’ between two upright letters |
+//! | `-` | the minus −, but a hyphen directly after a letter or a digit |
+//! | `\gamma`, `\times`, … | Greek letters and signs by name; `{}` after it separates it from letters |
+//! | `\*`, `\_`, `\^`, `\'`, `\-`, `\{`, `\}`, `\\` | the character itself |
+//!
+//! Scripts are set at 0.7 of the size, 0.15 em down or 0.33 em up, and have no scripts of their own.
+
+use super::markup;
+use super::outline::{Outline, Rect, bounds};
+use super::setter::Setter;
+use super::Style;
+use crate::error::Result;
+
+/// The size of scripts, in that of their line.
+const SCRIPT: f64 = 0.7;
+/// How far a superscript's baseline is raised, em of the line.
+const RAISE: f64 = 0.33;
+/// How far a subscript's baseline is lowered, em of the line.
+const LOWER: f64 = 0.15;
+
+/// A line of text whose characters the font has: runs of one style and one level each.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RichText {
+    runs: Vec<Run>,
+}
+
+/// Characters of one style on one level.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Run {
+    pub style: Style,
+    pub level: Level,
+    pub text: String,
+}
+
+/// Where a run stands on its line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Level {
+    Line,
+    Subscript,
+    Superscript,
+}
+
+impl RichText {
+    /// Reads the markup of the [module](self).
+    ///
+    /// # Errors
+    /// Italics or braces that are not closed, a script of a script or of nothing, a name that is not
+    /// known, and a character that the font does not have; each named, with the text.
+    pub fn parse(markup: &str) -> Result<RichText> {
+        RichText::of(markup::parse(markup)?)
+    }
+
+    /// `text` as it stands, upright, nothing in it being markup.
+    ///
+    /// # Errors
+    /// A character that the font does not have.
+    pub fn plain(text: &str) -> Result<RichText> {
+        RichText::of(vec![Run {
+            style: Style::Upright,
+            level: Level::Line,
+            text: text.to_owned(),
+        }])
+    }
+
+    fn of(runs: Vec<Run>) -> Result<RichText> {
+        let text = RichText { runs };
+        text.outline(1.0)?;
+        Ok(text)
+    }
+
+    /// The characters without style and level.
+    pub fn text(&self) -> String {
+        self.runs.iter().map(|run| run.text.as_str()).collect()
+    }
+
+    /// The outline with `size` units per em, from the left end of the baseline.
+    ///
+    /// # Errors
+    /// None for what [`RichText::parse`] and [`RichText::plain`] make.
+    pub fn outline(&self, size: f64) -> Result<Outline> {
+        let text = self.text();
+        let mut setter = Setter::new(&text)?;
+        let mut place = Place::default();
+        for run in &self.runs {
+            setter.outline.width = place.start(run.level, setter.outline.width);
+            let (scale, rise) = run.level.scale_and_rise();
+            setter.run(run.style, &run.text, scale * size, rise * size)?;
+            place.end(run.level, setter.outline.width);
+        }
+        setter.outline.width = place.start(Level::Line, setter.outline.width);
+        Ok(setter.outline)
+    }
+
+    /// How far the text advances with `size` units per em.
+    ///
+    /// # Errors
+    /// As [`RichText::outline`].
+    pub fn width(&self, size: f64) -> Result<f64> {
+        Ok(self.outline(size)?.width)
+    }
+
+    /// The box of the ink with `size` units per em, x from the left end of the baseline and y down from
+    /// the baseline; of no size where there is no ink.
+    ///
+    /// # Errors
+    /// As [`RichText::outline`].
+    pub fn bounds(&self, size: f64) -> Result<Rect> {
+        let nothing = Rect {
+            min: [0.0; 2],
+            max: [0.0; 2],
+        };
+        Ok(bounds(&self.outline(size)?.segments).unwrap_or(nothing))
+    }
+}
+
+impl Level {
+    /// The size and the height of the baseline, in those of the line.
+    fn scale_and_rise(self) -> (f64, f64) {
+        match self {
+            Level::Line => (1.0, 0.0),
+            Level::Subscript => (SCRIPT, -LOWER),
+            Level::Superscript => (SCRIPT, RAISE),
+        }
+    }
+}
+
+/// Keeps scripts of the two kinds that follow each other at one place.
+#[derive(Default)]
+struct Place {
+    /// Where a script may begin: the end of the line so far.
+    base: f64,
+    /// The scripts at that place, in order.
+    scripts: Vec<Level>,
+    /// Where the longest of them ends.
+    far: f64,
+}
+
+impl Place {
+    /// Where a run of `level` begins, if the last one ended at `x`.
+    fn start(&mut self, level: Level, x: f64) -> f64 {
+        if level == Level::Line {
+            let start = if self.scripts.is_empty() { x } else { self.far };
+            self.scripts.clear();
+            self.base = start;
+            return start;
+        }
+        match self.scripts.last() {
+            // More of the same script.
+            Some(last) if *last == level => x,
+            // Above or below a script.
+            Some(_) if !self.scripts.contains(&level) => {
+                self.scripts.push(level);
+                self.base
+            }
+            // The first script, or a new pair after a pair.
+            _ => {
+                self.base = x.max(self.far);
+                self.scripts = vec![level];
+                self.base
+            }
+        }
+    }
+
+    fn end(&mut self, level: Level, x: f64) {
+        self.far = if level == Level::Line {
+            x
+        } else {
+            self.far.max(x)
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn width(markup: &str) -> f64 {
+        RichText::parse(markup).unwrap().width(1000.0).unwrap()
+    }
+
+    #[test]
+    fn scripts_are_smaller() {
+        assert!((width("x_1") - width("x") - 0.7 * width("1")).abs() < 1e-9);
+        assert!((width("x^1") - width("x") - 0.7 * width("1")).abs() < 1e-9);
+    }
+
+    #[test]
+    fn scripts_of_both_kinds_stand_above_each_other() {
+        assert_eq!(width("x_1^{22}"), width("x^{22}"));
+        assert_eq!(width("x^{22}_1"), width("x^{22}"));
+        assert!((width("x^{22}_1y") - width("x^{22}") - width("y")).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_third_script_goes_on_after_the_two() {
+        assert!((width("x_1^2_3") - width("x_1_1")).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bounds_tell_sub_from_superscripts() {
+        let y = |markup| {
+            let rect = RichText::parse(markup).unwrap().bounds(1000.0).unwrap();
+            (rect.min[1], rect.max[1])
+        };
+        let (line, sub, sup) = (y("1"), y("{}_1"), y("{}^1"));
+        assert!((sub.0 - (0.7 * line.0 + 150.0)).abs() < 1e-9, "{sub:?}");
+        assert!((sup.0 - (0.7 * line.0 - 330.0)).abs() < 1e-9, "{sup:?}");
+    }
+
+    #[test]
+    fn a_character_that_neither_font_has_is_named_with_its_text() {
+        let error = RichText::parse("*c* 光").unwrap_err().to_string();
+        assert!(
+            error.contains("'光' (U+5149)") && error.contains("c 光"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,119 @@
+//! Sets runs of characters one after another.
+
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+use super::kern::kerning;
+use super::{Outline, Segment, Style};
+use crate::error::{Error, Result};
+
+const REGULAR: &[u8] = include_bytes!("fonts/LibertinusSerif-Regular.otf");
+const ITALIC: &[u8] = include_bytes!("fonts/LibertinusSerif-Italic.otf");
+
+/// A line of text as it grows: its outline so far, whose width is where the next run begins.
+pub(super) struct Setter<'a> {
+    /// What errors call the text.
+    text: &'a str,
+    upright: Face<'static>,
+    italic: Face<'static>,
+    pub outline: Outline,
+}
+
+impl<'a> Setter<'a> {
+    pub fn new(text: &'a str) -> Result<Setter<'a>> {
+        Ok(Setter {
+            text,
+            upright: face(REGULAR)?,
+            italic: face(ITALIC)?,
+            outline: Outline::default(),
+        })
+    }
+
+    /// Adds `run` with `size` units per em, its baseline raised by `rise`.
+    ///
+    /// What the italic font lacks is taken from the upright one.
+    ///
+    /// # Errors
+    /// A character that neither font has.
+    pub fn run(&mut self, style: Style, run: &str, size: f64, rise: f64) -> Result<()> {
+        let mut previous = None;
+        for c in run.chars() {
+            let (style, glyph) = self.glyph(style, c)?;
+            let face = match style {
+                Style::Upright => &self.upright,
+                Style::Italic => &self.italic,
+            };
+            let scale = size / f64::from(face.units_per_em());
+            if let Some((_, previous)) = previous.filter(|(font, _)| *font == style) {
+                self.outline.width += f64::from(kerning(face, previous, glyph)) * scale;
+            }
+            let mut pen = Pen {
+                origin: [self.outline.width, -rise],
+                scale,
+                segments: &mut self.outline.segments,
+            };
+            face.outline_glyph(glyph, &mut pen);
+            self.outline.width += f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)) * scale;
+            previous = Some((style, glyph));
+        }
+        Ok(())
+    }
+
+    /// The glyph of `c`, and the font that has it.
+    fn glyph(&self, style: Style, c: char) -> Result<(Style, GlyphId)> {
+        let italic = || Some((Style::Italic, self.italic.glyph_index(c)?));
+        let upright = || Some((Style::Upright, self.upright.glyph_index(c)?));
+        let found = match style {
+            Style::Upright => upright(),
+            Style::Italic => italic().or_else(upright),
+        };
+        found.ok_or_else(|| self.missing(c))
+    }
+
+    fn missing(&self, c: char) -> Error {
+        let code = u32::from(c);
+        let what = format!("the font has no character {c:?} (U+{code:04X})");
+        let help = "Latin and Greek letters, digits, and the usual signs of physics";
+        Error::unsupported(format!("label \"{}\"", self.text), "", what, help)
+    }
+}
+
+fn face(data: &'static [u8]) -> Result<Face<'static>> {
+    Face::parse(data, 0).map_err(|e| Error::invalid("embedded font", "", e.to_string(), ""))
+}
+
+/// Collects the curves of a glyph, scaled, moved to its place, y down.
+struct Pen<'a> {
+    origin: [f64; 2],
+    scale: f64,
+    segments: &'a mut Vec<Segment>,
+}
+
+impl Pen<'_> {
+    fn at(&self, x: f32, y: f32) -> [f64; 2] {
+        let (x, y) = (f64::from(x) * self.scale, f64::from(y) * self.scale);
+        [self.origin[0] + x, self.origin[1] - y]
+    }
+}
+
+impl OutlineBuilder for Pen<'_> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.segments.push(Segment::Move(self.at(x, y)));
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.segments.push(Segment::Line(self.at(x, y)));
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let control = self.at(x1, y1);
+        let end = self.at(x, y);
+        self.segments.push(Segment::Quadratic(control, end));
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let controls = (self.at(x1, y1), self.at(x2, y2));
+        let end = self.at(x, y);
+        let cubic = Segment::Cubic(controls.0, controls.1, end);
+        self.segments.push(cubic);
+    }
+    fn close(&mut self) {
+        self.segments.push(Segment::Close);
+    }
+}

@@ -15,10 +15,10 @@
 //!
 //! Scripts are set at 0.7 of the size, 0.15 em down or 0.33 em up, and have no scripts of their own.
 
+use super::Style;
 use super::markup;
 use super::outline::{Outline, Rect, bounds};
 use super::setter::Setter;
-use super::Style;
 use crate::error::Result;
 
 /// The size of scripts, in that of their line.

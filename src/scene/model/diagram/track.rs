@@ -218,6 +218,36 @@ impl Track {
         good
     }
 
+    /// The first time found, after `start` or before it, at which its rapidity has changed by `turn`; none
+    /// for a line that stays inertial.
+    pub fn turned(&self, start: f64, towards: f64, turn: f64) -> Option<f64> {
+        let before = self.at(start)?.velocity.rapidity();
+        if self.is_straight() {
+            return None;
+        }
+        let times = (-40..4 * DOUBLINGS).map(|k| start + towards * libm::exp2(0.25 * f64::from(k)));
+        times.map_while(|time| self.at(time)).find_map(|moment| {
+            let change = (moment.velocity.rapidity() - before).length();
+            (change >= turn).then_some(moment.proper_time)
+        })
+    }
+
+    /// The proper times at which it enters and leaves the times `window` of a frame, or its ends where it
+    /// begins later or ends earlier.
+    pub fn during<F: crate::spacetime::Frame>(
+        &self,
+        frame: &InertialFrame<F>,
+        window: [f64; 2],
+    ) -> [f64; 2] {
+        let start = 0f64.clamp(self.span[0], self.span[1]);
+        let end = |ct: f64, towards: f64| {
+            let moment = self.at_time(frame, ct);
+            let end = || self.reach(start, towards * 2f64.powi(DOUBLINGS));
+            moment.map_or_else(end, |moment| moment.proper_time)
+        };
+        [end(window[0], -1.0), end(window[1], 1.0)]
+    }
+
     /// Where it is at a time of a frame.
     pub fn at_time<F: crate::spacetime::Frame>(
         &self,

@@ -4,7 +4,7 @@
 //! the light by which the camera sees each object's origin at its time.
 
 use super::frame;
-use super::settings::settable;
+use super::settings::{plain, settable};
 use super::stage::{Filming, Stage};
 use crate::error::Result;
 use crate::scene::at::At;
@@ -48,11 +48,11 @@ pub(super) fn of_scene<T>(
         film(stage, camera, diagram);
     }
     for body in stage.objects.iter().take(MOST) {
-        let name = settable(cx, at, &body.name).unwrap_or_else(|_| "object".into());
+        let name = settable(cx, at, &plain(&body.name)).unwrap_or_else(|_| "object".into());
         add_body(diagram, name, body.track());
     }
     for (name, event) in &stage.pulses {
-        let label = settable(cx, at, name).ok();
+        let label = settable(cx, at, &plain(name)).ok();
         diagram.events.push(mark(name, label, *event));
         diagram.cones.push(Cone {
             event: *event,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::stage::Stage;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::file::diagram as said;
@@ -12,7 +12,7 @@ use crate::scene::model::diagram::{Colour, Style, Unit};
 use crate::scene::resolve::context::Context;
 use crate::scene::values::{Number, Numbers};
 use crate::spacetime::{Direction, World};
-use crate::text::{self, Label};
+use crate::text::RichText;
 
 /// Points of a metre of paper.
 const POINTS: f64 = 72.0 / 0.0254;
@@ -96,17 +96,25 @@ pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<Stri
     settable(cx, at, &at.value).map(Some)
 }
 
-/// `text`, said by `at`, with primes for apostrophes, where there is a glyph for each of its characters.
+/// `text`, said by `at`, where it is markup that can be set.
 pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
-    let text = text.replace('\'', "′");
-    let plain: String = text.chars().filter(|c| !"_^{}".contains(*c)).collect();
-    match text::width(&Label::new(plain), 1.0) {
-        Ok(_) => Ok(text),
-        Err(error) => {
-            let help = "Latin and Greek letters, primes ′, sub- and superscripts will do";
-            Err(cx.refuse(at, error.to_string(), help))
+    match RichText::parse(text) {
+        Ok(_) => Ok(text.to_string()),
+        Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
+            Err(cx.refuse(at, problem.what, problem.help))
         }
+        Err(error) => Err(error),
     }
+}
+
+/// `text` with all that markup would take for its own taken as it is.
+pub(super) fn plain(text: &str) -> String {
+    let own = |c| "*_^{}\\'".contains(c);
+    let escape = |c| match own(c) {
+        true => vec!['\\', c],
+        false => vec![c],
+    };
+    text.chars().flat_map(escape).collect()
 }
 
 pub(super) fn colour(at: &Option<At<said::Colour>>) -> Option<Colour> {

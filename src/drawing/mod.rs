@@ -11,9 +11,19 @@
 //!
 //! Same drawing, same bytes, on every machine.
 
+pub mod apng;
+mod arrow;
+mod check;
+mod file;
+mod hatch;
+mod marks;
 mod path;
+pub mod pdf;
+pub mod png;
 mod style;
+pub mod svg;
 
+pub use file::save;
 pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 
@@ -113,7 +123,7 @@ pub enum AnchorY {
 /// The height of capitals in em.
 const CAPITALS: f64 = 0.645;
 /// The depth of descenders in em.
-const DESCENDERS: f64 = 0.235;
+const DESCENDERS: f64 = 0.238;
 
 impl Item {
     /// A path with a line along it.

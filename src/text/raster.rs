@@ -2,7 +2,7 @@
 
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
-use super::{Label, Outline, Segment, outline};
+use super::{Label, Segment, outline};
 use crate::error::Result;
 
 /// Which point of a label's baseline is at the given place.
@@ -37,17 +37,17 @@ pub fn draw(
     let mut paint = Paint::default();
     paint.set_color(colour);
     // A label of spaces has no path.
-    if let Some(path) = path(&outline.translated(left, y)) {
+    if let Some(path) = path(&outline.translated(left, y).segments) {
         let transform = Transform::identity();
         pixmap.fill_path(&path, &paint, FillRule::Winding, transform, None);
     }
     Ok(())
 }
 
-/// The outline as a tiny-skia path; none where it is empty.
-pub fn path(outline: &Outline) -> Option<Path> {
+/// The segments as a tiny-skia path; none where there is nothing to draw.
+pub fn path(segments: &[Segment]) -> Option<Path> {
     let mut path = PathBuilder::new();
-    for segment in &outline.segments {
+    for segment in segments {
         match *segment {
             Segment::Move([x, y]) => path.move_to(x as f32, y as f32),
             Segment::Line([x, y]) => path.line_to(x as f32, y as f32),

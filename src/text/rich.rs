@@ -78,9 +78,19 @@ impl RichText {
         Ok(text)
     }
 
-    /// The characters without style and level.
+    /// The characters without style; scripts as `_{…}` and `^{…}`, without braces where they are one
+    /// character.
     pub fn text(&self) -> String {
-        self.runs.iter().map(|run| run.text.as_str()).collect()
+        let mut text = String::new();
+        let mut runs = self.runs.as_slice();
+        while let Some(first) = runs.first() {
+            let alike = runs.iter().take_while(|run| run.level == first.level);
+            let (here, rest) = runs.split_at(alike.count());
+            let characters: String = here.iter().map(|run| run.text.as_str()).collect();
+            text += &first.level.marked(characters);
+            runs = rest;
+        }
+        text
     }
 
     /// The outline with `size` units per em, from the left end of the baseline.
@@ -124,6 +134,18 @@ impl RichText {
 }
 
 impl Level {
+    fn marked(self, text: String) -> String {
+        let mark = match self {
+            Level::Line => return text,
+            Level::Subscript => '_',
+            Level::Superscript => '^',
+        };
+        match text.chars().count() {
+            1 => format!("{mark}{text}"),
+            _ => format!("{mark}{{{text}}}"),
+        }
+    }
+
     /// The size and the height of the baseline, in those of the line.
     fn scale_and_rise(self) -> (f64, f64) {
         match self {
@@ -215,6 +237,12 @@ mod tests {
         let (line, sub, sup) = (y("1"), y("{}_1"), y("{}^1"));
         assert!((sub.0 - (0.7 * line.0 + 150.0)).abs() < 1e-9, "{sub:?}");
         assert!((sup.0 - (0.7 * line.0 - 330.0)).abs() < 1e-9, "{sup:?}");
+    }
+
+    #[test]
+    fn plain_text_tells_scripts() {
+        let text = RichText::parse("*x*_A = 10^{*n* - 1}").unwrap().text();
+        assert_eq!(text, "x_A = 10^{n − 1}");
     }
 
     #[test]

@@ -1,0 +1,38 @@
+//! All formats show the same.
+
+use nullray::drawing::{pdf, png, svg};
+
+use super::{pdf_reader, samples, svg_reader};
+
+/// The greatest difference of two pictures, of 255.
+fn difference(a: &[u8], b: &[u8]) -> u8 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+}
+
+/// Coordinates are written to 1e-4 points, 2e-4 pixels here: coverage changes by less than that, and may
+/// then be rounded the other way; tiny-skia counts it in 16ths, of which a sample may go the other way.
+const MOST: u8 = 17;
+
+#[test]
+fn svg_files_show_what_png_files_show() {
+    for (name, drawing) in samples::all() {
+        let picture = png::render(&drawing, 2.0).unwrap();
+        let file = svg::write(&drawing).unwrap();
+        let read = svg_reader::render(&file, picture.width, picture.height, 2.0);
+        let found = difference(&read, &picture.rgba);
+        assert!(found <= MOST, "{name}: {found}");
+    }
+}
+
+#[test]
+fn pdf_files_show_what_png_files_show() {
+    for (name, drawing) in samples::all() {
+        let picture = png::render(&drawing, 2.0).unwrap();
+        let file = pdf::write(&drawing).unwrap();
+        let (width, height) = (picture.width, picture.height);
+        let read = pdf_reader::render(&file, drawing.height, width, height, 2.0);
+        let found = difference(&read, &picture.rgba);
+        assert!(found <= MOST, "{name}: {found}");
+    }
+}

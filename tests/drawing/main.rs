@@ -1,0 +1,13 @@
+//! Drawings: their geometry, their files, and that all formats show the same.
+
+mod agreement;
+mod animation;
+mod canvas;
+mod files;
+mod geometry;
+mod golden;
+mod pdf_reader;
+mod refusals;
+mod samples;
+mod svg_reader;
+mod writing;

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use nullray::drawing::{self, Drawing, pdf, png, svg};
 use nullray::scene::Overrides;
 use nullray::scene::model::diagram::Diagram;
-use nullray::drawing::{self, Drawing, pdf, png, svg};
 use nullray::{Result, diagram};
 
 use super::args::DiagramArguments;
@@ -27,7 +27,10 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
         save(&drawing, output, arguments.scale)?;
         if !arguments.quiet {
             let [width, height] = [drawing.width, drawing.height].map(f64::round);
-            print(&format!("wrote {} ({width} × {height} points)\n", output.display()))?;
+            print(&format!(
+                "wrote {} ({width} × {height} points)\n",
+                output.display()
+            ))?;
         }
     }
     Ok(())

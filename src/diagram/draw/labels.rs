@@ -32,6 +32,8 @@ pub(super) struct Request {
     pub directions: Vec<[f64; 2]>,
     /// Distances from there, points.
     pub distances: Vec<f64>,
+    /// Whether it is left out where it would be on a label or a dot.
+    pub optional: bool,
 }
 
 /// The eight directions around an event, the best first.
@@ -106,6 +108,7 @@ impl Placement {
                 }
             }
         }
+        let best = best.filter(|(cost, ..)| !request.optional || *cost < ON_DOT);
         if let Some((_, text, rect, anchor, distance)) = best {
             if distance >= LEADER {
                 self.lead(rect, anchor, request.colour);
@@ -134,7 +137,8 @@ impl Placement {
         };
         let count = |rects: &[Rect]| rects.iter().filter(|r| overlap(airy, **r)).count() as f64;
         let lines = self.lines.iter().filter(|line| crosses(airy, **line));
-        let inside = (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
+        let inside =
+            (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
         let outside = if inside { 0.0 } else { OUTSIDE };
         ON_LABEL * count(&self.labels)
             + ON_DOT * count(&self.dots)

@@ -79,9 +79,16 @@ impl Pen<'_> {
         }
         for area in &self.panel.areas {
             let colour = area_colour(self.panel, self.theme, area);
-            items.push(Item::filled(self.polygon(&area.edge), colour.with_alpha(36)));
+            items.push(Item::filled(
+                self.polygon(&area.edge),
+                colour.with_alpha(36),
+            ));
             let horizon = self.theme.thin(self.theme.light).dashed([5.0, 2.5]);
-            items.extend(area.horizons.iter().map(|ray| self.line(*ray, horizon.clone())));
+            items.extend(
+                area.horizons
+                    .iter()
+                    .map(|ray| self.line(*ray, horizon.clone())),
+            );
         }
         items
     }
@@ -162,7 +169,10 @@ impl Pen<'_> {
             let colour = line_colour(self.panel, self.theme, i);
             let stroke = self.theme.world_line(i, colour);
             items.push(Item::stroked(self.map.polyline(&line.curve.points), stroke));
-            let ticks = line.ticks.iter().map(|tick| self.tick(tick, colour, 1.2 * TICK));
+            let ticks = line
+                .ticks
+                .iter()
+                .map(|tick| self.tick(tick, colour, 1.2 * TICK));
             items.extend(ticks);
         }
         items

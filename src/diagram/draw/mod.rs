@@ -51,7 +51,10 @@ pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
     Ok(Drawing {
         width: page.width,
         height: page.height,
-        title: layout.title.clone().unwrap_or_else(|| "Space-time diagram".into()),
+        title: layout
+            .title
+            .clone()
+            .unwrap_or_else(|| "Space-time diagram".into()),
         background: theme.background,
         items,
     })

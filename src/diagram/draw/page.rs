@@ -43,21 +43,25 @@ impl Page {
             let [w, h] = panel.limits.size();
             (room / w).min(highest / h)
         };
-        let heights = panels.iter().map(|panel| panel.limits.size()[1] * scale(panel));
+        let heights = panels
+            .iter()
+            .map(|panel| panel.limits.size()[1] * scale(panel));
         let tallest = heights.fold(0.0, f64::max);
         let frames = panels.iter().enumerate().map(|(i, panel)| {
-            let [w, h] = panel.limits.size().map(|side| side * scale(panel));
+            let w = panel.limits.size()[0] * scale(panel);
             Map {
                 limits: panel.limits,
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
-                top: head + above + 0.5 * (tallest - h),
+                top: head + above,
                 scale: scale(panel),
             }
         });
         Page {
             frames: frames.collect(),
             width,
-            height: style.height.unwrap_or(head + above + tallest + below + foot),
+            height: style
+                .height
+                .unwrap_or(head + above + tallest + below + foot),
         }
     }
 }

@@ -28,11 +28,21 @@ pub(super) fn obstacles(placement: &mut Placement, panel: &Panel, map: &Map, the
         placement.line(&map.points(&axes.time.ends));
         placement.line(&map.points(&axes.space.ends));
     }
-    let segments = panel.signals.iter().chain(&panel.slices).chain(&panel.arrows);
+    let segments = panel
+        .signals
+        .iter()
+        .chain(&panel.slices)
+        .chain(&panel.arrows);
     let ends = segments.map(|segment| segment.ends);
     let ends = ends.chain(panel.intervals.iter().map(|interval| interval.ends));
-    let rays = panel.cones.iter().flat_map(|cone| cone.rays.iter().copied());
-    let horizons = panel.areas.iter().flat_map(|area| area.horizons.iter().copied());
+    let rays = panel
+        .cones
+        .iter()
+        .flat_map(|cone| cone.rays.iter().copied());
+    let horizons = panel
+        .areas
+        .iter()
+        .flat_map(|area| area.horizons.iter().copied());
     for line in ends.chain(rays).chain(horizons) {
         placement.line(&map.points(&line));
     }
@@ -81,6 +91,7 @@ impl Words<'_> {
             anchors,
             directions: AROUND.to_vec(),
             distances: NEAR.to_vec(),
+            optional: false,
         }
     }
 
@@ -88,7 +99,13 @@ impl Words<'_> {
         let mut all = Vec::new();
         for axes in &self.panel.axes {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
-            let up = [[-0.9, 0.3], [0.9, 0.3], [0.0, -1.0], [-0.9, -0.4], [0.9, -0.4]];
+            let up = [
+                [-0.9, 0.3],
+                [0.9, 0.3],
+                [0.0, -1.0],
+                [-0.9, -0.4],
+                [0.9, -0.4],
+            ];
             let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
             for (axis, directions) in [(&axes.time, up), (&axes.space, right)] {
                 let tip = self.map.at(axis.ends[1]);
@@ -101,9 +118,12 @@ impl Words<'_> {
         }
         if named {
             let rect = self.map.rect();
-            let at = [0.5 * (rect.min[0] + rect.max[0]), rect.min[1] - 1.2 * self.theme.size];
+            let at = [
+                0.5 * (rect.min[0] + rect.max[0]),
+                rect.min[1] - 1.2 * self.theme.size,
+            ];
             let frame = &self.panel.frame;
-            let name = if frame == "world" { "rest frame" } else { frame };
+            let name = if frame == "world" { "S" } else { frame };
             let place = vec![[0.0, -1.0], [0.9, 0.0], [-0.9, 0.0]];
             all.push(Request {
                 directions: place,
@@ -121,7 +141,10 @@ impl Words<'_> {
             let left = [[-1.0, 0.0], [1.0, 0.0]];
             let below = [[0.0, 1.0], [0.0, -1.0]];
             for (axis, directions) in [(&axes.time, left), (&axes.space, below)] {
-                let inner = axis.ticks.iter().filter(|tick| is_inner(self.map, axis, tick));
+                let inner = axis
+                    .ticks
+                    .iter()
+                    .filter(|tick| is_inner(self.map, axis, tick));
                 let ticks = inner.filter_map(|tick| self.tick(tick, colour, directions.to_vec()));
                 all.extend(ticks);
             }
@@ -129,7 +152,11 @@ impl Words<'_> {
         for (i, line) in self.panel.world_lines.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i);
             let sides = vec![[1.0, 0.0], [-1.0, 0.0], [0.9, 0.4], [-0.9, -0.4]];
-            all.extend(line.ticks.iter().filter_map(|t| self.tick(t, colour, sides.clone())));
+            all.extend(
+                line.ticks
+                    .iter()
+                    .filter_map(|t| self.tick(t, colour, sides.clone())),
+            );
         }
         all
     }
@@ -139,12 +166,17 @@ impl Words<'_> {
             size: SMALL * self.theme.size,
             directions,
             distances: vec![4.5, 7.5],
+            optional: true,
             ..self.request(tick.label.as_deref()?, colour, vec![self.map.at(tick.at)])
         })
     }
 
     fn events(&self) -> Vec<Request> {
-        let seen = self.panel.events.iter().filter(|e| self.panel.limits.contains(e.at));
+        let seen = self
+            .panel
+            .events
+            .iter()
+            .filter(|e| self.panel.limits.contains(e.at));
         let requests = seen.filter_map(|event| {
             let at = vec![self.map.at(event.at)];
             Some(self.request(event.label.as_deref()?, self.theme.ink, at))
@@ -178,7 +210,14 @@ impl Words<'_> {
             let colour = line_colour(self.panel, self.theme, i);
             let points = self.within(&line.curve.points);
             let anchors = ALONG.iter().filter_map(|part| along(&points, *part));
-            let sides = [[1.0, 0.0], [-1.0, 0.0], [0.9, 0.5], [-0.9, 0.5], [0.9, -0.5], [-0.9, -0.5]];
+            let sides = [
+                [1.0, 0.0],
+                [-1.0, 0.0],
+                [0.9, 0.5],
+                [-0.9, 0.5],
+                [0.9, -0.5],
+                [-0.9, -0.5],
+            ];
             all.push(Request {
                 directions: sides.to_vec(),
                 ..self.request(label, colour, anchors.collect())
@@ -195,7 +234,11 @@ impl Words<'_> {
             let [a, b] = [pair[0], pair[1]];
             let d = b.from(a);
             let steps = (0..=16).map(|k| a.plus(f64::from(k) / 16.0, d));
-            seen.extend(steps.filter(|p| limits.contains(*p)).map(|p| self.map.at(p)));
+            seen.extend(
+                steps
+                    .filter(|p| limits.contains(*p))
+                    .map(|p| self.map.at(p)),
+            );
         }
         seen.dedup();
         seen
@@ -206,14 +249,20 @@ impl Words<'_> {
         let mut all = Vec::new();
         for slice in &panel.slices {
             let own = frame_colour(panel, theme, slice.owner.unwrap_or(0));
-            let places = if slice.label.is_some() { &ALONG[..] } else { &[] };
+            let places = if slice.label.is_some() {
+                &ALONG[..]
+            } else {
+                &[]
+            };
             all.extend(self.segment(slice, own, places));
         }
         for signal in &panel.signals {
             all.extend(self.segment(signal, theme.colour(Name::Orange), &MIDDLE));
         }
         for arrow in &panel.arrows {
-            let own = arrow.owner.map_or(theme.ink, |i| line_colour(panel, theme, i));
+            let own = arrow
+                .owner
+                .map_or(theme.ink, |i| line_colour(panel, theme, i));
             all.extend(self.segment(arrow, own, &[1.0, 0.9, 0.7, 0.5]));
         }
         for interval in panel.intervals.iter().filter(|i| !i.label.is_empty()) {
@@ -224,12 +273,24 @@ impl Words<'_> {
         for hyperbola in &panel.hyperbolae {
             let colour = theme.colour(hyperbola.colour.unwrap_or(Name::Grey));
             let points = self.within(&hyperbola.curve.points);
-            let anchors = ALONG.iter().filter_map(|part| along(&points, *part)).collect();
-            all.extend(hyperbola.label.iter().map(|text| self.request(text, colour, Vec::clone(&anchors))));
+            let anchors = ALONG
+                .iter()
+                .filter_map(|part| along(&points, *part))
+                .collect();
+            all.extend(
+                hyperbola
+                    .label
+                    .iter()
+                    .map(|text| self.request(text, colour, Vec::clone(&anchors))),
+            );
         }
         for area in &panel.areas {
             let colour = area_colour(panel, theme, area);
-            all.extend(area.label.iter().map(|label| self.upon(&label.text, colour, label.at)));
+            all.extend(
+                area.label
+                    .iter()
+                    .map(|label| self.upon(&label.text, colour, label.at)),
+            );
         }
         all
     }
@@ -265,8 +326,14 @@ fn along(points: &[[f64; 2]], part: f64) -> Option<[f64; 2]> {
 
 /// Lines that a legend has: those with labels, of the first panel.
 fn entries(layout: &Layout) -> impl Iterator<Item = (usize, &str)> {
-    let lines = layout.panels.first().into_iter().flat_map(|panel| &panel.world_lines);
-    let labelled = lines.enumerate().map(|(i, line)| (i, line.label.as_deref()));
+    let lines = layout
+        .panels
+        .first()
+        .into_iter()
+        .flat_map(|panel| &panel.world_lines);
+    let labelled = lines
+        .enumerate()
+        .map(|(i, line)| (i, line.label.as_deref()));
     labelled.filter_map(|(i, label)| Some((i, label?)))
 }
 

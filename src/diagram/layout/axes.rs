@@ -29,7 +29,9 @@ pub(super) fn step(limits: &Limits) -> f64 {
 pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
     let own = std::iter::once(own_axes(view, limits));
     let frames = view.diagram.frames.iter().enumerate();
-    let others = frames.filter(|(i, frame)| *i != view.index && frame.axes);
+    // Of the world's axes there is something to compare with where others have some.
+    let moving = view.diagram.frames.iter().skip(1).any(|frame| frame.axes);
+    let others = frames.filter(|(i, frame)| *i != view.index && frame.axes && moving);
     let others = others.filter_map(|(i, frame)| axes(view, limits, i, frame));
     own.chain(others).collect()
 }

@@ -104,7 +104,7 @@ fn ticks(view: &View, limits: &Limits, line: &Line, [from, to]: [f64; 2]) -> Vec
             at: view.point(moment.event),
             value,
             along: view.vector(moment.frame().world_from_frame().displacement(ahead)),
-            label: line.numbers.then(|| number(value)),
+            label: (line.numbers && value != 0.0).then(|| number(value)),
         })
     };
     let all = (0..=(last - first) as i64).filter_map(tick);
@@ -178,8 +178,14 @@ pub(super) fn areas(view: &View, limits: &Limits) -> Vec<Area> {
         area(edge, &region.label, region.colour, None)
     });
     let sheets = d.sheets.iter().map(|sheet| {
-        let edge = sheet_edge(view, limits, sheet.between);
-        area(edge, &sheet.label, sheet.colour, Some(sheet.between[0]))
+        let [a, b] = sheet_curves(view, limits, sheet.between);
+        let middle = sheet_middle(limits, &a, &b);
+        let edge = a.into_iter().chain(b.into_iter().rev()).collect();
+        let mut area = area(edge, &sheet.label, sheet.colour, Some(sheet.between[0]));
+        if let (Some(label), Some(at)) = (&mut area.label, middle) {
+            label.at = at;
+        }
+        area
     });
     wedges.chain(regions).chain(sheets).collect()
 }
@@ -204,14 +210,39 @@ fn area(
     }
 }
 
-/// Up one world line and down the other.
-fn sheet_edge(view: &View, limits: &Limits, between: [usize; 2]) -> Vec<Point> {
-    let curve = |i: usize| {
-        let line = view.diagram.lines.get(i)?;
-        Some(curve(view, limits, &line.track, times(view, limits, &line.track)).points)
-    };
-    let [a, b] = between.map(|i| curve(i).unwrap_or_default());
-    a.into_iter().chain(b.into_iter().rev()).collect()
+/// The two world lines of a sheet.
+fn sheet_curves(view: &View, limits: &Limits, between: [usize; 2]) -> [Vec<Point>; 2] {
+    between.map(|i| {
+        let line = view.diagram.lines.get(i);
+        let points = line.map(|line| {
+            let times = times(view, limits, &line.track);
+            curve(view, limits, &line.track, times).points
+        });
+        points.unwrap_or_default()
+    })
+}
+
+/// A point half way between two world lines, in view.
+fn sheet_middle(limits: &Limits, a: &[Point], b: &[Point]) -> Option<Point> {
+    const HEIGHTS: [f64; 7] = [0.83, 0.72, 0.6, 0.5, 0.4, 0.28, 0.17];
+    let mut heights = HEIGHTS
+        .iter()
+        .map(|part| limits.ct[0] + part * limits.size()[1]);
+    heights.find_map(|ct| {
+        let middle = Point::new(ct, 0.5 * (x_at(a, ct)? + x_at(b, ct)?));
+        let air = 0.06 * limits.size()[0];
+        let within = middle.x > limits.x[0] + air && middle.x < limits.x[1] - air;
+        within.then_some(middle)
+    })
+}
+
+/// Where a curve that goes upwards is at height `ct`.
+fn x_at(points: &[Point], ct: f64) -> Option<f64> {
+    let pair = points
+        .windows(2)
+        .find(|pair| pair[0].ct <= ct && ct <= pair[1].ct)?;
+    let d = pair[1].from(pair[0]);
+    Some(pair[0].x + d.x * (ct - pair[0].ct) / d.ct.max(f64::MIN_POSITIVE))
 }
 
 fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {

@@ -17,6 +17,8 @@ use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World
 
 /// Halvings after which neighbouring numbers are reached from any bracket of a factor of two.
 const HALVINGS: usize = 140;
+/// The largest change of rapidity at which light cones are resolved: e^15 times 2⁻⁵³ is 4·10⁻¹⁰.
+const MOST_TURN: f64 = 15.0;
 /// Doublings from a metre to beyond all lengths that a file can say.
 const DOUBLINGS: i32 = 110;
 
@@ -158,9 +160,21 @@ impl Track {
         })
     }
 
+    /// The line at a proper time, where the differences between its coordinates and those of the same light
+    /// ray have digits left: for ever accelerated, a line comes nearer to its horizon than that.
+    fn with_digits(&self, time: f64) -> Option<Moment> {
+        let moment = self.at(time)?;
+        if self.is_straight() {
+            return Some(moment);
+        }
+        let start = self.at(0f64.clamp(self.span[0], self.span[1]))?;
+        let change = moment.velocity.rapidity() - start.velocity.rapidity();
+        (change.length() <= MOST_TURN).then_some(moment)
+    }
+
     /// The moment at which `rising`, which increases along the line, is zero.
     pub fn where_zero(&self, rising: impl Fn(Event<World>) -> f64) -> Option<Moment> {
-        let value = |time: f64| self.at(time).map(|m| rising(m.event));
+        let value = |time: f64| self.with_digits(time).map(|m| rising(m.event));
         let [mut low, mut high] = self.bracket(&value)?;
         for _ in 0..HALVINGS {
             let middle = low + 0.5 * (high - low);
@@ -201,7 +215,7 @@ impl Track {
     /// The time `start + step`, or the last on the way there that the line has.
     fn reach(&self, start: f64, step: f64) -> f64 {
         let far = (start + step).clamp(self.span[0], self.span[1]);
-        if self.at(far).is_some() {
+        if self.with_digits(far).is_some() {
             return far;
         }
         let [mut good, mut bad] = [start, far];
@@ -210,7 +224,7 @@ impl Track {
             if middle == good || middle == bad {
                 break;
             }
-            match self.at(middle) {
+            match self.with_digits(middle) {
                 Some(_) => good = middle,
                 None => bad = middle,
             }

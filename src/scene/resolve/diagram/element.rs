@@ -73,6 +73,10 @@ fn signals(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Signal>> {
             }
             let never = "light from there never reaches this world line";
             let to = found(names, received, span, never)?.event;
+            if to == from || (to - from).ct < 1e-12 * from.ct.abs() {
+                // They meet: there is nothing to send.
+                break;
+            }
             all.push(Signal {
                 from,
                 to,

@@ -171,8 +171,8 @@ fn bracket(ahead: &impl Fn(f64) -> Option<f64>, a: &Track, unit: f64) -> Option<
             if value != 0.0 || step > 0 {
                 near = Some((time, value));
             }
-            if time == first || time == last {
-                return (step > 0 && value == 0.0).then_some([time, time]);
+            if step > 0 && (time == first || time == last) {
+                return (value == 0.0).then_some([time, time]);
             }
         }
         None

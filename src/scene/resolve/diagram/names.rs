@@ -347,14 +347,19 @@ fn find(
 }
 
 fn unknown(cx: &Context, name: &str, span: &Range<usize>, names: &[&str], thing: &str) -> Error {
-    let what = format!("there is no {thing} {}", quoted(name));
+    let what = format!("there is no {thing} {}", in_quotes(name));
     let meant = nearest(name, names.iter().copied());
-    let meant = meant.map(|name| format!("did you mean {}? ", quoted(name)));
-    let known: Vec<String> = names.iter().take(12).map(|name| quoted(name)).collect();
+    let meant = meant.map(|name| format!("did you mean {}? ", in_quotes(name)));
+    let known: Vec<String> = names.iter().take(12).map(|name| in_quotes(name)).collect();
     let known = match known.is_empty() {
         true => "there are none".to_string(),
         false => format!("there are: {}", known.join(", ")),
     };
     let help = meant.unwrap_or_default() + &known;
     cx.report.refuse(span, what, help)
+}
+
+/// A name in quotes; the primes of frames need no escape.
+fn in_quotes(name: &str) -> String {
+    quoted(name).replace("\\'", "'")
 }

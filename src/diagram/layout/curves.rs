@@ -257,9 +257,12 @@ fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
     let far = limits.beyond(apex);
     let [a, b] = rays.map(|ray| apex.plus(far, ray));
     let along = rays[0].plus(1.0, rays[1]);
-    let within = limits
-        .ray(apex, along)
-        .map(|[from, to]| from.plus(0.6, to.from(from)));
+    // Within, off the axis.
+    let within = limits.ray(apex, along).map(|[from, to]| {
+        let way = to.from(from);
+        let aside = 0.2 * way.ct.hypot(way.x);
+        from.plus(0.55, way).plus(aside, rays[0])
+    });
     Area {
         edge: vec![apex, a, b],
         horizons: rays

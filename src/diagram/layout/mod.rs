@@ -88,6 +88,7 @@ fn arrows(view: &View) -> Vec<Segment> {
 
 /// Lines of equal time and equal place, clipped.
 fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
+    let frame_colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
     let slices = view.diagram.slices.iter().filter_map(|slice| {
         let at = view.point(slice.event);
         let [time, space] = view.axes_of(slice.frame);
@@ -102,7 +103,7 @@ fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
         Some(Segment {
             ends,
             label: slice.label.clone(),
-            colour: slice.colour,
+            colour: slice.colour.or(frame_colour(slice.frame)),
             owner: Some(slice.frame),
         })
     });

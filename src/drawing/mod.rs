@@ -10,6 +10,27 @@
 //! ```
 //!
 //! Same drawing, same bytes, on every machine.
+//!
+//! ```
+//! use nullray::drawing::{Arrow, Colour, Drawing, Item, Path, Stroke, Text, pdf, png, svg};
+//! use nullray::text::RichText;
+//! # fn main() -> nullray::Result<()> {
+//! let stroke = Stroke::new(Colour::BLACK, 0.8).ending(Arrow::of_line(0.8));
+//! let drawing = Drawing {
+//!     width: 200.0,
+//!     height: 100.0,
+//!     title: "The time axis of a moving frame".to_owned(),
+//!     background: Colour::WHITE,
+//!     items: vec![
+//!         Item::stroked(Path::line([20.0, 90.0], [60.0, 10.0]), stroke),
+//!         Item::Text(Text::new(RichText::parse("*ct*'")?, [66.0, 16.0], 10.0)),
+//!     ],
+//! };
+//! let vectors = (svg::write(&drawing)?, pdf::write(&drawing)?);
+//! let pixels = png::write(&png::render(&drawing, 300.0 / 72.0)?)?;
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod apng;
 mod arrow;

@@ -4,7 +4,10 @@
 //! it, so that equal drawings are equal files.
 
 use std::collections::BTreeSet;
+use std::io::Read;
 
+use flate2::Compression;
+use flate2::bufread::ZlibEncoder;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
@@ -12,9 +15,6 @@ use super::marks::{Line, Mark, marks};
 use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::Result;
 use crate::text::Segment;
-
-/// How hard the content is compressed, of 10.
-const COMPRESSION: u8 = 6;
 
 /// The drawing as a PDF file.
 ///
@@ -32,43 +32,64 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
     pdf.pages(pages).kids([leaf]).count(1);
-    let size = [drawing.width, drawing.height].map(float);
     let mut leaf = pdf.page(leaf);
     leaf.parent(pages).contents(content);
-    leaf.media_box(Rect::new(0.0, 0.0, size[0], size[1]));
-    // Translucent colours are mixed as displays have them.
+    describe(&mut leaf, drawing, &page.alphas);
+    leaf.finish();
+    let packed = packed(&page.content.finish());
+    pdf.stream(content, &packed).filter(Filter::FlateDecode);
+    let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
+    let mut about = pdf.document_info(info);
+    about.title(TextStr(&drawing.title));
+    about.producer(TextStr(producer));
+    about.finish();
+    pdf.finish()
+}
+
+/// The size of the page, how its colours mix, and the opacities that its content uses.
+fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, alphas: &BTreeSet<u8>) {
+    let [width, height] = [drawing.width, drawing.height].map(float);
+    leaf.media_box(Rect::new(0.0, 0.0, width, height));
     let mut group = leaf.group();
     group.transparency().isolated(true);
     group.color_space().device_rgb();
     group.finish();
     let mut resources = leaf.resources();
     let mut states = resources.ext_g_states();
-    for alpha in &page.alphas {
+    for alpha in alphas {
         let value = fraction(*alpha);
         let mut state = states.insert(Name(alpha_name(*alpha).as_bytes())).dict();
         state.pair(Name(b"CA"), value).pair(Name(b"ca"), value);
     }
-    states.finish();
-    resources.finish();
-    leaf.finish();
-    let packed = miniz_oxide::deflate::compress_to_vec_zlib(&page.content.finish(), COMPRESSION);
-    pdf.stream(content, &packed).filter(Filter::FlateDecode);
-    let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
-    let mut about = pdf.document_info(info);
-    about
-        .title(TextStr(&drawing.title))
-        .producer(TextStr(producer));
-    about.finish();
-    pdf.finish()
+}
+
+fn packed(content: &[u8]) -> Vec<u8> {
+    let mut packed = Vec::with_capacity(content.len() / 2);
+    // Of the levels with a good yield the quickest.
+    let mut encoder = ZlibEncoder::new(content, Compression::new(3));
+    // A slice reads into memory without errors.
+    let _ = encoder.read_to_end(&mut packed);
+    packed
 }
 
 /// The content of a page as it grows.
 struct Page {
     content: Content,
-    /// All opacities but full.
+    /// All opacities that are used.
     alphas: BTreeSet<u8>,
-    /// The opacity that is set.
-    alpha: u8,
+    state: State,
+}
+
+/// What the content has set, so that it is not set again.
+#[derive(Clone, Default)]
+struct State {
+    alpha: Option<u8>,
+    fill: Option<[u8; 3]>,
+    stroke: Option<[u8; 3]>,
+    width: Option<f64>,
+    cap: Option<Cap>,
+    join: Option<Join>,
+    dash: Vec<f64>,
 }
 
 impl Page {
@@ -80,7 +101,7 @@ impl Page {
         Page {
             content,
             alphas: BTreeSet::new(),
-            alpha: 255,
+            state: State::default(),
         }
     }
 
@@ -97,35 +118,53 @@ impl Page {
 
     fn fill(&mut self, path: &Path, colour: Colour) {
         self.opacity(colour.alpha);
-        let [red, green, blue] = colour.rgb.map(fraction);
-        self.content.set_fill_rgb(red, green, blue);
+        if self.state.fill.replace(colour.rgb) != Some(colour.rgb) {
+            let [red, green, blue] = colour.rgb.map(fraction);
+            self.content.set_fill_rgb(red, green, blue);
+        }
         self.path(path);
         self.content.fill_nonzero();
     }
 
     fn line(&mut self, path: &Path, line: &Line) {
         self.opacity(line.colour.alpha);
-        let [red, green, blue] = line.colour.rgb.map(fraction);
-        self.content.set_stroke_rgb(red, green, blue);
-        self.content.set_line_width(float(line.width));
-        self.content.set_line_cap(match line.cap {
-            Cap::Butt => LineCapStyle::ButtCap,
-            Cap::Round => LineCapStyle::RoundCap,
-            Cap::Square => LineCapStyle::ProjectingSquareCap,
-        });
-        self.content.set_line_join(match line.join {
-            Join::Miter => LineJoinStyle::MiterJoin,
-            Join::Round => LineJoinStyle::RoundJoin,
-            Join::Bevel => LineJoinStyle::BevelJoin,
-        });
-        let dash = line.dash.iter().map(|part| float(*part));
-        self.content.set_dash_pattern(dash, 0.0);
+        if self.state.stroke.replace(line.colour.rgb) != Some(line.colour.rgb) {
+            let [red, green, blue] = line.colour.rgb.map(fraction);
+            self.content.set_stroke_rgb(red, green, blue);
+        }
+        self.pen(line);
         self.path(path);
         self.content.stroke();
     }
 
+    /// Sets what a line has but its colour.
+    fn pen(&mut self, line: &Line) {
+        if self.state.width.replace(line.width) != Some(line.width) {
+            self.content.set_line_width(float(line.width));
+        }
+        if self.state.cap.replace(line.cap) != Some(line.cap) {
+            self.content.set_line_cap(match line.cap {
+                Cap::Butt => LineCapStyle::ButtCap,
+                Cap::Round => LineCapStyle::RoundCap,
+                Cap::Square => LineCapStyle::ProjectingSquareCap,
+            });
+        }
+        if self.state.join.replace(line.join) != Some(line.join) {
+            self.content.set_line_join(match line.join {
+                Join::Miter => LineJoinStyle::MiterJoin,
+                Join::Round => LineJoinStyle::RoundJoin,
+                Join::Bevel => LineJoinStyle::BevelJoin,
+            });
+        }
+        if self.state.dash != line.dash {
+            self.state.dash.clone_from(&line.dash);
+            let dash = line.dash.iter().map(|part| float(*part));
+            self.content.set_dash_pattern(dash, 0.0);
+        }
+    }
+
     fn clip(&mut self, path: &Path, marks: &[Mark]) {
-        let alpha = self.alpha;
+        let outer = self.state.clone();
         self.content.save_state();
         self.path(path);
         if path.0.is_empty() {
@@ -135,12 +174,11 @@ impl Page {
         self.content.clip_nonzero().end_path();
         self.marks(marks);
         self.content.restore_state();
-        self.alpha = alpha;
+        self.state = outer;
     }
 
     fn opacity(&mut self, alpha: u8) {
-        if alpha != self.alpha {
-            self.alpha = alpha;
+        if self.state.alpha.replace(alpha) != Some(alpha) {
             self.alphas.insert(alpha);
             let name = alpha_name(alpha);
             self.content.set_parameters(Name(name.as_bytes()));

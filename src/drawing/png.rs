@@ -1,8 +1,8 @@
 //! PNG: what slides and web pages take.
 
 use ::png::{
-    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, SrgbRenderingIntent,
-    Unit,
+    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions,
+    SrgbRenderingIntent, Unit,
 };
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
 
@@ -84,7 +84,9 @@ pub(super) fn encoder<'a>(
     let mut encoder = Encoder::new(bytes, raster.width, raster.height);
     encoder.set_color(colour);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Fast);
+    encoder.set_compression(Compression::Balanced);
+    // Flat areas repeat as they stand.
+    encoder.set_filter(Filter::NoFilter);
     encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     // 72 points are 0.0254 m.
     let per_metre = (raster.scale * 72.0 / 0.0254).round() as u32;
@@ -104,7 +106,7 @@ fn pixels(drawing: &Drawing, scale: f64) -> Result<(u32, u32)> {
     }
     let [width, height] =
         [drawing.width, drawing.height].map(|side| (side * scale).round().max(1.0));
-    // Their product alone may lie below: tiny-skia counts in i32.
+    // Either side too, for a product that rounds or a page like a thread.
     if width * height > MOST_PIXELS || width.max(height) > MOST_PIXELS {
         return Err(too_large(width, height));
     }

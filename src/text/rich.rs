@@ -13,7 +13,7 @@
 //! | `\gamma`, `\times`, … | Greek letters and signs by name; `{}` after it separates it from letters |
 //! | `\*`, `\_`, `\^`, `\'`, `\-`, `\{`, `\}`, `\\` | the character itself |
 //!
-//! Scripts are set at 0.7 of the size, 0.15 em down or 0.33 em up, and have no scripts of their own.
+//! Scripts are set at 0.7 of the size, 0.18 em down or 0.33 em up, and have no scripts of their own.
 
 use super::Style;
 use super::markup;
@@ -26,7 +26,7 @@ const SCRIPT: f64 = 0.7;
 /// How far a superscript's baseline is raised, em of the line.
 const RAISE: f64 = 0.33;
 /// How far a subscript's baseline is lowered, em of the line.
-const LOWER: f64 = 0.15;
+const LOWER: f64 = 0.18;
 
 /// A line of text whose characters the font has: runs of one style and one level each.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -102,12 +102,12 @@ impl RichText {
         let mut setter = Setter::new(&text)?;
         let mut place = Place::default();
         for run in &self.runs {
-            setter.outline.width = place.start(run.level, setter.outline.width);
+            setter.outline.width = place.start(run, setter.outline.width);
             let (scale, rise) = run.level.scale_and_rise();
             setter.run(run.style, &run.text, scale * size, rise * size)?;
-            place.end(run.level, setter.outline.width);
+            place.end(run.level, &setter);
         }
-        setter.outline.width = place.start(Level::Line, setter.outline.width);
+        setter.outline.width = place.far;
         Ok(setter.outline)
     }
 
@@ -156,49 +156,58 @@ impl Level {
     }
 }
 
-/// Keeps scripts of the two kinds that follow each other at one place.
+/// Keeps scripts of the two kinds that follow each other at one place, and keeps leaning letters clear
+/// of what stands upright or high after them.
 #[derive(Default)]
 struct Place {
     /// Where a script may begin: the end of the line so far.
     base: f64,
+    /// By how much the last letter of the line leans over that.
+    overhang: f64,
     /// The scripts at that place, in order.
     scripts: Vec<Level>,
-    /// Where the longest of them ends.
+    /// Where the longest of them ends, or the line if there are none.
     far: f64,
 }
 
 impl Place {
-    /// Where a run of `level` begins, if the last one ended at `x`.
-    fn start(&mut self, level: Level, x: f64) -> f64 {
-        if level == Level::Line {
-            let start = if self.scripts.is_empty() { x } else { self.far };
+    /// Where `run` begins, if the last one ended at `x`.
+    fn start(&mut self, run: &Run, x: f64) -> f64 {
+        if run.level == Level::Line {
+            let clear = !self.scripts.is_empty();
             self.scripts.clear();
-            self.base = start;
-            return start;
+            return self.far + if clear { 0.0 } else { self.correction(run) };
         }
-        match self.scripts.last() {
+        if self.scripts.last() == Some(&run.level) {
             // More of the same script.
-            Some(last) if *last == level => x,
-            // Above or below a script.
-            Some(_) if !self.scripts.contains(&level) => {
-                self.scripts.push(level);
-                self.base
-            }
-            // The first script, or a new pair after a pair.
-            _ => {
-                self.base = x.max(self.far);
-                self.scripts = vec![level];
-                self.base
-            }
+            return x;
+        }
+        if self.scripts.contains(&run.level) {
+            // A new pair after a pair.
+            (self.base, self.overhang) = (self.far, 0.0);
+            self.scripts.clear();
+        }
+        self.scripts.push(run.level);
+        self.base + self.correction(run)
+    }
+
+    /// The italic correction: none where nothing of `run` would touch the letter that leans.
+    fn correction(&self, run: &Run) -> f64 {
+        let upright = run.style == Style::Upright && !run.text.starts_with([' ', '.', ',']);
+        match run.level {
+            Level::Line if upright => self.overhang,
+            Level::Superscript => self.overhang,
+            _ => 0.0,
         }
     }
 
-    fn end(&mut self, level: Level, x: f64) {
-        self.far = if level == Level::Line {
-            x
+    fn end(&mut self, level: Level, setter: &Setter) {
+        let x = setter.outline.width;
+        if level == Level::Line {
+            (self.base, self.far, self.overhang) = (x, x, setter.overhang);
         } else {
-            self.far.max(x)
-        };
+            self.far = self.far.max(x);
+        }
     }
 }
 
@@ -229,13 +238,23 @@ mod tests {
     }
 
     #[test]
+    fn leaning_letters_are_kept_clear_of_what_stands_upright_or_high() {
+        let apart = |markup, then: f64| width(markup) - width("*H*") - then;
+        let overhang = apart("*H*(", width("("));
+        assert!((100.0..110.0).contains(&overhang), "{overhang}");
+        assert!((apart("*H*^2", 0.7 * width("2")) - overhang).abs() < 1e-9);
+        assert!(apart("*H*_2", 0.7 * width("2")).abs() < 1e-9);
+        assert!(apart("*H* ", width(" ")).abs() < 1e-9);
+    }
+
+    #[test]
     fn bounds_tell_sub_from_superscripts() {
         let y = |markup| {
             let rect = RichText::parse(markup).unwrap().bounds(1000.0).unwrap();
             (rect.min[1], rect.max[1])
         };
         let (line, sub, sup) = (y("1"), y("{}_1"), y("{}^1"));
-        assert!((sub.0 - (0.7 * line.0 + 150.0)).abs() < 1e-9, "{sub:?}");
+        assert!((sub.0 - (0.7 * line.0 + 180.0)).abs() < 1e-9, "{sub:?}");
         assert!((sup.0 - (0.7 * line.0 - 330.0)).abs() < 1e-9, "{sup:?}");
     }
 

@@ -16,6 +16,8 @@ pub(super) struct Setter<'a> {
     upright: Face<'static>,
     italic: Face<'static>,
     pub outline: Outline,
+    /// By how much the last glyph of the last run leans over what follows it.
+    pub overhang: f64,
 }
 
 impl<'a> Setter<'a> {
@@ -25,6 +27,7 @@ impl<'a> Setter<'a> {
             upright: face(REGULAR)?,
             italic: face(ITALIC)?,
             outline: Outline::default(),
+            overhang: 0.0,
         })
     }
 
@@ -46,13 +49,16 @@ impl<'a> Setter<'a> {
             if let Some((_, previous)) = previous.filter(|(font, _)| *font == style) {
                 self.outline.width += f64::from(kerning(face, previous, glyph)) * scale;
             }
+            let advance = f64::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+            let right = face.glyph_bounding_box(glyph).map_or(0, |ink| ink.x_max);
+            self.overhang = (f64::from(right) - advance).max(0.0) * scale;
             let mut pen = Pen {
                 origin: [self.outline.width, -rise],
                 scale,
                 segments: &mut self.outline.segments,
             };
             face.outline_glyph(glyph, &mut pen);
-            self.outline.width += f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)) * scale;
+            self.outline.width += advance * scale;
             previous = Some((style, glyph));
         }
         Ok(())

@@ -1,1 +1,74 @@
-//! Empty.
+//! Pictures as they were when they were last looked at.
+
+use std::path::PathBuf;
+
+use nullray::drawing::png::{Raster, render, write};
+
+use super::samples;
+
+/// Where two pictures may differ without anybody seeing it, of 255: at edges, and on the average.
+const MOST: u8 = 24;
+const MEAN: f64 = 0.1;
+
+fn golden(name: &str) -> PathBuf {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/drawing");
+    PathBuf::from(folder).join(format!("{name}.png"))
+}
+
+fn picture(drawing: &nullray::drawing::Drawing) -> Raster {
+    render(drawing, 2.0).unwrap()
+}
+
+/// expected | difference | actual, where a failed test leaves them.
+fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
+    let row = 4 * actual.width as usize;
+    let mut rgba = Vec::with_capacity(3 * expected.len());
+    for (expected, actual) in expected
+        .chunks_exact(row)
+        .zip(actual.rgba.chunks_exact(row))
+    {
+        let difference = expected.iter().zip(actual).enumerate();
+        let difference =
+            difference.map(|(i, (a, b))| if i % 4 == 3 { 255 } else { a.abs_diff(*b) });
+        rgba.extend_from_slice(expected);
+        rgba.extend(difference);
+        rgba.extend_from_slice(actual);
+    }
+    let strip = Raster {
+        width: 3 * actual.width,
+        rgba,
+        ..*actual
+    };
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+    std::fs::write(&path, write(&strip).unwrap()).unwrap();
+    path
+}
+
+#[test]
+fn samples_look_as_they_did() {
+    for (name, drawing) in samples::all() {
+        let expected = image::open(golden(name)).unwrap().into_rgba8();
+        let actual = picture(&drawing);
+        assert_eq!(expected.dimensions(), (actual.width, actual.height));
+        let pairs = expected.iter().zip(&actual.rgba);
+        let off: Vec<u8> = pairs.map(|(a, b)| a.abs_diff(*b)).collect();
+        let most = *off.iter().max().unwrap();
+        let mean = off.iter().map(|o| f64::from(*o)).sum::<f64>() / off.len() as f64;
+        if most > MOST || mean > MEAN {
+            let strip = strip(name, expected.as_raw(), &actual);
+            panic!(
+                "{name} is off by {most}, {mean} on the average: see {}",
+                strip.display()
+            );
+        }
+    }
+}
+
+/// Run by name after looking at the strips of a change that is meant.
+#[test]
+#[ignore = "replaces the pictures that the other test compares with"]
+fn write_the_pictures() {
+    for (name, drawing) in samples::all() {
+        std::fs::write(golden(name), write(&picture(&drawing)).unwrap()).unwrap();
+    }
+}

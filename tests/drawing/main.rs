@@ -10,4 +10,3 @@ mod pdf_reader;
 mod refusals;
 mod samples;
 mod svg_reader;
-mod writing;

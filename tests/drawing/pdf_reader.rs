@@ -1,6 +1,7 @@
 //! Reads as much PDF as the writer writes, and refuses all else.
 
 use std::collections::HashMap;
+use std::io::Read;
 
 use nullray::text::Segment;
 
@@ -43,13 +44,10 @@ pub fn objects(pdf: &[u8]) -> HashMap<usize, &[u8]> {
 pub fn content(pdf: &[u8]) -> String {
     let object = objects(pdf)[&4];
     let start = find(object, b"stream\n").unwrap() + 7;
-    let packed = &object[start..];
-    let bytes = miniz_oxide::inflate::decompress_to_vec_zlib(packed);
-    let bytes = bytes.or_else(|_| {
-        let end = rfind(packed, b"\nendstream").unwrap();
-        miniz_oxide::inflate::decompress_to_vec_zlib(&packed[..end])
-    });
-    String::from_utf8(bytes.unwrap()).unwrap()
+    let mut content = String::new();
+    let mut unpacked = flate2::read::ZlibDecoder::new(&object[start..]);
+    unpacked.read_to_string(&mut content).unwrap();
+    content
 }
 
 fn find(bytes: &[u8], what: &[u8]) -> Option<usize> {
@@ -84,7 +82,7 @@ pub fn render(pdf: &[u8], page_height: f64, width: u32, height: u32, scale: f64)
     let mut path = Vec::new();
     let mut numbers: Vec<f64> = Vec::new();
     let mut name = String::new();
-    let content = content(pdf).replace('[', " ").replace(']', " ");
+    let content = content(pdf).replace(['[', ']'], " ");
     for word in content.split_whitespace() {
         if let Ok(number) = word.parse() {
             numbers.push(number);

@@ -21,14 +21,16 @@ fn small() -> Overrides {
     }
 }
 
-/// All scene files below `folder`.
+/// All scene files below `folder` that have a camera: those of `diagrams` have none.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder)
         .unwrap()
         .map(|e| e.unwrap().path());
     let mut files: Vec<_> = entries
         .flat_map(|path| {
-            if path.is_dir() {
+            if path.ends_with("diagrams") {
+                Vec::new()
+            } else if path.is_dir() {
                 scene_files(&path)
             } else {
                 vec![path]

@@ -9,7 +9,9 @@
 //! ```
 //!
 //! A rigid camera is Born-rigid: the elements that are simultaneous with the pinhole in its comoving
-//! frame keep their distances and share its velocity. The light passed the pinhole at the event P of
+//! frame keep their distances and share its velocity. Such a body does not turn (Fermi–Walker); on a
+//! path that is not straight the axes of a camera, the world's boosted without rotation, do turn against
+//! it (Thomas). Each moment's picture is that of the rigid body whose axes lie like that then. The light passed the pinhole at the event P of
 //! X(·) on the past light cone of E; its look direction is that of P − E. For a pinhole without
 //! acceleration that is P = −f|D| u again.
 

@@ -7,7 +7,7 @@ use super::{
     Accelerated, Apart, Inertial, Look, Moving, Paper, Pinhole, Still, Turning, Unaberrated, View,
 };
 use crate::error::{Error, Result};
-use crate::scene::model::{CameraModel, Equations, Motion, Scene};
+use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{self, Event, InertialFrame, World};
 
@@ -48,7 +48,7 @@ impl Shot {
     /// # Errors
     /// A motion that is impossible, or that has not begun or is over by then.
     pub fn new(model: &CameraModel) -> Result<Self> {
-        let state = state(model, &model.world_line().map_err(impossible)?, model.time)?;
+        let state = state(&model.world_line().map_err(impossible)?, model.time)?;
         let turn = model
             .rotation
             .map(|r| rotation_matrix(r.axis, r.rate * model.time));
@@ -66,8 +66,8 @@ impl Shot {
     }
 }
 
-/// The state of the pinhole of `model`, whose world line this is, at proper time `time`.
-pub(super) fn state(model: &CameraModel, line: &WorldLine, time: f64) -> Result<State> {
+/// The state of the pinhole on its world line at proper time `time`.
+fn state(line: &WorldLine, time: f64) -> Result<State> {
     line.state(time).ok_or_else(|| {
         let [first, last] = line.span();
         let what = match time < first {
@@ -78,7 +78,6 @@ pub(super) fn state(model: &CameraModel, line: &WorldLine, time: f64) -> Result<
                 format!("the camera's clock shows {time} m after its world line ends, at {last} m")
             }
         };
-        let _ = model;
         Error::invalid(
             "camera",
             "time",
@@ -151,7 +150,7 @@ impl AnyView {
             (true, true, _) => AnyView::Still(Still(shot.pinhole.clone())),
             (true, false, true) => AnyView::Moving(Moving::new(shot)),
             (true, false, false) => AnyView::Unaberrated(Unaberrated(Moving::new(shot))),
-            (false, ..) if model.motion == Motion::Inertial => {
+            (false, ..) if model.motion == Motion::Inertial && !is_pair(model, rests) => {
                 AnyView::Inertial(Inertial::new(model, shot, aberration))
             }
             (false, ..) => AnyView::Accelerated(accelerated(scene, shot)?),
@@ -183,6 +182,11 @@ impl AnyView {
             AnyView::Paper(_) => Kind::Paper,
         }
     }
+}
+
+/// Whether sensor and pinhole are on world lines of their own, apart by what the world measures.
+fn is_pair(model: &CameraModel, rests: bool) -> bool {
+    !rests && model.sensor.is_some_and(|s| s.assembly == Assembly::Bell)
 }
 
 /// The view of an accelerated camera, every element of which sees something.

@@ -84,11 +84,15 @@ impl Turning {
         equations: Equations,
         aberration: bool,
     ) -> Self {
-        let focal_length = model.sensor.map_or(0.0, |sensor| sensor.focal_length);
+        let (velocity, forward) = (shot.frame.velocity(), model.axes[2]);
+        let (focal_length, stretch) = model.sensor.map_or((0.0, 1.0), |sensor| {
+            let own = sensor.own_focal_length(forward, velocity);
+            (own, own / sensor.focal_length)
+        });
         let exposure = Exposure::of(model);
         let turn = rotation_matrix(rotation.axis, rotation.rate * model.time);
         Turning {
-            film: Pinhole::new(model),
+            film: Pinhole::new(model).stretched(stretch),
             world_from_camera: *shot.frame.world_from_frame(),
             focal_length,
             axis: rotation.axis,

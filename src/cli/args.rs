@@ -31,6 +31,9 @@ pub enum Command {
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
+    /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
+    #[command(after_help = help::DIAGRAM)]
+    Diagram(DiagramArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
@@ -189,6 +192,35 @@ pub struct SheetArguments {
     /// Worker threads. Default: one per core. The pictures do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct DiagramArguments {
+    /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Where to write: .svg, .pdf, .png. Repeatable. Default: the scene's name with .svg, in the current
+    /// directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Draw in the coordinates of this frame: "world", "camera", or one of the file's.
+    #[arg(long, value_name = "NAME")]
+    pub frame: Option<String>,
+    /// Light on dark.
+    #[arg(long)]
+    pub dark: bool,
+    /// Pixels of a point (1/72 inch) in a .png.
+    #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = values::scale)]
+    pub scale: f64,
+    /// Width and height of the page, points.
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// Change a key of the file: --set "diagram.frame.S'.velocity=0.8". Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
+    pub set: Vec<(String, String)>,
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nullray::scene::Overrides;
+use nullray::scene::model::diagram::Diagram;
 use nullray::scene::model::{Panel, Scene};
 use nullray::{Result, files, scene};
 
@@ -16,6 +17,14 @@ pub fn load(path: Option<&Path>, overrides: &Overrides) -> Result<Scene> {
     match path {
         Some(path) => scene::load(path, overrides),
         None => scene::parse(TEXT, NAME, Path::new(FOLDER), overrides),
+    }
+}
+
+/// The space-time diagram of a command: of the file that was named, or of the built-in scene.
+pub fn load_diagram(path: Option<&Path>, overrides: &Overrides) -> Result<Diagram> {
+    match path {
+        Some(path) => scene::load_diagram(path, overrides),
+        None => scene::parse_diagram(TEXT, NAME, Path::new(FOLDER), overrides),
     }
 }
 

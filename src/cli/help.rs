@@ -9,6 +9,7 @@ Examples:
   nullray                            render the built-in scene into nullray-out/
   nullray render scene.toml          write scene.png
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
+  nullray diagram scene.toml         draw its world lines, scene.svg
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
   nullray help render                all options, examples and channel names
@@ -37,6 +38,16 @@ Examples:
 
 A scene's [[panel]] tables say what its panels are, [sheet] the title and the columns; a scene without \
 panels is one panel of its own name. Give display.white, or --white, for panels that are equally bright.";
+
+pub const DIAGRAM: &str = "\
+Examples:
+  nullray diagram twin-paradox.toml -o twins.svg -o twins.pdf -o twins.png
+  nullray diagram twin-paradox.toml --set \"diagram.event.turn.at=[5,4]\" --dark
+  nullray diagram scene.toml --frame camera
+
+A file may hold a [diagram] table alone. Without one the diagram shows the world lines of the camera and the \
+objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \
+and no cube is read.";
 
 pub const PLAN: &str = "\
 Examples:

@@ -3,6 +3,7 @@
 mod args;
 mod builtin;
 mod demo;
+mod diagram;
 mod failure;
 mod frames;
 mod help;
@@ -39,6 +40,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
+        Some(Command::Diagram(diagram)) => diagram::run(&diagram),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Schema) => reference::schema(),

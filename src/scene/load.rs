@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::model::Scene;
+use super::model::{Scene, diagram::Diagram};
 use super::overrides::{self, Overrides};
 use super::report::Report;
 use super::resolve;
@@ -43,15 +43,45 @@ pub(super) fn base(path: &Path) -> &Path {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Result<Scene> {
+    let report = report(text, name, overrides)?;
+    let file = report.read()?;
+    resolve::scene(report, base, &file)
+}
+
+/// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else that of what its
+/// scene says of world lines. No mesh and no cube is looked for.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_diagram(path: &Path, overrides: &Overrides) -> Result<Diagram> {
+    let name = path.display().to_string();
+    parse_diagram(&text_of(path)?, &name, base(path), overrides)
+}
+
+/// As [`load_diagram`], from the text of a scene called `name`; relative paths in it resolve against `base`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_diagram(
+    text: &str,
+    name: &str,
+    base: &Path,
+    overrides: &Overrides,
+) -> Result<Diagram> {
+    let report = report(text, name, overrides)?;
+    let file = report.read()?;
+    resolve::diagram(report, base, &file)
+}
+
+/// The text of a scene, with its overrides.
+fn report(text: &str, name: &str, overrides: &Overrides) -> Result<Report> {
     refuse_long(text.len(), name)?;
     let (text, edits) = overrides::apply(text, overrides)?;
-    let report = Report {
+    Ok(Report {
         name: name.to_string(),
         text: text.into(),
         edits,
-    };
-    let file = report.read()?;
-    resolve::scene(report, base, &file)
+    })
 }
 
 fn read(path: &Path) -> Result<Vec<u8>> {

@@ -27,6 +27,7 @@
 //! | `[display]` | exposure, background, back faces, samples per pixel |
 //! | `[[panel]]` | a variant of the scene, by what it changes; each is a picture of its own |
 //! | `[sheet]` | how the panels are put on one page |
+//! | `[diagram]` | a space-time diagram, of the scene or of its own: a file may hold it alone |
 //!
 //! ## Numbers and units
 //!
@@ -85,6 +86,14 @@
 //! emitting object's clock; `"capture"` is arrival at the capture camera: the frame's time of emission
 //! plus η × *distance* (not depth) to its pinhole.
 //!
+//! ## Diagrams
+//!
+//! `[diagram]` names frames, world lines and events, in any order, and what is drawn between them. Its numbers
+//! are plain, in its `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an
+//! acceleration is one per unit. What the scene has (`of = "camera"`, `"sensor"` or an object's name) is
+//! converted from metres. x is the component along `direction`; what is beside that line is projected onto
+//! it, and light that goes there is then steeper than 45 degrees.
+//!
 //! ## Names, paths and overrides
 //!
 //! Relative paths resolve against the scene file's folder. Objects and sources have unique names; without
@@ -117,7 +126,7 @@ mod schema;
 mod suggest;
 mod values;
 
-pub use load::{load, parse};
+pub use load::{load, load_diagram, parse, parse_diagram};
 pub use overrides::Overrides;
 pub use panel::{load_panel, parse_panel};
 pub use schema::schema;

@@ -67,6 +67,12 @@ impl Report {
         error
     }
 
+    /// The refusal of a text without the key `key` at its root.
+    pub fn missing(&self, key: &str) -> Error {
+        let (what, help) = explain(&format!("missing field `{key}`"), &Place::default());
+        self.refuse_at(&Place::default(), &(0..0), what, help)
+    }
+
     fn refuse_at(
         &self,
         place: &Place,

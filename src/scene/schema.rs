@@ -28,6 +28,9 @@ fn tidy(value: &mut Value) {
 }
 
 fn tidy_type(map: &mut Map<String, Value>) {
+    if let Some(Value::Array(words)) = map.get_mut("enum") {
+        words.retain(|word| !word.is_null());
+    }
     let Some(Value::Array(types)) = map.get_mut("type") else {
         return;
     };

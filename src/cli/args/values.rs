@@ -18,6 +18,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// Pixels of a point.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
+    let scale = text.trim().parse::<f64>().ok();
+    let scale = scale.filter(|scale| (0.1..=100.0).contains(scale));
+    scale.ok_or_else(|| "a scale is a number from 0.1 to 100".into())
+}
+
 pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     let (key, value) = text
         .split_once('=')

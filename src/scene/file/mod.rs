@@ -4,6 +4,7 @@
 //! plain structs; which keys exclude each other is told apart in `resolve`.
 
 mod camera;
+pub(super) mod diagram;
 mod motion;
 mod object;
 mod panel;
@@ -20,6 +21,7 @@ use super::values::{Number, Vector};
 use crate::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
+pub(super) use diagram::Diagram;
 pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
 pub(super) use panel::{Panel, Sheet, Show};
@@ -44,8 +46,8 @@ pub(in crate::scene) struct Scene {
     /// What light travels through.
     #[serde(default)]
     pub medium: Medium,
-    /// Where the picture is taken from, how and when.
-    pub camera: At<Camera>,
+    /// Where the picture is taken from, how and when. Only a file that is a diagram alone has none.
+    pub camera: Option<At<Camera>>,
     /// The things of the scene: at least one.
     #[serde(default)]
     pub object: Vec<At<Object>>,
@@ -71,6 +73,8 @@ pub(in crate::scene) struct Scene {
     /// How the panels are put on one page.
     #[serde(default)]
     pub sheet: Sheet,
+    /// A space-time diagram of the scene, or of its own.
+    pub diagram: Option<At<Diagram>>,
 }
 
 impl Scene {

@@ -133,7 +133,7 @@ mod tests {
         let file = report.read().unwrap();
         let mut cx = Context::new(report, folder.path(), &file.speed_of_light).unwrap();
         cx.read_gltf_camera = upright;
-        resolve(&cx, &file.camera).unwrap()
+        resolve(&cx, file.camera.as_ref().unwrap()).unwrap()
     }
 
     #[test]

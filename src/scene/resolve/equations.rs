@@ -47,7 +47,7 @@ fn static_world(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
 }
 
 fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
-    let Some(motion) = &file.camera.value.motion else {
+    let Some(motion) = file.camera.as_ref().and_then(|at| at.value.motion.as_ref()) else {
         return Ok(());
     };
     let refuse = |what: &str, help: &str| {
@@ -61,8 +61,9 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
             "the paper's exposures are of cameras at constant speed",
             "leave [camera.shutter] out, or give model = \"exact\"",
         ),
-        Motion::Accelerated(acceleration) if brakes(camera, acceleration) => refuse(
-            "the paper's cameras speed up from rest, and this one slows down when its picture is taken",
+        Motion::Accelerated(acceleration) if !speeds_up(camera, acceleration) => refuse(
+            "the paper's cameras speed up along their motion, and this one is slowing down or turning when \
+             its picture is taken",
             "accelerate along the motion, or give model = \"exact\"",
         ),
         Motion::Accelerated(_) => Ok(()),
@@ -73,15 +74,22 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     }
 }
 
-/// Whether `camera` slows down at its time.
-fn brakes(camera: &CameraModel, acceleration: DVec3) -> bool {
+/// Whether `camera`, at its time, rests or moves along its acceleration.
+fn speeds_up(camera: &CameraModel, acceleration: DVec3) -> bool {
     let line = camera.world_line().ok();
-    let state = line.and_then(|line| line.state(camera.time));
-    state.is_some_and(|state| state.velocity.rapidity().dot(acceleration) < 0.0)
+    let Some(state) = line.and_then(|line| line.state(camera.time)) else {
+        return true;
+    };
+    let w = state.velocity.rapidity();
+    w.dot(acceleration) >= (1.0 - 1e-12) * w.length() * acceleration.length()
 }
 
 fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
-    let (Some(at), Some(rotation)) = (&file.camera.value.rotation, &scene.camera.rotation) else {
+    let said = file
+        .camera
+        .as_ref()
+        .and_then(|at| at.value.rotation.as_ref());
+    let (Some(at), Some(rotation)) = (said, &scene.camera.rotation) else {
         return Ok(());
     };
     if rotation.elements != Elements::Exact {
@@ -101,7 +109,11 @@ fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
 }
 
 fn at_rest(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
-    let Some(velocity) = &file.camera.value.velocity else {
+    let Some(velocity) = file
+        .camera
+        .as_ref()
+        .and_then(|at| at.value.velocity.as_ref())
+    else {
         return Ok(());
     };
     if scene.camera.velocity.is_rest() {

@@ -4,6 +4,7 @@
 mod binding;
 mod camera;
 mod context;
+mod diagram;
 mod equations;
 mod motion;
 mod object;
@@ -22,17 +23,21 @@ mod worldline;
 use std::path::Path;
 
 use super::file;
-use super::model::Scene;
+use super::model::{Scene, diagram::Diagram};
 use super::report::Report;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use context::Context;
 
 /// The scene that `file`, read from the report's text, means; relative paths resolve against `base`.
 pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<Scene> {
     let cx = Context::new(report, base, &file.speed_of_light)?;
     let medium_index = settings::medium_index(&cx, &file.medium)?;
-    let camera = camera::resolve(&cx, &file.camera)?;
-    let objects = object::resolve_all(&cx, &file.object, &file.camera.span)?;
+    let said = file
+        .camera
+        .as_ref()
+        .ok_or_else(|| without_camera(&cx, file))?;
+    let camera = camera::resolve(&cx, said)?;
+    let objects = object::resolve_all(&cx, &file.object, &said.span)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     let scene = Scene {
@@ -56,4 +61,19 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
     };
     equations::check(&cx, file, &scene)?;
     Ok(scene)
+}
+
+/// The space-time diagram that `file` means: its `[diagram]`, or that of the scene.
+pub(super) fn diagram(report: Report, base: &Path, file: &file::Scene) -> Result<Diagram> {
+    let cx = Context::new(report, base, &file.speed_of_light)?;
+    diagram::resolve(&cx, file)
+}
+
+fn without_camera(cx: &Context, file: &file::Scene) -> Error {
+    if let Some(diagram) = &file.diagram {
+        let what = "this file is a space-time diagram: it has no camera that could take a picture";
+        let help = "draw it with `nullray diagram`, or add [camera] and [[object]]";
+        return cx.refuse(diagram, what, help);
+    }
+    cx.report.missing("camera")
 }

@@ -54,7 +54,8 @@ pub(super) fn refuse_duplicates<'a>(
     Ok(())
 }
 
-fn entry_names(object: &file::Object) -> (Option<String>, String) {
+/// The name that an object has in the file, and the one that it has otherwise.
+pub(super) fn entry_names(object: &file::Object) -> (Option<String>, String) {
     let text = |at: &'_ Option<At<String>>| at.as_ref().map(|at| at.value.clone());
     let (gltf, node) = (text(&object.gltf), text(&object.node));
     let shape = object

@@ -152,6 +152,11 @@ fn refuse_rotation(
         let other = (&motion.span, "the acceleration");
         return Err(cx.report.refuse_two(&at.span, other, what, help));
     }
+    if model.sensor.is_some_and(|s| s.assembly == Assembly::Bell) {
+        let what = "sensor and pinhole that accelerate alike, each on a world line of its own, do not turn";
+        let help = "give assembly = \"rigid\" or \"world_length\", or leave out [camera.rotation]";
+        return Err(cx.refuse(at, what, help));
+    }
     let radius = swept_radius(model, rotation);
     let speed = rotation.rate.abs() * radius;
     if speed < 1.0 {
@@ -179,6 +184,16 @@ fn swept_radius(model: &CameraModel, rotation: &Rotation) -> f64 {
     corners.iter().map(radius).fold(0.0, f64::max)
 }
 
+/// The proper accelerations at the beginning and the end of the exposure.
+fn exposed(model: &CameraModel) -> Vec<DVec3> {
+    let Ok(line) = model.world_line() else {
+        return Vec::new();
+    };
+    let end = model.time + model.shutter.map_or(0.0, |s| s.duration);
+    let states = [model.time, end].into_iter().filter_map(|t| line.state(t));
+    states.map(|state| state.acceleration).collect()
+}
+
 /// Refuses a rigid sensor that reaches the horizon of its pinhole's acceleration.
 fn refuse_horizon(
     cx: &Context,
@@ -186,12 +201,13 @@ fn refuse_horizon(
     at: &At<file::Sensor>,
     model: &CameraModel,
 ) -> Result<()> {
-    let accelerations = match &model.motion {
+    let mut accelerations = match &model.motion {
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
         Motion::Profile(knots) => knots.iter().map(|(_, a)| *a).collect(),
         Motion::Inertial | Motion::Keyframes(_) | Motion::Circular { .. } => Vec::new(),
     };
+    accelerations.extend(exposed(model));
     let (Some(corners), Some(motion)) = (model.sensor_corners(), &file.motion) else {
         return Ok(());
     };

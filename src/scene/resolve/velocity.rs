@@ -20,9 +20,18 @@ pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Re
     let Some(velocity) = velocity else {
         return Ok(Velocity::REST);
     };
-    only_one_way(cx, velocity)?;
-    let said = Said { cx, velocity };
-    let v = &velocity.value;
+    said(cx, &velocity.value, &velocity.span, DVec3::ZERO)
+}
+
+/// The velocity that the table `v` at `span` says; a number without a direction goes along `otherwise`.
+pub(super) fn said(
+    cx: &Context,
+    v: &file::Velocity,
+    span: &Range<usize>,
+    otherwise: DVec3,
+) -> Result<Velocity> {
+    only_one_way(cx, v)?;
+    let said = Said { cx, v, otherwise };
     if let Some(beta) = &v.beta {
         return match beta.value {
             Vector(vector) => said.vector(beta, vector, Velocity::from_beta),
@@ -41,12 +50,11 @@ pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Re
     if let Some(q) = &v.one_minus_beta {
         return said.along(q, q.value.0, Velocity::from_one_minus_beta);
     }
-    Err(cx.refuse(velocity, "this says no velocity", HELP))
+    Err(cx.report.refuse(span, "this says no velocity", HELP))
 }
 
 /// Refuses all but one of `beta`, `gamma`, `rapidity`, `one_minus_beta`.
-fn only_one_way(cx: &Context, velocity: &At<file::Velocity>) -> Result<()> {
-    let v = &velocity.value;
+fn only_one_way(cx: &Context, v: &file::Velocity) -> Result<()> {
     let ways: [(&str, Option<&Range<usize>>); 4] = [
         ("beta", v.beta.as_ref().map(|at| &at.span)),
         ("gamma", v.gamma.as_ref().map(|at| &at.span)),
@@ -65,7 +73,7 @@ fn only_one_way(cx: &Context, velocity: &At<file::Velocity>) -> Result<()> {
 }
 
 /// β along a direction; a negative one is against it.
-fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityError> {
+pub(super) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityError> {
     if beta.abs() >= 1.0 {
         return Err(VelocityError::NotSlowerThanLight(beta.abs()));
     }
@@ -75,7 +83,9 @@ fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityErr
 /// A velocity's table while it is read.
 struct Said<'a> {
     cx: &'a Context<'a>,
-    velocity: &'a At<file::Velocity>,
+    v: &'a file::Velocity,
+    /// The direction of a number that has none; 0 where it must have one.
+    otherwise: DVec3,
 }
 
 impl Said<'_> {
@@ -86,7 +96,7 @@ impl Said<'_> {
         vector: [f64; 3],
         velocity: fn(DVec3) -> Result<Velocity, VelocityError>,
     ) -> Result<Velocity> {
-        if let Some(direction) = &self.velocity.value.direction {
+        if let Some(direction) = &self.v.direction {
             let what = "a vector has its own direction";
             let help = "leave `direction` out, or give a number with it";
             let other = (&at.span, "this vector");
@@ -105,8 +115,8 @@ impl Said<'_> {
         number: f64,
         velocity: fn(f64, DVec3) -> Result<Velocity, VelocityError>,
     ) -> Result<Velocity> {
-        let direction = self.velocity.value.direction.as_ref();
-        let vector = direction.map_or(DVec3::ZERO, |direction| direction.value.vec());
+        let direction = self.v.direction.as_ref();
+        let vector = direction.map_or(self.otherwise, |direction| direction.value.vec());
         velocity(number, vector).map_err(|error| match (error, direction) {
             (VelocityError::NoDirection, Some(direction)) => self.refuse(direction, error),
             (VelocityError::NoDirection, None) => {
@@ -119,17 +129,22 @@ impl Said<'_> {
     }
 
     fn refuse<T>(&self, at: &At<T>, error: VelocityError) -> Error {
-        let help = match error {
-            VelocityError::NotSlowerThanLight(_) => {
-                "|β| is below 1; for speeds so near 1 that β rounds to it, give one_minus_beta, gamma \
-                 or rapidity"
-            }
-            VelocityError::GammaBelowOne(_) => "γ = 1/√(1 − β²) is at least 1",
-            VelocityError::OneMinusBeta(_) => "1 − β is above 0 and at most 1, which is rest",
-            VelocityError::NoDirection => "any direction of length above 0 will do",
-            VelocityError::TooFast(_) => "give a smaller rapidity",
-            VelocityError::NotFinite => "give finite numbers",
-        };
-        self.cx.refuse(at, error.to_string(), help)
+        refusal(self.cx, &at.span, error)
     }
+}
+
+/// The refusal of a velocity that stands at `span`.
+pub(super) fn refusal(cx: &Context, span: &Range<usize>, error: VelocityError) -> Error {
+    let help = match error {
+        VelocityError::NotSlowerThanLight(_) => {
+            "|β| is below 1; for speeds so near 1 that β rounds to it, give one_minus_beta, gamma \
+                 or rapidity"
+        }
+        VelocityError::GammaBelowOne(_) => "γ = 1/√(1 − β²) is at least 1",
+        VelocityError::OneMinusBeta(_) => "1 − β is above 0 and at most 1, which is rest",
+        VelocityError::NoDirection => "any direction of length above 0 will do",
+        VelocityError::TooFast(_) => "give a smaller rapidity",
+        VelocityError::NotFinite => "give finite numbers",
+    };
+    cx.report.refuse(span, error.to_string(), help)
 }

@@ -1,0 +1,280 @@
+//! World lines, hyperbolae, light cones and areas.
+//!
+//! A world line is sampled more finely where it bends: between two points it deviates from the straight line
+//! by less than [`FLATNESS`] of the diagram's size.
+
+use super::limits::Limits;
+use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
+use super::view::View;
+use crate::scene::model::diagram::{self as model, Line, Side, Track};
+use crate::spacetime::Displacement;
+
+/// The largest deviation from straight, in parts of the diagram's size: 0.02 mm on 200 mm.
+const FLATNESS: f64 = 1e-4;
+/// Pieces that are looked at in any case, and halvings of each.
+const PIECES: u32 = 24;
+const HALVINGS: u32 = 10;
+/// The most ticks of a world line.
+const MOST_TICKS: f64 = 2000.0;
+/// Points of a hyperbola on each side of its vertex.
+const HYPERBOLA: i32 = 64;
+
+pub(super) fn world_lines(view: &View, limits: &Limits) -> Vec<WorldLine> {
+    let lines = view.diagram.lines.iter();
+    lines.map(|line| world_line(view, limits, line)).collect()
+}
+
+fn world_line(view: &View, limits: &Limits, line: &Line) -> WorldLine {
+    let times = times(view, limits, &line.track);
+    WorldLine {
+        name: line.name.clone(),
+        curve: curve(view, limits, &line.track, times),
+        ticks: ticks(view, limits, line, times),
+        label: line.label.clone(),
+        colour: line.colour,
+    }
+}
+
+/// Proper times between which a world line is within the view's times.
+fn times(view: &View, limits: &Limits, track: &Track) -> [f64; 2] {
+    let unit = view.diagram.unit.metres;
+    track.during(view.frame(), limits.ct.map(|ct| ct * unit))
+}
+
+fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> Curve {
+    let at = |time: f64| Some(view.point(track.at(time)?.event));
+    let mut knots = vec![from];
+    match track.corners() {
+        corners if !corners.is_empty() => knots.extend(corners),
+        _ if track.is_straight() => {}
+        _ => {
+            knots.extend((1..PIECES).map(|k| from + (to - from) * f64::from(k) / f64::from(PIECES)))
+        }
+    }
+    knots.retain(|time| (from..to).contains(time));
+    knots.push(to);
+    let mut points: Vec<Point> = at(from).into_iter().collect();
+    let allowed = FLATNESS * limits.size().into_iter().fold(0.0, f64::max);
+    for pair in knots.windows(2) {
+        if let (&[a, b], Some(pa), Some(pb)) = (pair, at(pair[0]), at(pair[1])) {
+            bend(&at, [(a, pa), (b, pb)], allowed, HALVINGS, &mut points);
+        }
+    }
+    Curve { points }
+}
+
+/// Adds the points after the first of two, as many as the curve between them bends.
+fn bend(
+    at: &impl Fn(f64) -> Option<Point>,
+    [a, b]: [(f64, Point); 2],
+    allowed: f64,
+    halvings: u32,
+    points: &mut Vec<Point>,
+) {
+    let middle = a.0 + 0.5 * (b.0 - a.0);
+    let Some(m) = at(middle) else { return };
+    let chord = b.1.from(a.1);
+    let way = m.from(a.1);
+    let across = (chord.ct * way.x - chord.x * way.ct).abs() / chord.ct.hypot(chord.x);
+    if halvings > 0 && across > allowed {
+        bend(at, [a, (middle, m)], allowed, halvings - 1, points);
+        bend(at, [(middle, m), b], allowed, halvings - 1, points);
+        return;
+    }
+    points.push(b.1);
+}
+
+/// Ticks of a line's own clock, those in view.
+fn ticks(view: &View, limits: &Limits, line: &Line, [from, to]: [f64; 2]) -> Vec<Tick> {
+    let unit = view.diagram.unit.metres;
+    let Some(step) = line.ticks else {
+        return Vec::new();
+    };
+    let first = libm::ceil(from / step - 1e-9);
+    let last = libm::floor(to / step + 1e-9);
+    if last - first > MOST_TICKS {
+        return Vec::new();
+    }
+    let tick = |k: i64| {
+        let time = (first + k as f64) * step;
+        let moment = line.track.at(time.clamp(from, to))?;
+        let ahead = Displacement::new(unit, glam::DVec3::ZERO);
+        let value = time / unit;
+        Some(Tick {
+            at: view.point(moment.event),
+            value,
+            along: view.vector(moment.frame().world_from_frame().displacement(ahead)),
+            label: (line.numbers && value != 0.0).then(|| number(value)),
+        })
+    };
+    let all = (0..=(last - first) as i64).filter_map(tick);
+    all.filter(|tick| limits.contains(tick.at)).collect()
+}
+
+pub(super) fn cones(view: &View, limits: &Limits) -> Vec<Cone> {
+    let cones = view.diagram.cones.iter().map(|cone| {
+        let apex = view.point(cone.event);
+        let far = limits.beyond(apex);
+        let mut laid = Cone {
+            apex,
+            rays: Vec::new(),
+            inside: Vec::new(),
+        };
+        for (drawn, up) in [(cone.future, 1.0), (cone.past, -1.0)] {
+            if !drawn {
+                continue;
+            }
+            let rays = [Point::new(up, -1.0), Point::new(up, 1.0)];
+            laid.rays
+                .extend(rays.iter().filter_map(|ray| limits.ray(apex, *ray)));
+            if cone.shade {
+                let [left, right] = rays.map(|ray| apex.plus(far, ray));
+                laid.inside.push(vec![apex, left, right]);
+            }
+        }
+        laid
+    });
+    cones.collect()
+}
+
+pub(super) fn hyperbolae(view: &View, limits: &Limits) -> Vec<Hyperbola> {
+    let all = view.diagram.hyperbolae.iter().map(|hyperbola| Hyperbola {
+        curve: hyperbola_curve(view, limits, hyperbola),
+        label: hyperbola.label.clone(),
+        colour: hyperbola.colour,
+    });
+    all.collect()
+}
+
+/// about + s (cosh φ, sinh φ), or about + s (sinh φ, cosh φ), for as many φ as are in view.
+fn hyperbola_curve(view: &View, limits: &Limits, hyperbola: &model::Hyperbola) -> Curve {
+    let unit = view.diagram.unit.metres;
+    let step = hyperbola.vertex - hyperbola.about;
+    let (time, length) = (step.ct / unit, view.diagram.direction.dot(step.x) / unit);
+    let about = view.point(hyperbola.about);
+    let size = time.abs().max(length.abs());
+    let largest = libm::asinh(limits.beyond(about) / size);
+    let points = (-HYPERBOLA..=HYPERBOLA).map(|k| {
+        let phi = largest * f64::from(k) / f64::from(HYPERBOLA);
+        let (sinh, cosh) = (libm::sinh(phi), libm::cosh(phi));
+        let ct = time * cosh + length * sinh;
+        let x = time * sinh + length * cosh;
+        Point::new(about.ct + ct, about.x + x)
+    });
+    Curve {
+        points: points.collect(),
+    }
+}
+
+/// Sheets, regions and wedges.
+pub(super) fn areas(view: &View, limits: &Limits) -> Vec<Area> {
+    let d = view.diagram;
+    let wedges = d
+        .wedges
+        .iter()
+        .map(|wedge| self::wedge(view, limits, wedge));
+    let regions = d.regions.iter().map(|region| {
+        let edge: Vec<Point> = region.corners.iter().map(|e| view.point(*e)).collect();
+        area(edge, &region.label, region.colour, None)
+    });
+    let sheets = d.sheets.iter().map(|sheet| {
+        let [a, b] = sheet_curves(view, limits, sheet.between);
+        let middle = sheet_middle(limits, &a, &b);
+        let edge = a.into_iter().chain(b.into_iter().rev()).collect();
+        let mut area = area(edge, &sheet.label, sheet.colour, Some(sheet.between[0]));
+        if let (Some(label), Some(at)) = (&mut area.label, middle) {
+            label.at = at;
+        }
+        area
+    });
+    wedges.chain(regions).chain(sheets).collect()
+}
+
+fn area(
+    edge: Vec<Point>,
+    label: &Option<String>,
+    colour: Option<model::Colour>,
+    owner: Option<usize>,
+) -> Area {
+    let count = edge.len().max(1) as f64;
+    let sum = edge
+        .iter()
+        .fold(Point::default(), |sum, p| sum.plus(1.0, *p));
+    let middle = Point::new(sum.ct / count, sum.x / count);
+    Area {
+        label: label.clone().map(|text| Placed { text, at: middle }),
+        edge,
+        horizons: Vec::new(),
+        owner,
+        colour,
+    }
+}
+
+/// The two world lines of a sheet.
+fn sheet_curves(view: &View, limits: &Limits, between: [usize; 2]) -> [Vec<Point>; 2] {
+    between.map(|i| {
+        let line = view.diagram.lines.get(i);
+        let points = line.map(|line| {
+            let times = times(view, limits, &line.track);
+            curve(view, limits, &line.track, times).points
+        });
+        points.unwrap_or_default()
+    })
+}
+
+/// A point half way between two world lines, in view.
+fn sheet_middle(limits: &Limits, a: &[Point], b: &[Point]) -> Option<Point> {
+    const HEIGHTS: [f64; 7] = [0.83, 0.72, 0.6, 0.5, 0.4, 0.28, 0.17];
+    let mut heights = HEIGHTS
+        .iter()
+        .map(|part| limits.ct[0] + part * limits.size()[1]);
+    heights.find_map(|ct| {
+        let middle = Point::new(ct, 0.5 * (x_at(a, ct)? + x_at(b, ct)?));
+        let air = 0.06 * limits.size()[0];
+        let within = middle.x > limits.x[0] + air && middle.x < limits.x[1] - air;
+        within.then_some(middle)
+    })
+}
+
+/// Where a curve that goes upwards is at height `ct`.
+fn x_at(points: &[Point], ct: f64) -> Option<f64> {
+    let pair = points
+        .windows(2)
+        .find(|pair| pair[0].ct <= ct && ct <= pair[1].ct)?;
+    let d = pair[1].from(pair[0]);
+    Some(pair[0].x + d.x * (ct - pair[0].ct) / d.ct.max(f64::MIN_POSITIVE))
+}
+
+fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
+    let apex = view.point(wedge.event);
+    let rays = match wedge.side {
+        Side::Right => [[-1.0, 1.0], [1.0, 1.0]],
+        Side::Left => [[-1.0, -1.0], [1.0, -1.0]],
+        Side::Future => [[1.0, -1.0], [1.0, 1.0]],
+        Side::Past => [[-1.0, -1.0], [-1.0, 1.0]],
+    };
+    let rays = rays.map(|[ct, x]| Point::new(ct, x));
+    let far = limits.beyond(apex);
+    let [a, b] = rays.map(|ray| apex.plus(far, ray));
+    let along = rays[0].plus(1.0, rays[1]);
+    // Within, off the axis.
+    let within = limits.ray(apex, along).map(|[from, to]| {
+        let way = to.from(from);
+        let aside = 0.2 * way.ct.hypot(way.x);
+        from.plus(0.55, way).plus(aside, rays[0])
+    });
+    Area {
+        edge: vec![apex, a, b],
+        horizons: rays
+            .iter()
+            .filter_map(|ray| limits.ray(apex, *ray))
+            .collect(),
+        owner: None,
+        label: wedge
+            .label
+            .clone()
+            .zip(within)
+            .map(|(text, at)| Placed { text, at }),
+        colour: wedge.colour,
+    }
+}

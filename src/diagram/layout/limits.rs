@@ -1,0 +1,152 @@
+//! What a view shows: as the file says, or as much as its contents need.
+
+use super::types::Point;
+use super::view::View;
+use crate::scene::model::diagram::Track;
+
+/// The part of an automatic diagram that is empty on each side.
+const MARGIN: f64 = 0.13;
+/// The narrowest and the lowest automatic diagram, in parts of the other side.
+const NARROWEST: f64 = 0.62;
+const LOWEST: f64 = 0.55;
+/// By how much an endless accelerated line turns within an automatic diagram, rapidity.
+const TURN: f64 = 1.2;
+
+/// A rectangle of a diagram, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// From left to right.
+    pub x: [f64; 2],
+    /// From bottom to top.
+    pub ct: [f64; 2],
+}
+
+impl Limits {
+    /// Width and height.
+    pub fn size(&self) -> [f64; 2] {
+        [self.x[1] - self.x[0], self.ct[1] - self.ct[0]]
+    }
+
+    /// Whether a point is within, edges included.
+    pub fn contains(&self, p: Point) -> bool {
+        (self.x[0]..=self.x[1]).contains(&p.x) && (self.ct[0]..=self.ct[1]).contains(&p.ct)
+    }
+
+    /// The part within of the line through `p` along `d`.
+    pub fn line(&self, p: Point, d: Point) -> Option<[Point; 2]> {
+        self.part(p, d, [f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// The part within of the ray from `p` along `d`.
+    pub fn ray(&self, p: Point, d: Point) -> Option<[Point; 2]> {
+        self.part(p, d, [0.0, f64::INFINITY])
+    }
+
+    /// The part within of p + t d for t between two values (Liang and Barsky).
+    fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
+        for (p, d, [low, high]) in [(p.x, d.x, self.x), (p.ct, d.ct, self.ct)] {
+            if d == 0.0 {
+                if !(low..=high).contains(&p) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - p) / d, (high - p) / d);
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        }
+        (from < to).then(|| [p.plus(from, d), p.plus(to, d)])
+    }
+
+    /// A length beyond all of it.
+    pub fn beyond(&self, p: Point) -> f64 {
+        let [width, height] = self.size();
+        let way = |low: f64, high: f64, p: f64| (p - low).abs().max((high - p).abs());
+        2.0 * (width + height) + way(self.x[0], self.x[1], p.x) + way(self.ct[0], self.ct[1], p.ct)
+    }
+}
+
+/// The limits of a view.
+pub(super) fn of(view: &View) -> Limits {
+    let unit = view.diagram.unit.metres;
+    let said = [view.diagram.x, view.diagram.ct].map(|l| l.map(|l| l.map(|end| end / unit)));
+    let found = automatic(&contents(view));
+    Limits {
+        x: said[0].unwrap_or(found.x),
+        ct: said[1].unwrap_or(found.ct),
+    }
+}
+
+/// Limits around points, with margins, neither too narrow nor too low.
+fn automatic(points: &[Point]) -> Limits {
+    let mut x = range(points.iter().map(|p| p.x));
+    let mut ct = range(points.iter().map(|p| p.ct));
+    // The origin, where it is not far.
+    let largest = (x[1] - x[0]).max(ct[1] - ct[0]).max(f64::MIN_POSITIVE);
+    for range in [&mut x, &mut ct] {
+        let far = range[0].max(-range[1]);
+        if far <= largest {
+            *range = [range[0].min(0.0), range[1].max(0.0)];
+        }
+    }
+    let extent = |range: [f64; 2]| range[1] - range[0];
+    let largest = extent(x).max(extent(ct));
+    let margin = MARGIN * if largest > 0.0 { largest } else { 8.0 };
+    let widened = |range: [f64; 2]| [range[0] - margin, range[1] + margin];
+    let (x, ct) = (widened(x), widened(ct));
+    Limits {
+        x: at_least(x, NARROWEST * extent(ct)),
+        ct: at_least(ct, LOWEST * extent(x)),
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let wider = |[low, high]: [f64; 2], v: f64| [low.min(v), high.max(v)];
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], wider);
+    if low <= high { [low, high] } else { [0.0, 0.0] }
+}
+
+/// A range about the same middle, of an extent at least.
+fn at_least(range: [f64; 2], extent: f64) -> [f64; 2] {
+    let lack = (extent - (range[1] - range[0])).max(0.0);
+    [range[0] - 0.5 * lack, range[1] + 0.5 * lack]
+}
+
+/// The points that a view is to show.
+fn contents(view: &View) -> Vec<Point> {
+    let d = view.diagram;
+    let mut events: Vec<_> = d.events.iter().map(|mark| mark.event).collect();
+    events.extend(d.signals.iter().flat_map(|s| [s.from, s.to]));
+    events.extend(d.intervals.iter().flat_map(|s| [s.from, s.to]));
+    events.extend(d.arrows.iter().flat_map(|s| [s.from, s.to]));
+    events.extend(
+        d.slices
+            .iter()
+            .flat_map(|s| [Some(s.event), s.to])
+            .flatten(),
+    );
+    events.extend(d.regions.iter().flat_map(|r| r.corners.iter().copied()));
+    events.extend(d.texts.iter().map(|words| words.at));
+    events.extend(d.cones.iter().map(|cone| cone.event));
+    events.extend(d.hyperbolae.iter().flat_map(|h| [h.about, h.vertex]));
+    events.extend(d.wedges.iter().map(|wedge| wedge.event));
+    for line in &d.lines {
+        let moments = shown(&line.track).into_iter();
+        events.extend(moments.filter_map(|time| Some(line.track.at(time)?.event)));
+    }
+    events.into_iter().map(|event| view.point(event)).collect()
+}
+
+/// Proper times of a world line that are to be seen: its ends, its corners, and its turning.
+fn shown(track: &Track) -> Vec<f64> {
+    let mut times = track.corners();
+    let start = 0f64.clamp(track.span()[0], track.span()[1]);
+    times.push(start);
+    for (end, towards) in track.span().into_iter().zip([-1.0, 1.0]) {
+        match end.is_finite() {
+            true => times.push(end),
+            false => times.extend(track.turned(start, towards, TURN)),
+        }
+    }
+    times
+}

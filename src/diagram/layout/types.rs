@@ -1,0 +1,268 @@
+//! The parts of a layout.
+
+use super::limits::Limits;
+use crate::scene::model::diagram::Colour;
+
+/// A point of a diagram, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// Upwards.
+    pub ct: f64,
+    /// To the right.
+    pub x: f64,
+}
+
+/// A diagram laid out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// A line above.
+    pub title: Option<String>,
+    /// Views side by side.
+    pub panels: Vec<Panel>,
+}
+
+/// The diagram in one frame's coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// The frame's name.
+    pub frame: String,
+    /// What is shown.
+    pub limits: Limits,
+    /// Axes of frames; the first are the view's own.
+    pub axes: Vec<Axes>,
+    /// Lines of equal time and place.
+    pub grid: Vec<GridLine>,
+    /// World lines.
+    pub world_lines: Vec<WorldLine>,
+    /// Light cones.
+    pub cones: Vec<Cone>,
+    /// Hyperbolae of constant interval.
+    pub hyperbolae: Vec<Hyperbola>,
+    /// World sheets, regions and wedges, lowest first.
+    pub areas: Vec<Area>,
+    /// Lines of equal time and equal place; their owners are frames.
+    pub slices: Vec<Segment>,
+    /// Light signals.
+    pub signals: Vec<Segment>,
+    /// Intervals.
+    pub intervals: Vec<Interval>,
+    /// Arrows; their owners are world lines.
+    pub arrows: Vec<Segment>,
+    /// Events.
+    pub events: Vec<Spot>,
+    /// Words.
+    pub texts: Vec<Spot>,
+}
+
+/// The axes of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    /// Which of the model's frames.
+    pub frame: usize,
+    /// Where its time runs.
+    pub time: Axis,
+    /// Where its time is 0.
+    pub space: Axis,
+    /// The colour; none for one of its own.
+    pub colour: Option<Colour>,
+}
+
+/// An axis, from lower to higher values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Its ends.
+    pub ends: [Point; 2],
+    /// What stands at its upper end.
+    pub label: String,
+    /// Its ticks; that of 0 is left out.
+    pub ticks: Vec<Tick>,
+}
+
+/// A tick on an axis or a world line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tick {
+    /// Where.
+    pub at: Point,
+    /// The value there, in the diagram's unit.
+    pub value: f64,
+    /// The direction of the line that it is on.
+    pub along: Point,
+    /// What stands beside it.
+    pub label: Option<String>,
+}
+
+/// A line of equal time or place of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridLine {
+    /// Which of the model's frames.
+    pub frame: usize,
+    /// Its ends.
+    pub ends: [Point; 2],
+}
+
+/// A drawn curve.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Curve {
+    /// Points near enough to each other for straight lines between them.
+    pub points: Vec<Point>,
+}
+
+/// A world line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldLine {
+    /// Its name.
+    pub name: String,
+    /// Where it goes, upwards.
+    pub curve: Curve,
+    /// Ticks of its own clock.
+    pub ticks: Vec<Tick>,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for one of its own.
+    pub colour: Option<Colour>,
+}
+
+/// A light cone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cone {
+    /// Its apex.
+    pub apex: Point,
+    /// Its rays, from the apex to the limits.
+    pub rays: Vec<[Point; 2]>,
+    /// Its inside, where that is shaded.
+    pub inside: Vec<Vec<Point>>,
+}
+
+/// Events of one interval from an event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hyperbola {
+    /// Where it goes.
+    pub curve: Curve,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// A shaded area.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Area {
+    /// Its edge.
+    pub edge: Vec<Point>,
+    /// Light rays that bound it.
+    pub horizons: Vec<[Point; 2]>,
+    /// The world line whose colour it has.
+    pub owner: Option<usize>,
+    /// What stands on it.
+    pub label: Option<Placed>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// Words at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// The words.
+    pub text: String,
+    /// Where their middle is.
+    pub at: Point,
+}
+
+/// A straight line between two points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment {
+    /// Its ends.
+    pub ends: [Point; 2],
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for its owner's.
+    pub colour: Option<Colour>,
+    /// The frame or world line that it belongs to.
+    pub owner: Option<usize>,
+}
+
+/// The interval between two events.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// The events.
+    pub ends: [Point; 2],
+    /// (Δct)² − (Δx)², in the diagram's unit, squared.
+    pub squared: f64,
+    /// Its kind.
+    pub kind: Kind,
+    /// What stands beside it.
+    pub label: String,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// The kind of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A clock can be at both events.
+    Timelike,
+    /// A frame has both at one time.
+    Spacelike,
+    /// Light goes from one to the other.
+    Null,
+}
+
+impl Kind {
+    /// The markup of an interval of this kind and proper time (or distance) `value`.
+    pub(super) fn label(self, value: f64) -> String {
+        match self {
+            Kind::Timelike => format!("Δ*τ* = {}", number(value)),
+            Kind::Spacelike => format!("Δ*σ* = {}", number(value)),
+            Kind::Null => "Δ*s* = 0".to_string(),
+        }
+    }
+}
+
+/// An event, or words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spot {
+    /// Where.
+    pub at: Point,
+    /// What stands beside it, or there.
+    pub label: Option<String>,
+    /// Whether it has a dot.
+    pub dot: bool,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+impl Point {
+    /// A point.
+    pub fn new(ct: f64, x: f64) -> Point {
+        Point { ct, x }
+    }
+
+    /// This and `t` times `direction`.
+    pub fn plus(self, t: f64, direction: Point) -> Point {
+        Point::new(self.ct + t * direction.ct, self.x + t * direction.x)
+    }
+
+    /// From `other` to this.
+    pub fn from(self, other: Point) -> Point {
+        self.plus(-1.0, other)
+    }
+}
+
+/// A number to four digits, as short as it goes.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = 3 - libm::floor(libm::log10(value.abs())) as i32;
+    if !(-3..=6).contains(&digits) {
+        let exponent = 3 - digits;
+        let mantissa = number(value / libm::pow(10.0, f64::from(exponent)));
+        return format!("{mantissa}·10^{{{exponent}}}");
+    }
+    let places = digits.max(0) as usize;
+    let text = format!("{value:.places$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}

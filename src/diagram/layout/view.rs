@@ -1,0 +1,75 @@
+//! From the world to the coordinates of a view.
+
+use glam::DVec3;
+
+use super::types::Point;
+use crate::scene::model::diagram::{Diagram, Reference};
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
+
+/// A frame in whose coordinates a diagram is drawn.
+pub(super) struct View<'d> {
+    pub diagram: &'d Diagram,
+    pub index: usize,
+    pub reference: Reference,
+}
+
+impl<'d> View<'d> {
+    pub fn new(diagram: &'d Diagram, index: usize) -> Self {
+        let world = || Reference {
+            name: "world".into(),
+            frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
+            axes: true,
+            grid: false,
+            ticks: None,
+            colour: None,
+        };
+        View {
+            diagram,
+            index,
+            reference: diagram.frames.get(index).cloned().unwrap_or_else(world),
+        }
+    }
+
+    pub fn frame(&self) -> &InertialFrame<Rest> {
+        &self.reference.frame
+    }
+
+    /// Where an event is.
+    pub fn point(&self, event: Event<World>) -> Point {
+        let own = self.frame().event_from_world(event);
+        self.project(own.ct, own.x)
+    }
+
+    /// A displacement.
+    pub fn vector(&self, step: Displacement<World>) -> Point {
+        let own = self.frame().frame_from_world().displacement(step);
+        self.project(own.ct, own.x)
+    }
+
+    fn project(&self, ct: f64, x: DVec3) -> Point {
+        let unit = self.diagram.unit.metres;
+        Point::new(ct / unit, self.diagram.direction.dot(x) / unit)
+    }
+
+    /// One unit along the time axis and along the space axis of a frame.
+    pub fn axes_of(&self, index: usize) -> [Point; 2] {
+        if index == self.index {
+            return [Point::new(1.0, 0.0), Point::new(0.0, 1.0)];
+        }
+        let unit = self.diagram.unit.metres;
+        let frame = View::new(self.diagram, index).reference.frame;
+        let steps = [
+            Displacement::new(unit, DVec3::ZERO),
+            Displacement::new(0.0, self.diagram.direction * unit),
+        ];
+        steps.map(|step| self.vector(frame.world_from_frame().displacement(step)))
+    }
+
+    /// Where the coordinates of a frame are 0.
+    pub fn origin_of(&self, index: usize) -> Point {
+        if index == self.index {
+            return Point::default();
+        }
+        self.point(View::new(self.diagram, index).reference.frame.origin())
+    }
+}

@@ -1,0 +1,261 @@
+//! `[diagram]`: a space-time diagram, by its frames, world lines, events and what is drawn between them.
+
+mod elements;
+mod spot;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Velocity;
+use crate::scene::at::At;
+use crate::scene::values::{Number, Numbers, Vector};
+use crate::units::Length;
+
+pub(in crate::scene) use elements::{
+    Arrow, Hyperbola, Interval, LightCone, Region, Sheet, Side, Signal, Slice, Text, Wedge,
+};
+pub(in crate::scene) use spot::{OneOrMany, Speed, Spot};
+
+/// A space-time diagram: ct upwards, one direction of space to the right, light at 45 degrees. Numbers are
+/// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x].
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { title = \"Time dilation\" }"
+)]
+pub(in crate::scene) struct Diagram {
+    /// A line above the diagram.
+    pub title: Option<At<String>>,
+    /// What a number of this table means: "m", "mm", "cm", "km", or a time, of which a length is what
+    /// light goes in it: "ps", "ns", "us", "ms", "s", "min", "h", "d", "yr". Default: metres, with no unit
+    /// at the axes.
+    pub unit: Option<At<Unit>>,
+    /// What the axes show of x, [from, to]. Default: by the contents.
+    pub x: Option<At<Numbers<2>>>,
+    /// What the axes show of ct, [from, to]. Default: by the contents.
+    pub ct: Option<At<Numbers<2>>>,
+    /// The direction of the world along which x is measured, of any length but 0. Default: that of the
+    /// camera's motion, or of the first object that moves, or else [1, 0, 0].
+    pub direction: Option<At<Vector>>,
+    /// The frame, or several side by side, in whose coordinates all is drawn: "world", "camera", or the
+    /// name of one. Default: "world".
+    pub view: Option<At<OneOrMany>>,
+    /// Frames of reference.
+    pub frame: Vec<At<DiagramFrame>>,
+    /// World lines.
+    pub worldline: Vec<At<DiagramLine>>,
+    /// Events.
+    pub event: Vec<At<DiagramEvent>>,
+    /// Light cones of events.
+    pub light_cone: Vec<At<LightCone>>,
+    /// Light from events or world lines to world lines.
+    pub signal: Vec<At<Signal>>,
+    /// Lines of events that are simultaneous in a frame.
+    pub simultaneity: Vec<At<Slice>>,
+    /// Lines of events that happen at one place of a frame.
+    pub place: Vec<At<Slice>>,
+    /// Intervals between two events, with their value.
+    pub interval: Vec<At<Interval>>,
+    /// Hyperbolae of constant interval, which calibrate the axes of frames.
+    pub hyperbola: Vec<At<Hyperbola>>,
+    /// World sheets: what lies between two world lines.
+    pub sheet: Vec<At<Sheet>>,
+    /// Shaded regions.
+    pub region: Vec<At<Region>>,
+    /// Arrows: four-velocities, or from event to event.
+    pub arrow: Vec<At<Arrow>>,
+    /// Rindler wedges, with their horizons.
+    pub wedge: Vec<At<Wedge>>,
+    /// Words.
+    pub text: Vec<At<Text>>,
+    /// How it looks.
+    pub style: DiagramStyle,
+}
+
+/// What a number of a diagram means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Unit {
+    M,
+    Mm,
+    Cm,
+    Km,
+    Ps,
+    Ns,
+    Us,
+    Ms,
+    S,
+    Min,
+    H,
+    D,
+    Yr,
+}
+
+/// A frame of reference, and what is drawn of it.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { name = \"S'\", velocity = 0.6 }"
+)]
+pub(in crate::scene) struct DiagramFrame {
+    /// Unique name; "world" is that of the scene's own frame.
+    pub name: At<String>,
+    /// Velocity: β along the diagram's direction, or a table as elsewhere. Excludes `of`.
+    pub velocity: Option<At<Speed>>,
+    /// The frame relative to which `velocity` is. Default: "world".
+    pub relative_to: Option<At<String>>,
+    /// The world line that the frame moves along with. Excludes `velocity`.
+    pub of: Option<At<String>>,
+    /// The time of that world line's own clock at which it does. Default: 0, or the camera's time.
+    pub proper_time: Option<At<Number>>,
+    /// The event at which the frame's clock and coordinates are 0. Default: [0, 0], or with `of` the
+    /// world line's event then.
+    pub origin: Option<At<Spot>>,
+    /// Whether its axes are drawn. Default: true.
+    pub axes: Option<bool>,
+    /// Whether its lines of equal time and equal place are drawn. Default: false.
+    pub grid: Option<bool>,
+    /// The distance of the ticks on its axes, above 0. Default: that of the diagram's.
+    pub ticks: Option<At<Number>>,
+    /// The colour. Default: one of its own.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A world line, said in one way: inertial or accelerated from an event on, through events, or that of
+/// something in the scene.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { name = \"ship\", at = [0, 0], velocity = 0.6 }"
+)]
+pub(in crate::scene) struct DiagramLine {
+    /// Unique name.
+    pub name: At<String>,
+    /// What stands beside it; "" is nothing. Default: the name.
+    pub label: Option<At<String>>,
+    /// What in the scene it is the world line of: "camera" (or "pinhole"), "sensor" (its centre), or the
+    /// name of an object.
+    pub of: Option<At<String>>,
+    /// The event at which its clock shows 0. Default: [0, 0].
+    pub at: Option<At<Spot>>,
+    /// The velocity then: β along the diagram's direction, or a table as elsewhere. Default: at rest.
+    pub velocity: Option<At<Speed>>,
+    /// The frame relative to which `velocity` is. Default: "world".
+    pub relative_to: Option<At<String>>,
+    /// Constant proper acceleration along the diagram's direction, per unit of length.
+    pub acceleration: Option<At<Number>>,
+    /// One stretch of constant proper acceleration after the other, from the event `at` on.
+    pub segments: Option<At<Vec<At<LineSegment>>>>,
+    /// Events that it connects by straight lines; its clock shows 0 at the first, and it ends at the last.
+    pub through: Option<At<Vec<At<Spot>>>>,
+    /// Events that it connects by a smooth curve; its clock shows 0 at the first, and it ends at the last.
+    pub keyframes: Option<At<Vec<At<Spot>>>>,
+    /// The event at whose world time it begins. Default: it has no beginning.
+    pub from: Option<At<Spot>>,
+    /// The event at whose world time it ends. Default: it has no end.
+    pub to: Option<At<Spot>>,
+    /// The distance of ticks of its own clock, above 0. Default: no ticks.
+    pub ticks: Option<At<Number>>,
+    /// Whether the ticks have numbers. Default: false.
+    pub numbers: Option<bool>,
+    /// The colour. Default: one of its own.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A stretch of constant proper acceleration.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { duration = 2, acceleration = 0.5 }"
+)]
+pub(in crate::scene) struct LineSegment {
+    /// The own time that it takes, above 0. Only the last stretch may leave it out.
+    pub duration: Option<At<Number>>,
+    /// Proper acceleration along the diagram's direction. Default: none; it coasts.
+    pub acceleration: Option<At<Number>>,
+}
+
+/// An event, said in one way.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { name = \"A\", at = [0, 0] }"
+)]
+pub(in crate::scene) struct DiagramEvent {
+    /// Unique name.
+    pub name: At<String>,
+    /// What stands beside it; "" is nothing. Default: the name.
+    pub label: Option<At<String>>,
+    /// Where it is: [ct, x] in `frame`, or another event.
+    pub at: Option<At<Spot>>,
+    /// The frame of `at` or of `simultaneous_with`. Default: "world".
+    pub frame: Option<At<String>>,
+    /// The world line that it is on, at the place that one of the next four keys says.
+    pub on: Option<At<String>>,
+    /// Where the clock of that world line shows this time.
+    pub proper_time: Option<At<Number>>,
+    /// Where light from this event reaches that world line.
+    pub light_from: Option<At<Spot>>,
+    /// Where light left that world line to reach this event.
+    pub light_to: Option<At<Spot>>,
+    /// Where that world line is simultaneous with this event in `frame`.
+    pub simultaneous_with: Option<At<Spot>>,
+    /// Two world lines that cross there; of several crossings the first after proper time 0 of the first
+    /// line, or else the last before.
+    pub cross: Option<At<[At<String>; 2]>>,
+    /// Whether it is marked by a dot. Default: true.
+    pub dot: Option<bool>,
+}
+
+/// A colour of the palette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Colour {
+    Black,
+    Grey,
+    Blue,
+    Red,
+    Green,
+    Orange,
+    Sky,
+    Purple,
+}
+
+/// How a diagram looks.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { theme = \"dark\" }"
+)]
+pub(in crate::scene) struct DiagramStyle {
+    /// "light" or "dark". Default: "light".
+    pub theme: Option<Theme>,
+    /// Width of the page, like "120 mm". Default: "120 mm" for each view.
+    pub width: Option<At<Length>>,
+    /// Size of the type, points. Default: 10.
+    pub font_size: Option<At<Number>>,
+    /// Width of world lines, points. Default: 1.4.
+    pub line_width: Option<At<Number>>,
+    /// Whether the diagram has a legend of its world lines, in place of labels beside them. Default: false.
+    pub legend: Option<bool>,
+    /// Whether the axes have ticks with numbers. Default: true.
+    pub ticks: Option<bool>,
+    /// Whether a faint grid of the view's own coordinates is drawn. Default: false.
+    pub grid: Option<bool>,
+}
+
+/// Colours for a white page, or for a black one.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum Theme {
+    Light,
+    Dark,
+}
+
+/// The velocity of a frame or world line, as a table.
+pub(in crate::scene) type VelocityTable = Velocity;

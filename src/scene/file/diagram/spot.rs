@@ -1,0 +1,143 @@
+//! Values of a diagram that are said in one of two ways: events, velocities, names.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::VelocityTable;
+use crate::scene::at::At;
+use crate::scene::values::{Number, Numbers};
+
+/// An event: its name, or [ct, x].
+#[derive(Debug, Clone, JsonSchema)]
+#[schemars(untagged)]
+pub(in crate::scene) enum Spot {
+    Name(String),
+    At(Numbers<2>),
+}
+
+/// A velocity: β along the diagram's direction, or a table.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(in crate::scene) enum Speed {
+    Beta(Number),
+    Table(Box<VelocityTable>),
+}
+
+/// One name, or several.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(in crate::scene) enum OneOrMany {
+    One(String),
+    Many(Vec<At<String>>),
+}
+
+struct SpotVisitor;
+
+impl<'de> Visitor<'de> for SpotVisitor {
+    type Value = Spot;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of an event or [ct, x]")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<Spot, E> {
+        Ok(Spot::Name(name.to_string()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Spot, A::Error> {
+        Numbers::deserialize(SeqAccessDeserializer::new(seq)).map(Spot::At)
+    }
+}
+
+impl<'de> Deserialize<'de> for Spot {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SpotVisitor)
+    }
+}
+
+impl Serialize for Spot {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Spot::Name(name) => name.serialize(serializer),
+            Spot::At(numbers) => numbers.serialize(serializer),
+        }
+    }
+}
+
+struct SpeedVisitor;
+
+impl<'de> Visitor<'de> for SpeedVisitor {
+    type Value = Speed;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number (β) or a table like { gamma = 2 }")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Speed, E> {
+        match value.is_finite() {
+            true => Ok(Speed::Beta(Number(value))),
+            false => Err(E::custom(format!("{value} is not a finite number"))),
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Speed, E> {
+        Ok(Speed::Beta(Number(value as f64)))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Speed, A::Error> {
+        let table = VelocityTable::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Speed::Table(Box::new(table)))
+    }
+}
+
+impl<'de> Deserialize<'de> for Speed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SpeedVisitor)
+    }
+}
+
+impl Serialize for Speed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Speed::Beta(beta) => beta.serialize(serializer),
+            Speed::Table(table) => table.serialize(serializer),
+        }
+    }
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = OneOrMany;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a name or a list of names")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<OneOrMany, E> {
+        Ok(OneOrMany::One(name.to_string()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOrMany, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(OneOrMany::Many)
+    }
+}
+
+impl<'de> Deserialize<'de> for OneOrMany {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
+    }
+}
+
+impl Serialize for OneOrMany {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            OneOrMany::One(name) => name.serialize(serializer),
+            OneOrMany::Many(names) => names.serialize(serializer),
+        }
+    }
+}

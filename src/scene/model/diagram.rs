@@ -1,0 +1,318 @@
+//! A space-time diagram, resolved: every name looked up, every event solved for. Metres throughout.
+
+mod track;
+
+use glam::DVec3;
+
+use crate::spacetime::{Event, InertialFrame, Rest, World};
+
+pub use track::{Moment, Track};
+
+/// A space-time diagram. Indices into `lines` and `frames` are those of these lists.
+#[derive(Debug, Clone)]
+pub struct Diagram {
+    /// The file as named by the user.
+    pub name: String,
+    /// The text that was parsed, after overrides.
+    pub text: String,
+    /// A line above the diagram.
+    pub title: Option<String>,
+    /// What numbers at the axes count.
+    pub unit: Unit,
+    /// The unit vector of the world along which x is measured.
+    pub direction: DVec3,
+    /// What the axes show of x, metres; none for as much as the contents need.
+    pub x: Option<[f64; 2]>,
+    /// What the axes show of ct, metres.
+    pub ct: Option<[f64; 2]>,
+    /// The frames in whose coordinates the diagram is drawn, side by side; at least one.
+    pub views: Vec<usize>,
+    /// Frames of reference; the first is the world.
+    pub frames: Vec<Reference>,
+    /// World lines.
+    pub lines: Vec<Line>,
+    /// Events that are marked.
+    pub events: Vec<Mark>,
+    /// Light cones.
+    pub cones: Vec<Cone>,
+    /// Light signals.
+    pub signals: Vec<Signal>,
+    /// Lines of equal time or equal place.
+    pub slices: Vec<Slice>,
+    /// Intervals.
+    pub intervals: Vec<Interval>,
+    /// Hyperbolae.
+    pub hyperbolae: Vec<Hyperbola>,
+    /// World sheets.
+    pub sheets: Vec<WorldSheet>,
+    /// Regions.
+    pub regions: Vec<Region>,
+    /// Arrows.
+    pub arrows: Vec<Arrow>,
+    /// Rindler wedges.
+    pub wedges: Vec<Wedge>,
+    /// Words.
+    pub texts: Vec<Words>,
+    /// How it looks.
+    pub style: Style,
+}
+
+/// What numbers at the axes count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// One of it, metres.
+    pub metres: f64,
+    /// What stands at the time axis and at the space axis; none for no unit at all.
+    pub names: Option<[&'static str; 2]>,
+    /// Whether the time axis shows t (a unit of time) rather than ct.
+    pub is_time: bool,
+}
+
+/// A frame of reference, and what is drawn of it.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// Unique name.
+    pub name: String,
+    /// The frame.
+    pub frame: InertialFrame<Rest>,
+    /// Whether its axes are drawn.
+    pub axes: bool,
+    /// Whether its lines of equal time and place are drawn.
+    pub grid: bool,
+    /// The distance of its ticks, metres; none for that of the diagram's own.
+    pub ticks: Option<f64>,
+    /// The colour; none for one of its own.
+    pub colour: Option<Colour>,
+}
+
+/// A world line.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// Unique name.
+    pub name: String,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// Where it goes.
+    pub track: Track,
+    /// The distance of ticks of its own clock, metres.
+    pub ticks: Option<f64>,
+    /// Whether these have numbers.
+    pub numbers: bool,
+    /// The colour; none for one of its own.
+    pub colour: Option<Colour>,
+}
+
+/// An event that is marked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// Unique name.
+    pub name: String,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The event.
+    pub event: Event<World>,
+    /// Whether it has a dot.
+    pub dot: bool,
+}
+
+/// The light cone of an event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cone {
+    /// Its apex.
+    pub event: Event<World>,
+    /// Whether its future is drawn.
+    pub future: bool,
+    /// Whether its past is drawn.
+    pub past: bool,
+    /// Whether its inside is shaded.
+    pub shade: bool,
+}
+
+/// Light from an emission to a reception.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// The emission.
+    pub from: Event<World>,
+    /// The reception.
+    pub to: Event<World>,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for that of light.
+    pub colour: Option<Colour>,
+}
+
+/// A line of equal time or equal place of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slice {
+    /// The frame.
+    pub frame: usize,
+    /// Whether time is equal along it, or place.
+    pub kind: SliceKind,
+    /// An event on it.
+    pub event: Event<World>,
+    /// Where it ends, when it goes from `event` to somewhere; none where it has no ends.
+    pub to: Option<Event<World>>,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+/// What is equal along a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SliceKind {
+    /// Time.
+    Simultaneity,
+    /// Place.
+    Place,
+}
+
+/// The interval between two events.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// One event.
+    pub from: Event<World>,
+    /// The other.
+    pub to: Event<World>,
+    /// What stands beside it; none for its value.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// The events of one interval from an event, on one side of its light cone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hyperbola {
+    /// The event.
+    pub about: Event<World>,
+    /// The event on it that is at rest (or simultaneous) with `about` in the world.
+    pub vertex: Event<World>,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// What lies between two world lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldSheet {
+    /// The two world lines.
+    pub between: [usize; 2],
+    /// What stands on it.
+    pub label: Option<String>,
+    /// The colour; none for that of the first world line.
+    pub colour: Option<Colour>,
+}
+
+/// A shaded region with straight edges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Its corners, three at least.
+    pub corners: Vec<Event<World>>,
+    /// What stands on it.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// An arrow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arrow {
+    /// Where it begins.
+    pub from: Event<World>,
+    /// Where its head is.
+    pub to: Event<World>,
+    /// The world line whose four-velocity it is.
+    pub line: Option<usize>,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// A quarter of the diagram between the light rays through an event.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wedge {
+    /// The event.
+    pub event: Event<World>,
+    /// Which.
+    pub side: Side,
+    /// What stands on it.
+    pub label: Option<String>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// A quarter of the diagram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Towards +x.
+    Right,
+    /// Towards −x.
+    Left,
+    /// Towards +ct.
+    Future,
+    /// Towards −ct.
+    Past,
+}
+
+/// Words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Words {
+    /// The words.
+    pub text: String,
+    /// Where their middle is.
+    pub at: Event<World>,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// A colour of the palette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Colour {
+    Black,
+    Grey,
+    Blue,
+    Red,
+    Green,
+    Orange,
+    Sky,
+    Purple,
+}
+
+/// How a diagram looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Style {
+    /// For a black page rather than a white one.
+    pub dark: bool,
+    /// Width of the page, points; none for 120 mm for each view.
+    pub width: Option<f64>,
+    /// Height of the page, points; none for what the contents need.
+    pub height: Option<f64>,
+    /// Size of the type, points.
+    pub font_size: f64,
+    /// Width of world lines, points.
+    pub line_width: f64,
+    /// Whether world lines are named in a legend.
+    pub legend: bool,
+    /// Whether the view's axes have ticks with numbers.
+    pub ticks: bool,
+    /// Whether the view's own grid is drawn.
+    pub grid: bool,
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Style {
+            dark: false,
+            width: None,
+            height: None,
+            font_size: 10.0,
+            line_width: 1.4,
+            legend: false,
+            ticks: true,
+            grid: false,
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What a scene without a `[diagram]` shows, and limits that show nothing.
+//!
+//! Of a scene: the world lines of camera, sensor and objects, the events of pulses with their light, and
+//! the light by which the camera sees each object's origin at its time.
+
+use super::frame;
+use super::settings::{plain, settable};
+use super::stage::{Filming, Stage};
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::diagram::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
+use crate::scene::resolve::context::Context;
+use crate::spacetime::{Event, World};
+
+/// The most objects that have world lines of their own.
+const MOST: usize = 12;
+
+/// Whether a diagram says nothing to be drawn.
+pub(super) fn is_empty(said: &file::Diagram) -> bool {
+    let lists = [
+        said.frame.len(),
+        said.worldline.len(),
+        said.event.len(),
+        said.light_cone.len(),
+        said.signal.len(),
+        said.simultaneity.len(),
+        said.place.len(),
+        said.interval.len(),
+        said.hyperbola.len(),
+        said.sheet.len(),
+        said.region.len(),
+        said.arrow.len(),
+        said.wedge.len(),
+        said.text.len(),
+    ];
+    lists.iter().all(|count| *count == 0)
+}
+
+/// Fills `diagram` with what the scene has; `at` is what messages point at.
+pub(super) fn of_scene<T>(
+    cx: &Context,
+    at: &At<T>,
+    stage: &Stage,
+    diagram: &mut Diagram,
+) -> Result<()> {
+    if let Some(camera) = &stage.camera {
+        film(stage, camera, diagram);
+    }
+    for body in stage.objects.iter().take(MOST) {
+        let name = settable(cx, at, &plain(&body.name)).unwrap_or_else(|_| "object".into());
+        add_body(diagram, name, body.track());
+    }
+    for (name, event) in &stage.pulses {
+        let label = settable(cx, at, &plain(name)).ok();
+        diagram.events.push(mark(name, label, *event));
+        diagram.cones.push(Cone {
+            event: *event,
+            future: true,
+            past: false,
+            shade: false,
+        });
+    }
+    see(stage, diagram);
+    if diagram.lines.is_empty() && diagram.events.is_empty() {
+        let what = "there is nothing to draw";
+        let help = "add [[diagram.worldline]], [[diagram.event]] and the like, or a scene";
+        return Err(cx.refuse(at, what, help));
+    }
+    Ok(())
+}
+
+fn film(stage: &Stage, camera: &Filming, diagram: &mut Diagram) {
+    if !diagram.frames.iter().any(|f| f.name == "camera") {
+        diagram.frames.extend(frame::of_camera(camera));
+    }
+    for name in ["camera", "sensor"] {
+        if let Some(track) = stage.track(name) {
+            diagram.lines.push(line(name.into(), track));
+        }
+    }
+}
+
+fn line(name: String, track: Track) -> Line {
+    Line {
+        label: Some(name.clone()),
+        name,
+        track,
+        ticks: None,
+        numbers: false,
+        colour: None,
+    }
+}
+
+fn mark(name: &str, label: Option<String>, event: Event<World>) -> Mark {
+    Mark {
+        name: name.into(),
+        label,
+        event,
+        dot: true,
+    }
+}
+
+/// Adds the world line of an object; one that is drawn already takes the name in beside its own.
+fn add_body(diagram: &mut Diagram, name: String, track: Track) {
+    let n = diagram.direction;
+    let at = |track: &Track, time| track.at(time).map(|m| [m.event.ct, n.dot(m.event.x)]);
+    let same = |other: &Line| {
+        [0.0, 1.0]
+            .iter()
+            .all(|t| at(&other.track, *t) == at(&track, *t))
+    };
+    if let Some(other) = diagram.lines.iter_mut().find(|line| same(line)) {
+        if let Some(label) = &mut other.label {
+            *label = format!("{label}, {name}");
+        }
+        return;
+    }
+    diagram.lines.push(line(name, track));
+}
+
+/// The light by which the camera sees the objects' origins.
+fn see(stage: &Stage, diagram: &mut Diagram) {
+    let Some(camera) = &stage.camera else { return };
+    let Some(shot) = camera.line.state(camera.model.time) else {
+        return;
+    };
+    diagram
+        .events
+        .push(mark("shot", Some("shot".into()), shot.event));
+    let bodies = stage.objects.iter().take(MOST);
+    let seen = bodies.filter_map(|body| body.track().emits_to(shot.event));
+    diagram.signals.extend(seen.map(|emission| Signal {
+        from: emission.event,
+        to: shot.event,
+        label: None,
+        colour: None::<Colour>,
+    }));
+}
+
+/// Refuses limits within which nothing is.
+pub(super) fn refuse_empty_limits(
+    cx: &Context,
+    said: &file::Diagram,
+    diagram: &Diagram,
+) -> Result<()> {
+    let said = [(&said.x, 1), (&said.ct, 0)];
+    for (at, axis) in said {
+        let Some(at) = at else { continue };
+        let [from, to] = at.value.0.map(|number| number * diagram.unit.metres);
+        let within = |p: [f64; 2]| (from..=to).contains(&p[axis]);
+        let mut points = points(diagram).peekable();
+        let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
+        if points.peek().is_some() && !straight && !points.any(within) {
+            let what = "nothing of the diagram is within these limits";
+            let help = "leave them out, and they are chosen by the contents";
+            return Err(cx.refuse(at, what, help));
+        }
+    }
+    Ok(())
+}
+
+const ENDLESS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+/// Events of the diagram, (ct, x) in the world.
+fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 2]> + '_ {
+    let n = diagram.direction;
+    let marks = diagram.events.iter().map(|mark| mark.event);
+    let signals = diagram.signals.iter().flat_map(|s| [s.from, s.to]);
+    let regions = diagram
+        .regions
+        .iter()
+        .flat_map(|r| r.corners.iter().copied());
+    let ends = diagram.lines.iter().flat_map(|line| {
+        let [first, last] = line.track.span();
+        let steps = (0..=64).map(move |k| first + (last - first) * f64::from(k) / 64.0);
+        steps.filter_map(|time| Some(line.track.at(time)?.event))
+    });
+    let all = marks.chain(signals).chain(regions).chain(ends);
+    all.map(move |event| [event.ct, n.dot(event.x)])
+}

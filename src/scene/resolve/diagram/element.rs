@@ -1,0 +1,347 @@
+//! What is drawn between frames, world lines and events.
+
+use std::ops::Range;
+
+use super::event::{at_own_time, found};
+use super::names::Names;
+use super::settings::{self, colour, words};
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::file::diagram as said;
+use crate::scene::file::diagram::OneOrMany;
+use crate::scene::model::diagram::{
+    Arrow, Cone, Diagram, Hyperbola, Interval, Region, Side, Signal, Slice, SliceKind, Track,
+    Wedge, Words, WorldSheet,
+};
+use crate::spacetime::{Displacement, Event, World};
+
+/// The most signals of one table.
+const MOST_SIGNALS: u32 = 1000;
+
+/// Resolves all of `file` into `diagram`, whose names are known.
+pub(super) fn resolve_all(
+    names: &mut Names,
+    file: &file::Diagram,
+    diagram: &mut Diagram,
+) -> Result<()> {
+    diagram.cones = each(&file.light_cone, |at| cone(names, at))?;
+    for at in &file.signal {
+        diagram.signals.extend(signals(names, at)?);
+    }
+    let kind = SliceKind::Simultaneity;
+    diagram.slices = each(&file.simultaneity, |at| slice(names, at, kind))?;
+    let places = each(&file.place, |at| slice(names, at, SliceKind::Place))?;
+    diagram.slices.extend(places);
+    diagram.intervals = each(&file.interval, |at| interval(names, at))?;
+    diagram.hyperbolae = each(&file.hyperbola, |at| hyperbola(names, at))?;
+    diagram.sheets = each(&file.sheet, |at| sheet(names, at))?;
+    diagram.regions = each(&file.region, |at| region(names, at))?;
+    diagram.arrows = each(&file.arrow, |at| arrow(names, at))?;
+    diagram.wedges = each(&file.wedge, |at| wedge(names, at))?;
+    diagram.texts = each(&file.text, |at| text(names, at))?;
+    Ok(())
+}
+
+fn each<S, T>(all: &[At<S>], resolve: impl FnMut(&At<S>) -> Result<T>) -> Result<Vec<T>> {
+    all.iter().map(resolve).collect()
+}
+
+fn cone(names: &mut Names, at: &At<said::LightCone>) -> Result<Cone> {
+    let cone = &at.value;
+    Ok(Cone {
+        event: names.event(&cone.of)?,
+        future: cone.future.unwrap_or(cone.past != Some(true)),
+        past: cone.past.unwrap_or(cone.future != Some(true)),
+        shade: cone.shade.unwrap_or(false),
+    })
+}
+
+/// All signals of a table, each from receiver to receiver.
+fn signals(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Signal>> {
+    let signal = &at.value;
+    let label = words(names.cx, &signal.label)?;
+    let receivers = receivers(names, &signal.to)?;
+    let emissions = emissions(names, at)?;
+    let mut all = Vec::new();
+    for &emission in &emissions {
+        let mut from = emission;
+        for (track, span) in &receivers {
+            let received = track.receives_from(from);
+            if received.is_none() && emissions.len() > 1 {
+                break;
+            }
+            let never = "light from there never reaches this world line";
+            let to = found(names, received, span, never)?.event;
+            if to == from || (to - from).ct < 1e-12 * from.ct.abs() {
+                // They meet: there is nothing to send.
+                break;
+            }
+            all.push(Signal {
+                from,
+                to,
+                label: label.clone().filter(|_| all.is_empty()),
+                colour: colour(&signal.colour),
+            });
+            from = to;
+        }
+    }
+    if all.is_empty() {
+        let what = "no light of these emissions reaches the world line";
+        let help = "let it exist long enough, and nearer";
+        return Err(names.cx.refuse(&signal.to, what, help));
+    }
+    Ok(all)
+}
+
+fn receivers(names: &mut Names, to: &At<OneOrMany>) -> Result<Vec<(Track, Range<usize>)>> {
+    match &to.value {
+        OneOrMany::One(name) => {
+            let at = At {
+                value: name.clone(),
+                span: to.span.clone(),
+            };
+            Ok(vec![(names.track(&at)?, to.span.clone())])
+        }
+        OneOrMany::Many(all) => {
+            let receiver = |at: &At<String>| Ok((names.track(at)?, at.span.clone()));
+            all.iter().map(receiver).collect()
+        }
+    }
+}
+
+fn emissions(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Event<World>>> {
+    let signal = &at.value;
+    let cx = names.cx;
+    let Some(emitter) = names.emitter(&signal.from)? else {
+        for time in [&signal.proper_time, &signal.every].into_iter().flatten() {
+            let what = "an event has no clock: this needs a world line in `from`";
+            return Err(cx.refuse(time, what, "name the world line that emits the light"));
+        }
+        return Ok(vec![names.event(&signal.from)?]);
+    };
+    cx.exclusive(
+        (&signal.proper_time, "proper_time"),
+        (&signal.every, "every"),
+    )?;
+    if let Some(time) = &signal.proper_time {
+        return Ok(vec![
+            at_own_time(names, &emitter, time.value.0, &time.span)?.event,
+        ]);
+    }
+    let Some(every) = settings::positive(cx, &signal.every, "`every`")? else {
+        let help = "add proper_time = 1, or every = 1";
+        return Err(cx.refuse(&signal.from, "when does this world line emit light?", help));
+    };
+    let count = count(names, at, &emitter, every * names.unit)?;
+    let [first, _] = emitter.span();
+    let start = if first.is_finite() { first } else { 0.0 };
+    let times = (1..=count).map(|k| start + f64::from(k) * every * names.unit);
+    Ok(times
+        .filter_map(|time| Some(emitter.at(time)?.event))
+        .collect())
+}
+
+/// How many signals: as many as are said, or as the emitter lives for.
+fn count(names: &Names, at: &At<said::Signal>, emitter: &Track, every: f64) -> Result<u32> {
+    let [first, last] = emitter.span();
+    let alive = ((last - first) / every * (1.0 + 1e-12)).floor();
+    let count = match &at.value.count {
+        Some(count) => f64::from(count.value).min(alive),
+        None => alive,
+    };
+    if (1.0..=f64::from(MOST_SIGNALS)).contains(&count) {
+        return Ok(count as u32);
+    }
+    let what = match alive.is_finite() {
+        true => format!("these are {count} signals"),
+        false => "this world line has no end, and sends light for ever".to_string(),
+    };
+    let help = format!("give `count`, 1 to {MOST_SIGNALS}");
+    Err(names.cx.refuse(at, what, help))
+}
+
+fn slice(names: &mut Names, at: &At<said::Slice>, kind: SliceKind) -> Result<Slice> {
+    let slice = &at.value;
+    let (index, frame) = names.frame(&slice.frame)?;
+    let event = names.event(&slice.event)?;
+    let to = match &slice.to {
+        None => None,
+        Some(name) if kind == SliceKind::Simultaneity => {
+            let track = names.track(name)?;
+            let ct = frame.event_from_world(event).ct;
+            let never = "the world line is not there at that time of the frame";
+            Some(found(names, track.at_time(&frame, ct), &name.span, never)?.event)
+        }
+        Some(name) => {
+            let what = "a line of equal place has no world line at its end";
+            return Err(names.cx.refuse(name, what, "leave `to` out"));
+        }
+    };
+    Ok(Slice {
+        frame: index,
+        kind,
+        event,
+        to,
+        label: words(names.cx, &slice.label)?,
+        colour: colour(&slice.colour),
+    })
+}
+
+fn interval(names: &mut Names, at: &At<said::Interval>) -> Result<Interval> {
+    let interval = &at.value;
+    // An empty text is a label that shows nothing; none is that of the value.
+    let label = match &interval.label {
+        Some(label) => Some(settings::settable(names.cx, label, &label.value)?),
+        None => None,
+    };
+    Ok(Interval {
+        from: names.event(&interval.from)?,
+        to: names.event(&interval.to)?,
+        label,
+        colour: colour(&interval.colour),
+    })
+}
+
+fn hyperbola(names: &mut Names, at: &At<said::Hyperbola>) -> Result<Hyperbola> {
+    let said = &at.value;
+    let cx = names.cx;
+    cx.exclusive(
+        (&said.through, "through"),
+        (&said.proper_time, "proper_time"),
+    )?;
+    cx.exclusive(
+        (&said.through, "through"),
+        (&said.proper_length, "proper_length"),
+    )?;
+    let (time, length) = (&said.proper_time, &said.proper_length);
+    cx.exclusive((time, "proper_time"), (length, "proper_length"))?;
+    let about = match &said.about {
+        Some(spot) => names.event(spot)?,
+        None => Event::ORIGIN,
+    };
+    let n = names.direction;
+    let to_vertex = match (&said.through, time, length) {
+        (Some(spot), ..) => to_vertex(names, about, spot)?,
+        (_, Some(time), _) => Displacement::new(nonzero(names, time)?, n * 0.0),
+        (.., Some(length)) => Displacement::new(0.0, n * nonzero(names, length)?),
+        _ => {
+            let help = "add through = \"A\", proper_time = 1 or proper_length = 1";
+            return Err(cx.refuse(at, "this hyperbola has no interval", help));
+        }
+    };
+    Ok(Hyperbola {
+        about,
+        vertex: about + to_vertex,
+        label: words(cx, &said.label)?,
+        colour: colour(&said.colour),
+    })
+}
+
+/// From `about` to the vertex of the hyperbola through `spot`: of the same interval, along an axis.
+fn to_vertex(
+    names: &mut Names,
+    about: Event<World>,
+    spot: &At<said::Spot>,
+) -> Result<Displacement<World>> {
+    let n = names.direction;
+    let step = names.event(spot)? - about;
+    let x = n.dot(step.x);
+    let squared = (step.ct - x) * (step.ct + x);
+    if squared > 0.0 {
+        return Ok(Displacement::new(squared.sqrt().copysign(step.ct), n * 0.0));
+    }
+    if squared < 0.0 {
+        return Ok(Displacement::new(0.0, n * (-squared).sqrt().copysign(x)));
+    }
+    let what =
+        "this event is on the light cone: its interval is 0, and no hyperbola goes through it";
+    Err(names.cx.refuse(spot, what, "name another event"))
+}
+
+fn nonzero(names: &Names, at: &At<crate::scene::values::Number>) -> Result<f64> {
+    match at.value.0 {
+        0.0 => {
+            let what = "an interval of 0 is the light cone, which is no hyperbola";
+            Err(names.cx.refuse(at, what, "give another number"))
+        }
+        number => Ok(number * names.unit),
+    }
+}
+
+fn sheet(names: &mut Names, at: &At<said::Sheet>) -> Result<WorldSheet> {
+    let [a, b] = &at.value.between.value;
+    Ok(WorldSheet {
+        between: [names.line_named(a)?, names.line_named(b)?],
+        label: words(names.cx, &at.value.label)?,
+        colour: colour(&at.value.colour),
+    })
+}
+
+fn region(names: &mut Names, at: &At<said::Region>) -> Result<Region> {
+    let corners = &at.value.corners;
+    if corners.value.len() < 3 {
+        let what = "a region has three corners at least";
+        return Err(names.cx.refuse(corners, what, "name more events"));
+    }
+    Ok(Region {
+        corners: each(&corners.value, |spot| names.event(spot))?,
+        label: words(names.cx, &at.value.label)?,
+        colour: colour(&at.value.colour),
+    })
+}
+
+fn arrow(names: &mut Names, at: &At<said::Arrow>) -> Result<Arrow> {
+    let arrow = &at.value;
+    let cx = names.cx;
+    cx.exclusive((&arrow.of, "of"), (&arrow.from, "from"))?;
+    let (from, to, line) = match (&arrow.of, &arrow.from, &arrow.to) {
+        (Some(of), ..) => {
+            let track = names.track(of)?;
+            let time = arrow.proper_time.as_ref();
+            let span = time.map_or(&of.span, |at| &at.span);
+            let moment = at_own_time(names, &track, time.map_or(0.0, |at| at.value.0), span)?;
+            let length = settings::positive(cx, &arrow.length, "`length`")?.unwrap_or(1.0);
+            let frame = moment.frame();
+            let ahead = Displacement::new(length * names.unit, glam::DVec3::ZERO);
+            let to = moment.event + frame.world_from_frame().displacement(ahead);
+            (moment.event, to, names.line_named(of).ok())
+        }
+        (None, Some(from), Some(to)) => (names.event(from)?, names.event(to)?, None),
+        _ => {
+            let help = "give `of`, or `from` and `to`";
+            return Err(cx.refuse(at, "this arrow goes nowhere", help));
+        }
+    };
+    Ok(Arrow {
+        from,
+        to,
+        line,
+        label: words(cx, &arrow.label)?,
+        colour: colour(&arrow.colour),
+    })
+}
+
+fn wedge(names: &mut Names, at: &At<said::Wedge>) -> Result<Wedge> {
+    let side = at.value.side.as_ref().map(|at| at.value);
+    Ok(Wedge {
+        event: names.event(&at.value.of)?,
+        side: match side {
+            None | Some(said::Side::Right) => Side::Right,
+            Some(said::Side::Left) => Side::Left,
+            Some(said::Side::Future) => Side::Future,
+            Some(said::Side::Past) => Side::Past,
+        },
+        label: words(names.cx, &at.value.label)?,
+        colour: colour(&at.value.colour),
+    })
+}
+
+fn text(names: &mut Names, at: &At<said::Text>) -> Result<Words> {
+    let text = &at.value.text;
+    Ok(Words {
+        text: settings::settable(names.cx, text, names.cx.text(text, "the text")?)?,
+        at: names.event(&at.value.at)?,
+        colour: colour(&at.value.colour),
+    })
+}

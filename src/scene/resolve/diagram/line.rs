@@ -1,0 +1,182 @@
+//! World lines of a diagram.
+
+use std::ops::Range;
+
+use super::names::Names;
+use super::settings;
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file::diagram::{DiagramLine, LineSegment, Spot};
+use crate::scene::model::diagram::{Line, Track};
+use crate::scene::values::Number;
+use crate::spacetime::worldline::{Segment, WorldLine, WorldLineError};
+use crate::spacetime::{Event, World};
+
+const ONE_WAY: &str = "say it in one way: `of`, `through`, `keyframes`, or `at` with `velocity` and \
+                       `acceleration` or `segments`";
+
+pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<Line> {
+    let line = &at.value;
+    only_one_way(names, line)?;
+    let track = track(names, at)?;
+    let ticks = settings::positive(names.cx, &line.ticks, "`ticks`")?;
+    Ok(Line {
+        name: line.name.value.clone(),
+        label: names.label(&line.label, &line.name)?,
+        track: ended(names, line, track)?,
+        ticks: ticks.map(|ticks| ticks * names.unit),
+        numbers: line.numbers.unwrap_or(false),
+        colour: settings::colour(&line.colour),
+    })
+}
+
+fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
+    at.as_ref().map(|at| &at.span)
+}
+
+/// Refuses two ways at once; `at` and `velocity` belong to those that go on from an event.
+fn only_one_way(names: &Names, line: &DiagramLine) -> Result<()> {
+    let from_event = span(&line.acceleration).or(span(&line.segments));
+    let start = from_event.or(span(&line.at)).or(span(&line.velocity));
+    let mut ways = [
+        span(&line.of),
+        span(&line.through),
+        span(&line.keyframes),
+        start,
+    ]
+    .into_iter()
+    .flatten();
+    if let (Some(first), Some(second)) = (ways.next(), ways.next()) {
+        let what = "this world line is said twice";
+        let other = (first, "and here");
+        return Err(names.cx.report.refuse_two(second, other, what, ONE_WAY));
+    }
+    names.cx.exclusive(
+        (&line.acceleration, "acceleration"),
+        (&line.segments, "segments"),
+    )
+}
+
+fn track(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
+    let line = &at.value;
+    if let Some(of) = &line.of {
+        return of_scene(names, of);
+    }
+    if let Some(through) = &line.through {
+        let events = events(names, through)?;
+        return Track::broken(&events).map_err(|i| too_fast(names, through, i));
+    }
+    if let Some(keyframes) = &line.keyframes {
+        let events = events(names, keyframes)?;
+        let track = WorldLine::keyframes(&events).map(Track::from);
+        return track.map_err(|error| refusal(names, keyframes, &error));
+    }
+    from_event(names, at)
+}
+
+fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
+    names.stage.track(&of.value).ok_or_else(|| {
+        let known = names.stage.names().join(", ");
+        let what = format!(
+            "the scene has no world line of {}",
+            crate::units::quoted(&of.value)
+        );
+        let help = match known.is_empty() {
+            true => "this file has no scene: give `at`, `through` or `keyframes`".to_string(),
+            false => format!("it has those of: {known}"),
+        };
+        names.cx.refuse(of, what, help)
+    })
+}
+
+fn events(names: &mut Names, at: &At<Vec<At<Spot>>>) -> Result<Vec<Event<World>>> {
+    if at.value.len() < 2 {
+        let help = "give two events at least, like [\"A\", \"B\"]";
+        return Err(names.cx.refuse(at, "a world line needs two events", help));
+    }
+    at.value.iter().map(|spot| names.event(spot)).collect()
+}
+
+/// The refusal of an event that nothing slower than light reaches from the one before.
+fn too_fast(names: &Names, at: &At<Vec<At<Spot>>>, i: usize) -> Error {
+    let spans = at.value.iter().map(|spot| &spot.span);
+    let here = spans.clone().nth(i).unwrap_or(&at.span);
+    let before = spans.clone().nth(i.wrapping_sub(1)).unwrap_or(&at.span);
+    let what = "this event is not within the future light cone of the one before";
+    let help = "a world line is slower than light: give more time or less way between the two";
+    names
+        .cx
+        .report
+        .refuse_two(here, (before, "the one before"), what, help)
+}
+
+/// Inertial or accelerated from an event on.
+fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
+    let line = &at.value;
+    let zero = match &line.at {
+        Some(spot) => names.event(spot)?,
+        None => Event::ORIGIN,
+    };
+    let velocity = names.velocity(&line.velocity, &line.relative_to)?;
+    let n = names.direction / names.unit;
+    if let Some(acceleration) = &line.acceleration {
+        let a = n * acceleration.value.0;
+        let track = WorldLine::hyperbolic(velocity, zero, a).map(Track::from);
+        return track.map_err(|error| names.cx.refuse(acceleration, error.to_string(), ""));
+    }
+    if let Some(segments) = &line.segments {
+        let stretches: Vec<Segment> = segments_of(names, segments)?;
+        let track = WorldLine::segments(velocity, zero, &stretches).map(Track::from);
+        return track.map_err(|error| refusal(names, segments, &error));
+    }
+    Ok(WorldLine::inertial(velocity, zero).into())
+}
+
+fn segments_of(names: &Names, at: &At<Vec<At<LineSegment>>>) -> Result<Vec<Segment>> {
+    let n = names.direction / names.unit;
+    let a = |at: &Option<At<Number>>| n * at.as_ref().map_or(0.0, |at| at.value.0);
+    let segment = |segment: &At<LineSegment>| {
+        let duration = settings::positive(names.cx, &segment.value.duration, "`duration`")?;
+        Ok(Segment {
+            duration: duration.map_or(f64::INFINITY, |d| d * names.unit),
+            acceleration: a(&segment.value.acceleration),
+        })
+    };
+    at.value.iter().map(segment).collect()
+}
+
+/// The refusal of a list that gives no world line, at the entry that is to blame.
+fn refusal<T>(names: &Names, at: &At<Vec<At<T>>>, error: &WorldLineError) -> Error {
+    let entry = error.index().and_then(|i| at.value.get(i));
+    let here = entry.map_or(&at.span, |entry| &entry.span);
+    let help = "a world line is slower than light, and its times ascend";
+    names.cx.report.refuse(here, error.to_string(), help)
+}
+
+/// The part from the world time of one event to that of another.
+fn ended(names: &mut Names, line: &DiagramLine, track: Track) -> Result<Track> {
+    let from = end(names, &line.from, &track)?.unwrap_or(f64::NEG_INFINITY);
+    let to = end(names, &line.to, &track)?.unwrap_or(f64::INFINITY);
+    if from < to {
+        return Ok(track.part([from, to]));
+    }
+    let what = "this world line ends before it begins";
+    let help = "let `from` be before `to`";
+    Err(match (&line.to, &line.from) {
+        (Some(at), _) | (None, Some(at)) => names.cx.refuse(at, what, help),
+        (None, None) => names.cx.refuse(&line.name, what, help),
+    })
+}
+
+fn end(names: &mut Names, spot: &Option<At<Spot>>, track: &Track) -> Result<Option<f64>> {
+    let Some(at) = spot else { return Ok(None) };
+    let event = names.event(at)?;
+    let moment = track.where_zero(|e| e.ct - event.ct);
+    let moment = moment.ok_or_else(|| {
+        let what = "the world line is not there at the time of this event";
+        names
+            .cx
+            .refuse(at, what, "give an event that is between its ends")
+    })?;
+    Ok(Some(moment.proper_time))
+}

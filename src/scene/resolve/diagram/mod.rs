@@ -1,0 +1,77 @@
+//! `[diagram]`: names looked up, events solved for.
+//!
+//! Frames, world lines and events refer to each other in any order; [`Names`] resolves each when it is
+//! first asked for, and refuses what would be defined by way of itself.
+
+mod content;
+mod element;
+mod event;
+mod frame;
+mod line;
+mod names;
+mod settings;
+mod stage;
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::model::diagram::{Diagram, Reference};
+use names::Names;
+use stage::Stage;
+
+/// The diagram that `file` says, or the one of its scene.
+pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
+    let nothing = At::nowhere(file::Diagram::default());
+    let at = file.diagram.as_ref().unwrap_or(&nothing);
+    let said = &at.value;
+    let stage = Stage::new(cx, file)?;
+    let unit = settings::unit(said);
+    let direction = settings::direction(cx, said, &stage)?;
+    let mut diagram = Diagram {
+        name: cx.report.name.clone(),
+        text: cx.report.text.to_string(),
+        title: settings::words(cx, &said.title)?,
+        unit,
+        direction,
+        x: settings::limits(cx, &said.x, unit.metres)?,
+        ct: settings::limits(cx, &said.ct, unit.metres)?,
+        views: vec![0],
+        frames: Vec::new(),
+        lines: Vec::new(),
+        events: Vec::new(),
+        cones: Vec::new(),
+        signals: Vec::new(),
+        slices: Vec::new(),
+        intervals: Vec::new(),
+        hyperbolae: Vec::new(),
+        sheets: Vec::new(),
+        regions: Vec::new(),
+        arrows: Vec::new(),
+        wedges: Vec::new(),
+        texts: Vec::new(),
+        style: settings::style(cx, &said.style)?,
+    };
+    let mut names = Names::new(cx, said, unit.metres, direction, &stage)?;
+    names.resolve_all(&mut diagram)?;
+    element::resolve_all(&mut names, said, &mut diagram)?;
+    diagram.views = names.views()?;
+    if content::is_empty(said) {
+        content::of_scene(cx, at, &stage, &mut diagram)?;
+    }
+    content::refuse_empty_limits(cx, said, &diagram)?;
+    Ok(diagram)
+}
+
+/// The frame of the scene file itself.
+fn world() -> Reference {
+    use crate::spacetime::{Event, InertialFrame, Velocity};
+    Reference {
+        name: "world".into(),
+        frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
+        axes: true,
+        grid: false,
+        ticks: None,
+        colour: None,
+    }
+}

@@ -1,0 +1,365 @@
+//! Frames, world lines and events by name, each resolved when it is first asked for.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::stage::Stage;
+use super::{event, frame, line, settings, world};
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::file::diagram::{OneOrMany, Speed, Spot};
+use crate::scene::model::diagram::{Diagram, Line, Mark, Reference, Track};
+use crate::scene::resolve::context::Context;
+use crate::scene::resolve::object::refuse_duplicates;
+use crate::scene::resolve::velocity;
+use crate::scene::suggest::nearest;
+use crate::spacetime::{Event, InertialFrame, Rest, Velocity, World};
+use crate::units::quoted;
+
+/// What is known of a name.
+enum Slot<T> {
+    /// Nothing yet.
+    Unasked,
+    /// It is being resolved.
+    Asked,
+    /// What it means.
+    Known(T),
+}
+
+/// The names of a diagram.
+pub(super) struct Names<'a> {
+    pub cx: &'a Context<'a>,
+    pub file: &'a file::Diagram,
+    /// Metres of a number.
+    pub unit: f64,
+    /// Along which x is measured, unit vector.
+    pub direction: DVec3,
+    pub stage: &'a Stage,
+    /// The world, then those of the file, then the camera's unless the file has one of that name.
+    frames: Vec<Slot<Reference>>,
+    lines: Vec<Slot<Line>>,
+    events: Vec<Slot<Mark>>,
+}
+
+impl<'a> Names<'a> {
+    pub fn new(
+        cx: &'a Context<'a>,
+        file: &'a file::Diagram,
+        unit: f64,
+        direction: DVec3,
+        stage: &'a Stage,
+    ) -> Result<Self> {
+        refuse_duplicates(cx, file.frame.iter().map(|at| &at.value.name), "frame")?;
+        refuse_duplicates(
+            cx,
+            file.worldline.iter().map(|at| &at.value.name),
+            "world line",
+        )?;
+        refuse_duplicates(cx, file.event.iter().map(|at| &at.value.name), "event")?;
+        if let Some(at) = file.frame.iter().find(|at| at.value.name.value == "world") {
+            let help = "give it another name";
+            let what = "\"world\" is the name of the scene's own frame";
+            return Err(cx.refuse(&at.value.name, what, help));
+        }
+        let mut names = Names {
+            cx,
+            file,
+            unit,
+            direction,
+            stage,
+            frames: vec![Slot::Known(world())],
+            lines: file.worldline.iter().map(|_| Slot::Unasked).collect(),
+            events: file.event.iter().map(|_| Slot::Unasked).collect(),
+        };
+        names
+            .frames
+            .extend(file.frame.iter().map(|_| Slot::Unasked));
+        let taken = file.frame.iter().any(|at| at.value.name.value == "camera");
+        if let (Some(camera), false) = (&stage.camera, taken) {
+            names
+                .frames
+                .extend(frame::of_camera(camera).map(Slot::Known));
+        }
+        Ok(names)
+    }
+
+    /// Resolves every name into `diagram`.
+    pub fn resolve_all(&mut self, diagram: &mut Diagram) -> Result<()> {
+        for (i, at) in self.file.frame.iter().enumerate() {
+            self.reference(i + 1, &at.span)?;
+        }
+        for (i, at) in self.file.worldline.iter().enumerate() {
+            self.line(i, &at.span)?;
+        }
+        for (i, at) in self.file.event.iter().enumerate() {
+            self.mark(i, &at.span)?;
+        }
+        diagram.frames = known(&self.frames);
+        diagram.lines = known(&self.lines);
+        diagram.events = known(&self.events);
+        Ok(())
+    }
+
+    /// The frames to draw in.
+    pub fn views(&mut self) -> Result<Vec<usize>> {
+        match &self.file.view {
+            None => Ok(vec![0]),
+            Some(at) => match &at.value {
+                OneOrMany::One(name) => Ok(vec![self.frame_named(name, &at.span)?]),
+                OneOrMany::Many(names) if !names.is_empty() => {
+                    let frame = |name: &At<String>| self.frame_named(&name.value, &name.span);
+                    names.iter().map(frame).collect()
+                }
+                OneOrMany::Many(_) => {
+                    let what = "there is no frame to draw in";
+                    Err(self
+                        .cx
+                        .refuse(at, what, "leave `view` out, or name a frame"))
+                }
+            },
+        }
+    }
+
+    fn reference(&mut self, i: usize, span: &Range<usize>) -> Result<Reference> {
+        if let Some(known) = ask(self.cx, &mut self.frames, i, span)? {
+            return Ok(known);
+        }
+        let file = self.file;
+        let Some(at) = i.checked_sub(1).and_then(|i| file.frame.get(i)) else {
+            return Ok(world());
+        };
+        let known = frame::resolve(self, at)?;
+        answer(&mut self.frames, i, &known);
+        Ok(known)
+    }
+
+    /// The i-th world line, asked for at `span`.
+    pub fn line(&mut self, i: usize, span: &Range<usize>) -> Result<Line> {
+        if let Some(known) = ask(self.cx, &mut self.lines, i, span)? {
+            return Ok(known);
+        }
+        let file = self.file;
+        let Some(at) = file.worldline.get(i) else {
+            return Err(self
+                .cx
+                .report
+                .refuse(span, "there is no such world line", ""));
+        };
+        let known = line::resolve(self, at)?;
+        answer(&mut self.lines, i, &known);
+        Ok(known)
+    }
+
+    fn mark(&mut self, i: usize, span: &Range<usize>) -> Result<Mark> {
+        if let Some(known) = ask(self.cx, &mut self.events, i, span)? {
+            return Ok(known);
+        }
+        let file = self.file;
+        let Some(at) = file.event.get(i) else {
+            return Err(self.cx.report.refuse(span, "there is no such event", ""));
+        };
+        let known = event::resolve(self, at)?;
+        answer(&mut self.events, i, &known);
+        Ok(known)
+    }
+
+    fn frame_names(&self) -> Vec<&'a str> {
+        let own = self
+            .file
+            .frame
+            .iter()
+            .map(|at| at.value.name.value.as_str());
+        let mut names: Vec<&str> = std::iter::once("world").chain(own).collect();
+        if self.frames.len() > names.len() {
+            names.push("camera");
+        }
+        names
+    }
+
+    fn frame_named(&self, name: &str, span: &Range<usize>) -> Result<usize> {
+        find(self.cx, name, span, &self.frame_names(), "frame")
+    }
+
+    /// The frame of this name and its index; the world where none is named.
+    pub fn frame(&mut self, name: &Option<At<String>>) -> Result<(usize, InertialFrame<Rest>)> {
+        let Some(at) = name else {
+            return Ok((0, world().frame));
+        };
+        let i = self.frame_named(&at.value, &at.span)?;
+        Ok((i, self.reference(i, &at.span)?.frame))
+    }
+
+    fn line_names(&self) -> Vec<&'a str> {
+        let lines = self.file.worldline.iter();
+        lines.map(|at| at.value.name.value.as_str()).collect()
+    }
+
+    fn event_names(&self) -> Vec<&'a str> {
+        let events = self.file.event.iter();
+        events.map(|at| at.value.name.value.as_str()).collect()
+    }
+
+    /// The index of a world line.
+    pub fn line_named(&self, at: &At<String>) -> Result<usize> {
+        find(
+            self.cx,
+            &at.value,
+            &at.span,
+            &self.line_names(),
+            "world line",
+        )
+    }
+
+    /// The track of the world line of this name, or of something in the scene.
+    pub fn track(&mut self, at: &At<String>) -> Result<Track> {
+        if let Some(i) = self.line_names().iter().position(|name| *name == at.value) {
+            return Ok(self.line(i, &at.span)?.track);
+        }
+        if let Some(track) = self.stage.track(&at.value) {
+            return Ok(track);
+        }
+        let mut all = self.line_names();
+        all.extend(self.stage.names());
+        Err(unknown(self.cx, &at.value, &at.span, &all, "world line"))
+    }
+
+    /// The world line that `spot` names, if it names one and no event.
+    pub fn emitter(&mut self, spot: &At<Spot>) -> Result<Option<Track>> {
+        let Spot::Name(name) = &spot.value else {
+            return Ok(None);
+        };
+        if self.event_names().contains(&name.as_str()) {
+            return Ok(None);
+        }
+        let known = self.line_names().contains(&name.as_str()) || self.stage.track(name).is_some();
+        if !known {
+            let mut all = self.event_names();
+            all.extend(self.line_names());
+            let thing = "event or world line";
+            return Err(unknown(self.cx, name, &spot.span, &all, thing));
+        }
+        let at = At {
+            value: name.clone(),
+            span: spot.span.clone(),
+        };
+        self.track(&at).map(Some)
+    }
+
+    /// The event that `spot` says, coordinates being those of the world.
+    pub fn event(&mut self, spot: &At<Spot>) -> Result<Event<World>> {
+        self.event_in(spot, &world().frame)
+    }
+
+    /// The event that `spot` says, coordinates being those of `frame`.
+    pub fn event_in(
+        &mut self,
+        spot: &At<Spot>,
+        frame: &InertialFrame<Rest>,
+    ) -> Result<Event<World>> {
+        match &spot.value {
+            Spot::At(numbers) => {
+                let [ct, x] = numbers.0.map(|number| number * self.unit);
+                Ok(frame.event_to_world(Event::new(ct, self.direction * x)))
+            }
+            Spot::Name(name) => {
+                let i = find(self.cx, name, &spot.span, &self.event_names(), "event")?;
+                Ok(self.mark(i, &spot.span)?.event)
+            }
+        }
+    }
+
+    /// The velocity in the world that is `speed` relative to `frame`.
+    pub fn velocity(
+        &mut self,
+        speed: &Option<At<Speed>>,
+        relative_to: &Option<At<String>>,
+    ) -> Result<Velocity> {
+        let (_, frame) = self.frame(relative_to)?;
+        let Some(at) = speed else {
+            return Ok(frame.velocity());
+        };
+        let refuse = |error| velocity::refusal(self.cx, &at.span, error);
+        let own = match &at.value {
+            Speed::Beta(beta) => {
+                velocity::from_signed_beta(beta.0, self.direction).map_err(refuse)?
+            }
+            Speed::Table(table) => velocity::said(self.cx, table, &at.span, self.direction)?,
+        };
+        own.relative_to(-frame.velocity()).map_err(refuse)
+    }
+
+    /// Words beside something that has a name.
+    pub fn label(&self, label: &Option<At<String>>, name: &At<String>) -> Result<Option<String>> {
+        match label {
+            Some(_) => settings::words(self.cx, label),
+            None => settings::settable(self.cx, name, &name.value).map(Some),
+        }
+    }
+}
+
+/// What slot `i` holds, or nothing when it is yet to be resolved.
+fn ask<T: Clone>(
+    cx: &Context,
+    slots: &mut [Slot<T>],
+    i: usize,
+    span: &Range<usize>,
+) -> Result<Option<T>> {
+    match slots.get_mut(i) {
+        Some(Slot::Known(known)) => Ok(Some(known.clone())),
+        Some(Slot::Asked) => {
+            let what = "this is defined by way of itself";
+            let help = "define one of them by numbers";
+            Err(cx.report.refuse(span, what, help))
+        }
+        Some(slot) => {
+            *slot = Slot::Asked;
+            Ok(None)
+        }
+        None => Ok(None),
+    }
+}
+
+fn answer<T: Clone>(slots: &mut [Slot<T>], i: usize, known: &T) {
+    if let Some(slot) = slots.get_mut(i) {
+        *slot = Slot::Known(known.clone());
+    }
+}
+
+fn known<T: Clone>(slots: &[Slot<T>]) -> Vec<T> {
+    let known = slots.iter().filter_map(|slot| match slot {
+        Slot::Known(known) => Some(known.clone()),
+        _ => None,
+    });
+    known.collect()
+}
+
+fn find(
+    cx: &Context,
+    name: &str,
+    span: &Range<usize>,
+    names: &[&str],
+    thing: &str,
+) -> Result<usize> {
+    let found = names.iter().position(|known| *known == name);
+    found.ok_or_else(|| unknown(cx, name, span, names, thing))
+}
+
+fn unknown(cx: &Context, name: &str, span: &Range<usize>, names: &[&str], thing: &str) -> Error {
+    let what = format!("there is no {thing} {}", in_quotes(name));
+    let meant = nearest(name, names.iter().copied());
+    let meant = meant.map(|name| format!("did you mean {}? ", in_quotes(name)));
+    let known: Vec<String> = names.iter().take(12).map(|name| in_quotes(name)).collect();
+    let known = match known.is_empty() {
+        true => "there are none".to_string(),
+        false => format!("there are: {}", known.join(", ")),
+    };
+    let help = meant.unwrap_or_default() + &known;
+    cx.report.refuse(span, what, help)
+}
+
+/// A name in quotes; the primes of frames need no escape.
+fn in_quotes(name: &str) -> String {
+    quoted(name).replace("\\'", "'")
+}

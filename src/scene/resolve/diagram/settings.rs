@@ -1,0 +1,150 @@
+//! Unit, direction, limits, words and style of a diagram.
+
+use glam::DVec3;
+
+use super::stage::Stage;
+use crate::error::{Error, Result};
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::file::diagram as said;
+use crate::scene::model::SPEED_OF_LIGHT;
+use crate::scene::model::diagram::{Colour, Style, Unit};
+use crate::scene::resolve::context::Context;
+use crate::scene::values::{Number, Numbers};
+use crate::spacetime::{Direction, World};
+use crate::text::RichText;
+
+/// Points of a metre of paper.
+const POINTS: f64 = 72.0 / 0.0254;
+/// The smallest part of the numbers between which limits are: closer ones cannot be told apart on paper.
+const NARROWEST: f64 = 1e-9;
+
+/// What a number of the diagram means. A unit of time is that of light in vacuum, whatever the scene's
+/// own speed of light: diagrams have c = 1.
+pub(super) fn unit(diagram: &file::Diagram) -> Unit {
+    use said::Unit as U;
+    let length = |metres, name| (metres, [name, name], false);
+    let time = |seconds: f64, names| (seconds * SPEED_OF_LIGHT, names, true);
+    let Some(at) = &diagram.unit else {
+        return Unit {
+            metres: 1.0,
+            names: None,
+            is_time: false,
+        };
+    };
+    let (metres, names, is_time) = match at.value {
+        U::M => length(1.0, "m"),
+        U::Mm => length(1e-3, "mm"),
+        U::Cm => length(1e-2, "cm"),
+        U::Km => length(1e3, "km"),
+        U::Ps => time(1e-12, ["ps", "light-ps"]),
+        U::Ns => time(1e-9, ["ns", "light-ns"]),
+        U::Us => time(1e-6, ["µs", "light-µs"]),
+        U::Ms => time(1e-3, ["ms", "light-ms"]),
+        U::S => time(1.0, ["s", "ls"]),
+        U::Min => time(60.0, ["min", "light-minutes"]),
+        U::H => time(3600.0, ["h", "light-hours"]),
+        U::D => time(86400.0, ["d", "light-days"]),
+        U::Yr => time(31_557_600.0, ["yr", "ly"]),
+    };
+    Unit {
+        metres,
+        names: Some(names),
+        is_time,
+    }
+}
+
+/// The direction along which x is measured.
+pub(super) fn direction(cx: &Context, diagram: &file::Diagram, stage: &Stage) -> Result<DVec3> {
+    let Some(at) = &diagram.direction else {
+        let motion = stage.direction().and_then(Direction::<World>::new);
+        return Ok(motion.map_or(DVec3::X, Direction::unit));
+    };
+    let unit = Direction::<World>::new(at.value.vec()).ok_or_else(|| {
+        let help = "any direction of length above 0 will do, like [1, 0, 0]";
+        cx.refuse(at, "the direction is the zero vector", help)
+    })?;
+    Ok(unit.unit())
+}
+
+/// Limits in metres.
+pub(super) fn limits(
+    cx: &Context,
+    at: &Option<At<Numbers<2>>>,
+    unit: f64,
+) -> Result<Option<[f64; 2]>> {
+    let Some(at) = at else { return Ok(None) };
+    let [from, to] = at.value.0;
+    if to - from > NARROWEST * from.abs().max(to.abs()) {
+        return Ok(Some([from * unit, to * unit]));
+    }
+    let what = format!("limits from {from} to {to} hold nothing");
+    Err(cx.refuse(at, what, "give the smaller number first, like [-1, 4]"))
+}
+
+/// A number above 0.
+pub(super) fn positive(cx: &Context, at: &Option<At<Number>>, name: &str) -> Result<Option<f64>> {
+    at.as_ref().map(|at| cx.positive(at, name)).transpose()
+}
+
+/// Words that can be set.
+pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<String>> {
+    let Some(at) = at else { return Ok(None) };
+    if at.value.is_empty() {
+        return Ok(None);
+    }
+    settable(cx, at, &at.value).map(Some)
+}
+
+/// `text`, said by `at`, where it is markup that can be set.
+pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
+    match RichText::parse(text) {
+        Ok(_) => Ok(text.to_string()),
+        Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
+            Err(cx.refuse(at, problem.what, problem.help))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// `text` with all that markup would take for its own taken as it is.
+pub(super) fn plain(text: &str) -> String {
+    let own = |c| "*_^{}\\'".contains(c);
+    let escape = |c| match own(c) {
+        true => vec!['\\', c],
+        false => vec![c],
+    };
+    text.chars().flat_map(escape).collect()
+}
+
+pub(super) fn colour(at: &Option<At<said::Colour>>) -> Option<Colour> {
+    use said::Colour as C;
+    at.as_ref().map(|at| match at.value {
+        C::Black => Colour::Black,
+        C::Grey => Colour::Grey,
+        C::Blue => Colour::Blue,
+        C::Red => Colour::Red,
+        C::Green => Colour::Green,
+        C::Orange => Colour::Orange,
+        C::Sky => Colour::Sky,
+        C::Purple => Colour::Purple,
+    })
+}
+
+pub(super) fn style(cx: &Context, style: &said::DiagramStyle) -> Result<Style> {
+    let default = Style::default();
+    let width = style.width.as_ref();
+    let width = width
+        .map(|at| cx.positive_length(at, "`width`"))
+        .transpose()?;
+    Ok(Style {
+        dark: matches!(style.theme, Some(said::Theme::Dark)),
+        width: width.map(|metres| metres * POINTS),
+        height: None,
+        font_size: positive(cx, &style.font_size, "`font_size`")?.unwrap_or(default.font_size),
+        line_width: positive(cx, &style.line_width, "`line_width`")?.unwrap_or(default.line_width),
+        legend: style.legend.unwrap_or(default.legend),
+        ticks: style.ticks.unwrap_or(default.ticks),
+        grid: style.grid.unwrap_or(default.grid),
+    })
+}

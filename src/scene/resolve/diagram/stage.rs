@@ -1,0 +1,130 @@
+//! What a scene has of world lines and events, without its meshes and cubes.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::scene::file;
+use crate::scene::model::CameraModel;
+use crate::scene::model::diagram::Track;
+use crate::scene::names;
+use crate::scene::resolve::context::Context;
+use crate::scene::resolve::{camera, object, velocity};
+use crate::spacetime::worldline::WorldLine;
+use crate::spacetime::{Event, Velocity, World};
+
+/// World lines and events of a scene.
+pub(super) struct Stage {
+    pub camera: Option<Filming>,
+    pub objects: Vec<Body>,
+    /// Emissions of pulses, by name.
+    pub pulses: Vec<(String, Event<World>)>,
+}
+
+/// The camera, and the world line of its pinhole.
+pub(super) struct Filming {
+    pub model: CameraModel,
+    pub line: WorldLine,
+}
+
+/// An object's name and world line.
+pub(super) struct Body {
+    pub name: String,
+    pub velocity: Velocity,
+    pub origin: Event<World>,
+}
+
+impl Stage {
+    pub fn new(cx: &Context, file: &file::Scene) -> Result<Stage> {
+        Ok(Stage {
+            camera: filming(cx, file)?,
+            objects: bodies(cx, file)?,
+            pulses: pulses(cx, file)?,
+        })
+    }
+
+    /// The direction in which something of it moves: the camera, or else an object.
+    pub fn direction(&self) -> Option<DVec3> {
+        let camera = self.camera.as_ref().and_then(Filming::direction);
+        let mut bodies = self.objects.iter().map(|body| body.velocity);
+        camera.or_else(|| Some(bodies.find(|v| !v.is_rest())?.rapidity()))
+    }
+
+    /// The names of its world lines.
+    pub fn names(&self) -> Vec<&str> {
+        let camera = self.camera.iter().flat_map(|filming| {
+            let sensor = filming.model.sensor.map(|_| "sensor");
+            ["camera", "pinhole"].into_iter().chain(sensor)
+        });
+        let bodies = self.objects.iter().map(|body| body.name.as_str());
+        camera.chain(bodies).collect()
+    }
+
+    /// The world line of this name.
+    pub fn track(&self, name: &str) -> Option<Track> {
+        if let Some(camera) = &self.camera {
+            match (name, camera.model.sensor) {
+                ("camera" | "pinhole", _) => return Some(camera.line.clone().into()),
+                ("sensor", Some(sensor)) => {
+                    let forward = camera.model.axes[2];
+                    return Some(Track::sensor(camera.line.clone(), sensor, forward));
+                }
+                _ => {}
+            }
+        }
+        let body = self.objects.iter().find(|body| body.name == name)?;
+        Some(body.track())
+    }
+}
+
+impl Filming {
+    /// The direction of its velocity, or of its acceleration.
+    fn direction(&self) -> Option<DVec3> {
+        let state = self.line.state(self.model.time)?;
+        let vectors = [state.velocity.rapidity(), state.acceleration];
+        vectors.into_iter().find(|v| *v != DVec3::ZERO)
+    }
+}
+
+impl Body {
+    pub fn track(&self) -> Track {
+        WorldLine::inertial(self.velocity, self.origin).into()
+    }
+}
+
+fn filming(cx: &Context, file: &file::Scene) -> Result<Option<Filming>> {
+    let Some(at) = &file.camera else {
+        return Ok(None);
+    };
+    let model = camera::resolve(cx, at)?;
+    let line = model.world_line();
+    let line = line.map_err(|error| cx.refuse(at, error.to_string(), ""))?;
+    Ok(Some(Filming { model, line }))
+}
+
+fn bodies(cx: &Context, file: &file::Scene) -> Result<Vec<Body>> {
+    let entries = file.object.iter();
+    let names = names::unique(entries.map(|at| object::entry_names(&at.value)).collect());
+    let body = |(at, name): (&crate::scene::at::At<file::Object>, String)| {
+        let origin = &at.value.origin;
+        Ok(Body {
+            name,
+            velocity: velocity::resolve(cx, &at.value.velocity)?,
+            origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
+        })
+    };
+    file.object.iter().zip(names).map(body).collect()
+}
+
+fn pulses(cx: &Context, file: &file::Scene) -> Result<Vec<(String, Event<World>)>> {
+    let pulses = file.source.iter().filter_map(|at| {
+        let pulse = at.value.pulse.as_ref()?;
+        let name = at.value.name.as_ref().map(|name| name.value.clone());
+        Some((name.unwrap_or_else(|| "pulse".into()), &pulse.value))
+    });
+    pulses
+        .map(|(name, pulse)| {
+            let event = Event::new(cx.time(&pulse.time)?, pulse.position.value.vec());
+            Ok((name, event))
+        })
+        .collect()
+}

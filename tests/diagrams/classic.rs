@@ -1,0 +1,100 @@
+//! The classic figures of `scenes/diagrams`.
+
+use std::path::PathBuf;
+
+use nullray::drawing::{Drawing, Item, Text, pdf, png, svg};
+use nullray::scene::load_diagram;
+
+fn files() -> Vec<PathBuf> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/diagrams");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    assert!(files.len() >= 10, "{files:?}");
+    files
+}
+
+fn drawn(file: &std::path::Path) -> Drawing {
+    let model = load_diagram(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
+    nullray::diagram::draw(&nullray::diagram::layout(&model), &model.style).unwrap()
+}
+
+fn texts(items: &[Item]) -> Vec<&Text> {
+    let mut found = Vec::new();
+    for item in items {
+        match item {
+            Item::Text(text) => found.push(text),
+            Item::Clip { items, .. } => found.extend(texts(items)),
+            Item::Path { .. } => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn every_file_is_drawn_in_every_format() {
+    for file in files() {
+        let drawing = drawn(&file);
+        assert!(svg::write(&drawing).unwrap().contains("</svg>"));
+        assert!(pdf::write(&drawing).unwrap().starts_with(b"%PDF"));
+        let raster = png::render(&drawing, 1.0).unwrap();
+        assert!(
+            png::write(&raster).unwrap().starts_with(b"\x89PNG"),
+            "{file:?}"
+        );
+    }
+}
+
+#[test]
+fn no_label_is_on_another() {
+    for file in files() {
+        let drawing = drawn(&file);
+        let texts = texts(&drawing.items);
+        for (i, a) in texts.iter().enumerate() {
+            for b in texts.iter().skip(i + 1) {
+                let (p, q) = (a.bounds().unwrap(), b.bounds().unwrap());
+                let apart = (0..2).any(|k| p.max[k] <= q.min[k] || q.max[k] <= p.min[k]);
+                assert!(apart, "{file:?}: {} on {}", a.text.text(), b.text.text());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_label_is_on_the_page() {
+    for file in files() {
+        let drawing = drawn(&file);
+        for text in texts(&drawing.items) {
+            let rect = text.bounds().unwrap();
+            let inside = rect.min.iter().all(|v| *v >= 0.0)
+                && rect.max[0] <= drawing.width
+                && rect.max[1] <= drawing.height;
+            assert!(inside, "{file:?}: {} at {rect:?}", text.text.text());
+        }
+    }
+}
+
+#[test]
+fn every_file_says_what_it_teaches_and_is_short() {
+    for file in files() {
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with("# "), "{file:?}");
+        assert!(text.lines().count() <= 32, "{file:?}");
+    }
+}
+
+#[test]
+fn the_same_diagram_is_drawn_to_the_same_bytes() {
+    let file = &files()[0];
+    assert_eq!(
+        svg::write(&drawn(file)).unwrap(),
+        svg::write(&drawn(file)).unwrap()
+    );
+}
+
+#[test]
+fn a_diagram_alone_is_no_scene_to_render() {
+    let file = &files()[0];
+    let error = nullray::scene::load(file, &Default::default()).unwrap_err();
+    assert!(error.to_string().contains("no camera"), "{error}");
+}

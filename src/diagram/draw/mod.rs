@@ -25,7 +25,6 @@ pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
         Some(_) => 1.9 * theme.size,
         None => 0.0,
     };
-    let legends: Vec<Item>;
     let foot = match style.legend {
         true => words::legend_height(layout, &theme),
         false => 0.0,
@@ -43,11 +42,9 @@ pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
         }
     }
     items.append(&mut placement.items);
-    legends = match style.legend {
-        true => words::legend(layout, &theme, &page)?,
-        false => Vec::new(),
-    };
-    items.extend(legends);
+    if style.legend {
+        items.extend(words::legend(layout, &theme, &page)?);
+    }
     Ok(Drawing {
         width: page.width,
         height: page.height,

@@ -114,7 +114,7 @@ fn emissions(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Event<World
     let signal = &at.value;
     let cx = names.cx;
     let Some(emitter) = names.emitter(&signal.from)? else {
-        for time in [&signal.proper_time, &signal.every].into_iter().flatten() {
+        if let Some(time) = signal.proper_time.as_ref().or(signal.every.as_ref()) {
             let what = "an event has no clock: this needs a world line in `from`";
             return Err(cx.refuse(time, what, "name the world line that emits the light"));
         }

@@ -143,11 +143,11 @@ pub(super) fn norm1(v: DVec3) -> f64 {
 
 /// Without the care for NaN of [`f64::min`], which costs three instructions more.
 #[inline(always)]
-fn lesser(x: f64, y: f64) -> f64 {
+pub(super) fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
 #[inline(always)]
-fn greater(x: f64, y: f64) -> f64 {
+pub(super) fn greater(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }
 }

@@ -19,6 +19,7 @@
 use glam::DVec3;
 
 use super::simd::Simd;
+use crate::accel::Hit;
 use crate::accel::slab::{Lattice, exponent, power_of_two};
 
 /// Rays of a block.
@@ -46,6 +47,8 @@ pub(super) struct Block {
     pub order: [u32; RAYS],
     /// How many rays there are; the rest repeat the first, and don't count.
     pub count: usize,
+    /// Whether every four rays in `order` follow each other in the batch.
+    pub in_fours: bool,
     /// s of a ray is so many τ.
     pub tau_from_s: f64,
 }
@@ -79,6 +82,7 @@ impl Block {
         slots: [NONE; RAYS],
         order: [0; RAYS],
         count: 0,
+        in_fours: false,
         tau_from_s: 1.0,
     };
 
@@ -97,11 +101,19 @@ impl Block {
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = lattice.scale * power_of_two(exponent(first));
         let [xs, ys, zs] = &mut self.directions;
-        for (((index, x), y), z) in self.order.iter().zip(xs).zip(ys).zip(zs) {
-            let d = directions[*index as usize];
-            *x = (d.x * unit) as f32;
-            *y = (d.y * unit) as f32;
-            *z = (d.z * unit) as f32;
+        if self.in_fours {
+            let mut first = 0;
+            while first < RAYS {
+                let ray = self.order[first] as usize;
+                let (x, y, z) = (&mut xs[first..], &mut ys[first..], &mut zs[first..]);
+                k.store_vectors(&directions[ray..ray + 4], unit, x, y, z);
+                first += 4;
+            }
+        } else {
+            for (lane, &ray) in self.order.iter().enumerate() {
+                let d = directions[ray as usize] * unit;
+                (xs[lane], ys[lane], zs[lane]) = (d.x as f32, d.y as f32, d.z as f32);
+            }
         }
         self.extent(k)
     }
@@ -109,48 +121,62 @@ impl Block {
     /// Least and greatest direction along each axis; none if they don't go together.
     #[inline(always)]
     fn extent<K: Simd>(&self, k: K) -> Option<[[f32; 2]; 3]> {
-        let d = |axis: usize, at: usize| k.load(&self.directions[axis][at..]);
         let zero = k.splat(0.0);
-        let mut least = [0, 1, 2].map(|axis| d(axis, 0));
-        let mut greatest = least;
-        // NaN, if there is one: ∞·0 and NaN·0.
-        let mut broken = zero;
-        let mut smallest_size = k.splat(f32::INFINITY);
-        for at in (0..RAYS).step_by(K::LANES) {
-            let mut size = zero;
-            for axis in 0..3 {
-                let d = d(axis, at);
+        let (mut size, mut broken) = (k.splat(f32::INFINITY), zero);
+        let mut least = [k.splat(f32::INFINITY); 3];
+        let mut greatest = [k.splat(f32::NEG_INFINITY); 3];
+        let mut first = 0;
+        while first < RAYS {
+            let mut length = zero;
+            let mut axis = 0;
+            while axis < 3 {
+                let d = k.load(&self.directions[axis][first..]);
                 least[axis] = k.min(least[axis], d);
                 greatest[axis] = k.max(greatest[axis], d);
+                // NaN, if there is one: ∞·0 and NaN·0.
                 broken = k.mul_add(d, zero, broken);
-                size = k.max(size, k.max(d, k.sub(zero, d)));
+                length = k.max(length, k.max(d, k.sub(zero, d)));
+                axis += 1;
             }
-            smallest_size = k.min(smallest_size, size);
+            size = k.min(size, length);
+            first += K::LANES;
         }
-        let extent: [[f32; 2]; 3] =
-            std::array::from_fn(|axis| [k.smallest(least[axis]), k.greatest(greatest[axis])]);
-        let all = u32::MAX >> (32 - K::LANES);
-        let together = extent
-            .iter()
-            .all(|[lo, hi]| hi - lo <= COHERENT && hi.abs().max(lo.abs()) < SPREAD)
-            && k.smallest(smallest_size) > 1.0 / SPREAD
-            && k.le(broken, zero) == all;
-        together.then_some(extent)
+        let mut extent = [[0.0; 2]; 3];
+        let mut together = k.smallest(size) > 1.0 / SPREAD;
+        let mut axis = 0;
+        while axis < 3 {
+            let (lo, hi) = (k.smallest(least[axis]), k.greatest(greatest[axis]));
+            together &= hi - lo <= COHERENT && hi < SPREAD && lo > -SPREAD;
+            extent[axis] = [lo, hi];
+            axis += 1;
+        }
+        together &= k.le(broken, zero) == u32::MAX >> (32 - K::LANES);
+        if together { Some(extent) } else { None }
     }
 
-    /// Forgets all hits; of interest is what is nearer than `limit` says for each place in the batch.
+    /// Forgets all hits; of interest is what is nearer than those in `hits`, which are of the batch.
     #[inline(always)]
-    pub fn start(&mut self, limit: impl Fn(usize) -> Option<f64>) {
+    pub fn start(&mut self, hits: &[Option<Hit>]) {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
-        for lane in 0..self.count {
-            if let Some(s) = limit(self.order[lane] as usize) {
-                self.far[lane] = upper(s * self.tau_from_s);
-            }
+        let mut known = false;
+        for &ray in &self.order {
+            known |= hits[ray as usize].is_some();
+        }
+        if known {
+            self.limit_to(hits);
         }
         for lane in self.count..RAYS {
             (self.near[lane], self.far[lane]) = (-1.0, -1.0);
+        }
+    }
+
+    fn limit_to(&mut self, hits: &[Option<Hit>]) {
+        for (lane, &ray) in self.order.iter().enumerate() {
+            if let Some(hit) = &hits[ray as usize] {
+                self.far[lane] = upper(hit.s * self.tau_from_s);
+            }
         }
     }
 
@@ -186,12 +212,16 @@ impl Beam {
     /// Rays from `origin` (in the tree's frame) with directions within `extent`.
     #[inline(always)]
     pub fn new(origin: DVec3, extent: &[[f32; 2]; 3]) -> Beam {
-        let reach = extent
-            .as_flattened()
-            .iter()
-            .fold(0.0f32, |g, d| if d.abs() > g { d.abs() } else { g });
+        let mut reach = 0.0f32;
+        for d in extent.as_flattened() {
+            reach = if d.abs() > reach { d.abs() } else { reach };
+        }
         Beam {
-            axes: std::array::from_fn(|axis| Axis::new(origin[axis], extent[axis])),
+            axes: [
+                Axis::new(origin.x, extent[0]),
+                Axis::new(origin.y, extent[1]),
+                Axis::new(origin.z, extent[2]),
+            ],
             reach: f64::from(reach) * 1.001,
         }
     }
@@ -200,47 +230,36 @@ impl Beam {
 impl Axis {
     #[inline(always)]
     fn new(origin: f64, [least, greatest]: [f32; 2]) -> Axis {
-        const WIDER: f64 = 1.0 + power_of_two(-21);
-        const NARROWER: f64 = 1.0 - power_of_two(-21);
+        const WIDER: f32 = 1.0 + power_of_two(-21) as f32;
+        const NARROWER: f32 = 1.0 - power_of_two(-21) as f32;
         let margin = (1.0 + origin.abs()) * power_of_two(-22);
         // For planes below and above.
-        let offsets = [-(origin + margin), -(origin - margin)];
+        let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
         let straddles = least < 0.0 && greatest > 0.0;
         let descends = !straddles && least < 0.0;
-        let near = usize::from(descends);
-        let inverse = if straddles {
-            [
-                steep(f64::from(greatest)) * NARROWER,
-                -steep(f64::from(-least)) * NARROWER,
-            ]
+        let [i, j] = if straddles {
+            [steep(greatest) * NARROWER, -steep(-least) * NARROWER]
         } else if descends {
-            [
-                -steep(f64::from(-least)) * NARROWER,
-                -steep(f64::from(-greatest)) * WIDER,
-            ]
+            [-steep(-least) * NARROWER, -steep(-greatest) * WIDER]
         } else {
-            [
-                steep(f64::from(greatest)) * NARROWER,
-                steep(f64::from(least)) * WIDER,
-            ]
+            [steep(greatest) * NARROWER, steep(least) * WIDER]
         };
-        let near_planes = if straddles { [0, 1] } else { [near; 2] };
+        let near = usize::from(descends);
+        let (near_offset, far_offset) = (offsets[near], offsets[1 - near]);
+        let second_offset = if straddles { offsets[1] } else { near_offset };
         Axis {
             near,
             straddles,
-            inverse: inverse.map(|i| i as f32),
-            near_offset: [0, 1].map(|end| (offsets[near_planes[end]] * inverse[end]) as f32),
-            far_offset: inverse.map(|i| (offsets[1 - near] * i) as f32),
+            inverse: [i, j],
+            near_offset: [near_offset * i, second_offset * j],
+            far_offset: [far_offset * i, far_offset * j],
         }
     }
 }
 
 /// 1/d, at most 2⁶⁰.
 #[inline(always)]
-fn steep(d: f64) -> f64 {
-    1.0 / if d > power_of_two(-60) {
-        d
-    } else {
-        power_of_two(-60)
-    }
+fn steep(d: f32) -> f32 {
+    const FLAT: f32 = power_of_two(-60) as f32;
+    1.0 / if d > FLAT { d } else { FLAT }
 }

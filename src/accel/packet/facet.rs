@@ -82,6 +82,21 @@ impl Viewpoint {
             absolute: 4.0 * if reach > 1.0 { reach } else { 1.0 },
         }
     }
+
+    /// B of a product with `v`.
+    #[inline(always)]
+    fn slack(&self, v: DVec3, fixed: f64) -> f32 {
+        (norm1(v) * self.relative + fixed) as f32
+    }
+}
+
+#[inline(always)]
+fn rounded(v: DVec3, scale: f64) -> [f32; 3] {
+    [
+        (v.x * scale) as f32,
+        (v.y * scale) as f32,
+        (v.z * scale) as f32,
+    ]
 }
 
 impl Facet {
@@ -98,9 +113,9 @@ impl Facet {
         let sign = if volume < 0.0 { -1.0 } else { 1.0 };
         let area = at.area * sign;
         let mut facet = Facet {
-            edges: [p, q, r].map(|e| (e * area).as_vec3().to_array()),
+            edges: [rounded(p, area), rounded(q, area), rounded(r, area)],
             slack: [0.0; 3],
-            normal: (n * area).as_vec3().to_array(),
+            normal: rounded(n, area),
             normal_slack: 0.0,
             grazing: 0.0,
             volume: [(volume.abs() * at.volume) as f32; 2],
@@ -111,9 +126,8 @@ impl Facet {
             let (distance, length) = (norm1(a), norm1(e1) + norm1(e2));
             let bound = Line::bound(distance, length);
             let fixed = bound * at.absolute * at.area + UNDERFLOW;
-            let slack = |e: DVec3| (norm1(e) * at.relative + fixed) as f32;
-            facet.slack = [slack(p), slack(q), slack(r)];
-            facet.normal_slack = slack(n);
+            facet.slack = [at.slack(p, fixed), at.slack(q, fixed), at.slack(r, fixed)];
+            facet.normal_slack = at.slack(n, fixed);
             facet.grazing = (length * length * at.area * (GRAZING * 1.001) + UNDERFLOW) as f32;
             let unsure = bound * distance;
             facet.certain = volume.abs() > unsure;

@@ -9,6 +9,7 @@
 
 mod block;
 mod facet;
+mod finish;
 #[allow(unsafe_code)]
 mod simd;
 mod walk;
@@ -19,8 +20,9 @@ use super::query::Probe;
 use super::slab::{Link, power_of_two};
 use super::{Bvh, Hit, Ray};
 use block::{Block, NONE, RAYS};
+use finish::Numbers;
 use simd::{Portable, Simd};
-use walk::{Waiting, Walk};
+use walk::{Outcome, Waiting, Walk};
 
 /// How rays with a common origin are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,24 +132,37 @@ impl Bvh {
             return self.closest_singly(origin, directions, hits, replaced);
         }
         let mut block = Block::EMPTY;
+        let mut numbers = Numbers::NONE;
         let tile = Tile::of(directions);
         self.with_wide_stack(|stack| {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut block);
-                if self.trace(method, origin, directions, hits, &mut block, stack) {
-                    block.replace(
+                let walked = self.walk(
+                    method,
+                    origin,
+                    directions,
+                    hits,
+                    &mut block,
+                    &mut numbers,
+                    stack,
+                );
+                match walked {
+                    Outcome::Missed => {}
+                    Outcome::Met => block.replace(
                         self,
+                        &numbers,
                         method.precision,
                         origin,
                         directions,
                         hits,
                         &mut replaced,
-                    );
-                } else {
-                    for &ray in &block.order[..block.count] {
-                        let ray = ray as usize;
-                        let (direction, hit) = (&directions[ray..=ray], &mut hits[ray..=ray]);
-                        self.closest_singly(origin, direction, hit, |_| replaced(ray));
+                    ),
+                    Outcome::Apart => {
+                        for &ray in &block.order[..block.count] {
+                            let ray = ray as usize;
+                            let (direction, hit) = (&directions[ray..=ray], &mut hits[ray..=ray]);
+                            self.closest_singly(origin, direction, hit, |_| replaced(ray));
+                        }
                     }
                 }
             }
@@ -164,42 +179,44 @@ impl Bvh {
             && distance <= FAR
     }
 
-    /// Leads the block's rays through the tree; false if they don't go together.
-    fn trace(
+    /// Leads the block's rays through the tree.
+    #[allow(clippy::too_many_arguments)]
+    fn walk(
         &self,
         method: Method,
         origin: DVec3,
         directions: &[DVec3],
         hits: &[Option<Hit>],
         block: &mut Block,
+        numbers: &mut Numbers,
         stack: &mut [Waiting],
-    ) -> bool {
-        let mut coherent = block.count >= FEW;
-        if coherent {
-            let coherent = &mut coherent;
-            let bvh = self;
+    ) -> Outcome {
+        let mut outcome = Outcome::Apart;
+        if block.count >= FEW {
             match method.precision {
                 Precision::Certified => method.kernel.run(Walk::<true> {
-                    bvh,
+                    bvh: self,
                     origin,
                     directions,
                     hits,
                     block,
+                    numbers,
                     stack,
-                    coherent,
+                    outcome: &mut outcome,
                 }),
                 Precision::Fast => method.kernel.run(Walk::<false> {
-                    bvh,
+                    bvh: self,
                     origin,
                     directions,
                     hits,
                     block,
+                    numbers,
                     stack,
-                    coherent,
+                    outcome: &mut outcome,
                 }),
             }
         }
-        coherent
+        outcome
     }
 
     fn with_wide_stack(&self, run: impl FnOnce(&mut [Waiting])) {
@@ -218,10 +235,32 @@ struct Tile {
     /// Rays per row; 0 if there are no rows.
     width: usize,
     count: usize,
+    /// Of a block's rays, from its first one on.
+    places: [u32; RAYS],
 }
 
 /// Pixels of a block's side.
 const SIDE: usize = 8;
+
+/// Column and row of a lane: 4 × 4 pixels after each other.
+const fn pixel(lane: usize) -> (usize, usize) {
+    let (x, y) = (lane >> 4 & 1, lane >> 5);
+    (x * 4 + (lane & 3), y * 4 + (lane >> 2 & 3))
+}
+
+/// Where the rays of a block are from its first on.
+const fn places(width: usize) -> [u32; RAYS] {
+    let mut places = [0; RAYS];
+    let mut lane = 0;
+    while lane < RAYS {
+        let (x, y) = pixel(lane);
+        places[lane] = if width == 0 { lane } else { y * width + x } as u32;
+        lane += 1;
+    }
+    places
+}
+
+const USUAL_PLACES: [u32; RAYS] = places(16);
 
 impl Tile {
     /// Rows are where directions jump back.
@@ -231,7 +270,14 @@ impl Tile {
             256 => 16,
             _ => row_length(directions),
         };
-        Tile { width, count }
+        Tile {
+            width,
+            count,
+            places: match width {
+                16 => USUAL_PLACES,
+                width => places(width),
+            },
+        }
     }
 
     fn blocks(&self) -> usize {
@@ -241,31 +287,41 @@ impl Tile {
         }
     }
 
-    /// Fills the block's order with rays of its part `at`, 4 × 4 pixels after each other.
+    /// Fills the block's order with the rays of its part `at`.
     fn select(&self, at: usize, block: &mut Block) {
-        let mut count = 0;
-        if self.width == 0 {
-            let first = at * RAYS;
-            count = RAYS.min(self.count - first);
-            for (i, place) in block.order[..count].iter_mut().enumerate() {
-                *place = (first + i) as u32;
+        let columns = self.width.div_ceil(SIDE).max(1);
+        let (x, y) = (at % columns * SIDE, at / columns * SIDE);
+        let first = if self.width == 0 {
+            at * RAYS
+        } else {
+            y * self.width + x
+        };
+        let last = first + self.places[RAYS - 1] as usize;
+        block.in_fours = last < self.count && (self.width == 0 || x + SIDE <= self.width);
+        if block.in_fours {
+            block.count = RAYS;
+            for (place, offset) in block.order.iter_mut().zip(&self.places) {
+                *place = first as u32 + offset;
             }
         } else {
-            let columns = self.width.div_ceil(SIDE);
-            let (x0, y0) = (at % columns * SIDE, at / columns * SIDE);
-            for i in 0..RAYS {
-                let x = x0 + (i >> 4 & 1) * 4 + (i & 3);
-                let y = y0 + (i >> 5) * 4 + (i >> 2 & 3);
-                let ray = y * self.width + x;
-                if x < self.width && ray < self.count {
-                    block.order[count] = ray as u32;
-                    count += 1;
-                }
+            self.select_some(first, self.width.wrapping_sub(x), block);
+        }
+    }
+
+    /// The same where not all lanes have a ray.
+    #[cold]
+    fn select_some(&self, first: usize, columns: usize, block: &mut Block) {
+        block.count = 0;
+        for (lane, &offset) in self.places.iter().enumerate() {
+            let ray = first + offset as usize;
+            let in_row = self.width == 0 || pixel(lane).0 < columns;
+            if in_row && ray < self.count {
+                block.order[block.count] = ray as u32;
+                block.count += 1;
             }
         }
-        let first = block.order[0];
-        block.order[count..].fill(first);
-        block.count = count;
+        let repeated = block.order[0];
+        block.order[block.count..].fill(repeated);
     }
 }
 
@@ -287,6 +343,7 @@ impl Block {
     fn replace(
         &self,
         bvh: &Bvh,
+        numbers: &Numbers,
         precision: Precision,
         origin: DVec3,
         directions: &[DVec3],
@@ -294,29 +351,44 @@ impl Block {
         replaced: &mut impl FnMut(usize),
     ) {
         for lane in 0..self.count {
-            if self.slots[lane] == NONE {
+            let slot = self.slots[lane];
+            if slot == NONE {
                 continue;
             }
             let ray = self.order[lane] as usize;
-            let hit = match precision {
-                Precision::Certified => self.certified_hit(bvh, origin, directions[ray], lane),
-                Precision::Fast => Some(self.fast_hit(bvh, lane)),
+            let entry = &mut hits[ray];
+            let certified = precision == Precision::Certified;
+            if certified && numbers.delta[lane] == 0.0 {
+                let hit = self.single_hit(bvh, origin, directions[ray], lane);
+                if let Some(hit) = hit.filter(|hit| comes_before(hit.s, entry)) {
+                    *entry = Some(hit);
+                    replaced(ray);
+                }
+                continue;
+            }
+            let (s, u, v, front) = match certified {
+                true => numbers.of(lane),
+                false => self.rough(lane),
             };
-            let nearer = hit.filter(|hit| hits[ray].is_none_or(|known| hit.s < known.s));
-            if nearer.is_some() {
-                hits[ray] = nearer;
+            if comes_before(s, entry) {
+                let slot = slot & !FRONT;
+                let triangle = bvh.tags[slot as usize].id();
+                // In place: a copy of what was just written would wait for it.
+                *entry = Some(Hit {
+                    s,
+                    u,
+                    v,
+                    triangle,
+                    slot,
+                    front,
+                });
                 replaced(ray);
             }
         }
     }
 
-    fn certified_hit(
-        &self,
-        bvh: &Bvh,
-        origin: DVec3,
-        direction: DVec3,
-        lane: usize,
-    ) -> Option<Hit> {
+    #[cold]
+    fn single_hit(&self, bvh: &Bvh, origin: DVec3, direction: DVec3, lane: usize) -> Option<Hit> {
         let slot = self.slots[lane];
         let probe = Probe::new(&Ray {
             origin,
@@ -327,16 +399,23 @@ impl Block {
         Some(probe.hit(bvh, &crossing, slot))
     }
 
-    fn fast_hit(&self, bvh: &Bvh, lane: usize) -> Hit {
-        let slot = self.slots[lane] & !FRONT;
-        Hit {
-            s: f64::from(self.far[lane]) / self.tau_from_s,
-            u: f64::from(self.weights[0][lane]),
-            v: f64::from(self.weights[1][lane]),
-            triangle: bvh.tags[slot as usize].id(),
-            slot,
-            front: self.slots[lane] & FRONT != 0,
-        }
+    /// s, u, v and front as f32 has them.
+    #[inline(always)]
+    fn rough(&self, lane: usize) -> (f64, f64, f64, bool) {
+        (
+            f64::from(self.far[lane]) / self.tau_from_s,
+            f64::from(self.weights[0][lane]),
+            f64::from(self.weights[1][lane]),
+            self.slots[lane] & FRONT != 0,
+        )
+    }
+}
+
+#[inline(always)]
+fn comes_before(s: f64, entry: &Option<Hit>) -> bool {
+    match entry {
+        Some(known) => s < known.s,
+        None => true,
     }
 }
 

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::FRONT;
 use super::block::{Axis, Beam, Block, NONE, RAYS};
 use super::facet::{Facet, Viewpoint};
+use super::finish::Numbers;
 use super::simd::{Simd, Task};
 use crate::accel::query::Probe;
 use crate::accel::slab::Link;
@@ -24,10 +25,23 @@ pub(super) struct Walk<'a, const CERTIFIED: bool> {
     /// Of the batch: what was met before.
     pub hits: &'a [Option<Hit>],
     pub block: &'a mut Block,
+    /// Of its hits.
+    pub numbers: &'a mut Numbers,
     /// As many entries as can wait.
     pub stack: &'a mut [Waiting],
-    /// Whether the rays went together. If not, nothing was done.
-    pub coherent: &'a mut bool,
+    /// What came of it.
+    pub outcome: &'a mut Outcome,
+}
+
+/// What became of a block.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// Its rays don't go together, and nothing was done.
+    Apart,
+    /// It passes the tree.
+    Missed,
+    /// It has met what it has met.
+    Met,
 }
 
 impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
@@ -35,16 +49,23 @@ impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
     fn run<K: Simd>(mut self, k: K) {
         let lattice = &self.bvh.lattice;
         let Some(extent) = self.block.aim(k, lattice, self.directions) else {
-            *self.coherent = false;
+            *self.outcome = Outcome::Apart;
             return;
         };
-        *self.coherent = true;
-        let hits = self.hits;
-        self.block.start(|ray| hits[ray].as_ref().map(|hit| hit.s));
         let beam = Beam::new((self.origin - lattice.centre) * lattice.scale, &extent);
-        let at = Viewpoint::new(self.origin, lattice, beam.reach);
         let slabs = Slabs::new(k.children(), &beam);
+        *self.outcome = Outcome::Missed;
+        if slabs.meet(&self.bvh.wide[0], f32::MAX, &mut [0.0; WIDTH]) == 0 {
+            return;
+        }
+        *self.outcome = Outcome::Met;
+        self.block.start(self.hits);
+        let at = Viewpoint::new(self.origin, lattice, beam.reach);
         self.descend(k, &slabs, &at);
+        if CERTIFIED {
+            let numbers = &mut *self.numbers;
+            numbers.fill(self.bvh, self.origin, self.directions, self.block);
+        }
     }
 }
 
@@ -75,12 +96,16 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
                 met &= met - 1;
                 // Insertion, the farthest deepest.
                 let entry = entries[child];
+                let link = node.links[child];
+                if link.is_leaf() {
+                    k.prefetch(&self.bvh.corners[link.index()]);
+                }
                 let mut place = waiting;
                 while place > first && self.stack[place - 1].0 < entry {
                     self.stack[place] = self.stack[place - 1];
                     place -= 1;
                 }
-                self.stack[place] = (entry, node.links[child]);
+                self.stack[place] = (entry, link);
                 waiting += 1;
             }
         }
@@ -110,12 +135,14 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
     /// Takes over where rays meet `facet`, whose σ is certain.
     #[inline(always)]
     fn meet<K: Simd>(&mut self, k: K, facet: &Facet, slot: u32) -> bool {
-        let edges = facet.edges.map(|e| e.map(|x| k.splat(x)));
-        let slack = facet.slack.map(|x| k.splat(x));
+        let [p, q, r] = facet.edges;
+        let (p, q, r) = (k.splat3(p), k.splat3(q), k.splat3(r));
+        let [b, c, e] = k.splat3(facet.slack);
         let mut changed = false;
-        for first in (0..RAYS).step_by(K::LANES) {
-            let d = [0, 1, 2].map(|axis| k.load(&self.block.directions[axis][first..]));
-            let uvw: [K::F; 3] = std::array::from_fn(|i| dot(k, d, edges[i], slack[i]));
+        let mut first = 0;
+        while first < RAYS {
+            let d = self.load(k, first);
+            let uvw = [k.dot(&d, &p, b), k.dot(&d, &q, c), k.dot(&d, &r, e)];
             let inside = k.not_negative(uvw[0], uvw[1], uvw[2]);
             if inside != 0 {
                 changed |= match CERTIFIED {
@@ -123,8 +150,20 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
                     false => self.accept(k, facet, slot, (first, inside), d, uvw),
                 };
             }
+            first += K::LANES;
         }
         changed
+    }
+
+    /// The directions of a packet.
+    #[inline(always)]
+    fn load<K: Simd>(&self, k: K, first: usize) -> [K::F; 3] {
+        let [x, y, z] = &self.block.directions;
+        [
+            k.load(&x[first..]),
+            k.load(&y[first..]),
+            k.load(&z[first..]),
+        ]
     }
 
     /// Of the rays that may be inside: certain hits where they are certainly the nearest, and what
@@ -140,7 +179,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         uvw: [K::F; 3],
     ) -> bool {
         let block = &mut *self.block;
-        let delta = dot(k, d, facet.normal.map(|x| k.splat(x)), k.splat(0.0));
+        let delta = k.dot(&d, &k.splat3(facet.normal), k.splat(0.0));
         let slack = k.splat(facet.normal_slack);
         let least = k.sub(delta, slack);
         let grazing = k.le(least, k.splat(facet.grazing));
@@ -152,13 +191,21 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         }
         let far = k.div(k.splat(facet.volume[1]), least);
         let before = k.le(k.load(&block.near[first..]), far);
-        let [u, v, w] = std::array::from_fn(|i| k.sub(uvw[i], k.splat(2.0 * facet.slack[i])));
+        let [b, c, e] = facet.slack;
+        let u = k.sub(uvw[0], k.splat(2.0 * b));
+        let v = k.sub(uvw[1], k.splat(2.0 * c));
+        let w = k.sub(uvw[2], k.splat(2.0 * e));
         let certain = candidates & !grazing & !before & k.not_negative(u, v, w);
         if certain != 0 {
-            k.store_some(&mut block.near[first..], certain, near);
-            // What was known to be nearer than the far end of this stays so.
-            let far = k.min(far, k.load(&block.far[first..]));
-            k.store_some(&mut block.far[first..], certain, far);
+            let (known_near, known_far) =
+                (k.load(&block.near[first..]), k.load(&block.far[first..]));
+            k.store(
+                &mut block.near[first..],
+                k.select(certain, near, known_near),
+            );
+            // A limit that is nearer than the far end of this stays.
+            let far = k.select(certain, k.min(far, known_far), known_far);
+            k.store(&mut block.far[first..], far);
             k.store_index(&mut block.slots[first..], certain, slot);
         }
         let mut doubtful = candidates & !certain;
@@ -183,7 +230,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         uvw: [K::F; 3],
     ) -> bool {
         let block = &mut *self.block;
-        let delta = dot(k, d, facet.normal.map(|x| k.splat(x)), k.splat(0.0));
+        let delta = k.dot(&d, &k.splat3(facet.normal), k.splat(0.0));
         let inverse = k.div(k.splat(1.0), delta);
         let tau = k.mul(k.splat(facet.volume[0]), inverse);
         let farther = k.le(k.load(&block.far[first..]), tau) | k.le(delta, k.splat(0.0));
@@ -191,7 +238,8 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         if nearer == 0 {
             return false;
         }
-        k.store_some(&mut block.far[first..], nearer, tau);
+        let known = k.load(&block.far[first..]);
+        k.store(&mut block.far[first..], k.select(nearer, tau, known));
         k.store_some(
             &mut block.weights[0][first..],
             nearer,
@@ -214,15 +262,12 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         let mut changed = false;
         for facet in [facet, &facet.flipped()] {
             for first in (0..RAYS).step_by(K::LANES) {
-                let d = [0, 1, 2].map(|axis| k.load(&self.block.directions[axis][first..]));
-                let [u, v, w] = std::array::from_fn(|i| {
-                    dot(
-                        k,
-                        d,
-                        facet.edges[i].map(|x| k.splat(x)),
-                        k.splat(facet.slack[i]),
-                    )
-                });
+                let d = self.load(k, first);
+                let [p, q, r] = facet.edges;
+                let [b, c, e] = k.splat3(facet.slack);
+                let u = k.dot(&d, &k.splat3(p), b);
+                let v = k.dot(&d, &k.splat3(q), c);
+                let w = k.dot(&d, &k.splat3(r), e);
                 let mut inside = k.not_negative(u, v, w);
                 while inside != 0 {
                     let lane = first + inside.trailing_zeros() as usize;
@@ -265,12 +310,6 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
     }
 }
 
-/// x·y + z.
-#[inline(always)]
-fn dot<K: Simd>(k: K, x: [K::F; 3], y: [K::F; 3], z: K::F) -> K::F {
-    k.mul_add(x[0], y[0], k.mul_add(x[1], y[1], k.mul_add(x[2], y[2], z)))
-}
-
 /// A beam in eight lanes.
 struct Slabs<K: Simd> {
     kernel: K,
@@ -285,24 +324,29 @@ struct Slab<F> {
     far_offset: [F; 2],
 }
 
+impl<F: Copy> Slab<F> {
+    #[inline(always)]
+    fn new<K: Simd<F = F>>(k: K, axis: &Axis) -> Slab<F> {
+        let [i, j] = axis.inverse;
+        let [a, b] = axis.near_offset;
+        let [c, d] = axis.far_offset;
+        Slab {
+            near: axis.near,
+            straddles: axis.straddles,
+            inverse: [k.splat(i), k.splat(j)],
+            near_offset: [k.splat(a), k.splat(b)],
+            far_offset: [k.splat(c), k.splat(d)],
+        }
+    }
+}
+
 impl<K: Simd> Slabs<K> {
     #[inline(always)]
     fn new(k: K, beam: &Beam) -> Slabs<K> {
-        let splat = |x: [f32; 2]| x.map(|x| k.splat(x));
-        let slab = |axis: &Axis| Slab {
-            near: axis.near,
-            straddles: axis.straddles,
-            inverse: splat(axis.inverse),
-            near_offset: splat(axis.near_offset),
-            far_offset: splat(axis.far_offset),
-        };
+        let [x, y, z] = &beam.axes;
         Slabs {
             kernel: k,
-            axes: [
-                slab(&beam.axes[0]),
-                slab(&beam.axes[1]),
-                slab(&beam.axes[2]),
-            ],
+            axes: [Slab::new(k, x), Slab::new(k, y), Slab::new(k, z)],
         }
     }
 
@@ -311,7 +355,10 @@ impl<K: Simd> Slabs<K> {
     fn meet(&self, node: &Wide, limit: f32, entries: &mut [f32; WIDTH]) -> u32 {
         let k = self.kernel;
         let (mut enter, mut leave) = (k.splat(0.0), k.splat(limit));
-        for (slab, planes) in self.axes.iter().zip(&node.planes) {
+        let mut axis = 0;
+        while axis < 3 {
+            let (slab, planes) = (&self.axes[axis], &node.planes[axis]);
+            axis += 1;
             let [i, j] = slab.inverse;
             let [a, b] = slab.near_offset;
             let near = k.load(&planes[slab.near]);

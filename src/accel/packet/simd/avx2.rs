@@ -2,6 +2,8 @@
 
 use std::arch::x86_64::*;
 
+use glam::DVec3;
+
 use super::{Simd, Task};
 
 /// 8 lanes.
@@ -60,6 +62,16 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn prefetch(self, corners: &[DVec3; 3]) {
+        let first: *const i8 = std::ptr::from_ref(corners).cast();
+        // SAFETY: prefetching reads nothing, and both ends of `corners` are in it.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(first);
+            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<[DVec3; 3]>() - 1));
+        }
+    }
+
+    #[inline(always)]
     fn splat(self, x: f32) -> __m256 {
         // SAFETY: `self` exists, so `detect` has found the instructions.
         unsafe { _mm256_set1_ps(x) }
@@ -70,6 +82,33 @@ impl Simd for Avx2 {
         let from = &from[..8];
         // SAFETY: as `splat`; `from` holds 8 numbers.
         unsafe { _mm256_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store_vectors(
+        self,
+        vectors: &[DVec3],
+        scale: f64,
+        x: &mut [f32],
+        y: &mut [f32],
+        z: &mut [f32],
+    ) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        let from: *const f64 = vectors.as_ptr().cast();
+        // SAFETY: as `splat`; four vectors are twelve f64 in a row, and x, y and z hold four f32 each.
+        unsafe {
+            let scale = _mm256_set1_pd(scale);
+            let a = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from), scale));
+            let b = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(4)), scale));
+            let c = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(8)), scale));
+            // x₀ y₀ z₀ x₁, y₁ z₁ x₂ y₂, z₂ x₃ y₃ z₃: by place, then in order.
+            let xs = _mm_blend_ps::<0b0010>(_mm_blend_ps::<0b0100>(a, b), c);
+            let ys = _mm_blend_ps::<0b0100>(_mm_blend_ps::<0b1001>(a, b), c);
+            let zs = _mm_blend_ps::<0b1001>(_mm_blend_ps::<0b0010>(a, b), c);
+            _mm_storeu_ps(x.as_mut_ptr(), _mm_permute_ps::<0b01_10_11_00>(xs));
+            _mm_storeu_ps(y.as_mut_ptr(), _mm_permute_ps::<0b10_11_00_01>(ys));
+            _mm_storeu_ps(z.as_mut_ptr(), _mm_permute_ps::<0b11_00_01_10>(zs));
+        }
     }
 
     #[inline(always)]
@@ -84,6 +123,12 @@ impl Simd for Avx2 {
         let to = &mut to[..8];
         // SAFETY: as `splat`; `to` holds 8 numbers.
         unsafe { _mm256_maskstore_ps(to.as_mut_ptr(), self.spread(mask), x) }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u32, x: __m256, y: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_blendv_ps(y, x, _mm256_castsi256_ps(self.spread(mask))) }
     }
 
     #[inline(always)]
@@ -161,21 +206,21 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn greatest(self, x: __m256) -> f32 {
-        let mut lanes = [0.0; 8];
-        self.store(&mut lanes, x);
-        lanes
-            .into_iter()
-            .reduce(|a, b| if a > b { a } else { b })
-            .unwrap_or(0.0)
+        // SAFETY: as `splat`.
+        unsafe {
+            let x = _mm_max_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+            let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)))
+        }
     }
 
     #[inline(always)]
     fn smallest(self, x: __m256) -> f32 {
-        let mut lanes = [0.0; 8];
-        self.store(&mut lanes, x);
-        lanes
-            .into_iter()
-            .reduce(|a, b| if a < b { a } else { b })
-            .unwrap_or(0.0)
+        // SAFETY: as `splat`.
+        unsafe {
+            let x = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+            let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)))
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::arch::x86_64::*;
 
+use glam::DVec3;
+
 use super::{Avx2, Simd, Task};
 
 /// 16 lanes.
@@ -47,6 +49,16 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn prefetch(self, corners: &[DVec3; 3]) {
+        let first: *const i8 = std::ptr::from_ref(corners).cast();
+        // SAFETY: prefetching reads nothing, and both ends of `corners` are in it.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(first);
+            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<[DVec3; 3]>() - 1));
+        }
+    }
+
+    #[inline(always)]
     fn splat(self, x: f32) -> __m512 {
         // SAFETY: `self` exists, so `detect` has found the instructions.
         unsafe { _mm512_set1_ps(x) }
@@ -57,6 +69,18 @@ impl Simd for Avx512 {
         let from = &from[..16];
         // SAFETY: as `splat`; `from` holds 16 numbers.
         unsafe { _mm512_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store_vectors(
+        self,
+        vectors: &[DVec3],
+        scale: f64,
+        x: &mut [f32],
+        y: &mut [f32],
+        z: &mut [f32],
+    ) {
+        Avx2::of(self).store_vectors(vectors, scale, x, y, z);
     }
 
     #[inline(always)]
@@ -71,6 +95,12 @@ impl Simd for Avx512 {
         let to = &mut to[..16];
         // SAFETY: as `splat`; `to` holds 16 numbers.
         unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask as u16, x) }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u32, x: __m512, y: __m512) -> __m512 {
+        // SAFETY: as `splat`.
+        unsafe { _mm512_mask_blend_ps(mask as u16, y, x) }
     }
 
     #[inline(always)]

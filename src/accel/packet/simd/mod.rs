@@ -3,6 +3,11 @@
 //! A value of a kernel's type is the proof that the processor has its instructions: only `detect` makes
 //! one. The kernels may round differently (one fuses products and sums, another doesn't); whoever uses
 //! them takes care that decisions don't depend on it.
+//!
+//! What a kernel runs is compiled with its instructions only where it is inlined without fail. Closures, and
+//! with them `array::map` and the like, are not: the loops of packets are written out.
+
+use glam::DVec3;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -35,14 +40,42 @@ pub(super) trait Simd: Copy {
     /// Runs `task`, compiled for these instructions.
     fn run(self, task: impl Task);
 
+    /// Says that a triangle will be read soon.
+    fn prefetch(self, corners: &[DVec3; 3]);
     /// `x` in all lanes.
     fn splat(self, x: f32) -> Self::F;
+    /// Each of `x` in all lanes.
+    #[inline(always)]
+    fn splat3(self, x: [f32; 3]) -> [Self::F; 3] {
+        [self.splat(x[0]), self.splat(x[1]), self.splat(x[2])]
+    }
+    /// x·y + z.
+    #[inline(always)]
+    fn dot(self, x: &[Self::F; 3], y: &[Self::F; 3], z: Self::F) -> Self::F {
+        self.mul_add(
+            x[0],
+            y[0],
+            self.mul_add(x[1], y[1], self.mul_add(x[2], y[2], z)),
+        )
+    }
     /// The first lanes of `from`.
     fn load(self, from: &[f32]) -> Self::F;
+    /// Stores four of `vectors`, times `scale` and rounded, in the first lanes of x, y and z.
+    fn store_vectors(
+        self,
+        vectors: &[DVec3],
+        scale: f64,
+        x: &mut [f32],
+        y: &mut [f32],
+        z: &mut [f32],
+    );
     /// Stores to the first lanes of `to`.
     fn store(self, to: &mut [f32], x: Self::F);
     /// Stores the lanes of `mask`.
     fn store_some(self, to: &mut [f32], mask: u32, x: Self::F);
+    /// x in the lanes of `mask`, else y. Stored and loaded again in whole, this doesn't wait, as after
+    /// [`Simd::store_some`].
+    fn select(self, mask: u32, x: Self::F, y: Self::F) -> Self::F;
     /// Stores `x` in the lanes of `mask`.
     fn store_index(self, to: &mut [u32], mask: u32, x: u32);
 

@@ -1,5 +1,7 @@
 //! Arrays, which compilers turn into what vectors there are.
 
+use glam::DVec3;
+
 use super::{Simd, Task};
 
 /// Eight lanes on any processor.
@@ -34,6 +36,9 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn prefetch(self, _: &[DVec3; 3]) {}
+
+    #[inline(always)]
     fn splat(self, x: f32) -> Lanes {
         [x; 8]
     }
@@ -43,6 +48,23 @@ impl Simd for Portable {
         let mut lanes = [0.0; 8];
         lanes.copy_from_slice(&from[..8]);
         lanes
+    }
+
+    #[inline(always)]
+    fn store_vectors(
+        self,
+        vectors: &[DVec3],
+        scale: f64,
+        x: &mut [f32],
+        y: &mut [f32],
+        z: &mut [f32],
+    ) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        for (i, v) in vectors.iter().enumerate() {
+            x[i] = (v.x * scale) as f32;
+            y[i] = (v.y * scale) as f32;
+            z[i] = (v.z * scale) as f32;
+        }
     }
 
     #[inline(always)]
@@ -56,6 +78,11 @@ impl Simd for Portable {
         for i in 0..8 {
             to[i] = if mask >> i & 1 != 0 { x[i] } else { to[i] };
         }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u32, x: Lanes, y: Lanes) -> Lanes {
+        std::array::from_fn(|i| if mask >> i & 1 != 0 { x[i] } else { y[i] })
     }
 
     #[inline(always)]

@@ -6,3 +6,4 @@ mod closed;
 mod common;
 mod packets;
 mod reference;
+mod watertight;

@@ -1,7 +1,7 @@
 //! A triangle as all rays from one origin see it, in f32 with bounds.
 //!
 //! With the corners a, b, c relative to the origin, e₁ = b − a, e₂ = c − a, n = e₁ × e₂, the quantities
-//! of [`triangle`](crate::accel) are products of the direction with vectors that don't depend on it:
+//! of the test of single rays are products of the direction with vectors that don't depend on it:
 //!
 //! ```text
 //! U = d·p,  p = e₂ × a;   V = d·q,  q = a × e₁;   W = d·r,  r = n − p − q;   Δ = n·d,   s = n·a / Δ.
@@ -12,14 +12,15 @@
 //! is negative. Lengths are in the tree's unit (κ = its scale: factors κ², κ³, powers of two), so that
 //! nothing overflows.
 //!
-//! **Bounds.** Let v = 2⁻²⁴, D ≥ |d|∞. The direction and p are each rounded (2 v), and a dot product with
+//! **Bounds.** Let v = 2⁻²⁴, D ≥ |d|∞. The direction and p are each rounded (2 v; |p|₁ is taken after that, a factor below
+//! 1 + v), and a dot product with
 //! an addend passes 4 roundings at most, fused or not: from U it deviates by less than
 //! 6.1 v D |p|₁ + 4.1 v B, with B the addend; B = 8 v D |p|₁ + B₆₄ is above that, so that U + B ≥ 0 as
-//! computed wherever U ≥ 0. B₆₄ = 4 max(1, D) · bound of [`Line::bound`] covers what f64 does to p (the bound
+//! computed wherever U ≥ 0. B₆₄ = 4 max(1, D) · bound of `Line::bound` covers what f64 does to p (the bound
 //! holds for |d|∞ < 2) and leaves U ≥ B certainly beyond the bound at which the f64 test would turn to
 //! exact arithmetic. Where U + B ≥ 2 B, likewise V and W, the f64 test finds a hit by its usual way.
 //! Δ gets the same bound. n·a is the very number of the f64 test; exact arithmetic could put it
-//! off by `bound`·|a|₁ ([`volume_bound`](Facet::new) below). So s lies within
+//! off by bound·|a|₁. So s lies within
 //!
 //! ```text
 //! (n·a − δ)/(Δ + B) < s < (n·a + δ)/(Δ − B)     where Δ − B > L²/1024,
@@ -61,8 +62,8 @@ pub(super) struct Viewpoint {
     /// κ² and κ³.
     area: f64,
     volume: f64,
-    /// 8 v D κ².
-    relative: f64,
+    /// 8 v D.
+    relative: f32,
     /// 4 max(1, D).
     absolute: f64,
 }
@@ -78,15 +79,15 @@ impl Viewpoint {
             origin,
             area,
             volume: area * lattice.scale,
-            relative: power_of_two(-21) * reach * area,
+            relative: (power_of_two(-21) * reach) as f32,
             absolute: 4.0 * if reach > 1.0 { reach } else { 1.0 },
         }
     }
 
     /// B of a product with `v`.
     #[inline(always)]
-    fn slack(&self, v: DVec3, fixed: f64) -> f32 {
-        (norm1(v) * self.relative + fixed) as f32
+    fn slack(&self, v: &[f32; 3], fixed: f32) -> f32 {
+        (v[0].abs() + v[1].abs() + v[2].abs()) * self.relative + fixed
     }
 }
 
@@ -126,8 +127,10 @@ impl Facet {
             let (distance, length) = (norm1(a), norm1(e1) + norm1(e2));
             let bound = Line::bound(distance, length);
             let fixed = bound * at.absolute * at.area + UNDERFLOW;
+            let fixed = fixed as f32;
+            let [p, q, r] = &facet.edges;
             facet.slack = [at.slack(p, fixed), at.slack(q, fixed), at.slack(r, fixed)];
-            facet.normal_slack = at.slack(n, fixed);
+            facet.normal_slack = at.slack(&facet.normal, fixed);
             facet.grazing = (length * length * at.area * (GRAZING * 1.001) + UNDERFLOW) as f32;
             let unsure = bound * distance;
             facet.certain = volume.abs() > unsure;

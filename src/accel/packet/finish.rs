@@ -1,11 +1,12 @@
 //! The numbers of the hits, in f64 and eight at a time.
 //!
-//! The arithmetic is that of [`Line::meet`](crate::accel::triangle), operation by operation, so that each
+//! The arithmetic is that of `Line::meet`, operation by operation, so that each
 //! number is the same bit for bit; no sum is fused with a product. Where that test would turn to exact
 //! arithmetic or move s into the triangle's box, nothing is stored and single rays are asked.
 
 use glam::DVec3;
 
+use super::Batch;
 use super::block::{Block, NONE, RAYS};
 use crate::accel::Bvh;
 use crate::accel::triangle::{GRAZING, Line, greater, lesser, norm1};
@@ -16,11 +17,11 @@ const GROUP: usize = 8;
 /// Hits of a block, lane by lane.
 #[repr(C, align(64))]
 pub(super) struct Numbers {
-    pub s: [f64; RAYS],
-    pub u: [f64; RAYS],
-    pub v: [f64; RAYS],
+    s: [f64; RAYS],
+    u: [f64; RAYS],
+    v: [f64; RAYS],
     /// n·d, or 0 where single rays are to be asked.
-    pub delta: [f64; RAYS],
+    delta: [f64; RAYS],
 }
 
 impl Numbers {
@@ -33,7 +34,8 @@ impl Numbers {
 
     /// Works out all hits of `block`.
     #[inline(always)]
-    pub fn fill(&mut self, bvh: &Bvh, origin: DVec3, directions: &[DVec3], block: &Block) {
+    pub fn fill(&mut self, bvh: &Bvh, batch: Batch, block: &Block) {
+        let Batch { origin, directions } = batch;
         let mut first = 0;
         while first < RAYS {
             let mut met = None;
@@ -55,6 +57,12 @@ impl Numbers {
             }
             first += GROUP;
         }
+    }
+
+    /// Whether the hit of a lane is worked out.
+    #[inline(always)]
+    pub fn has(&self, lane: usize) -> bool {
+        self.delta[lane] != 0.0
     }
 
     /// s, u, v and front of a lane.
@@ -107,7 +115,7 @@ struct Group {
 }
 
 impl Group {
-    /// Rays with directions of usual size; [`Probe`](crate::accel::query) scales them likewise.
+    /// Rays with directions of usual size; `Probe` scales them likewise.
     #[inline(always)]
     fn aimed(directions: &[DVec3], order: &[u32]) -> Group {
         let mut group = Group {
@@ -146,9 +154,8 @@ impl Group {
     /// The triangle of each lane, or that in slot `instead`.
     #[inline(always)]
     fn collect(&mut self, bvh: &Bvh, slots: &[u32], instead: u32) {
-        let slots = &slots[..GROUP];
-        for i in 0..GROUP {
-            let slot = if slots[i] == NONE { instead } else { slots[i] };
+        for (i, &slot) in slots.iter().enumerate().take(GROUP) {
+            let slot = if slot == NONE { instead } else { slot };
             self.set_corners(i, &bvh.corners[slot as usize]);
         }
     }

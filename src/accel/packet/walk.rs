@@ -1,16 +1,14 @@
 //! A block's way through the tree of wide nodes, nearer children first.
 
-use glam::DVec3;
-
-use super::FRONT;
-use super::block::{Axis, Beam, Block, NONE, RAYS};
+use super::block::{Beam, NONE, RAYS};
 use super::facet::{Facet, Viewpoint};
-use super::finish::Numbers;
 use super::simd::{Simd, Task};
+use super::slabs::Slabs;
+use super::{Batch, FRONT, Workspace};
 use crate::accel::query::Probe;
 use crate::accel::slab::Link;
-use crate::accel::wide::{WIDTH, Wide};
-use crate::accel::{Bvh, Hit, Ray};
+use crate::accel::wide::WIDTH;
+use crate::accel::{Bvh, Hit};
 
 /// A child to visit later, and where the block enters its box at the earliest.
 pub(super) type Waiting = (f32, Link);
@@ -18,19 +16,12 @@ pub(super) type Waiting = (f32, Link);
 /// A block to lead through the tree.
 pub(super) struct Walk<'a, const CERTIFIED: bool> {
     pub bvh: &'a Bvh,
-    /// Metres.
-    pub origin: DVec3,
-    /// Of the batch.
-    pub directions: &'a [DVec3],
-    /// Of the batch: what was met before.
+    pub batch: Batch<'a>,
+    /// What was met before.
     pub hits: &'a [Option<Hit>],
-    pub block: &'a mut Block,
-    /// Of its hits.
-    pub numbers: &'a mut Numbers,
+    pub space: &'a mut Workspace,
     /// As many entries as can wait.
     pub stack: &'a mut [Waiting],
-    /// What came of it.
-    pub outcome: &'a mut Outcome,
 }
 
 /// What became of a block.
@@ -48,23 +39,26 @@ impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
     #[inline(always)]
     fn run<K: Simd>(mut self, k: K) {
         let lattice = &self.bvh.lattice;
-        let Some(extent) = self.block.aim(k, lattice, self.directions) else {
-            *self.outcome = Outcome::Apart;
+        let Some(extent) = self.space.block.aim(k, lattice, self.batch.directions) else {
+            self.space.outcome = Outcome::Apart;
             return;
         };
-        let beam = Beam::new((self.origin - lattice.centre) * lattice.scale, &extent);
+        let beam = Beam::new(
+            (self.batch.origin - lattice.centre) * lattice.scale,
+            &extent,
+        );
         let slabs = Slabs::new(k.children(), &beam);
-        *self.outcome = Outcome::Missed;
+        self.space.outcome = Outcome::Missed;
         if slabs.meet(&self.bvh.wide[0], f32::MAX, &mut [0.0; WIDTH]) == 0 {
             return;
         }
-        *self.outcome = Outcome::Met;
-        self.block.start(self.hits);
-        let at = Viewpoint::new(self.origin, lattice, beam.reach);
+        self.space.outcome = Outcome::Met;
+        self.space.block.start(self.hits);
+        let at = Viewpoint::new(self.batch.origin, lattice, beam.reach);
         self.descend(k, &slabs, &at);
         if CERTIFIED {
-            let numbers = &mut *self.numbers;
-            numbers.fill(self.bvh, self.origin, self.directions, self.block);
+            let Workspace { block, numbers, .. } = &mut *self.space;
+            numbers.fill(self.bvh, self.batch, block);
         }
     }
 }
@@ -72,7 +66,7 @@ impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
 impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
     #[inline(always)]
     fn descend<K: Simd>(&mut self, k: K, slabs: &Slabs<K::Children>, at: &Viewpoint) {
-        let mut limit = self.block.limit(k);
+        let mut limit = self.space.block.limit(k);
         let mut waiting = 1;
         self.stack[0] = (0.0, Link::ROOT);
         while waiting > 0 {
@@ -83,7 +77,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
             }
             if link.is_leaf() {
                 if self.leaf(k, at, link.index()) {
-                    limit = self.block.limit(k);
+                    limit = self.space.block.limit(k);
                 }
                 continue;
             }
@@ -158,7 +152,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
     /// The directions of a packet.
     #[inline(always)]
     fn load<K: Simd>(&self, k: K, first: usize) -> [K::F; 3] {
-        let [x, y, z] = &self.block.directions;
+        let [x, y, z] = &self.space.block.directions;
         [
             k.load(&x[first..]),
             k.load(&y[first..]),
@@ -178,7 +172,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         d: [K::F; 3],
         uvw: [K::F; 3],
     ) -> bool {
-        let block = &mut *self.block;
+        let block = &mut self.space.block;
         let delta = k.dot(&d, &k.splat3(facet.normal), k.splat(0.0));
         let slack = k.splat(facet.normal_slack);
         let least = k.sub(delta, slack);
@@ -229,7 +223,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         d: [K::F; 3],
         uvw: [K::F; 3],
     ) -> bool {
-        let block = &mut *self.block;
+        let block = &mut self.space.block;
         let delta = k.dot(&d, &k.splat3(facet.normal), k.splat(0.0));
         let inverse = k.div(k.splat(1.0), delta);
         let tau = k.mul(k.splat(facet.volume[0]), inverse);
@@ -283,19 +277,14 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
     #[cold]
     #[inline(never)]
     fn decide(&mut self, lane: usize, slot: u32) -> bool {
-        if lane >= self.block.count {
+        if lane >= self.space.block.count {
             return false;
         }
-        let direction = self.directions[self.block.order[lane] as usize];
-        let ray = Ray {
-            origin: self.origin,
-            direction,
-            s_min: 0.0,
-        };
-        let Some(probe) = Probe::new(&ray) else {
+        let ray = self.space.block.order[lane] as usize;
+        let Some(probe) = Probe::new(&self.batch.ray(ray)) else {
             return false;
         };
-        let rival = match self.block.slots[lane] {
+        let rival = match self.space.block.slots[lane] {
             NONE => None,
             rival => probe
                 .line
@@ -305,73 +294,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         let Some((crossing, slot)) = probe.nearer(self.bvh, rival, slot) else {
             return false;
         };
-        self.block.set(lane, slot, crossing.s * probe.unit);
+        self.space.block.set(lane, slot, crossing.s * probe.unit);
         true
-    }
-}
-
-/// A beam in eight lanes.
-struct Slabs<K: Simd> {
-    kernel: K,
-    axes: [Slab<K::F>; 3],
-}
-
-struct Slab<F> {
-    near: usize,
-    straddles: bool,
-    inverse: [F; 2],
-    near_offset: [F; 2],
-    far_offset: [F; 2],
-}
-
-impl<F: Copy> Slab<F> {
-    #[inline(always)]
-    fn new<K: Simd<F = F>>(k: K, axis: &Axis) -> Slab<F> {
-        let [i, j] = axis.inverse;
-        let [a, b] = axis.near_offset;
-        let [c, d] = axis.far_offset;
-        Slab {
-            near: axis.near,
-            straddles: axis.straddles,
-            inverse: [k.splat(i), k.splat(j)],
-            near_offset: [k.splat(a), k.splat(b)],
-            far_offset: [k.splat(c), k.splat(d)],
-        }
-    }
-}
-
-impl<K: Simd> Slabs<K> {
-    #[inline(always)]
-    fn new(k: K, beam: &Beam) -> Slabs<K> {
-        let [x, y, z] = &beam.axes;
-        Slabs {
-            kernel: k,
-            axes: [Slab::new(k, x), Slab::new(k, y), Slab::new(k, z)],
-        }
-    }
-
-    /// The children that a ray of the block may meet before `limit`, and where they are entered.
-    #[inline(always)]
-    fn meet(&self, node: &Wide, limit: f32, entries: &mut [f32; WIDTH]) -> u32 {
-        let k = self.kernel;
-        let (mut enter, mut leave) = (k.splat(0.0), k.splat(limit));
-        let mut axis = 0;
-        while axis < 3 {
-            let (slab, planes) = (&self.axes[axis], &node.planes[axis]);
-            axis += 1;
-            let [i, j] = slab.inverse;
-            let [a, b] = slab.near_offset;
-            let near = k.load(&planes[slab.near]);
-            let far = k.load(&planes[1 - slab.near]);
-            if slab.straddles {
-                enter = k.max(enter, k.max(k.mul_add(near, i, a), k.mul_add(far, j, b)));
-            } else {
-                let [c, d] = slab.far_offset;
-                enter = k.max(enter, k.min(k.mul_add(near, i, a), k.mul_add(near, j, b)));
-                leave = k.min(leave, k.max(k.mul_add(far, i, c), k.mul_add(far, j, d)));
-            }
-        }
-        k.store(entries, enter);
-        k.le(enter, leave)
     }
 }

@@ -8,6 +8,8 @@
 //!   to all triangles that share them, so closed meshes have no gaps;
 //! - of equal parameters the smaller id wins, and every parameter is a function of ray and triangle
 //!   alone: a hit depends neither on the tree nor on the order in which it is walked;
+//! - rays that share their origin go in packets of as many as the processor has lanes ([`Kernel`]), and
+//!   meet what they would meet singly, bit for bit;
 //! - nothing depends on the scale or the place of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene

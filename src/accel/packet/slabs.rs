@@ -35,8 +35,8 @@ impl<F: Copy> Slab<F> {
 }
 
 impl<K: Simd> Slabs<K> {
-    #[inline(always)]
     /// `beam` with the children's lanes.
+    #[inline(always)]
     pub fn new(k: K, beam: &Beam) -> Slabs<K> {
         let [x, y, z] = &beam.axes;
         Slabs {

@@ -125,12 +125,14 @@ impl Bvh {
             + self.wide.capacity() * size_of::<Wide>()
     }
 
-    /// An upper estimate of [`Bvh::bytes`] for so many triangles. Trees have a wide node per six
-    /// triangles or so; one per four is reckoned with.
+    /// An upper estimate of [`Bvh::bytes`] for so many triangles.
+    ///
+    /// There are at most four wide nodes per seven triangles: those with fewer than eight children have
+    /// two leaves or more and nothing else. Meshes have a third of that.
     pub fn estimate_bytes(triangles: usize) -> usize {
         let pairs = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>();
         triangles
-            .saturating_mul(pairs + size_of::<Wide>() / 4)
+            .saturating_mul(pairs + size_of::<Wide>() * 4 / 7)
             .saturating_add(size_of::<Bvh>() + size_of::<Node>() + size_of::<Wide>())
     }
 

@@ -1,9 +1,10 @@
-//! Coherent primary rays: this crate's certified closest hits against obvhs' own f32 traversal.
+//! Coherent primary rays: closest hits by packets of each kernel, certified and fast, against single
+//! rays and against obvhs' own f32 traversal.
 //!
-//! Both are measured in turn, one thread, best of several rounds; one line per case is printed and
-//! written as JSON to `target/bench/visibility.jsonl`. Meshes: every `*.tri` (little-endian f32, nine
-//! per triangle) of the folder `NULLRAY_BENCH_MESHES`, else generated ones. `--smoke`,
-//! `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use tiny sizes.
+//! All are measured in turn, one thread, best of several rounds; one line per case, precision and kernel
+//! is printed and written as JSON to `target/bench/visibility.jsonl`. Meshes: every `*.tri`
+//! (little-endian f32, nine per triangle) of the folder `NULLRAY_BENCH_MESHES`, else generated ones.
+//! `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use tiny sizes.
 //!
 //! Camera, with c the centre of the mesh's bounding box and R half its diagonal: pixel-centre rays
 //! along −z, "outside" from c + (0, 0, 2.2 R) with half-width 0.5 of the image plane at distance
@@ -16,12 +17,12 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
 
 use common::{Peer, grid, meshes};
 
-/// Rays per batch: a tile of 8 × 8 pixels.
-const TILE: usize = 8;
+/// Rays per batch: a tile of 16 × 16 pixels, as in images.
+const TILE: usize = 16;
 
 struct Size {
     image: usize,
@@ -50,6 +51,13 @@ fn main() {
     }
 }
 
+/// A way to trace the rays of a camera.
+struct Case {
+    precision: &'static str,
+    kernel: &'static str,
+    trace: Box<dyn Fn(&Camera) -> usize>,
+}
+
 fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mut fs::File) {
     let count = triangles.len();
     let (peer, peer_build) = Peer::build(&triangles);
@@ -58,94 +66,101 @@ fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mu
     let build = begin.elapsed();
     let bytes = bvh.bytes() as f64 / count as f64;
     println!(
-        "{name}: {count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {:.2?})",
-        peer_build
+        "{name}: {count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {peer_build:.2?})"
     );
-    for (place, distance, half_width) in [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)] {
-        let camera = Camera::new(&bvh, distance, half_width, size.image);
-        let case = format!("{name}/{place}");
-        let result = measure(&bvh, &peer, &camera, size.rounds);
-        println!("  {case}: {result}");
-        let line = serde_json::json!({
-            "case": case, "precision": "certified", "kernel": "scalar", "threads": 1,
-            "triangles": count, "rays": camera.rays(), "hits": result.hits,
-            "mrays_per_s": result.batch, "single_mrays_per_s": result.single,
-            "any_mrays_per_s": result.any,
-            "obvhs_mrays_per_s": result.peer, "obvhs_hits": result.peer_hits,
-            "bytes_per_triangle": bytes, "build_s": build.as_secs_f64(),
-        });
-        writeln!(report, "{line}").expect("report");
-    }
-}
-
-struct Rates {
-    batch: f64,
-    single: f64,
-    any: f64,
-    peer: f64,
-    hits: usize,
-    peer_hits: usize,
-}
-
-impl std::fmt::Display for Rates {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{:.2} Mrays/s (single {:.2}, any {:.2}), obvhs {:.2}, ratio {:.2}, hits {} (obvhs {})",
-            self.batch,
-            self.single,
-            self.any,
-            self.peer,
-            self.batch / self.peer,
-            self.hits,
-            self.peer_hits
-        )
-    }
-}
-
-fn measure(bvh: &Bvh, peer: &Peer, camera: &Camera, rounds: usize) -> Rates {
-    let mut best = [Duration::MAX; 4];
-    let mut hits = [0; 4];
-    for _ in 0..rounds {
-        let kinds: [&dyn Fn() -> usize; 4] = [
-            &|| trace_batches(bvh, camera),
-            &|| trace_singles(bvh, camera),
-            &|| trace_any(bvh, camera),
-            &|| peer.trace(camera.origin, &camera.directions),
-        ];
-        for (i, kind) in kinds.iter().enumerate() {
-            let begin = Instant::now();
-            hits[i] = kind();
-            best[i] = best[i].min(begin.elapsed());
+    let cameras = [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)]
+        .map(|(place, distance, width)| (place, Camera::new(&bvh, distance, width, size.image)));
+    let cases = cases(bvh, peer);
+    for (place, camera) in &cameras {
+        for (case, best, hits) in measure(&cases, camera, size.rounds) {
+            let rate = camera.rays() as f64 / best.as_secs_f64() / 1e6;
+            let (precision, kernel) = (case.precision, case.kernel);
+            println!("  {name}/{place} {precision} {kernel}: {rate:.2} Mrays/s, {hits} hits");
+            let line = serde_json::json!({
+                "case": format!("{name}/{place}"), "precision": precision, "kernel": kernel,
+                "threads": 1, "mrays_per_s": rate, "hits": hits,
+                "triangles": count, "rays": camera.rays(),
+                "bytes_per_triangle": bytes, "build_s": build.as_secs_f64(),
+            });
+            writeln!(report, "{line}").expect("report");
         }
     }
-    assert_eq!(hits[0], hits[1], "single rays and batches agree");
-    assert_eq!(hits[0], hits[2], "closest and any hits agree");
-    let [batch, single, any, peer] = best.map(|t| camera.rays() as f64 / t.as_secs_f64() / 1e6);
-    Rates {
-        batch,
-        single,
-        any,
-        peer,
-        hits: hits[0],
-        peer_hits: hits[3],
+}
+
+/// Everything that can trace here.
+fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
+    let bvh = std::rc::Rc::new(bvh);
+    let mut cases = Vec::new();
+    let mut add = |precision, kernel, trace: Box<dyn Fn(&Camera) -> usize>| {
+        cases.push(Case {
+            precision,
+            kernel,
+            trace,
+        });
+    };
+    for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
+        for (precision, called) in [
+            (Precision::Fast, "fast"),
+            (Precision::Certified, "certified"),
+        ] {
+            if (kernel, precision) != (Kernel::Scalar, Precision::Fast) {
+                let (bvh, method) = (bvh.clone(), Method { kernel, precision });
+                let trace = move |camera: &Camera| trace_batches(&bvh, method, camera);
+                add(called, kernel_name(kernel), Box::new(trace));
+            }
+        }
+    }
+    add(
+        "certified",
+        "any",
+        Box::new(move |camera| trace_any(&bvh, camera)),
+    );
+    let trace_peer = move |camera: &Camera| peer.trace(camera.origin, &camera.directions);
+    add("fast", "obvhs", Box::new(trace_peer));
+    cases
+}
+
+fn kernel_name(kernel: Kernel) -> &'static str {
+    match kernel {
+        Kernel::Avx512 => "avx512",
+        Kernel::Avx2 => "avx2",
+        Kernel::Portable => "portable",
+        Kernel::Scalar => "scalar",
     }
 }
 
-fn trace_batches(bvh: &Bvh, camera: &Camera) -> usize {
+/// The best time of each case, and how many rays hit.
+fn measure<'a>(
+    cases: &'a [Case],
+    camera: &Camera,
+    rounds: usize,
+) -> Vec<(&'a Case, Duration, usize)> {
+    let mut results: Vec<_> = cases.iter().map(|c| (c, Duration::MAX, 0)).collect();
+    for _ in 0..rounds {
+        for (case, best, hits) in &mut results {
+            let begin = Instant::now();
+            *hits = (case.trace)(camera);
+            *best = begin.elapsed().min(*best);
+        }
+    }
+    let certified = results.iter().filter(|r| r.0.precision == "certified");
+    let mut counts: Vec<usize> = certified.map(|r| r.2).collect();
+    counts.dedup();
+    assert_eq!(counts.len(), 1, "certified hits agree: {counts:?}");
+    results
+}
+
+fn trace_batches(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
     let mut hits: [Option<Hit>; TILE * TILE];
     let mut count = 0;
     for tile in camera.directions.chunks(TILE * TILE) {
         hits = [None; TILE * TILE];
-        bvh.closest_many(camera.origin, tile, &mut hits[..tile.len()]);
-        count += hits.iter().flatten().count();
+        bvh.closest_by(method, camera.origin, tile, &mut hits[..tile.len()], |_| {
+            count += 1
+        });
+        std::hint::black_box(&hits);
     }
     count
-}
-
-fn trace_singles(bvh: &Bvh, camera: &Camera) -> usize {
-    let hit = |&d: &DVec3| bvh.closest(&camera.ray(d), f64::INFINITY).is_some();
-    camera.directions.iter().filter(|d| hit(d)).count()
 }
 
 fn trace_any(bvh: &Bvh, camera: &Camera) -> usize {

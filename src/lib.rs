@@ -41,7 +41,7 @@
 //! The library never prints, never exits and never reads the environment. Same input, same output, bit
 //! for bit, on any number of threads.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod accel;

@@ -13,6 +13,7 @@ use robust::{Coord, orient2d};
 
 use super::query::Tag;
 use super::slab::{Lattice, Link, Node, power_of_two};
+use super::wide::collapse;
 use super::{Bvh, Facing};
 
 /// Chosen by measuring with `benches/visibility.rs`: small leaves, since the f64 test of a triangle
@@ -53,11 +54,14 @@ impl Bvh {
             .iter()
             .map(|&id| Tag::new(id, facing(id)))
             .collect::<Vec<_>>();
+        let (wide, wide_depth) = collapse(&layout.nodes);
         let mut bvh = Bvh {
             corners,
             tags,
             nodes: layout.nodes,
             depth: layout.depth,
+            wide,
+            wide_depth,
             lattice,
             bounds: (lo, hi),
         };

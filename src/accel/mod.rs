@@ -8,6 +8,8 @@
 //!   to all triangles that share them, so closed meshes have no gaps;
 //! - of equal parameters the smaller id wins, and every parameter is a function of ray and triangle
 //!   alone: a hit depends neither on the tree nor on the order in which it is walked;
+//! - rays that share their origin go in packets of as many as the processor has lanes ([`Kernel`]), and
+//!   meet what they would meet singly, bit for bit;
 //! - nothing depends on the scale or the place of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
@@ -16,16 +18,21 @@
 
 mod build;
 mod exact;
+mod packet;
 mod query;
 mod slab;
 mod traverse;
 mod triangle;
+mod wide;
 
 use glam::DVec3;
+
+pub use packet::{Kernel, Method, Precision};
 
 use query::{Any, Closest, Probe, Tag};
 use slab::{Lattice, Node, Slabs, exponent, power_of_two};
 use traverse::{Query, USUAL_DEPTH, Waiting, traverse};
+use wide::Wide;
 
 /// A ray origin + s · direction, s > `s_min`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +81,10 @@ pub struct Bvh {
     nodes: Vec<Node>,
     /// Levels of nodes.
     depth: usize,
+    /// The same tree for packets.
+    wide: Vec<Wide>,
+    /// Its levels.
+    wide_depth: usize,
     lattice: Lattice,
     bounds: (DVec3, DVec3),
 }
@@ -88,6 +99,8 @@ impl Bvh {
             tags: Vec::new(),
             nodes: Vec::new(),
             depth: 0,
+            wide: Vec::new(),
+            wide_depth: 0,
             lattice: Lattice::new(DVec3::ZERO, DVec3::ZERO),
             bounds: (DVec3::ZERO, DVec3::ZERO),
         }
@@ -109,14 +122,18 @@ impl Bvh {
             + self.corners.capacity() * size_of::<[DVec3; 3]>()
             + self.tags.capacity() * size_of::<Tag>()
             + self.nodes.capacity() * size_of::<Node>()
+            + self.wide.capacity() * size_of::<Wide>()
     }
 
     /// An upper estimate of [`Bvh::bytes`] for so many triangles.
+    ///
+    /// There are at most four wide nodes per seven triangles: those with fewer than eight children have
+    /// two leaves or more and nothing else. Meshes have a third of that.
     pub fn estimate_bytes(triangles: usize) -> usize {
-        let per_triangle = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>();
+        let pairs = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>();
         triangles
-            .saturating_mul(per_triangle)
-            .saturating_add(size_of::<Bvh>() + size_of::<Node>())
+            .saturating_mul(pairs + size_of::<Wide>() * 4 / 7)
+            .saturating_add(size_of::<Bvh>() + size_of::<Node>() + size_of::<Wide>())
     }
 
     /// Least and greatest coordinates of the triangles that can be hit, metres.
@@ -155,6 +172,17 @@ impl Bvh {
     /// The same, and `replaced` is told the indices of the entries that are replaced.
     #[inline]
     pub fn closest_each(
+        &self,
+        origin: DVec3,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        replaced: impl FnMut(usize),
+    ) {
+        self.closest_by(Method::default(), origin, directions, hits, replaced);
+    }
+
+    /// The same, ray by ray.
+    fn closest_singly(
         &self,
         origin: DVec3,
         directions: &[DVec3],
@@ -230,14 +258,7 @@ impl Bvh {
         };
         self.run(probe, stack, &mut query);
         let (crossing, slot) = query.found?;
-        Some(Hit {
-            s: crossing.s * probe.unit,
-            u: crossing.u,
-            v: crossing.v,
-            triangle: self.tags[slot as usize].id(),
-            slot,
-            front: crossing.front,
-        })
+        Some(probe.hit(self, &crossing, slot))
     }
 
     #[inline(always)]

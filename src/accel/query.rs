@@ -3,7 +3,7 @@
 use super::slab::{exponent, power_of_two};
 use super::traverse::Query;
 use super::triangle::{Crossing, Line};
-use super::{Bvh, Facing, Ray};
+use super::{Bvh, Facing, Hit, Ray};
 use glam::DVec3;
 
 /// A ray with a direction of usual size: s of the ray is `unit` times s of the line.
@@ -40,6 +40,38 @@ impl Probe {
             per_unit,
         })
     }
+
+    /// What the ray has met.
+    #[inline(always)]
+    pub(super) fn hit(&self, bvh: &Bvh, crossing: &Crossing, slot: u32) -> Hit {
+        Hit {
+            s: crossing.s * self.unit,
+            u: crossing.u,
+            v: crossing.v,
+            triangle: bvh.tags[slot as usize].id(),
+            slot,
+            front: crossing.front,
+        }
+    }
+
+    /// The hit with the triangle in `slot`, if it comes before `rival`.
+    pub(super) fn nearer(
+        &self,
+        bvh: &Bvh,
+        rival: Option<(Crossing, u32)>,
+        slot: u32,
+    ) -> Option<(Crossing, u32)> {
+        let mut query = Closest {
+            bvh,
+            line: &self.line,
+            s_min: self.s_min,
+            s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
+            found: rival,
+        };
+        let at = slot as usize;
+        let found = query.consider(slot, &bvh.corners[at], bvh.tags[at]);
+        if found { query.found } else { None }
+    }
 }
 
 /// A triangle's id, its facing and whether it is the last of its leaf.
@@ -67,13 +99,13 @@ impl Tag {
     }
 
     #[inline(always)]
-    fn is_last(self) -> bool {
+    pub(super) fn is_last(self) -> bool {
         self.0 & Self::LAST != 0
     }
 
     /// Whether a ray that meets this side sees the triangle.
     #[inline(always)]
-    fn shows(self, front: bool) -> bool {
+    pub(super) fn shows(self, front: bool) -> bool {
         front || self.0 & Self::FRONT_ONLY == 0
     }
 }
@@ -94,6 +126,21 @@ impl Closest<'_> {
         s < self.s || (s == self.s && self.beats_tie(tag))
     }
 
+    /// Takes over the triangle in `slot` if it comes first.
+    #[inline(always)]
+    fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
+        if let Some(crossing) = self.line.meet(corners)
+            && crossing.s > self.s_min
+            && self.improves(crossing.s, tag)
+            && tag.shows(crossing.front)
+        {
+            self.s = crossing.s;
+            self.found = Some((crossing, slot));
+            return true;
+        }
+        false
+    }
+
     #[cold]
     fn beats_tie(&self, tag: Tag) -> bool {
         let rival = self.found.as_ref().map(|f| self.bvh.tags[f.1 as usize]);
@@ -106,14 +153,7 @@ impl Query for Closest<'_> {
     fn leaf(&mut self, slot: usize) -> bool {
         let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
         for (i, (corners, &tag)) in triangles.enumerate() {
-            if let Some(crossing) = self.line.meet(corners)
-                && crossing.s > self.s_min
-                && self.improves(crossing.s, tag)
-                && tag.shows(crossing.front)
-            {
-                self.s = crossing.s;
-                self.found = Some((crossing, (slot + i) as u32));
-            }
+            self.consider((slot + i) as u32, corners, tag);
             if tag.is_last() {
                 break;
             }

@@ -33,6 +33,7 @@ use glam::{BVec4A, DVec3, Vec4, Vec4Swizzles};
 
 use super::exact::{two_product, two_sum};
 use super::triangle::Line;
+use super::wide::Child;
 
 /// Two child boxes, and where the children are. 64 bytes: a cache line.
 #[derive(Debug, Clone, Copy)]
@@ -92,6 +93,19 @@ impl Node {
         self.links[side] = link;
     }
 
+    /// The children that there are.
+    pub fn children(&self) -> impl Iterator<Item = Child> + use<> {
+        let node = *self;
+        [0, 1].into_iter().filter_map(move |side| {
+            let child = Child {
+                link: node.links[side],
+                lo: node.planes.map(|p| p[side]),
+                hi: node.planes.map(|p| -p[side + 2]),
+            };
+            (child.lo[0] <= child.hi[0]).then_some(child)
+        })
+    }
+
     /// For both children: where the ray enters (lanes 0, 1) and minus where it leaves (2, 3), bounded
     /// by `range`. The type parameters say along which axes the ray descends.
     #[inline(always)]
@@ -127,8 +141,8 @@ fn axis<const DESCENDS: bool>(planes: Vec4, origin: Vec4, inverse: Vec4) -> Vec4
 /// The frame of the boxes: y = (x − c)·k.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
-    centre: DVec3,
-    scale: f64,
+    pub centre: DVec3,
+    pub scale: f64,
     /// The box of everything, widened by 2⁻³⁰.
     lo: DVec3,
     hi: DVec3,

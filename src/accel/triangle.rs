@@ -30,7 +30,7 @@ const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
 /// Above all that underflow can do: 2⁻⁷⁰⁰.
 const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52);
 /// Below this Δ/L² the rounding of s can leave the triangle's bounding box; see [`Line::clamped_to_box`].
-const GRAZING: f64 = 1.0 / 1024.0;
+pub(super) const GRAZING: f64 = 1.0 / 1024.0;
 
 /// The line o + s d, |d|∞ in [1, 2).
 pub(super) struct Line {
@@ -62,7 +62,7 @@ impl Line {
         let v = -r.dot(e1);
         let w = delta - u - v;
         let length = norm1(e1) + norm1(e2);
-        let bound = RELATIVE * (length * (norm1(a) + length)) + UNDERFLOW;
+        let bound = Line::bound(norm1(a), length);
         let (low, high) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
         if low < -bound && high > bound {
             return None;
@@ -83,6 +83,12 @@ impl Line {
             });
         }
         self.meet_exactly(corners)
+    }
+
+    /// B, for A = `distance` and L = `length`.
+    #[inline(always)]
+    pub fn bound(distance: f64, length: f64) -> f64 {
+        RELATIVE * (length * (distance + length)) + UNDERFLOW
     }
 
     /// The same with exact signs, and u, v, s to a few ulp.
@@ -131,17 +137,17 @@ impl Line {
 }
 
 #[inline(always)]
-fn norm1(v: DVec3) -> f64 {
+pub(super) fn norm1(v: DVec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
 
 /// Without the care for NaN of [`f64::min`], which costs three instructions more.
 #[inline(always)]
-fn lesser(x: f64, y: f64) -> f64 {
+pub(super) fn lesser(x: f64, y: f64) -> f64 {
     if x < y { x } else { y }
 }
 
 #[inline(always)]
-fn greater(x: f64, y: f64) -> f64 {
+pub(super) fn greater(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }
 }

@@ -1,7 +1,7 @@
 //! Meshes, rays and random numbers for the tests.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
 
 pub type Triangle = [DVec3; 3];
 
@@ -92,4 +92,29 @@ pub fn scaled(triangles: &[Triangle], scale: f64, shift: DVec3) -> Vec<Triangle>
         .iter()
         .map(|t| t.map(|c| c * scale + shift))
         .collect()
+}
+
+pub fn certified(kernel: Kernel) -> Method {
+    Method {
+        kernel,
+        precision: Precision::Certified,
+    }
+}
+
+/// A tile of `n` × `n` directions about `axis`, `pitch` apart, each off its place by as much as `jitter`.
+pub fn tile(random: &mut Random, axis: DVec3, n: usize, pitch: f64, jitter: f64) -> Vec<DVec3> {
+    let (right, up) = axis.normalize().any_orthonormal_pair();
+    let size = axis.length() * pitch;
+    let at = |i: usize| i as f64 - n as f64 / 2.0;
+    let mut directions = Vec::new();
+    for y in 0..n {
+        for x in 0..n {
+            let (u, v) = (
+                at(x) + jitter * random.number(),
+                at(y) + jitter * random.number(),
+            );
+            directions.push(axis + (right * u + up * v) * size);
+        }
+    }
+    directions
 }

@@ -4,4 +4,6 @@ mod brute_force;
 mod cases;
 mod closed;
 mod common;
+mod packets;
 mod reference;
+mod watertight;

@@ -1,0 +1,187 @@
+//! The numbers of the hits, in f64 and eight at a time.
+//!
+//! The arithmetic is that of `Line::meet`, operation by operation, so that each
+//! number is the same bit for bit; no sum is fused with a product. Where that test would turn to exact
+//! arithmetic or move s into the triangle's box, nothing is stored and single rays are asked.
+
+use glam::DVec3;
+
+use super::Batch;
+use super::block::{Block, NONE, RAYS};
+use crate::accel::Bvh;
+use crate::accel::triangle::{GRAZING, Line, greater, lesser, norm1};
+
+/// Hits worked out together.
+const GROUP: usize = 8;
+
+/// Hits of a block, lane by lane.
+#[repr(C, align(64))]
+pub(super) struct Numbers {
+    s: [f64; RAYS],
+    u: [f64; RAYS],
+    v: [f64; RAYS],
+    /// n·d, or 0 where single rays are to be asked.
+    delta: [f64; RAYS],
+}
+
+impl Numbers {
+    pub const NONE: Numbers = Numbers {
+        s: [0.0; RAYS],
+        u: [0.0; RAYS],
+        v: [0.0; RAYS],
+        delta: [0.0; RAYS],
+    };
+
+    /// Works out all hits of `block`.
+    #[inline(always)]
+    pub fn fill(&mut self, bvh: &Bvh, batch: Batch, block: &Block) {
+        let Batch { origin, directions } = batch;
+        let mut first = 0;
+        while first < RAYS {
+            let mut met = None;
+            let mut same = true;
+            for &slot in &block.slots[first..first + GROUP] {
+                if slot != NONE {
+                    same &= met.is_none_or(|known| known == slot);
+                    met = Some(slot);
+                }
+            }
+            if let Some(slot) = met {
+                let mut group = Group::aimed(directions, &block.order[first..first + GROUP]);
+                if same {
+                    group.spread(&bvh.corners[slot as usize]);
+                } else {
+                    group.collect(bvh, &block.slots[first..first + GROUP], slot);
+                }
+                self.meet(&group, origin, first);
+            }
+            first += GROUP;
+        }
+    }
+
+    /// Whether the hit of a lane is worked out.
+    #[inline(always)]
+    pub fn has(&self, lane: usize) -> bool {
+        self.delta[lane] != 0.0
+    }
+
+    /// s, u, v and front of a lane.
+    #[inline(always)]
+    pub fn of(&self, lane: usize) -> (f64, f64, f64, bool) {
+        let front = self.delta[lane] < 0.0;
+        (self.s[lane], self.u[lane], self.v[lane], front)
+    }
+
+    /// Where the lines meet the triangles.
+    #[inline(always)]
+    fn meet(&mut self, group: &Group, origin: DVec3, first: usize) {
+        let end = first + GROUP;
+        let (s, u) = (&mut self.s[first..end], &mut self.u[first..end]);
+        let (v, deltas) = (&mut self.v[first..end], &mut self.delta[first..end]);
+        for i in 0..GROUP {
+            let d = group.direction(i);
+            let (c0, c1, c2) = (group.corner(0, i), group.corner(3, i), group.corner(6, i));
+            let a = c0 - origin;
+            let e1 = c1 - c0;
+            let e2 = c2 - c0;
+            let n = e1.cross(e2);
+            let r = a.cross(d);
+            let delta = n.dot(d);
+            let ru = r.dot(e2);
+            let rv = -r.dot(e1);
+            let rw = delta - ru - rv;
+            let length = norm1(e1) + norm1(e2);
+            let bound = Line::bound(norm1(a), length);
+            let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
+            let plain =
+                ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
+            let inverse = 1.0 / delta;
+            s[i] = n.dot(a) / delta * group.unit[i];
+            u[i] = ru * inverse;
+            v[i] = rv * inverse;
+            deltas[i] = if plain { delta } else { 0.0 };
+        }
+    }
+}
+
+/// Rays and triangles, one pair per lane.
+#[repr(C, align(64))]
+struct Group {
+    directions: [[f64; GROUP]; 3],
+    /// s of the ray is so many times s of the line.
+    unit: [f64; GROUP],
+    /// Coordinates of the first corner, of the second and of the third.
+    corners: [[f64; GROUP]; 9],
+}
+
+impl Group {
+    /// Rays with directions of usual size; `Probe` scales them likewise.
+    #[inline(always)]
+    fn aimed(directions: &[DVec3], order: &[u32]) -> Group {
+        let mut group = Group {
+            directions: [[0.0; GROUP]; 3],
+            unit: [0.0; GROUP],
+            corners: [[0.0; GROUP]; 9],
+        };
+        let order = &order[..GROUP];
+        for i in 0..GROUP {
+            let d = directions[order[i] as usize];
+            group.directions[0][i] = d.x;
+            group.directions[1][i] = d.y;
+            group.directions[2][i] = d.z;
+        }
+        let [x, y, z] = &mut group.directions;
+        for i in 0..GROUP {
+            let size = greater(greater(x[i].abs(), y[i].abs()), z[i].abs());
+            let exponent = size.to_bits() >> 52;
+            let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
+            group.unit[i] = unit;
+            x[i] *= unit;
+            y[i] *= unit;
+            z[i] *= unit;
+        }
+        group
+    }
+
+    /// One triangle in all lanes.
+    #[inline(always)]
+    fn spread(&mut self, corners: &[DVec3; 3]) {
+        for i in 0..GROUP {
+            self.set_corners(i, corners);
+        }
+    }
+
+    /// The triangle of each lane, or that in slot `instead`.
+    #[inline(always)]
+    fn collect(&mut self, bvh: &Bvh, slots: &[u32], instead: u32) {
+        for (i, &slot) in slots.iter().enumerate().take(GROUP) {
+            let slot = if slot == NONE { instead } else { slot };
+            self.set_corners(i, &bvh.corners[slot as usize]);
+        }
+    }
+
+    #[inline(always)]
+    fn set_corners(&mut self, i: usize, [a, b, c]: &[DVec3; 3]) {
+        self.corners[0][i] = a.x;
+        self.corners[1][i] = a.y;
+        self.corners[2][i] = a.z;
+        self.corners[3][i] = b.x;
+        self.corners[4][i] = b.y;
+        self.corners[5][i] = b.z;
+        self.corners[6][i] = c.x;
+        self.corners[7][i] = c.y;
+        self.corners[8][i] = c.z;
+    }
+
+    #[inline(always)]
+    fn direction(&self, i: usize) -> DVec3 {
+        let [x, y, z] = &self.directions;
+        DVec3::new(x[i], y[i], z[i])
+    }
+
+    #[inline(always)]
+    fn corner(&self, first: usize, i: usize) -> DVec3 {
+        let c = &self.corners;
+        DVec3::new(c[first][i], c[first + 1][i], c[first + 2][i])
+    }
+}

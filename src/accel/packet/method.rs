@@ -1,0 +1,88 @@
+//! How packets are traced: instructions and precision.
+
+#[cfg(target_arch = "x86_64")]
+use super::simd::{Avx2, Avx512};
+use super::simd::{Portable, Simd, Task};
+
+/// How rays with a common origin are traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// The instructions to use.
+    pub kernel: Kernel,
+    /// What results are worth.
+    pub precision: Precision,
+}
+
+/// A set of instructions. Certified results are the same with each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kernel {
+    /// AVX-512: packets of 16.
+    Avx512,
+    /// AVX2 and FMA: packets of 8.
+    Avx2,
+    /// Any processor: packets of 8, in whatever vectors there are.
+    Portable,
+    /// Single rays: the reference for the others.
+    Scalar,
+}
+
+/// What results are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// The triangle that exact arithmetic says, and its numbers in f64.
+    Certified,
+    /// All in f32, for previews: rays along an edge may miss both its triangles, and near depths may
+    /// be mistaken. With [`Kernel::Scalar`] and for rays that don't go together as certified.
+    Fast,
+}
+
+impl Default for Method {
+    /// The best kernel of this processor, certified.
+    fn default() -> Method {
+        Method {
+            kernel: Kernel::best(),
+            precision: Precision::Certified,
+        }
+    }
+}
+
+impl Kernel {
+    /// All of them, best first.
+    pub const ALL: [Kernel; 4] = [
+        Kernel::Avx512,
+        Kernel::Avx2,
+        Kernel::Portable,
+        Kernel::Scalar,
+    ];
+
+    /// Whether this processor has the instructions. A kernel that isn't supported is replaced by
+    /// [`Kernel::Portable`].
+    pub fn is_supported(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 => Avx512::detect().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => Avx2::detect().is_some(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Kernel::Avx512 | Kernel::Avx2 => false,
+            Kernel::Portable | Kernel::Scalar => true,
+        }
+    }
+
+    /// The fastest that this processor has.
+    pub fn best() -> Kernel {
+        let supported = Kernel::ALL.into_iter().find(|k| k.is_supported());
+        supported.unwrap_or(Kernel::Portable)
+    }
+
+    /// Does `task` with these instructions.
+    pub(super) fn run(self, task: impl Task) {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            Kernel::Avx512 if let Some(k) = Avx512::detect() => return k.run(task),
+            Kernel::Avx2 if let Some(k) = Avx2::detect() => return k.run(task),
+            _ => {}
+        }
+        Portable.run(task)
+    }
+}

@@ -1,0 +1,270 @@
+//! Rays that share their origin, in blocks of 64 and packets of as many as the processor has lanes.
+//!
+//! A block goes down the tree as one (`block`: the interval test); at the leaves packets of its rays are
+//! tested against triangles in f32 (`facet`: the bounds). What the bounds leave open is decided by the
+//! f64 test of single rays, and the numbers of every hit are worked out by its operations (`finish`):
+//! which triangle is met, and s, u and v, are those of single rays, bit for bit, with every kernel.
+//!
+//! Rays that don't go together, and origins more than 2¹⁰ scene sizes away, are traced singly.
+
+mod block;
+mod facet;
+mod finish;
+mod method;
+// The kernels' intrinsics, and nothing else.
+#[allow(unsafe_code)]
+mod simd;
+mod slabs;
+mod tile;
+mod walk;
+
+use glam::DVec3;
+
+pub use method::{Kernel, Method, Precision};
+
+use super::query::Probe;
+use super::slab::{Link, power_of_two};
+use super::wide::WIDTH;
+use super::{Bvh, Hit, Ray};
+use block::{Block, NONE};
+use finish::Numbers;
+use tile::Tile;
+use walk::{Outcome, Waiting, Walk};
+
+/// Origins farther than this many scene sizes are left to single rays, which rebase them.
+const FAR: f64 = power_of_two(10);
+/// Waiting children that are kept without allocation.
+const USUAL_STACK: usize = 256;
+/// A block with fewer rays is traced ray by ray.
+const FEW: usize = 8;
+/// Marks slots whose front was met, where nobody certifies it.
+const FRONT: u32 = 1 << 31;
+
+/// Rays from one origin.
+#[derive(Clone, Copy)]
+struct Batch<'a> {
+    /// Metres.
+    origin: DVec3,
+    directions: &'a [DVec3],
+}
+
+/// What is reused from block to block.
+struct Workspace {
+    block: Block,
+    numbers: Numbers,
+    outcome: Outcome,
+}
+
+impl Bvh {
+    /// For each direction from `origin` the first hit with s > 0 that is nearer than the entry of
+    /// `hits`, which it replaces; `replaced` is told the indices of those entries.
+    ///
+    /// Fastest where the directions are those of a tile of pixels, row by row.
+    pub fn closest_by(
+        &self,
+        method: Method,
+        origin: DVec3,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        mut replaced: impl FnMut(usize),
+    ) {
+        let count = directions.len().min(hits.len());
+        let (directions, hits) = (&directions[..count], &mut hits[..count]);
+        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets(origin) {
+            return self.closest_singly(origin, directions, hits, replaced);
+        }
+        let batch = Batch { origin, directions };
+        let mut space = Workspace {
+            block: Block::EMPTY,
+            numbers: Numbers::NONE,
+            outcome: Outcome::Missed,
+        };
+        let tile = Tile::of(directions);
+        self.with_wide_stack(|stack| {
+            for at in 0..tile.blocks() {
+                tile.select(at, &mut space.block);
+                self.walk(method, batch, hits, &mut space, stack);
+                match space.outcome {
+                    Outcome::Missed => {}
+                    Outcome::Met => {
+                        space.replace(self, method.precision, batch, hits, &mut replaced)
+                    }
+                    Outcome::Apart => space.block.trace_singly(self, batch, hits, &mut replaced),
+                }
+            }
+        });
+    }
+
+    /// Whether the bounds of packets hold for rays from `origin`.
+    fn suits_packets(&self, origin: DVec3) -> bool {
+        let distance = (origin - self.lattice.centre).abs().max_element() * self.lattice.scale;
+        let usual = power_of_two(-300)..power_of_two(300);
+        !self.wide.is_empty()
+            && usual.contains(&self.lattice.scale)
+            && origin.is_finite()
+            && distance <= FAR
+    }
+
+    /// Leads the block's rays through the tree.
+    fn walk(
+        &self,
+        method: Method,
+        batch: Batch,
+        hits: &[Option<Hit>],
+        space: &mut Workspace,
+        stack: &mut [Waiting],
+    ) {
+        space.outcome = Outcome::Apart;
+        if space.block.count < FEW {
+            return;
+        }
+        let bvh = self;
+        match method.precision {
+            Precision::Certified => method.kernel.run(Walk::<true> {
+                bvh,
+                batch,
+                hits,
+                space,
+                stack,
+            }),
+            Precision::Fast => method.kernel.run(Walk::<false> {
+                bvh,
+                batch,
+                hits,
+                space,
+                stack,
+            }),
+        }
+    }
+
+    fn with_wide_stack(&self, run: impl FnOnce(&mut [Waiting])) {
+        const NOBODY: Waiting = (0.0, Link::ROOT);
+        let most = self.wide_depth * WIDTH + 1;
+        if most <= USUAL_STACK {
+            run(&mut [NOBODY; USUAL_STACK])
+        } else {
+            run(&mut vec![NOBODY; most])
+        }
+    }
+}
+
+impl Workspace {
+    /// Puts what the block has met into `hits`.
+    #[inline]
+    fn replace(
+        &self,
+        bvh: &Bvh,
+        precision: Precision,
+        batch: Batch,
+        hits: &mut [Option<Hit>],
+        replaced: &mut impl FnMut(usize),
+    ) {
+        let block = &self.block;
+        let certified = precision == Precision::Certified;
+        for lane in 0..block.count {
+            if block.slots[lane] == NONE {
+                continue;
+            }
+            let ray = block.order[lane] as usize;
+            let entry = &mut hits[ray];
+            let is_replaced = if certified && !self.numbers.has(lane) {
+                replace_singly(bvh, batch, ray, block.slots[lane], entry)
+            } else {
+                let numbers = match certified {
+                    true => self.numbers.of(lane),
+                    false => block.rough(lane),
+                };
+                replace(bvh, block.slots[lane] & !FRONT, numbers, entry)
+            };
+            if is_replaced {
+                replaced(ray);
+            }
+        }
+    }
+}
+
+/// Replaces `entry` by a hit with these s, u, v and front if it comes before.
+#[inline(always)]
+fn replace(
+    bvh: &Bvh,
+    slot: u32,
+    (s, u, v, front): (f64, f64, f64, bool),
+    entry: &mut Option<Hit>,
+) -> bool {
+    let nearer = comes_before(s, entry);
+    if nearer {
+        let triangle = bvh.tags[slot as usize].id();
+        // In place: a copy of what was just written would wait for it.
+        *entry = Some(Hit {
+            s,
+            u,
+            v,
+            triangle,
+            slot,
+            front,
+        });
+    }
+    nearer
+}
+
+/// The same for a ray that single rays are to work out.
+#[cold]
+fn replace_singly(bvh: &Bvh, batch: Batch, ray: usize, slot: u32, entry: &mut Option<Hit>) -> bool {
+    let hit = Probe::new(&batch.ray(ray)).and_then(|probe| {
+        let crossing = probe.line.meet(&bvh.corners[slot as usize])?;
+        Some(probe.hit(bvh, &crossing, slot))
+    });
+    let nearer = hit.filter(|hit| comes_before(hit.s, entry));
+    if nearer.is_some() {
+        *entry = nearer;
+    }
+    nearer.is_some()
+}
+
+#[inline(always)]
+fn comes_before(s: f64, entry: &Option<Hit>) -> bool {
+    match entry {
+        Some(known) => s < known.s,
+        None => true,
+    }
+}
+
+impl Batch<'_> {
+    fn ray(&self, ray: usize) -> Ray {
+        Ray {
+            origin: self.origin,
+            direction: self.directions[ray],
+            s_min: 0.0,
+        }
+    }
+}
+
+impl Block {
+    /// For rays that don't go together.
+    #[cold]
+    fn trace_singly(
+        &self,
+        bvh: &Bvh,
+        batch: Batch,
+        hits: &mut [Option<Hit>],
+        replaced: &mut impl FnMut(usize),
+    ) {
+        for &ray in &self.order[..self.count] {
+            let ray = ray as usize;
+            let direction = &batch.directions[ray..=ray];
+            let hit = &mut hits[ray..=ray];
+            bvh.closest_singly(batch.origin, direction, hit, |_| replaced(ray));
+        }
+    }
+
+    /// s, u, v and front as f32 has them.
+    #[inline(always)]
+    fn rough(&self, lane: usize) -> (f64, f64, f64, bool) {
+        (
+            f64::from(self.far[lane]) / self.tau_from_s,
+            f64::from(self.weights[0][lane]),
+            f64::from(self.weights[1][lane]),
+            self.slots[lane] & FRONT != 0,
+        )
+    }
+}

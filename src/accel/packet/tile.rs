@@ -1,0 +1,115 @@
+//! How a batch of rays is cut into blocks: 8 × 8 pixels of a tile that comes row by row.
+//!
+//! Where rows can't be told, blocks are 64 rays in a row. A cut that doesn't suit costs time only.
+
+use glam::DVec3;
+
+use super::block::{Block, RAYS};
+
+/// How a batch is cut into blocks.
+pub(super) struct Tile {
+    /// Rays per row; 0 if there are no rows.
+    width: usize,
+    count: usize,
+    /// Of a block's rays, from its first one on.
+    places: [u32; RAYS],
+}
+
+/// Pixels of a block's side.
+const SIDE: usize = 8;
+
+/// Column and row of a lane: 4 × 4 pixels after each other.
+const fn pixel(lane: usize) -> (usize, usize) {
+    let (x, y) = (lane >> 4 & 1, lane >> 5);
+    (x * 4 + (lane & 3), y * 4 + (lane >> 2 & 3))
+}
+
+/// Where the rays of a block are from its first on.
+const fn places(width: usize) -> [u32; RAYS] {
+    let mut places = [0; RAYS];
+    let mut lane = 0;
+    while lane < RAYS {
+        let (x, y) = pixel(lane);
+        places[lane] = if width == 0 { lane } else { y * width + x } as u32;
+        lane += 1;
+    }
+    places
+}
+
+const USUAL_PLACES: [u32; RAYS] = places(16);
+
+impl Tile {
+    /// Rows are where directions jump back.
+    pub fn of(directions: &[DVec3]) -> Tile {
+        let count = directions.len();
+        let width = match count {
+            256 => 16,
+            _ => row_length(directions),
+        };
+        Tile {
+            width,
+            count,
+            places: match width {
+                16 => USUAL_PLACES,
+                width => places(width),
+            },
+        }
+    }
+
+    /// How many blocks there are.
+    pub fn blocks(&self) -> usize {
+        match self.width {
+            0 => self.count.div_ceil(RAYS),
+            width => width.div_ceil(SIDE) * self.count.div_ceil(width).div_ceil(SIDE),
+        }
+    }
+
+    /// Fills the block's order with the rays of its part `at`.
+    pub fn select(&self, at: usize, block: &mut Block) {
+        let columns = self.width.div_ceil(SIDE).max(1);
+        let (x, y) = (at % columns * SIDE, at / columns * SIDE);
+        let first = if self.width == 0 {
+            at * RAYS
+        } else {
+            y * self.width + x
+        };
+        let last = first + self.places[RAYS - 1] as usize;
+        block.in_fours = last < self.count && (self.width == 0 || x + SIDE <= self.width);
+        if block.in_fours {
+            block.count = RAYS;
+            for (place, offset) in block.order.iter_mut().zip(&self.places) {
+                *place = first as u32 + offset;
+            }
+        } else {
+            self.select_some(first, self.width.wrapping_sub(x), block);
+        }
+    }
+
+    /// The same where not all lanes have a ray.
+    #[cold]
+    fn select_some(&self, first: usize, columns: usize, block: &mut Block) {
+        block.count = 0;
+        for (lane, &offset) in self.places.iter().enumerate() {
+            let ray = first + offset as usize;
+            let in_row = self.width == 0 || pixel(lane).0 < columns;
+            if in_row && ray < self.count {
+                block.order[block.count] = ray as u32;
+                block.count += 1;
+            }
+        }
+        let repeated = block.order[0];
+        block.order[block.count..].fill(repeated);
+    }
+}
+
+/// The length of a row, from the first step back; 0 if there is none.
+fn row_length(directions: &[DVec3]) -> usize {
+    let [first, second, ..] = directions else {
+        return 0;
+    };
+    let step = *second - *first;
+    let steps = directions.windows(2).map(|d| d[1] - d[0]);
+    let is_back =
+        |back: DVec3| back.dot(step) < 0.0 && back.length_squared() > 9.0 * step.length_squared();
+    steps.into_iter().position(is_back).map_or(0, |i| i + 1)
+}

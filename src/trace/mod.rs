@@ -9,12 +9,14 @@ mod emission;
 mod emitter;
 mod pulse;
 mod record;
+mod scratch;
 mod surfaces;
 
 pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
 pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
-pub use surfaces::{Found, Frames, Moving, Patch, Rays, RestFrame, Scratch, Still, Surfaces};
+pub use scratch::Scratch;
+pub use surfaces::{Found, Frames, Moving, Patch, Rays, RestFrame, Still, Surfaces};
 
 use crate::camera::{Apart, Departure, View};
 use crate::colour;

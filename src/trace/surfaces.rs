@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::SurfacePoint;
+use super::{Scratch, SurfacePoint};
 use crate::accel::{Bvh, Hit, Ray};
 use crate::camera::Departure;
 use crate::mesh::Mesh;
@@ -101,17 +101,6 @@ pub trait Surfaces: Sync {
     ) -> bool;
 }
 
-/// Buffers of one tile, reused from batch to batch.
-#[derive(Debug, Default)]
-pub struct Scratch {
-    /// Per ray: what it met, and in which rest frame.
-    hits: Vec<Option<Hit>>,
-    frames: Vec<u32>,
-    local: Vec<DVec3>,
-    /// Where each ray leaves; empty where all leave together.
-    origins: Vec<DVec3>,
-}
-
 /// One rest frame, at rest in the world.
 #[derive(Debug)]
 pub struct Still<'a> {
@@ -152,7 +141,7 @@ fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
 
 /// `origin` moved by where a ray leaves; bit for bit the same where all leave together.
 #[inline(always)]
-fn leaving<D: Departure>(
+pub(super) fn leaving<D: Departure>(
     origin: Event<Rest>,
     from: D,
     displacement: impl FnOnce(Displacement<World>) -> Displacement<Rest>,
@@ -359,51 +348,5 @@ pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
         origin: from,
         direction,
         s_min: CLEARANCE * size / direction.length(),
-    }
-}
-
-impl Scratch {
-    fn start(&mut self, rays: usize) {
-        self.local.clear();
-        self.hits.clear();
-        self.hits.resize(rays, None);
-        self.frames.clear();
-        self.frames.resize(rays, 0);
-    }
-
-    /// Takes over what the rays along `local` meet in `frame`, where it is nearer.
-    fn meet(&mut self, frame: u32, bvh: &Bvh, origin: DVec3) {
-        let (hits, frames) = (&mut self.hits, &mut self.frames);
-        let replaced = |ray: usize| frames[ray] = frame;
-        match self.origins.as_slice() {
-            [] => bvh.closest_each(origin, &self.local, hits, replaced),
-            origins => bvh.closest_from_each(origins, &self.local, hits, replaced),
-        }
-    }
-
-    /// Takes over where rays leave, which is about `origin`.
-    #[inline]
-    fn leave<D: Departure>(
-        &mut self,
-        origin: Event<Rest>,
-        from: &[D],
-        displacement: impl Fn(Displacement<World>) -> Displacement<Rest>,
-    ) {
-        self.origins.clear();
-        if !D::TOGETHER {
-            let origins = from
-                .iter()
-                .map(|from| leaving(origin, *from, &displacement).x);
-            self.origins.extend(origins);
-        }
-    }
-
-    /// What ray `ray` of the batch met.
-    #[inline]
-    pub fn found(&self, ray: usize) -> Option<Found> {
-        self.hits[ray].map(|hit| Found {
-            hit,
-            frame: self.frames[ray],
-        })
     }
 }

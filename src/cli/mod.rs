@@ -11,6 +11,7 @@ mod inputs;
 mod interrupt;
 mod metadata;
 mod output;
+mod overlay;
 mod panels;
 mod plan;
 mod progress;

@@ -3,11 +3,10 @@
 use nullray::drawing::{Item, pdf, png, svg};
 use nullray::film::Film;
 use nullray::image::RgbImage;
-use nullray::overlay::{Outline, Overlay, Part, Parts, Target, instantaneous, outlines};
+use nullray::overlay::{Outline, Overlay, Part, Parts, Target, apparent, instantaneous, outlines};
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
 use nullray::progress::Silent;
-use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
@@ -25,20 +24,16 @@ fn scene(text: &str) -> Scene {
 }
 
 fn films(scene: &Scene, parts: Parts) -> (Film, Film) {
-    let request = Request {
-        aovs: parts.needs(),
-        ..Request::default()
-    };
-    let plan = Plan::new(scene, &request).unwrap();
-    let prepared = Prepared::new(scene, &plan, &Silent).unwrap();
-    let film = render(&prepared, &Silent).unwrap();
+    let plan = Plan::new(scene, &Request::default()).unwrap();
+    let mut prepared = Prepared::new(scene, &plan, &Silent).unwrap();
+    let film = apparent(&mut prepared, parts, &Silent).unwrap();
     let instant = instantaneous(scene, prepared, &Silent).unwrap();
     (film, instant)
 }
 
 fn overlay(scene: &Scene, parts: Parts) -> Overlay {
     let (film, instant) = films(scene, parts);
-    Overlay::trace(scene, &film, Some(&instant), parts, None).unwrap()
+    Overlay::trace(scene, Some(&film), Some(&instant), parts, None).unwrap()
 }
 
 /// The least and the greatest x and y of a single closed outline.
@@ -87,8 +82,7 @@ fn a_sphere_that_moves_sideways_is_contracted_to_1_over_gamma_where_it_is() {
 
 #[test]
 fn a_sphere_that_moves_sideways_is_seen_round_where_it_was() {
-    // Its centre is seen at x of the world when |(x, 0, 100)| = −t, x = 95 + 0.9 t: with x = 2.0…, 5.0 m/s of
-    // light more or less do not matter; solved here by bisection.
+    // Its centre is seen where it was at the time t with |(90 + 0.9 t, 100)| = −t; found by bisection.
     let scene = scene(&SIDEWAYS.replace("XX", "90"));
     let overlay = overlay(&scene, Parts::default());
     let mut t = [-120.0, -80.0];
@@ -149,9 +143,7 @@ fn pointing(beta: &str) -> Option<Target> {
     );
     let parts = Parts::parse("beta").unwrap();
     let scene = scene(&text);
-    let plan = Plan::new(&scene, &Request::default()).unwrap();
-    let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
-    let overlay = Overlay::trace(&scene, &film, None, parts, None).unwrap();
+    let overlay = Overlay::trace(&scene, None, None, parts, None).unwrap();
     overlay.pointer.map(|pointer| pointer.target)
 }
 

@@ -88,11 +88,6 @@ impl Outputs {
         if times && !needed.contains(&RETARDED_TIME) {
             needed.push(RETARDED_TIME);
         }
-        if !self.overlays.is_empty() {
-            needed.extend(self.parts.needs());
-        }
-        needed.sort_unstable();
-        needed.dedup();
         needed
     }
 

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::drawing::{self, Drawing, pdf, png, svg};
-use nullray::film::Film;
 use nullray::overlay::{self, Overlay, Part};
 use nullray::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
@@ -20,14 +19,10 @@ pub fn write(outputs: &Outputs, scene: &Scene, rendered: Rendered, quiet: bool) 
         return Ok(());
     }
     let Rendered { film, prepared, .. } = rendered;
-    let instant = match outputs.parts.has(Part::Outlines) {
-        true => Some(instantaneous(scene, prepared, quiet)?),
-        false => None,
-    };
-    let traced = Overlay::trace(scene, &film, instant.as_ref(), outputs.parts, outputs.step)?;
+    let overlay = traced(outputs, scene, prepared, quiet)?;
     let image = picture(scene, &film, Show::Picture, None)?.image;
+    let page = overlay.drawing(&scene.name, image)?;
     let scale = overlay::png_scale(film.size());
-    let page = traced.drawing(&scene.name, image)?;
     for path in &outputs.overlays {
         interrupt::check()?;
         will_write(path);
@@ -39,15 +34,32 @@ pub fn write(outputs: &Outputs, scene: &Scene, rendered: Rendered, quiet: bool) 
     Ok(())
 }
 
-/// The objects where they are at the world time of the shot.
-fn instantaneous(scene: &Scene, prepared: Prepared, quiet: bool) -> Result<Film> {
+/// The lines that are asked for. Only what they need is rendered.
+fn traced(
+    outputs: &Outputs,
+    scene: &Scene,
+    mut prepared: Prepared,
+    quiet: bool,
+) -> Result<Overlay> {
+    let parts = outputs.parts;
     let [width, height] = scene.camera.size.map(u64::from);
-    let bar = Bar::new(width * height, quiet).named("outlines".into());
-    bar.start();
-    let film = overlay::instantaneous(scene, prepared, &bar)?;
-    drop(bar);
+    let bar = || Bar::new(width * height, quiet).named("overlay".into());
+    let apparent = match parts.needs().is_empty() {
+        true => None,
+        false => Some(overlay::apparent(&mut prepared, parts, &bar())?),
+    };
+    let instant = match parts.has(Part::Outlines) {
+        true => Some(overlay::instantaneous(scene, prepared, &bar())?),
+        false => None,
+    };
     interrupt::check()?;
-    Ok(film)
+    Overlay::trace(
+        scene,
+        apparent.as_ref(),
+        instant.as_ref(),
+        parts,
+        outputs.step,
+    )
 }
 
 fn bytes(path: &Path, page: &Drawing, scale: f64) -> Result<Vec<u8>> {

@@ -14,7 +14,7 @@
 //! [`Overlay::trace`] finds all lines in pixels of the film, as data; [`Overlay::drawing`] draws them.
 //!
 //! ```text
-//! film, film without delay → Overlay (polylines, labels, pointer) → Drawing → svg, pdf, png
+//! apparent and instantaneous films → Overlay (polylines, labels, pointer) → Drawing → svg, pdf, png
 //! ```
 
 mod instant;
@@ -27,7 +27,7 @@ mod pointer;
 mod style;
 mod times;
 
-pub use instant::instantaneous;
+pub use instant::{apparent, instantaneous};
 pub use outline::{Outline, outlines};
 pub use page::png_scale;
 pub use parts::{Part, Parts};
@@ -73,50 +73,44 @@ pub struct Facts {
 }
 
 impl Overlay {
-    /// Finds the lines of `parts` of a film of `scene` and, for outlines, of its [`instantaneous`] one;
-    /// isochrones `step` metres apart, or at round numbers.
+    /// Finds the lines of `parts` of the [`apparent`] film of `scene` and of its [`instantaneous`] one, as
+    /// far as they are needed ([`Parts::needs`]); isochrones `step` metres apart, or at round numbers.
     ///
-    /// Channels that the film lacks (see [`Parts::needs`]) give no lines.
+    /// Films and channels that are not there give no lines.
     ///
     /// # Errors
     /// A camera that is not on its world line at the time of the shot; a step that gives more than 1000
     /// isochrones.
     pub fn trace(
         scene: &Scene,
-        film: &Film,
+        apparent: Option<&Film>,
         instantaneous: Option<&Film>,
         parts: Parts,
         step: Option<f64>,
     ) -> Result<Overlay> {
         let shot = Shot::new(&scene.camera)?;
+        let size = scene.camera.size;
         let half_width = pointer::half_width(&scene.camera, &shot);
-        let outlined = |film: &Film| outlines(film.size(), film.aov(Aov::Object).unwrap_or(&[]));
-        let has_outlines = parts.has(Part::Outlines);
-        let times = film
-            .aov(Aov::EventCt)
-            .filter(|_| parts.has(Part::Isochrones));
-        let isochrones = times.map(|ct| Isochrones::trace(film.size(), ct, step));
+        let times = apparent.and_then(|film| film.aov(Aov::EventCt));
+        let times = times.filter(|_| parts.has(Part::Isochrones));
+        let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
+        let outlined = |film: Option<&Film>| {
+            let film = film.filter(|_| parts.has(Part::Outlines));
+            let objects = film.and_then(|film| film.aov(Aov::Object));
+            objects.map_or(Vec::new(), |objects| outlines(size, objects))
+        };
+        let pointer = Pointer::of(&shot, size, half_width);
         let facts = Facts {
             speed_of_light: scene.speed_of_light,
             camera_time: scene.camera.time,
             half_width,
         };
         Ok(Overlay {
-            size: film.size(),
+            size,
             isochrones: isochrones.transpose()?.flatten(),
-            apparent: if has_outlines {
-                outlined(film)
-            } else {
-                Vec::new()
-            },
-            instantaneous: match instantaneous.filter(|_| has_outlines) {
-                Some(film) => outlined(film),
-                None => Vec::new(),
-            },
-            pointer: match parts.has(Part::Beta) {
-                true => Pointer::of(&shot, film.size(), half_width),
-                false => None,
-            },
+            apparent: outlined(apparent),
+            instantaneous: outlined(instantaneous),
+            pointer: pointer.filter(|_| parts.has(Part::Beta)),
             legend: parts.has(Part::Legend).then_some(facts),
         })
     }

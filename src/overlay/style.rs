@@ -8,8 +8,6 @@ use crate::text::RichText;
 
 /// Borders of lines and labels on the picture.
 const DARK: Colour = Colour::rgb(18, 18, 24);
-/// How far a border stands out, points.
-const BORDER: f64 = 0.55;
 
 /// The look of a kind of line.
 #[derive(Debug, Clone, Copy)]
@@ -17,24 +15,27 @@ pub(super) struct Pen {
     pub colour: Colour,
     /// Points.
     pub width: f64,
+    /// How far its border stands out, points.
+    pub border: f64,
     pub is_dashed: bool,
 }
 
 /// Where objects are seen.
-pub(super) const APPARENT: Pen = pen(Colour::rgb(255, 205, 60), 1.1, false);
+pub(super) const APPARENT: Pen = pen(Colour::rgb(255, 205, 60), 1.0, 0.5, false);
 /// Where objects are.
-pub(super) const INSTANTANEOUS: Pen = pen(Colour::rgb(95, 215, 255), 1.1, true);
+pub(super) const INSTANTANEOUS: Pen = pen(Colour::rgb(95, 215, 255), 1.0, 0.5, true);
 /// Lines of equal retarded time.
-pub(super) const ISOCHRONE: Pen = pen(Colour::WHITE, 0.45, false);
+pub(super) const ISOCHRONE: Pen = pen(Colour::WHITE, 0.5, 0.3, false);
 /// One of every five of them.
-pub(super) const HEAVY: Pen = pen(Colour::WHITE, 0.9, false);
+pub(super) const HEAVY: Pen = pen(Colour::WHITE, 1.0, 0.4, false);
 /// The camera's velocity, and the angle to scale.
-pub(super) const POINTER: Pen = pen(Colour::rgb(255, 130, 165), 1.2, false);
+pub(super) const POINTER: Pen = pen(Colour::rgb(255, 130, 165), 1.2, 0.5, false);
 
-const fn pen(colour: Colour, width: f64, is_dashed: bool) -> Pen {
+const fn pen(colour: Colour, width: f64, border: f64, is_dashed: bool) -> Pen {
     Pen {
         colour,
         width,
+        border,
         is_dashed,
     }
 }
@@ -66,10 +67,14 @@ impl Pen {
             end,
             ..Stroke::new(self.colour, self.width)
         };
+        let wider = |arrow: Arrow| Arrow {
+            length: arrow.length + 2.0 * self.border,
+            width: arrow.width + 3.0 * self.border,
+        };
         let border = Stroke {
-            colour: DARK.with_alpha(190),
-            width: self.width + 2.0 * BORDER,
-            end: None,
+            colour: DARK.with_alpha(if end.is_some() { 255 } else { 170 }),
+            width: self.width + 2.0 * self.border,
+            end: end.map(wider),
             ..line.clone()
         };
         let border = Item::Path {

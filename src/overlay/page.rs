@@ -77,6 +77,9 @@ impl Overlay {
         let mut items = Vec::new();
         let mut labels = Labels::new(place.size);
         let mut texts = Vec::new();
+        if let Some(pointer) = &self.pointer {
+            labels.keep_off(place.pointed_at(pointer.target), 3.5 * RADIUS);
+        }
         if let Some(isochrones) = &self.isochrones {
             items.extend(stroked(place, isochrones, false));
             items.extend(stroked(place, isochrones, true));
@@ -106,6 +109,14 @@ impl Place {
         Place {
             scale,
             size: size.map(|side| scale * f64::from(side)),
+        }
+    }
+
+    /// Where the sign of a velocity is.
+    fn pointed_at(&self, target: Target) -> [f64; 2] {
+        match target {
+            Target::Ahead(at) | Target::Behind(at) => at.map(|x| x * self.scale),
+            Target::Outside(way) => arrow_tip(self, way),
         }
     }
 
@@ -151,10 +162,7 @@ fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Resu
 /// ⊗, ⊙ or an arrow, and the speed beside it.
 fn pointed(place: &Place, pointer: &Pointer) -> Result<Vec<Item>> {
     let mut items = Vec::new();
-    let at = match pointer.target {
-        Target::Ahead(at) | Target::Behind(at) => at.map(|x| x * place.scale),
-        Target::Outside(way) => arrow_tip(place, way),
-    };
+    let at = place.pointed_at(pointer.target);
     items.extend(symbol(pointer.target, at));
     let text = style::speed(pointer.velocity)?;
     let (size, width) = (8.5, text.width(8.5)?);

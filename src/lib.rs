@@ -57,6 +57,7 @@ pub mod image;
 pub mod import;
 pub mod isochrones;
 pub mod mesh;
+pub mod overlay;
 pub mod plan;
 pub mod prepare;
 pub mod progress;

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::Aov;
+use nullray::overlay::Parts;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
 use nullray::units::Time;
@@ -154,10 +155,22 @@ pub struct RenderArguments {
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Also write the retarded time as a coloured picture with a legend.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", group = "timed")]
     pub isochrones: Option<PathBuf>,
+    /// Also write the display picture with lines drawn over it: where objects are seen and where they
+    /// are, isochrones, the camera's velocity; .png, .svg or .pdf. Repeatable.
+    #[arg(
+        long,
+        value_name = "FILE",
+        group = "timed",
+        conflicts_with = "sequence"
+    )]
+    pub overlay: Vec<PathBuf>,
+    /// What of "isochrones,outlines,beta,legend" is drawn over the picture. Default: all.
+    #[arg(long, value_name = "LIST", requires = "overlay", value_parser = Parts::parse)]
+    pub overlay_parts: Option<Parts>,
     /// Distance between isochrones, with its unit. Default: a round number.
-    #[arg(long, value_name = "TIME", requires = "isochrones")]
+    #[arg(long, value_name = "TIME", requires = "timed")]
     pub isochrone_step: Option<Time>,
     /// Render this panel of the scene; all without it. Repeatable.
     #[arg(long, value_name = "NAME")]

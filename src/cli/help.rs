@@ -24,6 +24,7 @@ Examples:
   nullray render scene.toml -o still.png -o data.exr --aovs all
   nullray render scene.toml --time \"2 ns\" --set \"camera.velocity={beta=[0,0,-0.5]}\"
   nullray render scene.toml --size 320x240 --spp 1 --isochrones times.png
+  nullray render scene.toml --overlay figure.pdf --overlay-parts outlines,beta
   nullray render scene.toml --from \"0 ns\" --to \"10 ns\" --fps 5e9 --white 0.5 -o \"frame-####.png\"
   nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
   nullray render figure.toml --panel beta-0.9 -o right.png

@@ -12,6 +12,7 @@ mod inputs;
 mod interrupt;
 mod metadata;
 mod output;
+mod overlay;
 mod panels;
 mod plan;
 mod progress;

@@ -10,6 +10,7 @@ use nullray::Result;
 use nullray::aov::Aov;
 use nullray::film::Film;
 use nullray::image::{self, Layers};
+use nullray::overlay::Parts;
 use nullray::scene::model::{Scene, Show};
 
 use super::frames::Identity;
@@ -32,6 +33,10 @@ pub struct Outputs {
     pub show: Show,
     /// The picture of retarded times, a png.
     pub isochrones: Option<PathBuf>,
+    /// Pictures with lines drawn over them, by extension: png, svg, pdf.
+    pub overlays: Vec<PathBuf>,
+    /// What is drawn over those.
+    pub parts: Parts,
     /// Distance between isochrones, metres.
     pub step: Option<f64>,
     /// Auxiliary channels that were asked for.
@@ -86,7 +91,7 @@ impl Outputs {
         needed
     }
 
-    /// All files, and what they hold.
+    /// All files of the film's own, and what they hold; not those with lines drawn over them.
     pub fn files(&self) -> impl Iterator<Item = (&Path, Kind)> {
         let images = self.images.iter();
         let images = images.map(|path| (path.as_path(), Kind::of(path, self.show)));
@@ -98,14 +103,18 @@ impl Outputs {
     fn paths(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         let images = self.images.iter().map(|path| ("-o", path.as_path()));
         let isochrones = self.isochrones.iter();
-        images.chain(isochrones.map(|path| ("--isochrones", path.as_path())))
+        let overlays = self.overlays.iter();
+        images
+            .chain(isochrones.map(|path| ("--isochrones", path.as_path())))
+            .chain(overlays.map(|path| ("--overlay", path.as_path())))
     }
 
     /// The same with every file's name changed.
     pub fn renamed(&self, name: impl Fn(&Path) -> PathBuf) -> Outputs {
         Outputs {
             images: self.images.iter().map(|path| name(path)).collect(),
-            isochrones: self.isochrones.as_deref().map(name),
+            isochrones: self.isochrones.as_deref().map(&name),
+            overlays: self.overlays.iter().map(|path| name(path)).collect(),
             ..self.clone()
         }
     }
@@ -189,7 +198,7 @@ fn five_digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-fn extension(path: &Path) -> String {
+pub fn extension(path: &Path) -> String {
     path.extension()
         .map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
 }

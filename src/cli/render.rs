@@ -15,7 +15,7 @@ use super::frames::{self, Frames};
 use super::output::{Outputs, check_all, suffixed};
 use super::panels::{self, named_after};
 use super::progress::Bar;
-use super::{builtin, inputs, interrupt, print, remarks};
+use super::{builtin, inputs, interrupt, overlay, print, remarks};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.scene.changes.overrides();
@@ -89,7 +89,8 @@ pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> 
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let rendered = film(scene, &plan, quiet)?;
     outputs.write(scene, &rendered.film, &mut say)?;
-    rendered.remark(&plan, &mut say)
+    rendered.remark(&plan, &mut say)?;
+    overlay::write(outputs, scene, rendered, quiet)
 }
 
 /// A finished film, and what there is to say of it.
@@ -99,6 +100,8 @@ pub struct Rendered {
     prepared_in: f64,
     rendered_in: f64,
     warnings: Vec<String>,
+    /// What was rendered, for more pictures of it.
+    pub prepared: Prepared,
 }
 
 impl Rendered {
@@ -119,7 +122,7 @@ impl Rendered {
 pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
-    let prepared = Prepared::new(scene, plan, &bar)?;
+    let mut prepared = Prepared::new(scene, plan, &bar)?;
     let prepared_in = start.elapsed().as_secs_f64();
     bar.start();
     let film = nullray::render::render(&prepared, &bar)?;
@@ -129,7 +132,8 @@ pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
         film,
         prepared_in,
         rendered_in: start.elapsed().as_secs_f64() - prepared_in,
-        warnings: prepared.warnings,
+        warnings: std::mem::take(&mut prepared.warnings),
+        prepared,
     })
 }
 
@@ -154,6 +158,8 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
     Outputs {
         images: images(arguments),
         isochrones: arguments.isochrones.clone(),
+        overlays: arguments.overlay.clone(),
+        parts: arguments.overlay_parts.unwrap_or_default(),
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.scene.request().aovs,
         ..Outputs::default()

@@ -3,7 +3,8 @@
 use super::hatch::MOST_LINES;
 use super::{Drawing, Fill, Hatch, Item, Path, Stroke, Text};
 use crate::error::{Error, Result};
-use crate::text::Segment;
+use crate::image::RgbImage;
+use crate::text::{Rect, Segment};
 
 /// The longest side of a page in points: what PDF viewers open.
 const LONGEST_SIDE: f64 = 14_400.0;
@@ -39,6 +40,7 @@ fn items(list: &[Item], above: &str) -> Result<()> {
         let verdict = match item {
             Item::Path { path, fill, stroke } => path_item(path, fill, stroke),
             Item::Text(text) => text_item(text),
+            Item::Image { image, rect } => picture(image, rect),
             Item::Clip { path, .. } => contours(path),
         };
         verdict.map_err(|(what, help)| {
@@ -135,6 +137,26 @@ fn text_item(text: &Text) -> Verdict {
         Some((_, width)) => number("the halo's width", width),
         None => Ok(()),
     }
+}
+
+/// A picture with as many bytes as pixels, on a rectangle with an inside.
+fn picture(image: &RgbImage, rect: &Rect) -> Verdict {
+    let pixels = u64::from(image.width) * u64::from(image.height);
+    // Half of what a PDF counts with, in either direction.
+    let fits = image.width.max(image.height) <= 1 << 30;
+    if pixels == 0 || !fits || pixels.checked_mul(3) != Some(image.rgb.len() as u64) {
+        let (width, height) = (image.width, image.height);
+        let what = format!(
+            "{} bytes for a picture of {width} × {height} pixels",
+            image.rgb.len()
+        );
+        return Err((what, "at least one pixel, and 3 bytes for each"));
+    }
+    coordinate(rect.min)?;
+    coordinate(rect.max)?;
+    let [width, height] = rect.size();
+    length("the picture's width", width)?;
+    length("the picture's height", height)
 }
 
 /// Finite points, and every contour begun by a move.

@@ -1,10 +1,11 @@
-//! What all formats mean the same by: filled paths, plain lines, clips.
+//! What all formats mean the same by: filled paths, plain lines, pictures, clips.
 
 use super::arrow::with_heads;
 use super::check::Checked;
 use super::hatch;
 use super::{Cap, Colour, Drawing, Fill, Item, Join, Path, Stroke, Text};
 use crate::error::Result;
+use crate::image::RgbImage;
 use crate::text::Rect;
 
 /// Something that every format can draw.
@@ -21,6 +22,10 @@ pub(super) enum Mark {
     Clip {
         path: Path,
         marks: Vec<Mark>,
+    },
+    Image {
+        image: RgbImage,
+        rect: Rect,
     },
     /// Outlines of text, with what it says.
     Text {
@@ -68,6 +73,10 @@ fn push_items(marks: &mut Vec<Mark>, items: &[Item], page: Rect) -> Result<()> {
                 }
             }
             Item::Text(text) => marks.push(text_mark(text)?),
+            Item::Image { image, rect } => marks.push(Mark::Image {
+                image: image.clone(),
+                rect: *rect,
+            }),
             Item::Clip { path, items } => {
                 let mut inner = Vec::with_capacity(items.len());
                 push_items(&mut inner, items, page)?;

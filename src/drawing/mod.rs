@@ -1,9 +1,9 @@
 //! Drawings that look alike in every format.
 //!
-//! A [`Drawing`] is a page of paths, text and clips in points (1/72 inch), x to the right and y down from
+//! A [`Drawing`] is a page of paths, text, pictures and clips in points (1/72 inch), x to the right and y down from
 //! the top left corner. Before any writer sees it, everything in which formats differ is worked out once:
 //! arrowheads become filled paths with shortened shafts, hatches become clipped lines, text becomes
-//! outlines. What is left (filled and stroked paths, clips) means the same to all of them.
+//! outlines. What is left (filled and stroked paths, pictures, clips) means the same to all of them.
 //!
 //! ```text
 //! Drawing → marks → svg::write, pdf::write, png::render → png::write, apng::write
@@ -37,6 +37,7 @@ mod arrow;
 mod check;
 mod file;
 mod hatch;
+mod image;
 mod marks;
 mod path;
 pub mod pdf;
@@ -49,6 +50,7 @@ pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 
 use crate::error::Result;
+use crate::image::RgbImage;
 use crate::text::{Rect, RichText};
 
 /// A page.
@@ -80,6 +82,13 @@ pub enum Item {
     },
     /// A line of text.
     Text(Text),
+    /// A picture, stretched to a rectangle. Its pixels are seen as they are, not smoothed.
+    Image {
+        /// The picture.
+        image: RgbImage,
+        /// Where.
+        rect: Rect,
+    },
     /// Items of which only what is inside a path (non-zero rule) is seen.
     Clip {
         /// The path.

@@ -14,7 +14,8 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use super::marks::{Line, Mark, marks};
 use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::Result;
-use crate::text::Segment;
+use crate::image::RgbImage;
+use crate::text::{self, Segment};
 
 /// The drawing as a PDF file.
 ///
@@ -34,8 +35,11 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     pdf.pages(pages).kids([leaf]).count(1);
     let mut leaf = pdf.page(leaf);
     leaf.parent(pages).contents(content);
-    describe(&mut leaf, drawing, &page.alphas);
+    describe(&mut leaf, drawing, &page);
     leaf.finish();
+    for (index, image) in page.images.iter().enumerate() {
+        write_image(&mut pdf, image_ref(index), image);
+    }
     let packed = packed(&page.content.finish());
     pdf.stream(content, &packed).filter(Filter::FlateDecode);
     let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
@@ -46,8 +50,19 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     pdf.finish()
 }
 
+fn write_image(pdf: &mut Pdf, id: Ref, image: &RgbImage) {
+    let rgb = packed(&image.rgb);
+    let mut object = pdf.image_xobject(id, &rgb);
+    object.filter(Filter::FlateDecode);
+    object
+        .width(image.width as i32)
+        .height(image.height as i32)
+        .bits_per_component(8);
+    object.color_space().device_rgb();
+}
+
 /// The size of the page, how its colours mix, and the opacities that its content uses.
-fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, alphas: &BTreeSet<u8>) {
+fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, page: &Page) {
     let [width, height] = [drawing.width, drawing.height].map(float);
     leaf.media_box(Rect::new(0.0, 0.0, width, height));
     let mut group = leaf.group();
@@ -56,10 +71,17 @@ fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, alphas: &BT
     group.finish();
     let mut resources = leaf.resources();
     let mut states = resources.ext_g_states();
-    for alpha in alphas {
+    for alpha in &page.alphas {
         let value = fraction(*alpha);
         let mut state = states.insert(Name(alpha_name(*alpha).as_bytes())).dict();
         state.pair(Name(b"CA"), value).pair(Name(b"ca"), value);
+    }
+    states.finish();
+    if !page.images.is_empty() {
+        let mut objects = resources.x_objects();
+        for index in 0..page.images.len() {
+            objects.pair(Name(image_name(index).as_bytes()), image_ref(index));
+        }
     }
 }
 
@@ -73,10 +95,12 @@ fn packed(content: &[u8]) -> Vec<u8> {
 }
 
 /// The content of a page as it grows.
-struct Page {
+struct Page<'a> {
     content: Content,
     /// All opacities that are used.
     alphas: BTreeSet<u8>,
+    /// All pictures, in order.
+    images: Vec<&'a RgbImage>,
     state: State,
 }
 
@@ -92,8 +116,8 @@ struct State {
     dash: Vec<f64>,
 }
 
-impl Page {
-    fn new(height: f64) -> Page {
+impl<'a> Page<'a> {
+    fn new(height: f64) -> Page<'a> {
         let mut content = Content::new();
         // y runs down from the top.
         content.transform([1.0, 0.0, 0.0, -1.0, 0.0, float(height)]);
@@ -101,16 +125,18 @@ impl Page {
         Page {
             content,
             alphas: BTreeSet::new(),
+            images: Vec::new(),
             state: State::default(),
         }
     }
 
-    fn marks(&mut self, marks: &[Mark]) {
+    fn marks(&mut self, marks: &'a [Mark]) {
         for mark in marks {
             match mark {
                 Mark::Fill { path, colour } => self.fill(path, *colour),
                 Mark::Line { path, line } => self.line(path, line),
                 Mark::Clip { path, marks } => self.clip(path, marks),
+                Mark::Image { image, rect } => self.image(image, rect),
                 Mark::Text { marks, .. } => self.marks(marks),
             }
         }
@@ -163,7 +189,20 @@ impl Page {
         }
     }
 
-    fn clip(&mut self, path: &Path, marks: &[Mark]) {
+    fn image(&mut self, image: &'a RgbImage, rect: &text::Rect) {
+        self.opacity(255);
+        let name = image_name(self.images.len());
+        self.images.push(image);
+        let ([x, y], [width, height]) = (rect.min.map(float), rect.size().map(float));
+        self.content.save_state();
+        // The unit square of a picture has its first row at the top, y = 1.
+        self.content
+            .transform([width, 0.0, 0.0, -height, x, y + height]);
+        self.content.x_object(Name(name.as_bytes()));
+        self.content.restore_state();
+    }
+
+    fn clip(&mut self, path: &Path, marks: &'a [Mark]) {
         let outer = self.state.clone();
         self.content.save_state();
         self.path(path);
@@ -208,6 +247,15 @@ impl Page {
 fn curve(content: &mut Content, a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> &mut Content {
     let [a, b, p] = [a, b, p].map(|point| point.map(float));
     content.cubic_to(a[0], a[1], b[0], b[1], p[0], p[1])
+}
+
+fn image_name(index: usize) -> String {
+    format!("I{index}")
+}
+
+/// The number of the object that holds a picture.
+fn image_ref(index: usize) -> Ref {
+    Ref::new(6 + index as i32)
 }
 
 fn alpha_name(alpha: u8) -> String {

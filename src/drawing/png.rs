@@ -4,12 +4,16 @@ use ::png::{
     BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions,
     SrgbRenderingIntent, Unit,
 };
-use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
+use tiny_skia::{
+    ColorU8, FillRule, FilterQuality, LineCap, LineJoin, Mask, Paint, Pattern, Pixmap, SpreadMode,
+    Stroke, StrokeDash, Transform,
+};
 
 use super::marks::{Line, Mark, marks};
 use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::{Error, Result};
-use crate::text;
+use crate::image::RgbImage;
+use crate::text::{self, Rect};
 
 /// The most pixels of a picture: 1 GiB of memory.
 const MOST_PIXELS: f64 = (1u64 << 28) as f64;
@@ -131,6 +135,7 @@ impl Canvas {
                 Mark::Fill { path, colour } => self.fill(path, *colour, mask),
                 Mark::Line { path, line } => self.line(path, line, mask),
                 Mark::Clip { path, marks } => self.clip(path, marks, mask),
+                Mark::Image { image, rect } => self.image(image, *rect, mask),
                 Mark::Text { marks, .. } => self.marks(marks, mask),
             }
         }
@@ -153,6 +158,29 @@ impl Canvas {
         }
     }
 
+    fn image(&mut self, image: &RgbImage, rect: Rect, mask: Option<&Mask>) {
+        let path = text::path(&Path::rect(rect).0);
+        let (Some(path), Some(pixels)) = (path, pixmap_of(image)) else {
+            return;
+        };
+        let [width, height] = rect.size();
+        let rect_from_image = Transform::from_row(
+            (width / f64::from(image.width)) as f32,
+            0.0,
+            0.0,
+            (height / f64::from(image.height)) as f32,
+            rect.min[0] as f32,
+            rect.min[1] as f32,
+        );
+        let (spread, quality) = (SpreadMode::Pad, FilterQuality::Nearest);
+        let paint = Paint {
+            shader: Pattern::new(pixels.as_ref(), spread, quality, 1.0, rect_from_image),
+            ..Paint::default()
+        };
+        self.pixmap
+            .fill_path(&path, &paint, FillRule::Winding, self.transform, mask);
+    }
+
     fn clip(&mut self, path: &Path, marks: &[Mark], mask: Option<&Mask>) {
         let Some(path) = text::path(&path.0) else {
             return;
@@ -170,6 +198,16 @@ impl Canvas {
         };
         self.marks(marks, inner.as_ref());
     }
+}
+
+/// The picture as tiny-skia holds it.
+fn pixmap_of(image: &RgbImage) -> Option<Pixmap> {
+    let mut pixmap = Pixmap::new(image.width, image.height)?;
+    let pixels = pixmap.pixels_mut().iter_mut();
+    for (pixel, rgb) in pixels.zip(image.rgb.chunks_exact(3)) {
+        *pixel = ColorU8::from_rgba(rgb[0], rgb[1], rgb[2], 255).premultiply();
+    }
+    Some(pixmap)
 }
 
 fn paint(colour: Colour) -> Paint<'static> {

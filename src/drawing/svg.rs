@@ -2,10 +2,12 @@
 //!
 //! Lengths are in points by `viewBox`, to 4 decimals. Text is outlines, in a group that says what it says.
 
+use super::image::{png_of, push_base64};
 use super::marks::{Line, Mark, marks};
 use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::Result;
-use crate::text::Segment;
+use crate::image::RgbImage;
+use crate::text::{Rect, Segment};
 
 /// The drawing as an SVG file.
 ///
@@ -15,10 +17,19 @@ use crate::text::Segment;
 pub fn write(drawing: &Drawing) -> Result<String> {
     let marks = marks(drawing)?;
     let mut svg = Svg::default();
-    svg.head(drawing);
-    svg.marks(&marks);
+    svg.head(drawing, holds_image(&marks));
+    svg.marks(&marks)?;
     svg.text.push_str("</svg>\n");
     Ok(svg.text)
+}
+
+/// Whether there is a picture somewhere among the marks.
+fn holds_image(marks: &[Mark]) -> bool {
+    marks.iter().any(|mark| match mark {
+        Mark::Image { .. } => true,
+        Mark::Clip { marks, .. } => holds_image(marks),
+        _ => false,
+    })
 }
 
 #[derive(Default)]
@@ -29,9 +40,12 @@ struct Svg {
 }
 
 impl Svg {
-    fn head(&mut self, drawing: &Drawing) {
+    fn head(&mut self, drawing: &Drawing, images: bool) {
         self.text
             .push_str("<svg xmlns=\"http://www.w3.org/2000/svg\"");
+        if images {
+            self.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        }
         let [width, height] = [number(drawing.width), number(drawing.height)];
         let size = format!(" width=\"{width}pt\" height=\"{height}pt\"");
         self.text.push_str(&size);
@@ -43,15 +57,17 @@ impl Svg {
         }
     }
 
-    fn marks(&mut self, marks: &[Mark]) {
+    fn marks(&mut self, marks: &[Mark]) -> Result<()> {
         for mark in marks {
             match mark {
                 Mark::Fill { path, colour } => self.fill(path, *colour),
                 Mark::Line { path, line } => self.line(path, line),
-                Mark::Clip { path, marks } => self.clip(path, marks),
-                Mark::Text { says, marks } => self.says(says, marks),
+                Mark::Clip { path, marks } => self.clip(path, marks)?,
+                Mark::Image { image, rect } => self.image(image, rect)?,
+                Mark::Text { says, marks } => self.says(says, marks)?,
             }
         }
+        Ok(())
     }
 
     fn fill(&mut self, path: &Path, colour: Colour) {
@@ -83,7 +99,26 @@ impl Svg {
         self.text.push_str("/>\n");
     }
 
-    fn clip(&mut self, path: &Path, marks: &[Mark]) {
+    fn image(&mut self, image: &RgbImage, rect: &Rect) -> Result<()> {
+        self.text
+            .push_str("<image preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\"");
+        let [width, height] = rect.size();
+        let places = [
+            ("x", rect.min[0]),
+            ("y", rect.min[1]),
+            ("width", width),
+            ("height", height),
+        ];
+        for (name, value) in places {
+            self.attribute(name, &number(value));
+        }
+        self.text.push_str(" xlink:href=\"data:image/png;base64,");
+        push_base64(&mut self.text, &png_of(image)?);
+        self.text.push_str("\"/>\n");
+        Ok(())
+    }
+
+    fn clip(&mut self, path: &Path, marks: &[Mark]) -> Result<()> {
         self.clips += 1;
         let name = format!("clip{}", self.clips);
         self.text
@@ -91,16 +126,18 @@ impl Svg {
         self.data(path);
         let group = format!("/></clipPath>\n<g clip-path=\"url(#{name})\">\n");
         self.text.push_str(&group);
-        self.marks(marks);
+        self.marks(marks)?;
         self.text.push_str("</g>\n");
+        Ok(())
     }
 
-    fn says(&mut self, says: &str, marks: &[Mark]) {
+    fn says(&mut self, says: &str, marks: &[Mark]) -> Result<()> {
         let says = escaped(says);
         let group = format!("<g role=\"img\" aria-label=\"{says}\"><title>{says}</title>\n");
         self.text.push_str(&group);
-        self.marks(marks);
+        self.marks(marks)?;
         self.text.push_str("</g>\n");
+        Ok(())
     }
 
     fn colour(&mut self, attribute: &str, colour: Colour) {

@@ -5,18 +5,18 @@ use std::collections::BTreeMap;
 use super::contour::{Crossing, Piece};
 
 /// Points in pixels.
-pub(super) type Points = Vec<[f64; 2]>;
+pub(crate) type Points = Vec<[f64; 2]>;
 
 /// A line; closed where its first point is its last.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Polyline {
+pub(crate) struct Polyline {
     pub points: Points,
     /// How many lines there are to a pixel, on average along this one.
     pub density: f64,
 }
 
 /// Joins the pieces of one line: at most two pieces meet at an edge of the grid.
-pub(super) fn polylines(pieces: &[Piece]) -> Vec<Polyline> {
+pub(crate) fn polylines(pieces: &[Piece]) -> Vec<Polyline> {
     let mut ends: BTreeMap<usize, [Option<usize>; 2]> = BTreeMap::new();
     for (index, piece) in pieces.iter().enumerate() {
         for crossing in piece.ends {

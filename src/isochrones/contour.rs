@@ -15,7 +15,7 @@ const JUMP: f64 = 4.0;
 
 /// A point of a line, and the edge between two pixel centres on which it lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Crossing {
+pub(crate) struct Crossing {
     /// Unique per edge of the grid.
     pub edge: usize,
     /// Pixels; the centre of the first pixel is (½, ½).
@@ -24,7 +24,7 @@ pub(super) struct Crossing {
 
 /// A line's piece in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Piece {
+pub(crate) struct Piece {
     /// Where it enters and leaves.
     pub ends: [Crossing; 2],
     /// How many lines there are to a pixel.
@@ -32,14 +32,14 @@ pub(super) struct Piece {
 }
 
 /// The grid of times.
-pub(super) struct Grid<'a> {
+pub(crate) struct Grid<'a> {
     pub width: usize,
     pub height: usize,
     pub ct: &'a [f64],
 }
 
 /// The pieces of every line: list i holds those of line `range.lines().start() + i`.
-pub(super) fn pieces(grid: &Grid, range: &Range) -> Vec<Vec<Piece>> {
+pub(crate) fn pieces(grid: &Grid, range: &Range) -> Vec<Vec<Piece>> {
     let lines = range.lines();
     let (first, last) = (*lines.start(), *lines.end());
     let mut pieces = vec![Vec::new(); lines.count()];

@@ -10,13 +10,13 @@
 //! before them, an arrow on the legend says that there is more, and no lines are drawn beyond it. Lines
 //! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
 
-mod chain;
-mod contour;
+pub(crate) mod chain;
+pub(crate) mod contour;
 mod legend;
 mod page;
 mod picture;
-mod range;
-mod ticks;
+pub(crate) mod range;
+pub(crate) mod ticks;
 mod viridis;
 
 use crate::error::{Error, Result};

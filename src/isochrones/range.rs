@@ -14,7 +14,7 @@ const WORTH: f64 = 0.3;
 
 /// The times that the colours span, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Range {
+pub(crate) struct Range {
     pub low: f64,
     pub high: f64,
     /// Between two lines.

@@ -17,7 +17,7 @@ const PREFIXES: [(i32, &str); 11] = [
 
 /// A unit with a prefix: `ns`, one of which is 1e-9 of the base unit.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Unit {
+pub(crate) struct Unit {
     pub name: String,
     exponent: i32,
 }
@@ -61,7 +61,7 @@ fn power(exponent: i32) -> f64 {
 }
 
 /// The smallest of 1, 2, 5 × 10ⁿ that is at least `least`; `least` above 0.
-pub(super) fn round_step(least: f64) -> f64 {
+pub(crate) fn round_step(least: f64) -> f64 {
     let exponent = libm::log10(least).floor().clamp(-300.0, 300.0) as i32;
     let scaled = |mantissa: f64| {
         // 2 / 10³ is the double nearest to 0.002; 2 × 10⁻³ need not be.
@@ -77,7 +77,7 @@ pub(super) fn round_step(least: f64) -> f64 {
 }
 
 /// `value` (a multiple of `step`) with as many digits after the point as `step` has, and a true minus.
-pub(super) fn number(value: f64, step: f64) -> String {
+pub(crate) fn number(value: f64, step: f64) -> String {
     let whole = |digits: &i32| {
         let scaled = step * power(*digits);
         (scaled - scaled.round()).abs() <= 1e-6 * scaled

@@ -4,6 +4,7 @@ mod builtin;
 mod frames;
 mod info;
 mod interrupt;
+mod overlay;
 mod panels;
 mod plan;
 mod reference;

@@ -7,6 +7,7 @@ mod files;
 mod geometry;
 mod golden;
 mod pdf_reader;
+mod pictures;
 mod refusals;
 mod samples;
 mod svg_reader;

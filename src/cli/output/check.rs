@@ -98,7 +98,12 @@ fn check_options(outputs: &Outputs) -> Result<()> {
 fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     let extension = extension(path);
     match (flag, extension.as_str()) {
-        (_, "png") | ("-o", "exr" | "npz") => Ok(()),
+        (_, "png") | ("-o", "exr" | "npz") | ("--overlay", "svg" | "pdf") => Ok(()),
+        ("--overlay", _) => Err(refused(
+            option,
+            "the name does not say how to draw",
+            "end it in .png (pixels), .svg or .pdf (vectors over the picture)",
+        )),
         ("-o", _) => Err(refused(
             option,
             "the name does not say which kind of picture to write",

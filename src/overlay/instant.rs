@@ -1,0 +1,63 @@
+//! Where objects are seen, and where they are at the world time of the shot: one ray through the centre
+//! of each pixel.
+//!
+//! With a refractive index of 0 a ray meets all things at one world time, t of the shot: along it the
+//! retarded event is P + s·(0, d). In the rest frame of an object that moves at β this is a ray along
+//! which time passes, and it meets the object where the object is in the world at t: contracted to 1/γ.
+//! Directions of the camera frame are taken for those of the world, so that nothing is aberrated.
+
+use super::Parts;
+use crate::aov::Aov;
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::film::{Film, Layout};
+use crate::prepare::Prepared;
+use crate::progress::Progress;
+use crate::render::render;
+use crate::sampler::Sampler;
+use crate::scene::model::{Equations, Scene};
+
+/// Takes the picture of the channels that `parts` need, one ray through the centre of each pixel, so that
+/// lines do not depend on where the samples of the display's picture lie.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Film> {
+    centre(prepared, parts.needs());
+    render(prepared, progress)
+}
+
+/// Has the next picture be of these channels, at the centres of pixels.
+fn centre(prepared: &mut Prepared, channels: Vec<Aov>) {
+    prepared.sampler = Sampler::centred();
+    prepared.layout = Layout {
+        samples: 1,
+        pixel_centers: true,
+        channels,
+        ..prepared.layout
+    };
+}
+
+/// Takes the picture of identities ([`Aov::Object`]) without delay and aberration, one ray through the
+/// centre of each pixel, of the same geometry: `prepared` is that of `scene`.
+///
+/// The camera is a point at the event of the shot: a sensor or a shutter would look at several moments.
+/// A focal length that is fixed in the world is taken as the world measures it.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn instantaneous(
+    scene: &Scene,
+    mut prepared: Prepared,
+    progress: &dyn Progress,
+) -> Result<Film> {
+    let mut scene = scene.clone();
+    scene.equations = Equations::Exact;
+    scene.effects.aberration = false;
+    scene.effects.retardation = false;
+    (scene.camera.sensor, scene.camera.shutter) = (None, None);
+    prepared.camera = Camera::new(&scene)?;
+    prepared.ray_index = 0.0;
+    centre(&mut prepared, vec![Aov::Object]);
+    render(&prepared, progress)
+}

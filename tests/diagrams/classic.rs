@@ -25,7 +25,7 @@ fn texts(items: &[Item]) -> Vec<&Text> {
         match item {
             Item::Text(text) => found.push(text),
             Item::Clip { items, .. } => found.extend(texts(items)),
-            Item::Path { .. } => {}
+            Item::Path { .. } | Item::Image { .. } => {}
         }
     }
     found

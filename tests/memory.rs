@@ -75,9 +75,10 @@ fn a_mesh_with_texture_coordinates_takes_at_most_200_bytes_per_triangle() {
 
 #[test]
 fn a_mesh_that_no_cube_lies_on_is_its_bvh_alone() {
-    // Three corners of 24 bytes, an id, and a node of 64 bytes for at most every triangle.
+    // Three corners of 24 bytes, an id, a node of 64 bytes for at most every triangle, and the wide nodes
+    // of packets: 256 bytes for at least six triangles or so.
     let held = bytes_per_triangle(SPHERE, 0);
-    assert!(held <= 72.0 + 4.0 + 64.0 + 0.1, "{held} bytes");
+    assert!(held <= 72.0 + 4.0 + 64.0 + 256.0 / 6.0, "{held} bytes");
 }
 
 #[test]

@@ -9,7 +9,9 @@ use crate::scene::model::diagram::{Colour as Name, Style};
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;
 /// Half the length of a tick, points.
-const TICK: f64 = 2.4;
+pub(super) const TICK: f64 = 2.4;
+/// The least height of a signal that has a head half way, points.
+const HEADED: f64 = 14.0;
 
 /// What a panel's lines are drawn with.
 struct Pen<'a> {
@@ -62,6 +64,22 @@ pub(super) fn area_colour(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
     }
 }
 
+/// The shade of an area.
+pub(super) fn area_fill(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
+    area_colour(panel, theme, area).with_alpha(theme.shade)
+}
+
+/// The shade within a light cone.
+pub(super) fn cone_fill(theme: &Theme) -> Colour {
+    theme.light.with_alpha(theme.shade)
+}
+
+/// The tip of the head that a signal has about half way; none for a short one.
+pub(super) fn head(map: &Map, [from, to]: [Point; 2]) -> Option<Point> {
+    let height = map.at(to)[1] - map.at(from)[1];
+    (height.abs() > HEADED).then(|| from.plus(0.55, to.from(from)))
+}
+
 impl Pen<'_> {
     fn line(&self, ends: [Point; 2], stroke: Stroke) -> Item {
         Item::stroked(self.map.polyline(&ends), stroke)
@@ -75,14 +93,11 @@ impl Pen<'_> {
         let mut items = Vec::new();
         for cone in &self.panel.cones {
             let inside = cone.inside.iter().map(|edge| self.polygon(edge));
-            items.extend(inside.map(|path| Item::filled(path, self.theme.light.with_alpha(30))));
+            items.extend(inside.map(|path| Item::filled(path, cone_fill(self.theme))));
         }
         for area in &self.panel.areas {
-            let colour = area_colour(self.panel, self.theme, area);
-            items.push(Item::filled(
-                self.polygon(&area.edge),
-                colour.with_alpha(36),
-            ));
+            let fill = area_fill(self.panel, self.theme, area);
+            items.push(Item::filled(self.polygon(&area.edge), fill));
             let horizon = self.theme.thin(self.theme.light).dashed([5.0, 2.5]);
             items.extend(
                 area.horizons
@@ -114,15 +129,12 @@ impl Pen<'_> {
         for signal in &self.panel.signals {
             let colour = self.named(signal.colour, Name::Orange);
             items.push(self.line(signal.ends, thin(colour)));
-            let [from, to] = signal.ends;
-            let middle = from.plus(0.55, to.from(from));
-            let short = self.map.at(to)[1] - self.map.at(from)[1];
-            if short.abs() > 14.0 {
+            if let Some(tip) = head(self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
-                    length: 5.0,
-                    width: 3.8,
+                    length: 6.4,
+                    width: 4.8,
                 });
-                items.push(self.line([from, middle], head));
+                items.push(self.line([signal.ends[0], tip], head));
             }
         }
         items
@@ -149,18 +161,22 @@ impl Pen<'_> {
         all.collect()
     }
 
+    /// A broad band, which is seen beside an axis under it too, and the pattern of the kind on it.
     fn intervals(&self) -> Vec<Item> {
-        let all = self.panel.intervals.iter().map(|interval| {
+        let mut items = Vec::new();
+        for interval in &self.panel.intervals {
             let colour = self.named(interval.colour, Name::Grey);
-            let stroke = Stroke::new(colour, 0.8 * self.theme.width).rounded();
+            let band = Stroke::new(colour.with_alpha(70), 3.6 * self.theme.width);
+            items.push(self.line(interval.ends, band));
+            let stroke = Stroke::new(colour, 0.9 * self.theme.width).rounded();
             let dash: &[f64] = match interval.kind {
                 Kind::Timelike => &[],
                 Kind::Spacelike => &[0.1, 3.0],
                 Kind::Null => &[6.0, 2.5],
             };
-            self.line(interval.ends, stroke.dashed(dash))
-        });
-        all.collect()
+            items.push(self.line(interval.ends, stroke.dashed(dash)));
+        }
+        items
     }
 
     fn world_lines(&self) -> Vec<Item> {

@@ -18,6 +18,8 @@ pub(super) struct Theme {
     pub width: f64,
     /// Size of the type, points.
     pub size: f64,
+    /// Opacity of shaded areas, of 255.
+    pub shade: u8,
     /// Whether world lines have patterns, so that a legend can be read in grey.
     pub patterns: bool,
 }
@@ -33,6 +35,7 @@ impl Theme {
             background,
             ink,
             light: Colour::rgb(230, 159, 0),
+            shade: if style.dark { 60 } else { 36 },
             width: style.line_width,
             size: style.font_size,
             patterns: style.legend,

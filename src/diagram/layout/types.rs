@@ -159,13 +159,13 @@ pub struct Area {
     pub colour: Option<Colour>,
 }
 
-/// Words at a point.
+/// Words within an area.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
     /// The words.
     pub text: String,
-    /// Where their middle is.
-    pub at: Point,
+    /// Where their middle may be, the best first.
+    pub places: Vec<Point>,
 }
 
 /// A straight line between two points.

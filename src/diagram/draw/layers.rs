@@ -2,12 +2,14 @@
 
 use super::page::Map;
 use super::theme::Theme;
-use crate::diagram::layout::{Area, Axes, Axis, Kind, Panel, Point, Tick};
-use crate::drawing::{Arrow, Colour, Item, Path, Stroke};
+use crate::diagram::layout::{Area, Axes, Axis, Bead, Kind, Now, Panel, Point, Tick};
+use crate::drawing::{Arrow, Colour, Fill, Item, Path, Stroke};
 use crate::scene::model::diagram::{Colour as Name, Style};
 
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;
+/// Radius of a clock on its way, in widths of world lines.
+pub(super) const BEAD: f64 = 2.5;
 /// Half the length of a tick, points.
 pub(super) const TICK: f64 = 2.4;
 /// The least height of a signal that has a head half way, points.
@@ -30,6 +32,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     let axes = panel.axes.iter().flat_map(|axes| pen.axes(axes, style));
     let mut upper = pen.intervals();
     upper.extend(pen.world_lines());
+    upper.extend(pen.now());
     let clip = |items: Vec<Item>| Item::Clip {
         path: Path::rect(map.rect()),
         items,
@@ -39,6 +42,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     items.push(clip(upper));
     items.extend(pen.arrows());
     items.extend(pen.dots());
+    items.extend(pen.beads());
     items
 }
 
@@ -61,6 +65,14 @@ pub(super) fn area_colour(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
         (Some(name), _) => theme.colour(name),
         (None, Some(line)) => line_colour(panel, theme, line),
         (None, None) => theme.colour(Name::Grey),
+    }
+}
+
+/// The colour of what is simultaneous.
+pub(super) fn now_colour(panel: &Panel, theme: &Theme, now: &Now) -> Colour {
+    match now.colour {
+        Some(name) => theme.colour(name),
+        None => frame_colour(panel, theme, now.frame),
     }
 }
 
@@ -166,7 +178,7 @@ impl Pen<'_> {
         let mut items = Vec::new();
         for interval in &self.panel.intervals {
             let colour = self.named(interval.colour, Name::Grey);
-            let band = Stroke::new(colour.with_alpha(70), 3.6 * self.theme.width);
+            let band = Stroke::new(colour.with_alpha(60), 3.0 * self.theme.width);
             items.push(self.line(interval.ends, band));
             let stroke = Stroke::new(colour, 0.9 * self.theme.width).rounded();
             let dash: &[f64] = match interval.kind {
@@ -243,6 +255,23 @@ impl Pen<'_> {
             self.line(arrow.ends, stroke)
         });
         all.collect()
+    }
+
+    fn now(&self) -> Option<Item> {
+        let now = self.panel.now.as_ref()?;
+        let stroke = self.theme.thin(now_colour(self.panel, self.theme, now));
+        Some(self.line(now.ends, stroke))
+    }
+
+    /// Larger than events, and in the colours of their lines.
+    fn beads(&self) -> Vec<Item> {
+        let beads = self.panel.now.iter().flat_map(|now| &now.beads);
+        let bead = |bead: &Bead| Item::Path {
+            path: Path::circle(self.map.at(bead.at), BEAD * self.theme.width),
+            fill: Some(Fill::solid(line_colour(self.panel, self.theme, bead.line))),
+            stroke: Some(Stroke::new(self.theme.background, 0.6 * self.theme.width)),
+        };
+        beads.map(bead).collect()
     }
 
     fn dots(&self) -> Vec<Item> {

@@ -1,7 +1,7 @@
 //! What labels keep off.
 
 use super::labels::Ground;
-use super::layers::{DOT, TICK, area_fill, cone_fill, head};
+use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
 use super::page::Map;
 use super::theme::Theme;
 use crate::diagram::layout::{Panel, Point, Tick};
@@ -22,6 +22,9 @@ pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) 
     }
     for event in panel.events.iter().filter(|event| event.dot) {
         ground.dot(map.at(event.at), DOT * theme.width);
+    }
+    for bead in panel.now.iter().flat_map(|now| &now.beads) {
+        ground.dot(map.at(bead.at), BEAD * theme.width);
     }
     for signal in &panel.signals {
         if let Some(head) = head(map, signal.ends) {
@@ -69,9 +72,10 @@ fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     let segments = panel.signals.iter().chain(&panel.slices);
     let segments = segments.chain(&panel.arrows).map(|segment| segment.ends);
     let intervals = panel.intervals.iter().map(|interval| interval.ends);
+    let now = panel.now.iter().map(|now| now.ends);
     let rays = panel.cones.iter().flat_map(|cone| &cone.rays);
     let horizons = panel.areas.iter().flat_map(|area| &area.horizons);
-    let straight = segments.chain(intervals);
+    let straight = segments.chain(intervals).chain(now);
     let straight = straight.chain(rays.chain(horizons).copied());
     for ends in straight {
         ground.line(map.points(&ends), THIN);

@@ -28,6 +28,7 @@ pub(super) fn of(
     let words = Words { panel, map, theme };
     let mut all = words.axes(named);
     all.extend(words.events());
+    all.extend(words.readings());
     if style.ticks {
         all.extend(words.ticks());
     }
@@ -147,6 +148,20 @@ impl Words<'_> {
         requests.collect()
     }
 
+    /// What clocks on their way show.
+    fn readings(&self) -> Vec<Request> {
+        let beads = self.panel.now.iter().flat_map(|now| &now.beads);
+        let requests = beads.filter_map(|bead| {
+            let colour = line_colour(self.panel, self.theme, bead.line);
+            let at = vec![self.map.at(bead.at)];
+            Some(Request {
+                distances: NEAR.map(|distance| distance + 2.0).to_vec(),
+                ..self.request(bead.label.as_deref()?, colour, at)
+            })
+        });
+        requests.collect()
+    }
+
     /// Words that say where they stand.
     fn texts(&self) -> Vec<Request> {
         let texts = self.panel.texts.iter().filter_map(|words| {
@@ -230,8 +245,7 @@ impl Words<'_> {
         }
         for interval in panel.intervals.iter().filter(|i| !i.label.is_empty()) {
             let colour = theme.colour(interval.colour.unwrap_or(Name::Black));
-            let anchors = self.beside(interval.ends, &MIDDLE);
-            all.push(self.request(&interval.label, colour, anchors));
+            all.push(self.beside_segment(&interval.label, colour, interval.ends, &MIDDLE));
         }
         for hyperbola in &panel.hyperbolae {
             let colour = theme.colour(hyperbola.colour.unwrap_or(Name::Grey));
@@ -260,8 +274,24 @@ impl Words<'_> {
 
     fn segment(&self, segment: &Segment, own: Colour, places: &[f64]) -> Option<Request> {
         let colour = segment.colour.map_or(own, |name| self.theme.colour(name));
-        let anchors = self.beside(segment.ends, places);
-        Some(self.request(segment.label.as_deref()?, colour, anchors))
+        Some(self.beside_segment(segment.label.as_deref()?, colour, segment.ends, places))
+    }
+
+    /// Across a straight line first.
+    fn beside_segment(
+        &self,
+        text: &str,
+        colour: Colour,
+        ends: [Point; 2],
+        places: &[f64],
+    ) -> Request {
+        let [a, b] = ends.map(|end| self.map.at(end));
+        let mut directions = normals(a, b).to_vec();
+        directions.extend(AROUND);
+        Request {
+            directions,
+            ..self.request(text, colour, self.beside(ends, places))
+        }
     }
 
     fn beside(&self, [from, to]: [Point; 2], places: &[f64]) -> Vec<[f64; 2]> {
@@ -269,6 +299,15 @@ impl Words<'_> {
         let seen = points.filter(|p| self.panel.limits.contains(*p));
         seen.map(|p| self.map.at(p)).collect()
     }
+}
+
+/// Unit vectors across a line, the upper one first.
+fn normals(a: [f64; 2], b: [f64; 2]) -> [[f64; 2]; 2] {
+    let [x, y] = [b[0] - a[0], b[1] - a[1]];
+    let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    let up = if x < 0.0 { 1.0 } else { -1.0 };
+    let normal = [-up * y / length, up * x / length];
+    [normal, normal.map(|v| -v)]
 }
 
 /// The point at a part of the way along points.

@@ -291,8 +291,7 @@ fn within_wedge([from, to]: [Point; 2], rays: [Point; 2]) -> Vec<Point> {
     ];
     let way = to.from(from);
     let length = way.ct.hypot(way.x);
-    let beside = |ray: Point| {
-        PLACES.map(|(along, aside)| from.plus(along, way).plus(aside * length, ray))
-    };
+    let beside =
+        |ray: Point| PLACES.map(|(along, aside)| from.plus(along, way).plus(aside * length, ray));
     rays.into_iter().flat_map(beside).collect()
 }

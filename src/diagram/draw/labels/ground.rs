@@ -90,7 +90,10 @@ impl Ground {
     /// The colour of the ground under the middle of a rectangle.
     pub fn colour(&self, rect: Rect) -> Colour {
         let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
-        let under = self.areas.iter().filter(|(edge, _)| is_inside(middle, edge));
+        let under = self
+            .areas
+            .iter()
+            .filter(|(edge, _)| is_inside(middle, edge));
         under.fold(self.background, |ground, (_, colour)| over(*colour, ground))
     }
 }

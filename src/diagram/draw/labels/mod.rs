@@ -131,7 +131,10 @@ pub(super) fn place(
         Some((label.key.clone(), candidate.index))
     });
     habits.0 = chosen.collect();
-    Ok(labels.iter().flat_map(|label| label.items(ground)).collect())
+    Ok(labels
+        .iter()
+        .flat_map(|label| label.items(ground))
+        .collect())
 }
 
 /// The cheapest candidate of the i-th label, the others being where they are.
@@ -174,7 +177,9 @@ fn leave_out(labels: &mut [Label], ground: &Ground) {
 impl Candidate {
     fn cost(&mut self, labels: &[Rect], ground: &Ground) -> f64 {
         let airy = widened(self.rect, AIR);
-        let under = *self.under.get_or_insert_with(|| ground.cost(self.rect, airy));
+        let under = *self
+            .under
+            .get_or_insert_with(|| ground.cost(self.rect, airy));
         let labels = labels.iter().map(|other| match distance(airy, *other) {
             0.0 => ON_LABEL,
             apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),

@@ -215,13 +215,23 @@ pub struct DiagramArguments {
     /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Where to write: .svg, .pdf, .png. Repeatable. Default: the scene's name with .svg, in the current
-    /// directory.
+    /// Where to write: .svg, .pdf, .png, or .apng (a PNG that moves). Repeatable. Default: the scene's
+    /// name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Draw in the coordinates of this frame: "world", "camera", or one of the file's.
     #[arg(long, value_name = "NAME")]
     pub frame: Option<String>,
+    /// Boost the view to this frame step by step, picture by picture.
+    #[arg(long, value_name = "NAME")]
+    pub boost_to: Option<String>,
+    /// Pictures A to B of the animation, B not included, as numbered files ("name-####.svg"); an .apng
+    /// holds these alone.
+    #[arg(long, value_name = "A..B", value_parser = values::frames, allow_hyphen_values = true)]
+    pub frames: Option<Range<u64>>,
+    /// Pictures per second in an .apng. Default: diagram.animation.fps.
+    #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
+    pub fps: Option<f64>,
     /// Light on dark.
     #[arg(long)]
     pub dark: bool,

@@ -45,6 +45,8 @@ Examples:
   nullray diagram twin-paradox.toml -o twins.svg -o twins.pdf -o twins.png
   nullray diagram twin-paradox.toml --set \"diagram.event.turn.at=[5,4]\" --dark
   nullray diagram scene.toml --frame camera
+  nullray diagram twin-paradox.toml --boost-to out -o twins.apng
+  nullray diagram twin-paradox.toml --boost-to out --frames 0..49 -o twins-####.svg
 
 A file may hold a [diagram] table alone. Without one the diagram shows the world lines of the camera and the \
 objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \

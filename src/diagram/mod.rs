@@ -35,9 +35,11 @@
 
 mod draw;
 mod layout;
+mod series;
 
 pub use draw::draw;
 pub use layout::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Panel,
-    Placed, Point, Segment, Spot, Tick, WorldLine, layout,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Now,
+    Panel, Placed, Point, Segment, Spot, Tick, WorldLine, layout,
 };
+pub use series::Series;

@@ -175,6 +175,24 @@ impl Item {
     }
 }
 
+impl Anchor {
+    /// Where, from the anchor, a line of this advance and size has the left end of its baseline.
+    pub(crate) fn offset(self, width: f64, size: f64) -> [f64; 2] {
+        let left = match self.x {
+            AnchorX::Start => 0.0,
+            AnchorX::Middle => -width / 2.0,
+            AnchorX::End => -width,
+        };
+        let baseline = match self.y {
+            AnchorY::Baseline => 0.0,
+            AnchorY::Middle => CAPITALS / 2.0 * size,
+            AnchorY::Top => CAPITALS * size,
+            AnchorY::Bottom => -DESCENDERS * size,
+        };
+        [left, baseline]
+    }
+}
+
 impl Text {
     /// Black text, not turned, whose baseline begins at `at`.
     pub fn new(text: RichText, at: [f64; 2], size: f64) -> Text {
@@ -198,17 +216,7 @@ impl Text {
     /// As [`RichText::outline`].
     pub fn outline(&self) -> Result<Path> {
         let outline = self.text.outline(self.size)?;
-        let left = match self.anchor.x {
-            AnchorX::Start => 0.0,
-            AnchorX::Middle => -outline.width / 2.0,
-            AnchorX::End => -outline.width,
-        };
-        let baseline = match self.anchor.y {
-            AnchorY::Baseline => 0.0,
-            AnchorY::Middle => CAPITALS / 2.0 * self.size,
-            AnchorY::Top => CAPITALS * self.size,
-            AnchorY::Bottom => -DESCENDERS * self.size,
-        };
+        let [left, baseline] = self.anchor.offset(outline.width, self.size);
         let (sin, cos) = libm::sincos(self.angle);
         let place = |[x, y]: [f64; 2]| {
             let (x, y) = (left + x, baseline + y);

@@ -2,14 +2,18 @@
 
 use super::page::Map;
 use super::theme::Theme;
-use crate::diagram::layout::{Area, Axes, Axis, Kind, Panel, Point, Tick};
-use crate::drawing::{Arrow, Colour, Item, Path, Stroke};
+use crate::diagram::layout::{Area, Axes, Axis, Bead, Kind, Now, Panel, Point, Tick};
+use crate::drawing::{Arrow, Colour, Fill, Item, Path, Stroke};
 use crate::scene::model::diagram::{Colour as Name, Style};
 
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;
+/// Radius of a clock on its way, in widths of world lines.
+pub(super) const BEAD: f64 = 2.5;
 /// Half the length of a tick, points.
-const TICK: f64 = 2.4;
+pub(super) const TICK: f64 = 2.4;
+/// The least height of a signal that has a head half way, points.
+const HEADED: f64 = 14.0;
 
 /// What a panel's lines are drawn with.
 struct Pen<'a> {
@@ -28,6 +32,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     let axes = panel.axes.iter().flat_map(|axes| pen.axes(axes, style));
     let mut upper = pen.intervals();
     upper.extend(pen.world_lines());
+    upper.extend(pen.now());
     let clip = |items: Vec<Item>| Item::Clip {
         path: Path::rect(map.rect()),
         items,
@@ -37,6 +42,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     items.push(clip(upper));
     items.extend(pen.arrows());
     items.extend(pen.dots());
+    items.extend(pen.beads());
     items
 }
 
@@ -62,6 +68,30 @@ pub(super) fn area_colour(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
     }
 }
 
+/// The colour of what is simultaneous.
+pub(super) fn now_colour(panel: &Panel, theme: &Theme, now: &Now) -> Colour {
+    match now.colour {
+        Some(name) => theme.colour(name),
+        None => frame_colour(panel, theme, now.frame),
+    }
+}
+
+/// The shade of an area.
+pub(super) fn area_fill(panel: &Panel, theme: &Theme, area: &Area) -> Colour {
+    area_colour(panel, theme, area).with_alpha(theme.shade)
+}
+
+/// The shade within a light cone.
+pub(super) fn cone_fill(theme: &Theme) -> Colour {
+    theme.light.with_alpha(theme.shade)
+}
+
+/// The tip of the head that a signal has about half way; none for a short one.
+pub(super) fn head(map: &Map, [from, to]: [Point; 2]) -> Option<Point> {
+    let height = map.at(to)[1] - map.at(from)[1];
+    (height.abs() > HEADED).then(|| from.plus(0.55, to.from(from)))
+}
+
 impl Pen<'_> {
     fn line(&self, ends: [Point; 2], stroke: Stroke) -> Item {
         Item::stroked(self.map.polyline(&ends), stroke)
@@ -75,14 +105,11 @@ impl Pen<'_> {
         let mut items = Vec::new();
         for cone in &self.panel.cones {
             let inside = cone.inside.iter().map(|edge| self.polygon(edge));
-            items.extend(inside.map(|path| Item::filled(path, self.theme.light.with_alpha(30))));
+            items.extend(inside.map(|path| Item::filled(path, cone_fill(self.theme))));
         }
         for area in &self.panel.areas {
-            let colour = area_colour(self.panel, self.theme, area);
-            items.push(Item::filled(
-                self.polygon(&area.edge),
-                colour.with_alpha(36),
-            ));
+            let fill = area_fill(self.panel, self.theme, area);
+            items.push(Item::filled(self.polygon(&area.edge), fill));
             let horizon = self.theme.thin(self.theme.light).dashed([5.0, 2.5]);
             items.extend(
                 area.horizons
@@ -114,15 +141,12 @@ impl Pen<'_> {
         for signal in &self.panel.signals {
             let colour = self.named(signal.colour, Name::Orange);
             items.push(self.line(signal.ends, thin(colour)));
-            let [from, to] = signal.ends;
-            let middle = from.plus(0.55, to.from(from));
-            let short = self.map.at(to)[1] - self.map.at(from)[1];
-            if short.abs() > 14.0 {
+            if let Some(tip) = head(self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
-                    length: 5.0,
-                    width: 3.8,
+                    length: 6.4,
+                    width: 4.8,
                 });
-                items.push(self.line([from, middle], head));
+                items.push(self.line([signal.ends[0], tip], head));
             }
         }
         items
@@ -149,18 +173,22 @@ impl Pen<'_> {
         all.collect()
     }
 
+    /// A broad band, which is seen beside an axis under it too, and the pattern of the kind on it.
     fn intervals(&self) -> Vec<Item> {
-        let all = self.panel.intervals.iter().map(|interval| {
+        let mut items = Vec::new();
+        for interval in &self.panel.intervals {
             let colour = self.named(interval.colour, Name::Grey);
-            let stroke = Stroke::new(colour, 0.8 * self.theme.width).rounded();
+            let band = Stroke::new(colour.with_alpha(60), 3.0 * self.theme.width);
+            items.push(self.line(interval.ends, band));
+            let stroke = Stroke::new(colour, 0.9 * self.theme.width).rounded();
             let dash: &[f64] = match interval.kind {
                 Kind::Timelike => &[],
                 Kind::Spacelike => &[0.1, 3.0],
                 Kind::Null => &[6.0, 2.5],
             };
-            self.line(interval.ends, stroke.dashed(dash))
-        });
-        all.collect()
+            items.push(self.line(interval.ends, stroke.dashed(dash)));
+        }
+        items
     }
 
     fn world_lines(&self) -> Vec<Item> {
@@ -227,6 +255,23 @@ impl Pen<'_> {
             self.line(arrow.ends, stroke)
         });
         all.collect()
+    }
+
+    fn now(&self) -> Option<Item> {
+        let now = self.panel.now.as_ref()?;
+        let stroke = self.theme.thin(now_colour(self.panel, self.theme, now));
+        Some(self.line(now.ends, stroke))
+    }
+
+    /// Larger than events, and in the colours of their lines.
+    fn beads(&self) -> Vec<Item> {
+        let beads = self.panel.now.iter().flat_map(|now| &now.beads);
+        let bead = |bead: &Bead| Item::Path {
+            path: Path::circle(self.map.at(bead.at), BEAD * self.theme.width),
+            fill: Some(Fill::solid(line_colour(self.panel, self.theme, bead.line))),
+            stroke: Some(Stroke::new(self.theme.background, 0.6 * self.theme.width)),
+        };
+        beads.map(bead).collect()
     }
 
     fn dots(&self) -> Vec<Item> {

@@ -2,6 +2,8 @@
 
 mod labels;
 mod layers;
+mod legend;
+mod obstacles;
 mod page;
 mod theme;
 mod words;
@@ -11,7 +13,8 @@ use crate::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
 use crate::error::Result;
 use crate::scene::model::diagram::Style;
 use crate::text::RichText;
-use labels::Placement;
+use labels::Ground;
+pub(crate) use labels::Habits;
 use page::Page;
 use theme::Theme;
 
@@ -20,41 +23,51 @@ use theme::Theme;
 /// # Errors
 /// Where a label holds what cannot be set; never for a layout of a resolved diagram.
 pub fn draw(layout: &Layout, style: &Style) -> Result<Drawing> {
+    draw_next(layout, style, &mut Habits::default())
+}
+
+/// Draws the next layout of a series, whose labels stay where `habits` have them as long as they can.
+pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> Result<Drawing> {
     let theme = Theme::new(style);
+    let page = page(layout, style, &theme);
+    let mut items = title(layout, &theme, &page)?;
+    let mut ground = Ground::new(page.width, page.height, theme.background);
+    let mut requests = Vec::new();
+    for (panel, map) in layout.panels.iter().zip(&page.frames) {
+        items.extend(layers::of(panel, map, &theme, style));
+        obstacles::add(&mut ground, panel, map, &theme);
+        requests.extend(words::of(
+            panel,
+            map,
+            &theme,
+            style,
+            layout.panels.len() > 1,
+        ));
+    }
+    items.extend(labels::place(&ground, &requests, habits)?);
+    if style.legend {
+        items.extend(legend::items(layout, &theme, &page)?);
+    }
+    let title = layout.title.clone();
+    Ok(Drawing {
+        width: page.width,
+        height: page.height,
+        title: title.unwrap_or_else(|| "Space-time diagram".into()),
+        background: theme.background,
+        items,
+    })
+}
+
+fn page(layout: &Layout, style: &Style, theme: &Theme) -> Page {
     let head = match &layout.title {
         Some(_) => 1.9 * theme.size,
         None => 0.0,
     };
     let foot = match style.legend {
-        true => words::legend_height(layout, &theme),
+        true => legend::height(layout, theme),
         false => 0.0,
     };
-    let page = Page::new(&layout.panels, style, head, foot);
-    let mut items = title(layout, &theme, &page)?;
-    let mut placement = Placement::new(page.width, page.height, theme.background);
-    for (panel, map) in layout.panels.iter().zip(&page.frames) {
-        items.extend(layers::of(panel, map, &theme, style));
-        words::obstacles(&mut placement, panel, map, &theme);
-    }
-    for (panel, map) in layout.panels.iter().zip(&page.frames) {
-        for request in words::of(panel, map, &theme, style, layout.panels.len() > 1) {
-            placement.place(&request)?;
-        }
-    }
-    items.append(&mut placement.items);
-    if style.legend {
-        items.extend(words::legend(layout, &theme, &page)?);
-    }
-    Ok(Drawing {
-        width: page.width,
-        height: page.height,
-        title: layout
-            .title
-            .clone()
-            .unwrap_or_else(|| "Space-time diagram".into()),
-        background: theme.background,
-        items,
-    })
+    Page::new(&layout.panels, style, head, foot)
 }
 
 fn title(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {

@@ -31,7 +31,9 @@ impl Page {
     pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
         let count = panels.len().max(1) as f64;
         let em = style.font_size;
-        let [side, above, below] = [1.8 * em, 1.9 * em, 1.2 * em];
+        // Views side by side are named above.
+        let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
+        let [side, above, below] = [1.8 * em, 1.1 * em + names, 1.2 * em];
         let width = style.width.unwrap_or(WIDTH * count);
         let cell = width / count;
         let room = (cell - 2.0 * side).max(1.0);

@@ -18,6 +18,8 @@ pub(super) struct Theme {
     pub width: f64,
     /// Size of the type, points.
     pub size: f64,
+    /// Opacity of shaded areas, of 255.
+    pub shade: u8,
     /// Whether world lines have patterns, so that a legend can be read in grey.
     pub patterns: bool,
 }
@@ -32,7 +34,8 @@ impl Theme {
             dark: style.dark,
             background,
             ink,
-            light: Colour::rgb(230, 159, 0),
+            light: hue(Name::Orange, style.dark).unwrap_or(ink),
+            shade: if style.dark { 60 } else { 36 },
             width: style.line_width,
             size: style.font_size,
             patterns: style.legend,
@@ -41,18 +44,7 @@ impl Theme {
 
     /// A colour of the palette; those that are dark on white are lighter on black.
     pub fn colour(&self, name: Name) -> Colour {
-        let (on_white, on_black) = match name {
-            Name::Black => return self.ink,
-            Name::Grey => ([120, 120, 120], [150, 150, 150]),
-            Name::Blue => ([0, 114, 178], [86, 160, 220]),
-            Name::Red => ([213, 94, 0], [240, 125, 50]),
-            Name::Green => ([0, 158, 115], [40, 190, 145]),
-            Name::Orange => ([230, 159, 0], [240, 175, 30]),
-            Name::Sky => ([60, 160, 215], [110, 195, 240]),
-            Name::Purple => ([180, 90, 145], [215, 140, 185]),
-        };
-        let [r, g, b] = if self.dark { on_black } else { on_white };
-        Colour::rgb(r, g, b)
+        hue(name, self.dark).unwrap_or(self.ink)
     }
 
     /// The colour of the i-th world line.
@@ -91,4 +83,20 @@ impl Theme {
     pub fn thin(&self, colour: Colour) -> Stroke {
         Stroke::new(colour, 0.5 * self.width)
     }
+}
+
+/// A colour of the palette on white or on black; none for that of the ink.
+fn hue(name: Name, dark: bool) -> Option<Colour> {
+    let (on_white, on_black) = match name {
+        Name::Black => return None,
+        Name::Grey => ([120, 120, 120], [150, 150, 150]),
+        Name::Blue => ([0, 114, 178], [86, 160, 220]),
+        Name::Red => ([213, 94, 0], [240, 125, 50]),
+        Name::Green => ([0, 158, 115], [40, 190, 145]),
+        Name::Orange => ([217, 142, 0], [240, 175, 30]),
+        Name::Sky => ([50, 150, 208], [110, 195, 240]),
+        Name::Purple => ([180, 90, 145], [215, 140, 185]),
+    };
+    let [r, g, b] = if dark { on_black } else { on_white };
+    Some(Colour::rgb(r, g, b))
 }

@@ -1,14 +1,12 @@
-//! What labels a panel has, where each may stand, and what they keep off.
+//! What labels a panel has, and where each may stand.
 
-use super::labels::{AROUND, Placement, Request};
-use super::layers::{DOT, area_colour, frame_colour, is_inner, line_colour};
-use super::page::{Map, Page};
+use super::labels::{AROUND, Request};
+use super::layers::{area_colour, frame_colour, is_inner, line_colour};
+use super::page::Map;
 use super::theme::Theme;
-use crate::diagram::layout::{Layout, Panel, Point, Segment, Tick};
-use crate::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Text};
-use crate::error::Result;
+use crate::diagram::layout::{Panel, Placed, Point, Segment, Tick};
+use crate::drawing::Colour;
 use crate::scene::model::diagram::{Colour as Name, Style};
-use crate::text::RichText;
 
 /// Size of numbers at ticks, in parts of the type's.
 const SMALL: f64 = 0.8;
@@ -18,41 +16,6 @@ const NEAR: [f64; 4] = [4.5, 7.0, 11.0, 20.0];
 const ALONG: [f64; 9] = [0.93, 0.85, 0.97, 0.77, 0.68, 0.58, 0.48, 0.35, 0.2];
 /// Beside the middle of a segment first.
 const MIDDLE: [f64; 7] = [0.5, 0.42, 0.58, 0.34, 0.66, 0.25, 0.75];
-
-/// Tells `placement` of all lines and dots of a panel.
-pub(super) fn obstacles(placement: &mut Placement, panel: &Panel, map: &Map, theme: &Theme) {
-    for line in &panel.world_lines {
-        placement.line(&map.points(&line.curve.points));
-    }
-    for axes in &panel.axes {
-        placement.line(&map.points(&axes.time.ends));
-        placement.line(&map.points(&axes.space.ends));
-    }
-    let segments = panel
-        .signals
-        .iter()
-        .chain(&panel.slices)
-        .chain(&panel.arrows);
-    let ends = segments.map(|segment| segment.ends);
-    let ends = ends.chain(panel.intervals.iter().map(|interval| interval.ends));
-    let rays = panel
-        .cones
-        .iter()
-        .flat_map(|cone| cone.rays.iter().copied());
-    let horizons = panel
-        .areas
-        .iter()
-        .flat_map(|area| area.horizons.iter().copied());
-    for line in ends.chain(rays).chain(horizons) {
-        placement.line(&map.points(&line));
-    }
-    for hyperbola in &panel.hyperbolae {
-        placement.line(&map.points(&hyperbola.curve.points));
-    }
-    for event in panel.events.iter().filter(|event| event.dot) {
-        placement.dot(map.at(event.at), DOT * theme.width);
-    }
-}
 
 /// The labels of a panel, the most important first.
 pub(super) fn of(
@@ -65,6 +28,7 @@ pub(super) fn of(
     let words = Words { panel, map, theme };
     let mut all = words.axes(named);
     all.extend(words.events());
+    all.extend(words.readings());
     if style.ticks {
         all.extend(words.ticks());
     }
@@ -138,8 +102,8 @@ impl Words<'_> {
         let mut all = Vec::new();
         for axes in &self.panel.axes {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
-            let left = [[-1.0, 0.0], [1.0, 0.0]];
-            let below = [[0.0, 1.0], [0.0, -1.0]];
+            let left = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
+            let below = [[0.0, 1.0], [0.0, -1.0], [-0.5, 0.9], [0.5, 0.9]];
             for (axis, directions) in [(&axes.time, left), (&axes.space, below)] {
                 let inner = axis
                     .ticks
@@ -184,21 +148,35 @@ impl Words<'_> {
         requests.collect()
     }
 
+    /// What clocks on their way show.
+    fn readings(&self) -> Vec<Request> {
+        let beads = self.panel.now.iter().flat_map(|now| &now.beads);
+        let requests = beads.filter_map(|bead| {
+            let colour = line_colour(self.panel, self.theme, bead.line);
+            let at = vec![self.map.at(bead.at)];
+            Some(Request {
+                distances: NEAR.map(|distance| distance + 2.0).to_vec(),
+                ..self.request(bead.label.as_deref()?, colour, at)
+            })
+        });
+        requests.collect()
+    }
+
     /// Words that say where they stand.
     fn texts(&self) -> Vec<Request> {
         let texts = self.panel.texts.iter().filter_map(|words| {
             let colour = self.theme.colour(words.colour.unwrap_or(Name::Black));
             let text = words.label.as_deref()?;
-            Some(self.upon(text, colour, words.at))
+            Some(self.upon(text, colour, &[words.at]))
         });
         texts.collect()
     }
 
-    fn upon(&self, text: &str, colour: Colour, at: Point) -> Request {
+    fn upon(&self, text: &str, colour: Colour, places: &[Point]) -> Request {
         Request {
             directions: vec![[0.0, 0.0], [0.0, -0.3], [0.0, 0.3], [-0.3, 0.0], [0.3, 0.0]],
             distances: vec![0.0, 12.0, 24.0, 40.0],
-            ..self.request(text, colour, vec![self.map.at(at)])
+            ..self.request(text, colour, self.map.points(places))
         }
     }
 
@@ -267,8 +245,7 @@ impl Words<'_> {
         }
         for interval in panel.intervals.iter().filter(|i| !i.label.is_empty()) {
             let colour = theme.colour(interval.colour.unwrap_or(Name::Black));
-            let anchors = self.beside(interval.ends, &MIDDLE);
-            all.push(self.request(&interval.label, colour, anchors));
+            all.push(self.beside_segment(&interval.label, colour, interval.ends, &MIDDLE));
         }
         for hyperbola in &panel.hyperbolae {
             let colour = theme.colour(hyperbola.colour.unwrap_or(Name::Grey));
@@ -289,7 +266,7 @@ impl Words<'_> {
             all.extend(
                 area.label
                     .iter()
-                    .map(|label| self.upon(&label.text, colour, label.at)),
+                    .map(|Placed { text, places }| self.upon(text, colour, places)),
             );
         }
         all
@@ -297,8 +274,24 @@ impl Words<'_> {
 
     fn segment(&self, segment: &Segment, own: Colour, places: &[f64]) -> Option<Request> {
         let colour = segment.colour.map_or(own, |name| self.theme.colour(name));
-        let anchors = self.beside(segment.ends, places);
-        Some(self.request(segment.label.as_deref()?, colour, anchors))
+        Some(self.beside_segment(segment.label.as_deref()?, colour, segment.ends, places))
+    }
+
+    /// Across a straight line first.
+    fn beside_segment(
+        &self,
+        text: &str,
+        colour: Colour,
+        ends: [Point; 2],
+        places: &[f64],
+    ) -> Request {
+        let [a, b] = ends.map(|end| self.map.at(end));
+        let mut directions = normals(a, b).to_vec();
+        directions.extend(AROUND);
+        Request {
+            directions,
+            ..self.request(text, colour, self.beside(ends, places))
+        }
     }
 
     fn beside(&self, [from, to]: [Point; 2], places: &[f64]) -> Vec<[f64; 2]> {
@@ -306,6 +299,15 @@ impl Words<'_> {
         let seen = points.filter(|p| self.panel.limits.contains(*p));
         seen.map(|p| self.map.at(p)).collect()
     }
+}
+
+/// Unit vectors across a line, the upper one first.
+fn normals(a: [f64; 2], b: [f64; 2]) -> [[f64; 2]; 2] {
+    let [x, y] = [b[0] - a[0], b[1] - a[1]];
+    let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    let up = if x < 0.0 { 1.0 } else { -1.0 };
+    let normal = [-up * y / length, up * x / length];
+    [normal, normal.map(|v| -v)]
 }
 
 /// The point at a part of the way along points.
@@ -322,46 +324,4 @@ fn along(points: &[[f64; 2]], part: f64) -> Option<[f64; 2]> {
         left -= length;
     }
     points.last().copied()
-}
-
-/// Lines that a legend has: those with labels, of the first panel.
-fn entries(layout: &Layout) -> impl Iterator<Item = (usize, &str)> {
-    let lines = layout
-        .panels
-        .first()
-        .into_iter()
-        .flat_map(|panel| &panel.world_lines);
-    let labelled = lines
-        .enumerate()
-        .map(|(i, line)| (i, line.label.as_deref()));
-    labelled.filter_map(|(i, label)| Some((i, label?)))
-}
-
-pub(super) fn legend_height(layout: &Layout, theme: &Theme) -> f64 {
-    1.5 * theme.size * (entries(layout).count() as f64 + 0.5)
-}
-
-/// A line and its name for each world line, below the panels.
-pub(super) fn legend(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {
-    let mut items = Vec::new();
-    let Some(panel) = layout.panels.first() else {
-        return Ok(items);
-    };
-    let top = page.height - legend_height(layout, theme);
-    for (row, (i, label)) in entries(layout).enumerate() {
-        let colour = line_colour(panel, theme, i);
-        let y = top + 1.5 * theme.size * (row as f64 + 0.5);
-        let x = 2.0 * theme.size;
-        let path = Path::line([x, y], [x + 28.0, y]);
-        items.push(Item::stroked(path, theme.world_line(i, colour)));
-        items.push(Item::Text(Text {
-            anchor: Anchor {
-                x: AnchorX::Start,
-                y: AnchorY::Middle,
-            },
-            colour: theme.ink,
-            ..Text::new(RichText::parse(label)?, [x + 34.0, y], theme.size)
-        }));
-    }
-    Ok(items)
 }

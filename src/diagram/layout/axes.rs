@@ -27,10 +27,12 @@ pub(super) fn step(limits: &Limits) -> f64 {
 
 /// The axes of the view, and those of all frames that have some.
 pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
-    let own = std::iter::once(own_axes(view, limits));
+    // Those of a view on its way from frame to frame would be nobody's.
+    let passing = view.diagram.is_passing(view.index);
+    let own = (!passing).then(|| own_axes(view, limits)).into_iter();
     let frames = view.diagram.frames.iter().enumerate();
     // Of the world's axes there is something to compare with where others have some.
-    let moving = view.diagram.frames.iter().skip(1).any(|frame| frame.axes);
+    let moving = passing || view.diagram.frames.iter().skip(1).any(|frame| frame.axes);
     let others = frames.filter(|(i, frame)| *i != view.index && frame.axes && moving);
     let others = others.filter_map(|(i, frame)| axes(view, limits, i, frame));
     own.chain(others).collect()
@@ -142,7 +144,8 @@ fn labels(view: &View, frame: &Reference) -> [String; 2] {
     };
     let unit = view.diagram.unit;
     let time = if unit.is_time { "*t*" } else { "*ct*" };
-    let units = match (unit.names, frame.name == view.reference.name) {
+    let own = frame.name == view.reference.name || view.diagram.is_passing(view.index);
+    let units = match (unit.names, own) {
         (Some(names), true) => names.map(|name| format!(" ({name})")),
         _ => [String::new(), String::new()],
     };

@@ -179,11 +179,11 @@ pub(super) fn areas(view: &View, limits: &Limits) -> Vec<Area> {
     });
     let sheets = d.sheets.iter().map(|sheet| {
         let [a, b] = sheet_curves(view, limits, sheet.between);
-        let middle = sheet_middle(limits, &a, &b);
+        let middles = sheet_middles(limits, &a, &b);
         let edge = a.into_iter().chain(b.into_iter().rev()).collect();
         let mut area = area(edge, &sheet.label, sheet.colour, Some(sheet.between[0]));
-        if let (Some(label), Some(at)) = (&mut area.label, middle) {
-            label.at = at;
+        if let Some(label) = area.label.as_mut().filter(|_| !middles.is_empty()) {
+            label.places = middles;
         }
         area
     });
@@ -202,7 +202,10 @@ fn area(
         .fold(Point::default(), |sum, p| sum.plus(1.0, *p));
     let middle = Point::new(sum.ct / count, sum.x / count);
     Area {
-        label: label.clone().map(|text| Placed { text, at: middle }),
+        label: label.clone().map(|text| Placed {
+            text,
+            places: vec![middle],
+        }),
         edge,
         horizons: Vec::new(),
         owner,
@@ -222,18 +225,20 @@ fn sheet_curves(view: &View, limits: &Limits, between: [usize; 2]) -> [Vec<Point
     })
 }
 
-/// A point half way between two world lines, in view.
-fn sheet_middle(limits: &Limits, a: &[Point], b: &[Point]) -> Option<Point> {
-    const HEIGHTS: [f64; 7] = [0.83, 0.72, 0.6, 0.5, 0.4, 0.28, 0.17];
-    let mut heights = HEIGHTS
-        .iter()
-        .map(|part| limits.ct[0] + part * limits.size()[1]);
-    heights.find_map(|ct| {
-        let middle = Point::new(ct, 0.5 * (x_at(a, ct)? + x_at(b, ct)?));
-        let air = 0.06 * limits.size()[0];
-        let within = middle.x > limits.x[0] + air && middle.x < limits.x[1] - air;
-        within.then_some(middle)
-    })
+/// Points half way between two world lines, in view.
+fn sheet_middles(limits: &Limits, a: &[Point], b: &[Point]) -> Vec<Point> {
+    const HEIGHTS: [f64; 11] = [
+        0.83, 0.76, 0.69, 0.62, 0.55, 0.48, 0.4, 0.31, 0.24, 0.17, 0.1,
+    ];
+    let air = 0.06 * limits.size()[0];
+    let within = |p: &Point| p.x > limits.x[0] + air && p.x < limits.x[1] - air;
+    let heights = HEIGHTS.map(|part| limits.ct[0] + part * limits.size()[1]);
+    let middle = |ct: f64| Some(Point::new(ct, 0.5 * (x_at(a, ct)? + x_at(b, ct)?)));
+    heights
+        .into_iter()
+        .filter_map(middle)
+        .filter(within)
+        .collect()
 }
 
 /// Where a curve that goes upwards is at height `ct`.
@@ -257,12 +262,7 @@ fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
     let far = limits.beyond(apex);
     let [a, b] = rays.map(|ray| apex.plus(far, ray));
     let along = rays[0].plus(1.0, rays[1]);
-    // Within, off the axis.
-    let within = limits.ray(apex, along).map(|[from, to]| {
-        let way = to.from(from);
-        let aside = 0.2 * way.ct.hypot(way.x);
-        from.plus(0.55, way).plus(aside, rays[0])
-    });
+    let places = limits.ray(apex, along).map(|ends| within_wedge(ends, rays));
     Area {
         edge: vec![apex, a, b],
         horizons: rays
@@ -273,8 +273,25 @@ fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
         label: wedge
             .label
             .clone()
-            .zip(within)
-            .map(|(text, at)| Placed { text, at }),
+            .zip(places)
+            .map(|(text, places)| Placed { text, places }),
         colour: wedge.colour,
     }
+}
+
+/// Points within a wedge, on both sides of its axis between `ends`.
+fn within_wedge([from, to]: [Point; 2], rays: [Point; 2]) -> Vec<Point> {
+    const PLACES: [(f64, f64); 6] = [
+        (0.55, 0.2),
+        (0.75, 0.25),
+        (0.4, 0.15),
+        (0.75, 0.12),
+        (0.6, 0.3),
+        (0.85, 0.4),
+    ];
+    let way = to.from(from);
+    let length = way.ct.hypot(way.x);
+    let beside =
+        |ray: Point| PLACES.map(|(along, aside)| from.plus(along, way).plus(aside * length, ray));
+    rays.into_iter().flat_map(beside).collect()
 }

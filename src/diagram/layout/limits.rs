@@ -137,7 +137,7 @@ fn contents(view: &View) -> Vec<Point> {
     events.into_iter().map(|event| view.point(event)).collect()
 }
 
-/// Proper times of a world line that are to be seen: its ends, its corners, and its turning.
+/// Proper times of a world line that are to be seen: its ends, its corners, its turning, a revolution.
 fn shown(track: &Track) -> Vec<f64> {
     let mut times = track.corners();
     let start = 0f64.clamp(track.span()[0], track.span()[1]);
@@ -147,6 +147,9 @@ fn shown(track: &Track) -> Vec<f64> {
             true => times.push(end),
             false => times.extend(track.turned(start, towards, TURN)),
         }
+    }
+    if let Some(period) = track.period() {
+        times.extend((0..=8).map(|k| start + period * f64::from(k) / 8.0));
     }
     times
 }

@@ -3,14 +3,15 @@
 mod axes;
 mod curves;
 mod limits;
+mod now;
 mod types;
 mod view;
 
 use crate::scene::model::diagram::{Diagram, SliceKind};
 pub use limits::Limits;
 pub use types::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Panel, Placed,
-    Point, Segment, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Now, Panel,
+    Placed, Point, Segment, Spot, Tick, WorldLine,
 };
 use view::View;
 
@@ -20,6 +21,12 @@ pub fn layout(diagram: &Diagram) -> Layout {
         title: diagram.title.clone(),
         panels: diagram.views.iter().map(|i| panel(diagram, *i)).collect(),
     }
+}
+
+/// The limits of each view.
+pub(super) fn limits_of(diagram: &Diagram) -> Vec<Limits> {
+    let views = diagram.views.iter();
+    views.map(|i| limits::of(&View::new(diagram, *i))).collect()
 }
 
 fn panel(diagram: &Diagram, index: usize) -> Panel {
@@ -38,6 +45,7 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
         signals: signals(&view),
         intervals: intervals(&view),
         arrows: arrows(&view),
+        now: now::of(&view, &limits),
         events: events(&view),
         texts: texts(&view),
         axes,

@@ -48,6 +48,8 @@ pub struct Panel {
     pub intervals: Vec<Interval>,
     /// Arrows; their owners are world lines.
     pub arrows: Vec<Segment>,
+    /// What is simultaneous, with the readings of clocks.
+    pub now: Option<Now>,
     /// Events.
     pub events: Vec<Spot>,
     /// Words.
@@ -159,13 +161,13 @@ pub struct Area {
     pub colour: Option<Colour>,
 }
 
-/// Words at a point.
+/// Words within an area.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
     /// The words.
     pub text: String,
-    /// Where their middle is.
-    pub at: Point,
+    /// Where their middle may be, the best first.
+    pub places: Vec<Point>,
 }
 
 /// A straight line between two points.
@@ -216,6 +218,32 @@ impl Kind {
             Kind::Null => "Δ*s* = 0".to_string(),
         }
     }
+}
+
+/// A line of simultaneity, and where it meets the world lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Now {
+    /// Which of the model's frames.
+    pub frame: usize,
+    /// Its ends.
+    pub ends: [Point; 2],
+    /// Where world lines are.
+    pub beads: Vec<Bead>,
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+/// A clock on its world line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bead {
+    /// Which of the panel's world lines.
+    pub line: usize,
+    /// Where it is.
+    pub at: Point,
+    /// What it shows, in the diagram's unit.
+    pub proper_time: f64,
+    /// What stands beside it: the reading, where the world line has ticks.
+    pub label: Option<String>,
 }
 
 /// An event, or words.

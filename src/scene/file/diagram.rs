@@ -1,5 +1,6 @@
 //! `[diagram]`: a space-time diagram, by its frames, world lines, events and what is drawn between them.
 
+mod animation;
 mod elements;
 mod spot;
 
@@ -11,6 +12,7 @@ use crate::scene::at::At;
 use crate::scene::values::{Number, Numbers, Vector};
 use crate::units::Length;
 
+pub(in crate::scene) use animation::{Animation, Now};
 pub(in crate::scene) use elements::{
     Arrow, Hyperbola, Interval, LightCone, Region, Sheet, Side, Signal, Slice, Text, Wedge,
 };
@@ -69,6 +71,8 @@ pub(in crate::scene) struct Diagram {
     pub wedge: Vec<At<Wedge>>,
     /// Words.
     pub text: Vec<At<Text>>,
+    /// A series of pictures, for `--frames` and `-o FILE.apng`.
+    pub animation: Option<At<Animation>>,
     /// How it looks.
     pub style: DiagramStyle,
 }
@@ -123,7 +127,7 @@ pub(in crate::scene) struct DiagramFrame {
     pub colour: Option<At<Colour>>,
 }
 
-/// A world line, said in one way: inertial or accelerated from an event on, through events, or that of
+/// A world line, said in one way: inertial, accelerated or on a circle from an event on, through events, or that of
 /// something in the scene.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(
@@ -148,6 +152,13 @@ pub(in crate::scene) struct DiagramLine {
     pub acceleration: Option<At<Number>>,
     /// One stretch of constant proper acceleration after the other, from the event `at` on.
     pub segments: Option<At<Vec<At<LineSegment>>>>,
+    /// Proper acceleration along the diagram's direction at ascending own times, [time, acceleration] each,
+    /// linear between them, from the event `at` on; it has no more than these times, of which 0 is one, or
+    /// between.
+    pub profile: Option<At<Vec<At<Numbers<2>>>>>,
+    /// A circle at constant speed, seen from the side; at the event `at` it is farthest along the diagram's
+    /// direction.
+    pub circle: Option<At<LineCircle>>,
     /// Events that it connects by straight lines; its clock shows 0 at the first, and it ends at the last.
     pub through: Option<At<Vec<At<Spot>>>>,
     /// Events that it connects by a smooth curve; its clock shows 0 at the first, and it ends at the last.
@@ -175,6 +186,19 @@ pub(in crate::scene) struct LineSegment {
     pub duration: Option<At<Number>>,
     /// Proper acceleration along the diagram's direction. Default: none; it coasts.
     pub acceleration: Option<At<Number>>,
+}
+
+/// A circle at constant speed, in a plane that holds the diagram's direction.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { radius = 1, period = 10 }"
+)]
+pub(in crate::scene) struct LineCircle {
+    /// Its radius, above 0.
+    pub radius: At<Number>,
+    /// World time of a revolution, more than light takes to go round.
+    pub period: At<Number>,
 }
 
 /// An event, said in one way.

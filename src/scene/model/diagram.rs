@@ -1,11 +1,13 @@
 //! A space-time diagram, resolved: every name looked up, every event solved for. Metres throughout.
 
+mod animation;
 mod track;
 
 use glam::DVec3;
 
 use crate::spacetime::{Event, InertialFrame, Rest, World};
 
+pub use animation::{Animation, Boost, Now, Sweep};
 pub use track::{Moment, Track};
 
 /// A space-time diagram. Indices into `lines` and `frames` are those of these lists.
@@ -53,6 +55,10 @@ pub struct Diagram {
     pub wedges: Vec<Wedge>,
     /// Words.
     pub texts: Vec<Words>,
+    /// What changes in a series of pictures.
+    pub animation: Option<Animation>,
+    /// What is simultaneous, with the readings of clocks: that of one picture.
+    pub now: Option<Now>,
     /// How it looks.
     pub style: Style,
 }

@@ -72,6 +72,12 @@ impl Circular {
         })
     }
 
+    /// Of a revolution, proper time; none at rest.
+    pub fn period(&self) -> Option<f64> {
+        let period = std::f64::consts::TAU / (self.rate.abs() * self.gamma);
+        period.is_finite().then_some(period)
+    }
+
     pub fn state(&self, proper_time: f64) -> Option<State> {
         let elapsed = self.gamma * proper_time;
         let radial = self.radial_at(elapsed);

@@ -155,6 +155,14 @@ impl WorldLine {
         }
     }
 
+    /// The proper time of a revolution, where it goes round a circle.
+    pub fn period(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Circular(line) => line.period(),
+            _ => None,
+        }
+    }
+
     /// The state at a proper time, metres. None outside [`WorldLine::span`], and where coordinates leave
     /// f64's range or the rapidity is above [`MAX_RAPIDITY`](super::MAX_RAPIDITY).
     pub fn state(&self, proper_time: f64) -> Option<State> {

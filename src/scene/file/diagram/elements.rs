@@ -56,7 +56,8 @@ pub(in crate::scene) struct Slice {
     pub frame: Option<At<String>>,
     /// An event on the line.
     pub event: At<Spot>,
-    /// The world line at which it ends; it goes there from the event. Default: it has no ends.
+    /// The world line at which it ends; it goes there from the event, and for a line of equal place to the
+    /// first crossing after the world line's time 0, or else the last before. Default: it has no ends.
     pub to: Option<At<String>>,
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,

@@ -123,6 +123,14 @@ impl Track {
         }
     }
 
+    /// The proper time of a revolution, where it goes round a circle for ever.
+    pub fn period(&self) -> Option<f64> {
+        match &self.course {
+            Course::Line(line) | Course::Sensor { line, .. } => line.period(),
+            Course::Broken(_) => None,
+        }
+    }
+
     /// The proper times of its corners, the ends left out.
     pub fn corners(&self) -> Vec<f64> {
         let [first, last] = self.span;

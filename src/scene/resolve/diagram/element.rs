@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::event::{at_own_time, found};
+use super::event::{at_own_time, found, meeting};
 use super::names::Names;
 use super::settings::{self, colour, words};
 use crate::error::Result;
@@ -14,7 +14,8 @@ use crate::scene::model::diagram::{
     Arrow, Cone, Diagram, Hyperbola, Interval, Region, Side, Signal, Slice, SliceKind, Track,
     Wedge, Words, WorldSheet,
 };
-use crate::spacetime::{Displacement, Event, World};
+use crate::spacetime::worldline::WorldLine;
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
 
 /// The most signals of one table.
 const MOST_SIGNALS: u32 = 1000;
@@ -167,16 +168,7 @@ fn slice(names: &mut Names, at: &At<said::Slice>, kind: SliceKind) -> Result<Sli
     let event = names.event(&slice.event)?;
     let to = match &slice.to {
         None => None,
-        Some(name) if kind == SliceKind::Simultaneity => {
-            let track = names.track(name)?;
-            let ct = frame.event_from_world(event).ct;
-            let never = "the world line is not there at that time of the frame";
-            Some(found(names, track.at_time(&frame, ct), &name.span, never)?.event)
-        }
-        Some(name) => {
-            let what = "a line of equal place has no world line at its end";
-            return Err(names.cx.refuse(name, what, "leave `to` out"));
-        }
+        Some(name) => Some(slice_end(names, name, kind, &frame, event)?),
     };
     Ok(Slice {
         frame: index,
@@ -186,6 +178,30 @@ fn slice(names: &mut Names, at: &At<said::Slice>, kind: SliceKind) -> Result<Sli
         label: words(names.cx, &slice.label)?,
         colour: colour(&slice.colour),
     })
+}
+
+/// Where a line of equal time or place through `event` meets the world line `name`.
+fn slice_end(
+    names: &mut Names,
+    name: &At<String>,
+    kind: SliceKind,
+    frame: &InertialFrame<Rest>,
+    event: Event<World>,
+) -> Result<Event<World>> {
+    let track = names.track(name)?;
+    let ct = frame.event_from_world(event).ct;
+    let moment = match kind {
+        SliceKind::Simultaneity => track.at_time(frame, ct),
+        SliceKind::Place => {
+            let stays = WorldLine::inertial(frame.velocity(), event).into();
+            meeting(names, &track, &stays)
+        }
+    };
+    let never = match kind {
+        SliceKind::Simultaneity => "the world line is not there at that time of the frame",
+        SliceKind::Place => "the world line is never at that place of the frame",
+    };
+    Ok(found(names, moment, &name.span, never)?.event)
 }
 
 fn interval(names: &mut Names, at: &At<said::Interval>) -> Result<Interval> {

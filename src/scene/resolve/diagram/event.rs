@@ -9,6 +9,7 @@ use crate::scene::file::diagram::DiagramEvent;
 use crate::scene::model::diagram::{Mark, Moment, Track};
 use crate::spacetime::{Event, World};
 
+const WHAT: &str = "this event is said twice";
 const ONE_WAY: &str = "say it in one way: `at`, `cross`, or `on` a world line with `proper_time`, `light_from`, \
                        `light_to` or `simultaneous_with`";
 
@@ -44,7 +45,8 @@ fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
 }
 
 fn only_one_way(names: &Names, said: &DiagramEvent) -> Result<()> {
-    twice(names, [span(&said.at), span(&said.cross), span(&said.on)])?;
+    let ways = [span(&said.at), span(&said.cross), span(&said.on)];
+    said_twice(names, ways, WHAT, ONE_WAY)?;
     let on = [
         span(&said.proper_time),
         span(&said.light_from),
@@ -55,19 +57,22 @@ fn only_one_way(names: &Names, said: &DiagramEvent) -> Result<()> {
         let what = "this needs a world line that the event is `on`";
         return Err(names.cx.report.refuse(here, what, ONE_WAY));
     }
-    twice(names, on)
+    said_twice(names, on, WHAT, ONE_WAY)
 }
 
-fn twice<const N: usize>(names: &Names, ways: [Option<&Range<usize>>; N]) -> Result<()> {
+/// Refuses `what` where more than one of the ways is said.
+pub(super) fn said_twice<const N: usize>(
+    names: &Names,
+    ways: [Option<&Range<usize>>; N],
+    what: &str,
+    help: &str,
+) -> Result<()> {
     let mut ways = ways.into_iter().flatten();
     let (Some(first), Some(second)) = (ways.next(), ways.next()) else {
         return Ok(());
     };
-    let what = "this event is said twice";
-    Err(names
-        .cx
-        .report
-        .refuse_two(second, (first, "and here"), what, ONE_WAY))
+    let report = &names.cx.report;
+    Err(report.refuse_two(second, (first, "and here"), what, help))
 }
 
 fn on_track(
@@ -131,15 +136,20 @@ pub(super) fn found(
 fn crossing(names: &mut Names, cross: &At<[At<String>; 2]>) -> Result<Event<World>> {
     let [first, second] = &cross.value;
     let (a, b) = (names.track(first)?, names.track(second)?);
+    let moment = meeting(names, &a, &b);
+    moment.map(|m| m.event).ok_or_else(|| never(names, cross))
+}
+
+/// The moment of `a` at which it crosses `b`.
+pub(super) fn meeting(names: &Names, a: &Track, b: &Track) -> Option<Moment> {
     let n = names.direction;
     let ahead = |time: f64| {
         let event = a.at(time)?.event;
         let other = b.where_zero(|e| e.ct - event.ct)?;
         Some(n.dot(event.x - other.event.x))
     };
-    let found = bracket(&ahead, &a, names.unit).map(|bracket| bisect(&ahead, bracket));
-    let moment = found.and_then(|time| a.at(time));
-    moment.map(|m| m.event).ok_or_else(|| never(names, cross))
+    let bracket = bracket(&ahead, a, names.unit)?;
+    a.at(bisect(&ahead, bracket))
 }
 
 fn never(names: &Names, cross: &At<[At<String>; 2]>) -> Error {

@@ -2,18 +2,22 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
+use super::event::said_twice;
 use super::names::Names;
 use super::settings;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
-use crate::scene::file::diagram::{DiagramLine, LineSegment, Spot};
+use crate::scene::file::diagram::{DiagramLine, LineCircle, LineSegment, Spot};
 use crate::scene::model::diagram::{Line, Track};
-use crate::scene::values::Number;
+use crate::scene::values::{Number, Numbers};
 use crate::spacetime::worldline::{Segment, WorldLine, WorldLineError};
 use crate::spacetime::{Event, World};
 
+const WHAT: &str = "this world line is said twice";
 const ONE_WAY: &str = "say it in one way: `of`, `through`, `keyframes`, or `at` with `velocity` and \
-                       `acceleration` or `segments`";
+                       `acceleration`, `segments` or `profile`, or with `circle`";
 
 pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<Line> {
     let line = &at.value;
@@ -36,25 +40,25 @@ fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
 
 /// Refuses two ways at once; `at` and `velocity` belong to those that go on from an event.
 fn only_one_way(names: &Names, line: &DiagramLine) -> Result<()> {
-    let from_event = span(&line.acceleration).or(span(&line.segments));
-    let start = from_event.or(span(&line.at)).or(span(&line.velocity));
-    let mut ways = [
+    let moves = [
+        span(&line.acceleration),
+        span(&line.segments),
+        span(&line.profile),
+        span(&line.circle),
+    ];
+    let start = [span(&line.at), span(&line.velocity)];
+    let start = moves.into_iter().chain(start).flatten().next();
+    let ways = [
         span(&line.of),
         span(&line.through),
         span(&line.keyframes),
         start,
-    ]
-    .into_iter()
-    .flatten();
-    if let (Some(first), Some(second)) = (ways.next(), ways.next()) {
-        let what = "this world line is said twice";
-        let other = (first, "and here");
-        return Err(names.cx.report.refuse_two(second, other, what, ONE_WAY));
-    }
-    names.cx.exclusive(
-        (&line.acceleration, "acceleration"),
-        (&line.segments, "segments"),
-    )
+    ];
+    said_twice(names, ways, WHAT, ONE_WAY)?;
+    said_twice(names, moves, WHAT, ONE_WAY)?;
+    names
+        .cx
+        .exclusive((&line.circle, "circle"), (&line.velocity, "velocity"))
 }
 
 fn track(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
@@ -129,7 +133,35 @@ fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
         let track = WorldLine::segments(velocity, zero, &stretches).map(Track::from);
         return track.map_err(|error| refusal(names, segments, &error));
     }
+    if let Some(profile) = &line.profile {
+        let knots: Vec<(f64, DVec3)> = knots(names, profile);
+        let track = WorldLine::profile(velocity, zero, &knots).map(Track::from);
+        return track.map_err(|error| refusal(names, profile, &error));
+    }
+    if let Some(circle) = &line.circle {
+        return self::circle(names, circle, zero);
+    }
     Ok(WorldLine::inertial(velocity, zero).into())
+}
+
+fn knots(names: &Names, at: &At<Vec<At<Numbers<2>>>>) -> Vec<(f64, DVec3)> {
+    let knots = at.value.iter().map(|knot| knot.value.0);
+    let n = names.direction / names.unit;
+    knots
+        .map(|[time, acceleration]| (time * names.unit, n * acceleration))
+        .collect()
+}
+
+fn circle(names: &Names, at: &At<LineCircle>, zero: Event<World>) -> Result<Track> {
+    let LineCircle { radius, period } = &at.value;
+    let metres = |at, name| Ok(names.cx.positive(at, name)? * names.unit);
+    let (radius, time) = (metres(radius, "`radius`")?, metres(period, "`period`")?);
+    let n = names.direction;
+    let rate = std::f64::consts::TAU / time;
+    let track = WorldLine::circular(zero, zero.x - n * radius, n.any_orthogonal_vector(), rate);
+    let help = "a world line is slower than light: give a longer period";
+    let track = track.map_err(|error| names.cx.refuse(period, error.to_string(), help));
+    Ok(track?.into())
 }
 
 fn segments_of(names: &Names, at: &At<Vec<At<LineSegment>>>) -> Result<Vec<Segment>> {

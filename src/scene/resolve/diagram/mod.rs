@@ -3,6 +3,7 @@
 //! Frames, world lines and events refer to each other in any order; [`Names`] resolves each when it is
 //! first asked for, and refuses what would be defined by way of itself.
 
+mod animation;
 mod content;
 mod element;
 mod event;
@@ -50,12 +51,15 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
         arrows: Vec::new(),
         wedges: Vec::new(),
         texts: Vec::new(),
+        animation: None,
+        now: None,
         style: settings::style(cx, &said.style)?,
     };
     let mut names = Names::new(cx, said, unit.metres, direction, &stage)?;
     names.resolve_all(&mut diagram)?;
     element::resolve_all(&mut names, said, &mut diagram)?;
     diagram.views = names.views()?;
+    diagram.animation = animation::resolve(&mut names, said, &diagram.views)?;
     if content::is_empty(said) {
         content::of_scene(cx, at, &stage, &mut diagram)?;
     }

@@ -191,6 +191,11 @@ impl<'a> Names<'a> {
         Ok((i, self.reference(i, &at.span)?.frame))
     }
 
+    /// The i-th frame.
+    pub fn frame_at(&mut self, i: usize, span: &Range<usize>) -> Result<InertialFrame<Rest>> {
+        Ok(self.reference(i, span)?.frame)
+    }
+
     fn line_names(&self) -> Vec<&'a str> {
         let lines = self.file.worldline.iter();
         lines.map(|at| at.value.name.value.as_str()).collect()

@@ -1,0 +1,133 @@
+//! Series of pictures of a diagram: numbered files, and animated ones.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use nullray::diagram::Series;
+use nullray::drawing::{self, Drawing, apng, png};
+use nullray::scene::model::diagram::Diagram;
+use nullray::{Error, Result};
+
+use super::{Output, save};
+use crate::cli::args::DiagramArguments;
+use crate::cli::failure::refused;
+use crate::cli::output::{numbered, will_write};
+use crate::cli::{interrupt, print};
+
+/// The most seconds or pictures that an animated file says as they are.
+const MOST: f64 = 65_535.0;
+
+/// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are asked
+/// for.
+pub fn write(arguments: &DiagramArguments, model: &Diagram, outputs: &[Output]) -> Result<()> {
+    let series = || Series::new(model).ok_or_else(|| nothing_moves(arguments));
+    let animated = outputs.iter().filter(|output| output.is_animated());
+    if animated.clone().next().is_none() && arguments.frames.is_none() {
+        return Ok(());
+    }
+    let frames = frames(arguments, series()?.animation().frames)?;
+    if arguments.frames.is_some() {
+        pictures(arguments, series()?, outputs, &frames)?;
+    }
+    for output in animated {
+        animate(arguments, series()?, &output.path, &frames)?;
+    }
+    Ok(())
+}
+
+/// The names of all files, for what is asked of them before anything is drawn.
+pub fn names(arguments: &DiagramArguments, output: &Output) -> Vec<PathBuf> {
+    match &arguments.frames {
+        Some(frames) if !output.is_animated() => {
+            let numbers = frames.clone();
+            numbers.map(|k| numbered(&output.path, k)).collect()
+        }
+        _ => vec![output.path.clone()],
+    }
+}
+
+fn nothing_moves(arguments: &DiagramArguments) -> Error {
+    let option = match &arguments.frames {
+        Some(frames) => format!("--frames {}..{}", frames.start, frames.end),
+        None => "-o FILE.apng".into(),
+    };
+    let what = "the diagram has no animation";
+    let help = "give --boost-to NAME, or add a table [diagram.animation]";
+    refused(option, what, help)
+}
+
+fn frames(arguments: &DiagramArguments, count: u32) -> Result<Range<u64>> {
+    let all = 0..u64::from(count);
+    match &arguments.frames {
+        None => Ok(all),
+        Some(frames) if frames.end <= all.end => Ok(frames.clone()),
+        Some(frames) => {
+            let option = format!("--frames {}..{}", frames.start, frames.end);
+            let what = format!("the animation has {count} pictures");
+            let help = format!("0..{count}, a part of it, or another diagram.animation.frames");
+            Err(refused(option, what, &help))
+        }
+    }
+}
+
+fn pictures(
+    arguments: &DiagramArguments,
+    series: Series,
+    outputs: &[Output],
+    frames: &Range<u64>,
+) -> Result<()> {
+    for (k, drawing) in (0..frames.end).zip(series) {
+        interrupt::check()?;
+        let drawing = drawing?;
+        if k < frames.start {
+            continue;
+        }
+        for output in outputs.iter().filter(|output| !output.is_animated()) {
+            let output = output.named(numbered(&output.path, k));
+            save(arguments, &drawing, &output)?;
+        }
+    }
+    Ok(())
+}
+
+fn animate(
+    arguments: &DiagramArguments,
+    series: Series,
+    path: &Path,
+    frames: &Range<u64>,
+) -> Result<()> {
+    let fps = arguments.fps.unwrap_or(series.animation().fps);
+    let count = (frames.end - frames.start) as usize;
+    let mut size = [0.0; 2];
+    let skipped = frames.start as usize;
+    let rasters = series.skip(skipped).take(count).map(|drawing| {
+        interrupt::check()?;
+        let drawing: Drawing = drawing?;
+        size = [drawing.width, drawing.height];
+        png::render(&drawing, arguments.scale)
+    });
+    let bytes = apng::write(count as u32, rasters, delay(fps))?;
+    will_write(path);
+    drawing::save(path, bytes)?;
+    if arguments.quiet {
+        return Ok(());
+    }
+    let [width, height] = size.map(f64::round);
+    let path = path.display();
+    print(&format!(
+        "wrote {path} ({width} × {height} points, {count} pictures)\n"
+    ))
+}
+
+/// The time of a picture, in whole milliseconds or, where these are too coarse, as a fraction.
+fn delay(fps: f64) -> apng::Delay {
+    let (numerator, denominator) = match fps {
+        fps if fps == fps.round() && fps <= MOST => (1.0, fps),
+        fps if fps > 100.0 => (1.0, fps.round().min(MOST)),
+        fps => ((1000.0 / fps).round().clamp(1.0, MOST), 1000.0),
+    };
+    apng::Delay {
+        numerator: numerator as u16,
+        denominator: denominator as u16,
+    }
+}

@@ -1,0 +1,147 @@
+//! A series of pictures of a diagram.
+//!
+//! The view of picture k of n is the frame whose velocity relative to the first view has the rapidity
+//!
+//! ```text
+//! w(k) = s w(n − 1),    s = k/(n − 1),    or s = 1 − |1 − 2k/n| there and back,
+//! ```
+//!
+//! w being the rapidity of the frame to which is boosted: rapidities along a line add, so that each step is
+//! the same boost. Its origin goes from that of the first view to that of the other in equal steps.
+
+use super::{Colour, Diagram, Reference};
+use crate::spacetime::{InertialFrame, Velocity};
+
+/// What changes from picture to picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Animation {
+    /// How many pictures, 2 at least.
+    pub frames: u32,
+    /// Pictures per second.
+    pub fps: f64,
+    /// Where the view is boosted to.
+    pub boost: Option<Boost>,
+    /// The line of simultaneity that sweeps.
+    pub sweep: Option<Sweep>,
+}
+
+/// A view that is boosted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Boost {
+    /// The frame that it becomes.
+    pub to: usize,
+    /// Whether it goes back again.
+    pub back: bool,
+}
+
+/// A line of simultaneity that sweeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// The frame.
+    pub frame: usize,
+    /// Its times in the first and in the last picture, metres.
+    pub times: [f64; 2],
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+/// All that is simultaneous in a frame, with the readings of the clocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Now {
+    /// The frame.
+    pub frame: usize,
+    /// Its time, metres.
+    pub ct: f64,
+    /// Decimals of the readings, in the diagram's unit.
+    pub decimals: usize,
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+impl Diagram {
+    /// Picture `k` of the animation, counted from 0; the diagram as it stands where there is none.
+    pub fn picture(&self, k: u32) -> Diagram {
+        let mut picture = self.clone();
+        let Some(animation) = self.animation else {
+            return picture;
+        };
+        if let Some(sweep) = animation.sweep {
+            picture.now = Some(sweep.at(k, animation.frames, self.unit.metres));
+        }
+        if let Some(boost) = animation.boost {
+            picture.boost(boost, boost.part(k, animation.frames));
+        }
+        picture
+    }
+
+    /// Has the view be a part of the way to a frame. Its own axes are not drawn: those of the frames move.
+    fn boost(&mut self, boost: Boost, part: f64) {
+        let first = self.views.first().copied().unwrap_or(0);
+        let (Some(from), Some(to)) = (self.frames.get(first), self.frames.get(boost.to)) else {
+            return;
+        };
+        let passing = Reference {
+            name: String::new(),
+            frame: between(&from.frame, &to.frame, part),
+            axes: false,
+            grid: false,
+            ticks: None,
+            colour: None,
+        };
+        if let Some(world) = self.frames.get_mut(first) {
+            world.colour = world.colour.or(Some(Colour::Black));
+        }
+        self.views = vec![self.frames.len()];
+        self.frames.push(passing);
+    }
+
+    /// Whether `frame` is one through which the view passes.
+    pub fn is_passing(&self, frame: usize) -> bool {
+        self.animation
+            .is_some_and(|animation| animation.boost.is_some())
+            && self.views.first() == Some(&frame)
+            && self.frames.get(frame).is_some_and(|f| f.name.is_empty())
+    }
+}
+
+/// The frame a part of the way from one to another.
+fn between<F: crate::spacetime::Frame>(
+    from: &InertialFrame<F>,
+    to: &InertialFrame<F>,
+    part: f64,
+) -> InertialFrame<F> {
+    let there = to.velocity().relative_to(from.velocity());
+    let step = there.and_then(|velocity| Velocity::from_rapidity(velocity.rapidity() * part));
+    let velocity = step.and_then(|velocity| velocity.relative_to(-from.velocity()));
+    // Frames that are too fast to be compared are refused when they are resolved.
+    let velocity = velocity.unwrap_or(from.velocity());
+    let origin = from.origin() + (to.origin() - from.origin()) * part;
+    InertialFrame::new(velocity, origin)
+}
+
+impl Boost {
+    /// The part of the way in picture `k` of `count`.
+    fn part(self, k: u32, count: u32) -> f64 {
+        let (k, n) = (f64::from(k), f64::from(count));
+        match self.back {
+            true => 1.0 - (1.0 - 2.0 * k / n).abs(),
+            false => k / (n - 1.0).max(1.0),
+        }
+    }
+}
+
+impl Sweep {
+    fn at(self, k: u32, count: u32, unit: f64) -> Now {
+        let part = f64::from(k) / f64::from(count.saturating_sub(1).max(1));
+        let [from, to] = self.times;
+        // Three digits of the whole way.
+        let whole = ((to - from).abs() / unit).max(f64::MIN_POSITIVE);
+        let decimals = (2.0 - libm::floor(libm::log10(whole))).clamp(0.0, 6.0);
+        Now {
+            frame: self.frame,
+            ct: from + part * (to - from),
+            decimals: decimals as usize,
+            colour: self.colour,
+        }
+    }
+}

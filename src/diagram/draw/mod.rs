@@ -3,6 +3,7 @@
 mod labels;
 mod layers;
 mod page;
+mod solid;
 mod theme;
 mod words;
 

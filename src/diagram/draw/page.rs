@@ -19,7 +19,8 @@ pub(super) struct Page {
 
 /// The place of a panel: page coordinates from the diagram's.
 pub(super) struct Map {
-    limits: Limits,
+    /// The rectangle, in the diagram's unit: from left to right, and from bottom to top.
+    page: [[f64; 2]; 2],
     left: f64,
     top: f64,
     /// Points of a unit, the same for ct and x.
@@ -40,17 +41,17 @@ impl Page {
             None => HIGHEST * room,
         };
         let scale = |panel: &Panel| {
-            let [w, h] = panel.limits.size();
+            let [w, h] = extent(&panel.limits);
             (room / w).min(highest / h)
         };
         let heights = panels
             .iter()
-            .map(|panel| panel.limits.size()[1] * scale(panel));
+            .map(|panel| extent(&panel.limits)[1] * scale(panel));
         let tallest = heights.fold(0.0, f64::max);
         let frames = panels.iter().enumerate().map(|(i, panel)| {
-            let w = panel.limits.size()[0] * scale(panel);
+            let w = extent(&panel.limits)[0] * scale(panel);
             Map {
-                limits: panel.limits,
+                page: panel.limits.page(),
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
                 top: head + above,
                 scale: scale(panel),
@@ -66,20 +67,27 @@ impl Page {
     }
 }
 
+/// Width and height on the page, in the diagram's unit.
+fn extent(limits: &Limits) -> [f64; 2] {
+    limits.page().map(|[from, to]| to - from)
+}
+
 impl Map {
     pub fn at(&self, p: Point) -> [f64; 2] {
+        let [right, up] = p.page();
+        let [[left, _], [_, top]] = self.page;
         [
-            self.left + (p.x - self.limits.x[0]) * self.scale,
-            self.top + (self.limits.ct[1] - p.ct) * self.scale,
+            self.left + (right - left) * self.scale,
+            self.top + (top - up) * self.scale,
         ]
     }
 
     /// The panel's rectangle.
     pub fn rect(&self) -> Rect {
-        let Limits { x, ct } = self.limits;
+        let [width, height] = self.page.map(|[from, to]| (to - from) * self.scale);
         Rect {
-            min: self.at(Point::new(ct[1], x[0])),
-            max: self.at(Point::new(ct[0], x[1])),
+            min: [self.left, self.top],
+            max: [self.left + width, self.top + height],
         }
     }
 

@@ -24,6 +24,10 @@ pub(super) fn obstacles(placement: &mut Placement, panel: &Panel, map: &Map, the
     for line in &panel.world_lines {
         placement.line(&map.points(&line.curve.points));
     }
+    for nappe in panel.cones.iter().flat_map(|cone| &cone.nappes) {
+        placement.line(&map.points(&nappe.outline()));
+        placement.line(&map.points(&nappe.near));
+    }
     for axes in &panel.axes {
         placement.line(&map.points(&axes.time.ends));
         placement.line(&map.points(&axes.space.ends));
@@ -107,7 +111,10 @@ impl Words<'_> {
                 [0.9, -0.4],
             ];
             let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
-            for (axis, directions) in [(&axes.time, up), (&axes.space, right)] {
+            let back = [[0.9, -0.3], [0.9, 0.3], [0.0, -1.0], [-0.9, -0.4], [0.0, 1.0]];
+            let depth = axes.depth.as_ref().map(|axis| (axis, back));
+            let two = [(&axes.time, up), (&axes.space, right)];
+            for (axis, directions) in two.into_iter().chain(depth) {
                 let tip = self.map.at(axis.ends[1]);
                 all.push(Request {
                     directions: directions.to_vec(),
@@ -140,7 +147,10 @@ impl Words<'_> {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
             let left = [[-1.0, 0.0], [1.0, 0.0]];
             let below = [[0.0, 1.0], [0.0, -1.0]];
-            for (axis, directions) in [(&axes.time, left), (&axes.space, below)] {
+            let aside = [[0.9, 0.4], [-0.9, -0.4]];
+            let depth = axes.depth.as_ref().map(|axis| (axis, aside));
+            let two = [(&axes.time, left), (&axes.space, below)];
+            for (axis, directions) in two.into_iter().chain(depth) {
                 let inner = axis
                     .ticks
                     .iter()
@@ -255,6 +265,13 @@ impl Words<'_> {
                 &[]
             };
             all.extend(self.segment(slice, own, places));
+        }
+        for plane in &panel.planes {
+            let own = frame_colour(panel, theme, plane.frame);
+            let colour = plane.colour.map_or(own, |name| theme.colour(name));
+            let corners = plane.corners.iter().map(|corner| self.map.at(*corner));
+            let label = plane.label.iter();
+            all.extend(label.map(|text| self.request(text, colour, corners.clone().collect())));
         }
         for signal in &panel.signals {
             all.extend(self.segment(signal, theme.colour(Name::Orange), &MIDDLE));

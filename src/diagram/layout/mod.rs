@@ -3,15 +3,18 @@
 mod axes;
 mod curves;
 mod limits;
+mod solid;
 mod types;
 mod view;
 
 use crate::scene::model::diagram::{Diagram, SliceKind};
 pub use limits::Limits;
 pub use types::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Panel, Placed,
-    Point, Segment, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Panel, Placed,
+    Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
 };
+pub(crate) use axes::round_step;
+pub(crate) use types::number;
 use view::View;
 
 /// Lays a diagram out, one panel for each of its views.
@@ -27,14 +30,17 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
     let limits = limits::of(&view);
     let axes = axes::all(&view, &limits);
     let step = axes::step(&limits);
+    let world_lines = curves::world_lines(&view, &limits);
     Panel {
+        solid: solid::of(&view, &limits, &world_lines, step),
         frame: view.reference.name.clone(),
         grid: axes::grid(&view, &limits, step),
-        world_lines: curves::world_lines(&view, &limits),
+        world_lines,
         cones: curves::cones(&view, &limits),
         hyperbolae: curves::hyperbolae(&view, &limits),
         areas: curves::areas(&view, &limits),
         slices: slices(&view, &limits),
+        planes: solid::planes(&view, &limits),
         signals: signals(&view),
         intervals: intervals(&view),
         arrows: arrows(&view),
@@ -89,7 +95,8 @@ fn arrows(view: &View) -> Vec<Segment> {
 /// Lines of equal time and equal place, clipped.
 fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
     let frame_colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
-    let slices = view.diagram.slices.iter().filter_map(|slice| {
+    let lines = view.diagram.slices.iter();
+    let slices = lines.filter(|slice| !solid::is_plane(view, slice)).filter_map(|slice| {
         let at = view.point(slice.event);
         let [time, space] = view.axes_of(slice.frame);
         let along = match slice.kind {

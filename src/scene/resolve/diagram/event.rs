@@ -139,6 +139,12 @@ fn crossing(names: &mut Names, cross: &At<[At<String>; 2]>) -> Result<Event<Worl
     };
     let found = bracket(&ahead, &a, names.unit).map(|bracket| bisect(&ahead, bracket));
     let moment = found.and_then(|time| a.at(time));
+    // In 2+1 dimensions lines that cross in x may pass each other.
+    let aside = |event: Event<World>| {
+        let other = b.where_zero(|e| e.ct - event.ct)?;
+        Some(names.across?.dot(event.x - other.event.x).abs())
+    };
+    let moment = moment.filter(|m| aside(m.event).is_none_or(|y| y <= 1e-9 * names.unit));
     moment.map(|m| m.event).ok_or_else(|| never(names, cross))
 }
 

@@ -44,7 +44,10 @@ impl Tile {
     /// The index of the tile of an image of `size` pixels that holds this pixel.
     pub fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
         let corner = [column / TILE * TILE, row / TILE * TILE];
-        let tile = Tile { corner, size: [1, 1] };
+        let tile = Tile {
+            corner,
+            size: [1, 1],
+        };
         tile.index(size)
     }
 

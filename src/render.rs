@@ -25,11 +25,7 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
 ///
 /// # Errors
 /// As [`render`].
-pub fn render_tiles(
-    scene: &Prepared,
-    tiles: Range<u64>,
-    progress: &dyn Progress,
-) -> Result<Film> {
+pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
     let work = &Work { tiles, progress };
     match &scene.camera.view {
         AnyView::Still(view) => scene.seen(view, work),
@@ -61,12 +57,7 @@ impl Prepared {
         }
     }
 
-    fn met<V: View, S: Surfaces>(
-        &self,
-        view: &V,
-        surfaces: S,
-        work: &Work,
-    ) -> Result<Film> {
+    fn met<V: View, S: Surfaces>(&self, view: &V, surfaces: S, work: &Work) -> Result<Film> {
         match &self.light {
             Light::Constant(light) => self.lit(view, surfaces, light, work),
             Light::TimeResolved(light) => self.lit(view, surfaces, light, work),
@@ -107,10 +98,9 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
     work: &Work,
 ) -> Result<Film> {
     let film = Mutex::new(Film::new(layout.clone()));
-    work.tiles
-        .clone()
-        .into_par_iter()
-        .try_for_each_init(trace::Buffers::default, |buffers, index| {
+    work.tiles.clone().into_par_iter().try_for_each_init(
+        trace::Buffers::default,
+        |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             for sample in 0..layout.samples {
@@ -125,6 +115,7 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
                 .unwrap_or_else(PoisonError::into_inner)
                 .place(&tile_film);
             Ok(())
-        })?;
+        },
+    )?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

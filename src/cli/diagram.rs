@@ -1,5 +1,7 @@
 //! `nullray diagram`.
 
+mod pixel;
+
 use std::path::{Path, PathBuf};
 
 use nullray::drawing::{self, Drawing, pdf, png, svg};
@@ -13,19 +15,17 @@ use super::panels::named_after;
 use super::{builtin, inputs, print};
 
 pub fn run(arguments: &DiagramArguments) -> Result<()> {
-    let path = arguments.scene.as_deref();
     let outputs = outputs(arguments)?;
-    let overrides = Overrides {
-        set: changes(arguments),
-        ..Overrides::default()
+    let mut model = match arguments.pixel.pixel {
+        Some(pixel) => pixel::model(arguments, pixel)?,
+        None => model(arguments)?,
     };
-    let mut model = builtin::load_diagram(path, &overrides)?;
     restyle(&mut model, arguments);
     let layout = diagram::layout(&model);
     let drawing = diagram::draw(&layout, &model.style)?;
     for output in &outputs {
         save(&drawing, output, arguments.scale)?;
-        if !arguments.quiet {
+        if !arguments.quiet && !arguments.pixel.json {
             let [width, height] = [drawing.width, drawing.height].map(f64::round);
             print(&format!(
                 "wrote {} ({width} × {height} points)\n",
@@ -34,6 +34,16 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// What the file says, or its scene: without a look at meshes and cubes.
+fn model(arguments: &DiagramArguments) -> Result<Diagram> {
+    let path = arguments.scene.as_deref();
+    let overrides = overrides(arguments, arguments.frame.as_deref());
+    match &arguments.panel {
+        None => builtin::load_diagram(path, &overrides),
+        Some(_) => pixel::diagram_of(arguments, &pixel::scene(arguments, &overrides)?),
+    }
 }
 
 fn save(drawing: &Drawing, path: &Path, scale: f64) -> Result<()> {
@@ -70,13 +80,24 @@ fn extension(path: &Path) -> String {
     extension.to_string_lossy().to_ascii_lowercase()
 }
 
-fn changes(arguments: &DiagramArguments) -> Vec<(String, String)> {
+/// What the command line changes of the file; drawn in `frame`.
+fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
     let mut set = arguments.set.clone();
-    if let Some(frame) = &arguments.frame {
-        let quoted = format!("\"{}\"", frame.replace('\\', "\\\\").replace('"', "\\\""));
-        set.push(("diagram.view".into(), quoted));
+    let said = [
+        ("diagram.view", frame),
+        ("diagram.dimensions", arguments.dimensions.as_deref()),
+    ];
+    let said = said
+        .into_iter()
+        .filter_map(|(key, text)| Some((key.to_string(), quoted(text?))));
+    set.extend(said);
+    Overrides {
+        set,
+        time: arguments.time.clone(),
+        size: arguments.pixel.image_size,
+        ..Overrides::default()
     }
-    set
 }
 
 /// What the command line says of looks goes before what the file says.

@@ -41,8 +41,8 @@ mod draw;
 mod layout;
 
 pub use draw::draw;
-pub(crate) use layout::{number, round_step};
 pub use layout::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Nappe, Panel,
-    Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
+    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Nappe,
+    Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
 };
+pub(crate) use layout::{number, round_step};

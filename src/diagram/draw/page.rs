@@ -1,6 +1,6 @@
 //! Where a panel is on its page.
 
-use crate::diagram::layout::{Limits, Panel, Point};
+use crate::diagram::layout::{Panel, Point};
 use crate::drawing::Path;
 use crate::scene::model::diagram::Style;
 use crate::text::Rect;
@@ -32,26 +32,27 @@ impl Page {
     pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
         let count = panels.len().max(1) as f64;
         let em = style.font_size;
-        let [side, above, below] = [1.8 * em, 1.9 * em, 1.2 * em];
+        // The axes of a room are along its edges, and their labels beyond.
+        let room = panels.iter().any(|panel| panel.solid.is_some());
+        let below = if room { 2.6 * em } else { 1.2 * em };
+        let [side, above] = [1.8 * em, 1.9 * em];
         let width = style.width.unwrap_or(WIDTH * count);
         let cell = width / count;
-        let room = (cell - 2.0 * side).max(1.0);
+        let width_left = (cell - 2.0 * side).max(1.0);
         let highest = match style.height {
             Some(height) => (height - head - foot - above - below).max(1.0),
-            None => HIGHEST * room,
+            None => HIGHEST * width_left,
         };
         let scale = |panel: &Panel| {
-            let [w, h] = extent(&panel.limits);
-            (room / w).min(highest / h)
+            let [w, h] = extent(panel);
+            (width_left / w).min(highest / h)
         };
-        let heights = panels
-            .iter()
-            .map(|panel| extent(&panel.limits)[1] * scale(panel));
+        let heights = panels.iter().map(|panel| extent(panel)[1] * scale(panel));
         let tallest = heights.fold(0.0, f64::max);
         let frames = panels.iter().enumerate().map(|(i, panel)| {
-            let w = extent(&panel.limits)[0] * scale(panel);
+            let w = extent(panel)[0] * scale(panel);
             Map {
-                page: panel.limits.page(),
+                page: panel.page(),
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
                 top: head + above,
                 scale: scale(panel),
@@ -68,8 +69,8 @@ impl Page {
 }
 
 /// Width and height on the page, in the diagram's unit.
-fn extent(limits: &Limits) -> [f64; 2] {
-    limits.page().map(|[from, to]| to - from)
+fn extent(panel: &Panel) -> [f64; 2] {
+    panel.page().map(|[from, to]| to - from)
 }
 
 impl Map {

@@ -30,10 +30,28 @@ impl Pen<'_> {
         items.push(Item::stroked(floor, thin(ink.with_alpha(90), 0.35)));
         for (i, shadow) in solid.shadows.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i).with_alpha(120);
-            items.push(Item::stroked(self.map.polyline(&shadow.points), thin(colour, 0.55)));
+            items.push(Item::stroked(
+                self.map.polyline(&shadow.points),
+                thin(colour, 0.55),
+            ));
+            // What rests is above one point.
+            let foot = shadow
+                .points
+                .first()
+                .map(|p| Path::circle(self.map.at(*p), self.theme.width));
+            let rests = shadow.points.first() == shadow.points.last();
+            items.extend(
+                foot.filter(|_| rests)
+                    .map(|foot| Item::filled(foot, colour)),
+            );
         }
         let light = self.theme.light.with_alpha(150);
-        items.extend(solid.light.iter().map(|way| self.line(*way, thin(light, 0.45))));
+        items.extend(
+            solid
+                .light
+                .iter()
+                .map(|way| self.line(*way, thin(light, 0.45))),
+        );
         let drop = thin(ink.with_alpha(110), 0.3).dashed([1.5, 1.8]);
         for drop_line in &solid.drops {
             items.push(self.line(*drop_line, drop.clone()));
@@ -47,7 +65,10 @@ impl Pen<'_> {
     pub fn solids(&self) -> Vec<Item> {
         let nappes = self.panel.cones.iter().flat_map(|cone| &cone.nappes);
         let (past, future): (Vec<_>, Vec<_>) = nappes.partition(|nappe| nappe.height < 0.0);
-        let mut items: Vec<Item> = past.into_iter().flat_map(|nappe| self.nappe(nappe)).collect();
+        let mut items: Vec<Item> = past
+            .into_iter()
+            .flat_map(|nappe| self.nappe(nappe))
+            .collect();
         items.extend(self.planes());
         items.extend(future.into_iter().flat_map(|nappe| self.nappe(nappe)));
         items
@@ -56,7 +77,8 @@ impl Pen<'_> {
     /// The side behind, then that in front.
     fn nappe(&self, nappe: &Nappe) -> Vec<Item> {
         let light = self.theme.light;
-        let stroke = |alpha: u8, width: f64| Stroke::new(light.with_alpha(alpha), width * self.theme.width);
+        let stroke =
+            |alpha: u8, width: f64| Stroke::new(light.with_alpha(alpha), width * self.theme.width);
         // A past cone, seen from above, hides the farther side of its rim.
         let is_past = nappe.height < 0.0;
         let far_rim = match is_past {
@@ -66,8 +88,14 @@ impl Pen<'_> {
         let mut items = self.side(nappe, &nappe.far, 26, stroke(60, 0.25));
         items.push(Item::stroked(self.map.polyline(&nappe.far), far_rim));
         items.extend(self.side(nappe, &nappe.near, 44, stroke(110, 0.3)));
-        items.push(Item::stroked(self.map.polyline(&nappe.near), stroke(255, 0.6)));
-        items.push(Item::stroked(self.map.polyline(&nappe.outline()), stroke(255, 0.6)));
+        items.push(Item::stroked(
+            self.map.polyline(&nappe.near),
+            stroke(255, 0.6),
+        ));
+        items.push(Item::stroked(
+            self.map.polyline(&nappe.outline()),
+            stroke(255, 0.6),
+        ));
         items
     }
 
@@ -77,7 +105,11 @@ impl Pen<'_> {
         edge.extend_from_slice(rim);
         let fill = self.theme.light.with_alpha(alpha);
         let mut items = vec![Item::filled(self.polygon(&edge), fill)];
-        let inner = rim.iter().enumerate().skip(1).take(rim.len().saturating_sub(2));
+        let inner = rim
+            .iter()
+            .enumerate()
+            .skip(1)
+            .take(rim.len().saturating_sub(2));
         let rays = inner.filter(|(i, _)| i % GENERATOR == 0);
         items.extend(rays.map(|(_, p)| self.line([nappe.apex, *p], ray.clone())));
         items
@@ -99,8 +131,8 @@ impl Pen<'_> {
 
     /// A line, paler where it is behind a cone or a plane.
     pub fn strokes(&self, points: &[Point], stroke: &Stroke) -> Vec<Item> {
-        let has_surfaces =
-            !self.panel.planes.is_empty() || self.panel.cones.iter().any(|cone| !cone.nappes.is_empty());
+        let has_surfaces = !self.panel.planes.is_empty()
+            || self.panel.cones.iter().any(|cone| !cone.nappes.is_empty());
         if !has_surfaces {
             return vec![Item::stroked(self.map.polyline(points), stroke.clone())];
         }
@@ -133,17 +165,27 @@ impl Pen<'_> {
 
     /// Adds a short piece, cut in two where it goes behind something or comes out.
     fn add_piece(&self, parts: &mut Vec<(bool, Vec<Point>)>, from: Point, to: Point) {
-        let before = parts.last().map_or_else(|| self.is_hidden(from), |part| part.0);
+        let before = parts
+            .last()
+            .map_or_else(|| self.is_hidden(from), |part| part.0);
         if parts.is_empty() {
             parts.push((before, vec![from]));
         }
         let after = self.is_hidden(to);
         if after != before {
             let edge = self.edge(from, to, before);
-            parts.iter_mut().last().into_iter().for_each(|part| part.1.push(edge));
+            parts
+                .iter_mut()
+                .last()
+                .into_iter()
+                .for_each(|part| part.1.push(edge));
             parts.push((after, vec![edge]));
         }
-        parts.iter_mut().last().into_iter().for_each(|part| part.1.push(to));
+        parts
+            .iter_mut()
+            .last()
+            .into_iter()
+            .for_each(|part| part.1.push(to));
     }
 
     /// Where between two points what was `before` changes.
@@ -165,6 +207,10 @@ impl Pen<'_> {
         let clearance = 1e-6 * (width + height);
         let nappes = self.panel.cones.iter().flat_map(|cone| &cone.nappes);
         nappes.into_iter().any(|nappe| nappe.hides(p, clearance))
-            || self.panel.planes.iter().any(|plane| plane.hides(p, clearance))
+            || self
+                .panel
+                .planes
+                .iter()
+                .any(|plane| plane.hides(p, clearance))
     }
 }

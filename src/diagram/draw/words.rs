@@ -28,6 +28,9 @@ pub(super) fn obstacles(placement: &mut Placement, panel: &Panel, map: &Map, the
         placement.line(&map.points(&nappe.outline()));
         placement.line(&map.points(&nappe.near));
     }
+    for plane in &panel.planes {
+        placement.line(&map.points(&plane.corners));
+    }
     for axes in &panel.axes {
         placement.line(&map.points(&axes.time.ends));
         placement.line(&map.points(&axes.space.ends));
@@ -111,7 +114,13 @@ impl Words<'_> {
                 [0.9, -0.4],
             ];
             let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
-            let back = [[0.9, -0.3], [0.9, 0.3], [0.0, -1.0], [-0.9, -0.4], [0.0, 1.0]];
+            let back = [
+                [0.9, -0.3],
+                [0.9, 0.3],
+                [0.0, -1.0],
+                [-0.9, -0.4],
+                [0.0, 1.0],
+            ];
             let depth = axes.depth.as_ref().map(|axis| (axis, back));
             let two = [(&axes.time, up), (&axes.space, right)];
             for (axis, directions) in two.into_iter().chain(depth) {
@@ -269,7 +278,15 @@ impl Words<'_> {
         for plane in &panel.planes {
             let own = frame_colour(panel, theme, plane.frame);
             let colour = plane.colour.map_or(own, |name| theme.colour(name));
-            let corners = plane.corners.iter().map(|corner| self.map.at(*corner));
+            // At the corners, or half way between them.
+            let after = plane.corners.iter().cycle().skip(1);
+            let middles = plane
+                .corners
+                .iter()
+                .zip(after)
+                .map(|(a, b)| a.plus(0.5, b.from(*a)));
+            let corners = plane.corners.iter().copied().chain(middles);
+            let corners = corners.map(|corner| self.map.at(corner));
             let label = plane.label.iter();
             all.extend(label.map(|text| self.request(text, colour, corners.clone().collect())));
         }

@@ -86,7 +86,10 @@ fn own_axes(view: &View, limits: &Limits) -> Axes {
 /// floor, y along the right one.
 fn room_axes(view: &View, limits: &Limits) -> Axes {
     let corner = Point::deep(limits.ct[0], limits.x[0], limits.y[0]);
-    let right = Point { x: limits.x[1], ..corner };
+    let right = Point {
+        x: limits.x[1],
+        ..corner
+    };
     let step = view
         .reference
         .ticks
@@ -101,12 +104,15 @@ fn room_axes(view: &View, limits: &Limits) -> Axes {
             label: Some(number(value)),
         };
         // Those next to the corners are on other edges too.
-        let clear = 0.01 * (high - low);
+        let clear = 0.03 * (high - low);
         let inner = |value: &f64| (low + clear..=high - clear).contains(value);
         Axis {
             ends: [at(low), at(high)],
             label,
-            ticks: multiples(step, [low, high]).filter(inner).map(tick).collect(),
+            ticks: multiples(step, [low, high])
+                .filter(inner)
+                .map(tick)
+                .collect(),
         }
     };
     let [time, space, depth] = labels(view, &view.reference);

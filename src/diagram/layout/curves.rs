@@ -89,7 +89,9 @@ fn within(limits: &Limits, points: &[Point]) -> Curve {
         (Some(a), Some(b)) => b.ct - a.ct,
         _ => 0.0,
     };
-    let longest = parts.into_iter().max_by(|a, b| extent(a).total_cmp(&extent(b)));
+    let longest = parts
+        .into_iter()
+        .max_by(|a, b| extent(a).total_cmp(&extent(b)));
     Curve {
         points: longest.unwrap_or_default(),
     }

@@ -36,18 +36,6 @@ impl Limits {
         sides.iter().all(|(p, [from, to])| (from..=to).contains(&p))
     }
 
-    /// Whether it has depth.
-    pub fn is_solid(&self) -> bool {
-        self.y != [0.0; 2]
-    }
-
-    /// The rectangle of the page that it takes: from left to right, and from bottom to top.
-    pub fn page(&self) -> [[f64; 2]; 2] {
-        let end = |i: usize| Point::deep(self.ct[i], self.x[i], self.y[i]).page();
-        let [[left, bottom], [right, top]] = [end(0), end(1)];
-        [[left, right], [bottom, top]]
-    }
-
     /// The part within of the line through `p` along `d`.
     pub fn line(&self, p: Point, d: Point) -> Option<[Point; 2]> {
         self.part(p, d, [f64::NEG_INFINITY, f64::INFINITY])
@@ -65,7 +53,11 @@ impl Limits {
 
     /// The part within of p + t d for t between two values (Liang and Barsky).
     fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
-        for (p, d, [low, high]) in [(p.x, d.x, self.x), (p.ct, d.ct, self.ct), (p.y, d.y, self.y)] {
+        for (p, d, [low, high]) in [
+            (p.x, d.x, self.x),
+            (p.ct, d.ct, self.ct),
+            (p.y, d.y, self.y),
+        ] {
             if d == 0.0 {
                 if !(low..=high).contains(&p) {
                     return None;
@@ -83,7 +75,10 @@ impl Limits {
     pub fn beyond(&self, p: Point) -> f64 {
         let [width, height] = self.size();
         let way = |low: f64, high: f64, p: f64| (p - low).abs().max((high - p).abs());
-        let [x, ct] = [way(self.x[0], self.x[1], p.x), way(self.ct[0], self.ct[1], p.ct)];
+        let [x, ct] = [
+            way(self.x[0], self.x[1], p.x),
+            way(self.ct[0], self.ct[1], p.ct),
+        ];
         2.0 * (width + height) + x + ct
     }
 }
@@ -196,10 +191,16 @@ fn rims(view: &View, points: &[Point]) -> Vec<Point> {
     let cones = view.diagram.cones.iter();
     let rim = |cone: &model::Cone| {
         let apex = view.point(cone.event);
-        let sides = [(cone.future, 1.0), (cone.past, -1.0)].into_iter().filter(|(drawn, _)| *drawn);
+        let sides = [(cone.future, 1.0), (cone.past, -1.0)]
+            .into_iter()
+            .filter(|(drawn, _)| *drawn);
         let heights = sides.map(move |(_, up)| up * height(view, cone, points, up));
-        let quarter = |h: f64| [[h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]].map(|[x, y]| Point::deep(h, x, y));
-        heights.flat_map(quarter).map(move |p| apex.plus(1.0, p)).collect::<Vec<_>>()
+        let quarter =
+            |h: f64| [[h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]].map(|[x, y]| Point::deep(h, x, y));
+        heights
+            .flat_map(quarter)
+            .map(move |p| apex.plus(1.0, p))
+            .collect::<Vec<_>>()
     };
     cones.flat_map(rim).collect()
 }

@@ -8,13 +8,13 @@ mod types;
 mod view;
 
 use crate::scene::model::diagram::{Diagram, SliceKind};
-pub use limits::Limits;
-pub use types::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Panel, Placed,
-    Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
-};
 pub(crate) use axes::round_step;
+pub use limits::Limits;
 pub(crate) use types::number;
+pub use types::{
+    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Panel,
+    Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
+};
 use view::View;
 
 /// Lays a diagram out, one panel for each of its views.
@@ -96,24 +96,26 @@ fn arrows(view: &View) -> Vec<Segment> {
 fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
     let frame_colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
     let lines = view.diagram.slices.iter();
-    let slices = lines.filter(|slice| !solid::is_plane(view, slice)).filter_map(|slice| {
-        let at = view.point(slice.event);
-        let [time, space] = view.axes_of(slice.frame);
-        let along = match slice.kind {
-            SliceKind::Simultaneity => space,
-            SliceKind::Place => time,
-        };
-        let ends = match slice.to {
-            Some(to) => [at, view.point(to)],
-            None => limits.line(at, along)?,
-        };
-        Some(Segment {
-            ends,
-            label: slice.label.clone(),
-            colour: slice.colour.or(frame_colour(slice.frame)),
-            owner: Some(slice.frame),
-        })
-    });
+    let slices = lines
+        .filter(|slice| !solid::is_plane(view, slice))
+        .filter_map(|slice| {
+            let at = view.point(slice.event);
+            let [time, space] = view.axes_of(slice.frame);
+            let along = match slice.kind {
+                SliceKind::Simultaneity => space,
+                SliceKind::Place => time,
+            };
+            let ends = match slice.to {
+                Some(to) => [at, view.point(to)],
+                None => limits.line(at, along)?,
+            };
+            Some(Segment {
+                ends,
+                label: slice.label.clone(),
+                colour: slice.colour.or(frame_colour(slice.frame)),
+                owner: Some(slice.frame),
+            })
+        });
     slices.collect()
 }
 

@@ -36,11 +36,19 @@ pub(super) fn of(view: &View, limits: &Limits, lines: &[WorldLine], step: f64) -
     let marks = view.diagram.events.iter().filter(|mark| mark.dot);
     let marks = marks.map(|mark| view.point(mark.event));
     Some(Solid {
-        floor: [at(left, near), at(right, near), at(right, far), at(left, far)],
+        floor: [
+            at(left, near),
+            at(right, near),
+            at(right, far),
+            at(left, far),
+        ],
         grid: grid(limits, step),
         shadows: lines.iter().map(shadow).collect(),
         light: light.collect(),
-        drops: marks.filter(|p| limits.contains(*p)).map(|p| [p, below(&p)]).collect(),
+        drops: marks
+            .filter(|p| limits.contains(*p))
+            .map(|p| [p, below(&p)])
+            .collect(),
     })
 }
 
@@ -58,8 +66,12 @@ pub(super) fn nappes(view: &View, limits: &Limits, cone: &Cone) -> Vec<Nappe> {
     let said = cone.height.map(|height| height / view.diagram.unit.metres);
     let halves = [(cone.future, 1.0), (cone.past, -1.0)].into_iter();
     let drawn = halves.filter(|(drawn, _)| *drawn);
-    let heights = drawn.map(|(_, up)| up * said.unwrap_or(f64::INFINITY).min(room(limits, apex, up)));
-    heights.filter(|h| *h != 0.0).map(|h| nappe(apex, h)).collect()
+    let heights =
+        drawn.map(|(_, up)| up * said.unwrap_or(f64::INFINITY).min(room(limits, apex, up)));
+    heights
+        .filter(|h| *h != 0.0)
+        .map(|h| nappe(apex, h))
+        .collect()
 }
 
 /// How high a cone from `apex` is that stays within, to the sides too.
@@ -83,7 +95,8 @@ fn nappe(apex: Point, height: f64) -> Nappe {
         false => (tilt + PI + edge, tilt - edge + TAU),
     };
     let arc = |from: f64, to: f64| {
-        let steps = (0..=PIECES).map(move |k| from + (to - from) * f64::from(k) / f64::from(PIECES));
+        let steps =
+            (0..=PIECES).map(move |k| from + (to - from) * f64::from(k) / f64::from(PIECES));
         steps.map(|phi| rim(apex, height, phi)).collect()
     };
     Nappe {
@@ -97,7 +110,10 @@ fn nappe(apex: Point, height: f64) -> Nappe {
 /// The point of a rim at angle φ.
 fn rim(apex: Point, height: f64, phi: f64) -> Point {
     let radius = height.abs();
-    apex.plus(1.0, Point::deep(height, radius * libm::cos(phi), radius * libm::sin(phi)))
+    apex.plus(
+        1.0,
+        Point::deep(height, radius * libm::cos(phi), radius * libm::sin(phi)),
+    )
 }
 
 /// Whether a slice is drawn as a plane.
@@ -108,7 +124,11 @@ pub(super) fn is_plane(view: &View, slice: &Slice) -> bool {
 /// Planes of equal time.
 pub(super) fn planes(view: &View, limits: &Limits) -> Vec<Plane> {
     let colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
-    let slices = view.diagram.slices.iter().filter(|slice| is_plane(view, slice));
+    let slices = view
+        .diagram
+        .slices
+        .iter()
+        .filter(|slice| is_plane(view, slice));
     let planes = slices.map(|slice| {
         let event = view.point(slice.event);
         let rise = view.rise_of(slice.frame);
@@ -126,9 +146,20 @@ pub(super) fn planes(view: &View, limits: &Limits) -> Vec<Plane> {
 
 /// The part of a plane within the limits: that above the floor, cut off at the lowest and the highest ct.
 fn plane_within(limits: &Limits, event: Point, rise: [f64; 2]) -> Vec<Point> {
-    let at = |x: f64, y: f64| Point::deep(event.ct + rise[0] * (x - event.x) + rise[1] * (y - event.y), x, y);
+    let at = |x: f64, y: f64| {
+        Point::deep(
+            event.ct + rise[0] * (x - event.x) + rise[1] * (y - event.y),
+            x,
+            y,
+        )
+    };
     let [[left, right], [near, far]] = [limits.x, limits.y];
-    let whole = vec![at(left, near), at(right, near), at(right, far), at(left, far)];
+    let whole = vec![
+        at(left, near),
+        at(right, near),
+        at(right, far),
+        at(left, far),
+    ];
     let above = cut(&whole, |p| p.ct - limits.ct[0]);
     cut(&above, |p| limits.ct[1] - p.ct)
 }

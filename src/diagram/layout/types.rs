@@ -293,6 +293,32 @@ pub struct Spot {
     pub colour: Option<Colour>,
 }
 
+impl Panel {
+    /// The rectangle of the page that it takes: from left to right, and from bottom to top. In 2+1 dimensions
+    /// that is no more than what is drawn needs.
+    pub fn page(&self) -> [[f64; 2]; 2] {
+        let Some(solid) = &self.solid else {
+            return [self.limits.x, self.limits.ct];
+        };
+        let rims = self.cones.iter().flat_map(|cone| &cone.nappes);
+        let rims = rims.flat_map(|nappe| nappe.near.iter().chain(&nappe.far));
+        let planes = self.planes.iter().flat_map(|plane| &plane.corners);
+        let lines = self.world_lines.iter().flat_map(|line| &line.curve.points);
+        let signals = self.signals.iter().flat_map(|signal| &signal.ends);
+        let axes = self.axes.iter().flat_map(|axes| &axes.time.ends);
+        let events = self.events.iter().map(|event| &event.at);
+        let all = solid.floor.iter().chain(rims).chain(planes).chain(lines);
+        let all = all.chain(signals).chain(axes).chain(events);
+        let mut sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for p in all.filter(|p| self.limits.contains(**p)) {
+            for (side, at) in sides.iter_mut().zip(p.page()) {
+                *side = [side[0].min(at), side[1].max(at)];
+            }
+        }
+        sides
+    }
+}
+
 impl Nappe {
     /// The outline of its mantle: from one edge by way of the apex to the other.
     pub fn outline(&self) -> [Point; 3] {

@@ -48,7 +48,10 @@ impl<'d> View<'d> {
 
     fn project(&self, ct: f64, x: DVec3) -> Point {
         let unit = self.diagram.unit.metres;
-        let across = self.diagram.across.map_or(0.0, |across| across.dot(x) / unit);
+        let across = self
+            .diagram
+            .across
+            .map_or(0.0, |across| across.dot(x) / unit);
         Point::deep(ct / unit, self.diagram.direction.dot(x) / unit, across)
     }
 
@@ -86,7 +89,10 @@ impl<'d> View<'d> {
     pub fn rise_of(&self, index: usize) -> [f64; 2] {
         let frame = View::new(self.diagram, index).reference.frame;
         let time = |ct: f64, x: DVec3| {
-            let step = self.frame().world_from_frame().displacement(Displacement::new(ct, x));
+            let step = self
+                .frame()
+                .world_from_frame()
+                .displacement(Displacement::new(ct, x));
             frame.frame_from_world().displacement(step).ct
         };
         let across = self.diagram.across.unwrap_or_default();

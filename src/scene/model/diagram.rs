@@ -4,7 +4,7 @@ mod track;
 
 use glam::DVec3;
 
-use crate::spacetime::{Event, InertialFrame, Rest, World};
+use crate::spacetime::{Direction, Event, InertialFrame, Rest, World};
 
 pub use track::{Moment, Track};
 
@@ -61,6 +61,16 @@ pub struct Diagram {
     pub texts: Vec<Words>,
     /// How it looks.
     pub style: Style,
+}
+
+/// The unit vector of what `v` has across the unit vector `direction`, where that is more than a millionth of it.
+pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
+    let v = Direction::<World>::new(v)?.unit();
+    let part = v - direction * direction.dot(v);
+    let is_some = part.length() > 1e-6;
+    is_some
+        .then(|| Direction::<World>::new(part))?
+        .map(Direction::unit)
 }
 
 /// What numbers at the axes count.

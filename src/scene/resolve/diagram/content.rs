@@ -4,7 +4,7 @@
 //! the light by which the camera sees each object's origin at its time.
 
 use super::frame;
-use super::settings::{plain, settable};
+use super::settings::settable;
 use super::stage::{Filming, Stage};
 use crate::error::Result;
 use crate::scene::at::At;
@@ -12,6 +12,7 @@ use crate::scene::file;
 use crate::scene::model::diagram::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
 use crate::scene::resolve::context::Context;
 use crate::spacetime::{Event, World};
+use crate::text::rich::escaped;
 
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;
@@ -48,11 +49,11 @@ pub(super) fn of_scene<T>(
         film(stage, camera, diagram);
     }
     for body in stage.objects.iter().take(MOST) {
-        let name = settable(cx, at, &plain(&body.name)).unwrap_or_else(|_| "object".into());
+        let name = settable(cx, at, &escaped(&body.name)).unwrap_or_else(|_| "object".into());
         add_body(diagram, name, body.track());
     }
     for (name, event) in &stage.pulses {
-        let label = settable(cx, at, &plain(name)).ok();
+        let label = settable(cx, at, &escaped(name)).ok();
         diagram.events.push(mark(name, label, *event));
         diagram.cones.push(Cone {
             event: *event,
@@ -144,11 +145,25 @@ fn see(stage: &Stage, diagram: &mut Diagram) {
 pub(super) fn refuse_flat(cx: &Context, said: &file::Diagram) -> Result<()> {
     let grid = said.frame.iter().find(|at| at.value.grid == Some(true));
     let flat = [
-        (grid.map(|at| &at.span), "a grid of lines of equal time and place", "in 2+1 dimensions equal times are planes: draw one by `simultaneity`"),
-        (said.hyperbola.first().map(|at| &at.span), "a hyperbola of constant interval", "in 2+1 dimensions it is a surface: leave it out"),
-        (said.wedge.first().map(|at| &at.span), "a wedge between two light rays", "in 2+1 dimensions draw the light cone of its event"),
+        (
+            grid.map(|at| &at.span),
+            "a grid of lines of equal time and place",
+            "in 2+1 dimensions equal times are planes: draw one by `simultaneity`",
+        ),
+        (
+            said.hyperbola.first().map(|at| &at.span),
+            "a hyperbola of constant interval",
+            "in 2+1 dimensions it is a surface: leave it out",
+        ),
+        (
+            said.wedge.first().map(|at| &at.span),
+            "a wedge between two light rays",
+            "in 2+1 dimensions draw the light cone of its event",
+        ),
     ];
-    let found = flat.into_iter().find_map(|(span, what, help)| Some((span?, what, help)));
+    let found = flat
+        .into_iter()
+        .find_map(|(span, what, help)| Some((span?, what, help)));
     let Some((span, what, help)) = found else {
         return Ok(());
     };

@@ -8,7 +8,7 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::file::diagram as said;
 use crate::scene::model::SPEED_OF_LIGHT;
-use crate::scene::model::diagram::{Colour, Style, Unit};
+use crate::scene::model::diagram::{Colour, Style, Unit, part_across};
 use crate::scene::resolve::context::Context;
 use crate::scene::values::{Number, Numbers};
 use crate::spacetime::{Direction, World};
@@ -98,14 +98,6 @@ pub(super) fn across(
     Ok(Some(part))
 }
 
-/// The unit vector of what `v` has across the unit vector `direction`.
-fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
-    let v = Direction::<World>::new(v)?.unit();
-    let part = v - direction * direction.dot(v);
-    let part = (part.length() > 1e-6).then(|| Direction::<World>::new(part))??;
-    Some(part.unit())
-}
-
 /// Across `direction`, along the y axis of the world, or along its z axis.
 fn upright(direction: DVec3) -> Option<DVec3> {
     let mut axes = [DVec3::Y, DVec3::Z].into_iter();
@@ -150,16 +142,6 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
         }
         Err(error) => Err(error),
     }
-}
-
-/// `text` with all that markup would take for its own taken as it is.
-pub(super) fn plain(text: &str) -> String {
-    let own = |c| "*_^{}\\'".contains(c);
-    let escape = |c| match own(c) {
-        true => vec!['\\', c],
-        false => vec![c],
-    };
-    text.chars().flat_map(escape).collect()
 }
 
 pub(super) fn colour(at: &Option<At<said::Colour>>) -> Option<Colour> {

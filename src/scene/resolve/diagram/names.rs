@@ -268,7 +268,7 @@ impl<'a> Names<'a> {
             }
             Spot::Deep(numbers) => {
                 let across = self.across.ok_or_else(|| {
-                    let what = "[ct, x, y] is an event of 2+1 dimensions, and this diagram has 1+1";
+                    let what = "[ct, x, y] is of 2+1 dimensions, and this diagram has 1+1";
                     let help = "write [ct, x], or dimensions = \"2+1\" in [diagram]";
                     self.cx.refuse(spot, what, help)
                 })?;

@@ -41,6 +41,16 @@ impl Tile {
         (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
     }
 
+    /// The index of the tile of an image of `size` pixels that holds this pixel.
+    pub fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
+        let corner = [column / TILE * TILE, row / TILE * TILE];
+        let tile = Tile {
+            corner,
+            size: [1, 1],
+        };
+        tile.index(size)
+    }
+
     /// How many tiles cover an image of `size` pixels.
     pub fn count(size: [u32; 2]) -> u64 {
         size[0].div_ceil(TILE) as u64 * size[1].div_ceil(TILE) as u64

@@ -66,6 +66,7 @@ pub mod sampler;
 pub mod scene;
 pub mod shapes;
 pub mod sheet;
+pub mod sighting;
 pub mod spacetime;
 pub mod text;
 pub mod time_texture;

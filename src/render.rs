@@ -1,5 +1,6 @@
 //! The whole image: tiles over threads, the same bits on any number of them.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -16,39 +17,50 @@ use crate::trace::{self, AovRecorder, NoAovs, Pipeline, Radiance, Recorder, Surf
 /// # Errors
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
+    render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
+}
+
+/// Renders some tiles of the image alone, by [`Tile::of_image`], each with the bits that it has in the whole;
+/// the rest of the film stays empty.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
+    let work = &Work { tiles, progress };
     match &scene.camera.view {
-        AnyView::Still(view) => scene.seen(view, progress),
-        AnyView::Moving(view) => scene.seen(view, progress),
-        AnyView::Unaberrated(view) => scene.seen(view, progress),
-        AnyView::Inertial(view) => scene.seen(view, progress),
-        AnyView::Accelerated(view) => scene.seen(view.as_ref(), progress),
-        AnyView::Turning(view) => scene.seen(view, progress),
-        AnyView::Paper(view) => scene.seen(view, progress),
+        AnyView::Still(view) => scene.seen(view, work),
+        AnyView::Moving(view) => scene.seen(view, work),
+        AnyView::Unaberrated(view) => scene.seen(view, work),
+        AnyView::Inertial(view) => scene.seen(view, work),
+        AnyView::Accelerated(view) => scene.seen(view.as_ref(), work),
+        AnyView::Turning(view) => scene.seen(view, work),
+        AnyView::Paper(view) => scene.seen(view, work),
     }
+}
+
+/// Which tiles are rendered, and who is told.
+struct Work<'a> {
+    tiles: Range<u64>,
+    progress: &'a dyn Progress,
 }
 
 // Each step fixes one type of the pipeline; every combination is compiled for itself.
 impl Prepared {
-    fn seen<V: View>(&self, view: &V, progress: &dyn Progress) -> Result<Film> {
+    fn seen<V: View>(&self, view: &V, work: &Work) -> Result<Film> {
         let (event, index) = (self.camera.shot.event, self.ray_index);
         match self.frames.as_slice() {
             [rest] if rest.frame.velocity().is_rest() => {
-                self.met(view, trace::Still::new(rest, event, index), progress)
+                self.met(view, trace::Still::new(rest, event, index), work)
             }
-            [rest] => self.met(view, trace::Moving::new(rest, event, index), progress),
-            frames => self.met(view, trace::Frames::new(frames, event, index), progress),
+            [rest] => self.met(view, trace::Moving::new(rest, event, index), work),
+            frames => self.met(view, trace::Frames::new(frames, event, index), work),
         }
     }
 
-    fn met<V: View, S: Surfaces>(
-        &self,
-        view: &V,
-        surfaces: S,
-        progress: &dyn Progress,
-    ) -> Result<Film> {
+    fn met<V: View, S: Surfaces>(&self, view: &V, surfaces: S, work: &Work) -> Result<Film> {
         match &self.light {
-            Light::Constant(light) => self.lit(view, surfaces, light, progress),
-            Light::TimeResolved(light) => self.lit(view, surfaces, light, progress),
+            Light::Constant(light) => self.lit(view, surfaces, light, work),
+            Light::TimeResolved(light) => self.lit(view, surfaces, light, work),
         }
     }
 
@@ -57,7 +69,7 @@ impl Prepared {
         view: &V,
         surfaces: S,
         radiance: &R,
-        progress: &dyn Progress,
+        work: &Work,
     ) -> Result<Film> {
         let pipeline = Pipeline {
             view,
@@ -69,12 +81,12 @@ impl Prepared {
             sampler: self.sampler,
         };
         if self.layout.channels.is_empty() {
-            run(&pipeline, &NoAovs, &self.layout, progress)
+            run(&pipeline, &NoAovs, &self.layout, work)
         } else {
             let recorder = AovRecorder {
                 channels: self.layout.channels.clone(),
             };
-            run(&pipeline, &recorder, &self.layout, progress)
+            run(&pipeline, &recorder, &self.layout, work)
         }
     }
 }
@@ -83,26 +95,27 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
     pipeline: &Pipeline<'_, V, S, R>,
     recorder: &A,
     layout: &Layout,
-    progress: &dyn Progress,
+    work: &Work,
 ) -> Result<Film> {
     let film = Mutex::new(Film::new(layout.clone()));
-    (0..Tile::count(layout.size))
-        .into_par_iter()
-        .try_for_each_init(trace::Buffers::default, |buffers, index| {
+    work.tiles.clone().into_par_iter().try_for_each_init(
+        trace::Buffers::default,
+        |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             for sample in 0..layout.samples {
-                if progress.is_cancelled() {
+                if work.progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
                 pipeline.sample(tile, sample, recorder, buffers, &mut tile_film);
-                progress.rays_done(tile.pixels() as u64);
+                work.progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             film.lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .place(&tile_film);
             Ok(())
-        })?;
+        },
+    )?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

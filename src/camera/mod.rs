@@ -38,6 +38,7 @@ pub use paper::Paper;
 pub use point::{Moving, Still, Unaberrated};
 pub use shot::{AnyView, Camera, Kind, Shot};
 pub use turning::Turning;
+pub(crate) use turning::rotation_matrix;
 
 use crate::spacetime::{Direction, World};
 

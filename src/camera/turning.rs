@@ -208,7 +208,7 @@ fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f
 }
 
 /// The rotation by `angle` radians about the unit vector `axis`, right-handed (Rodrigues).
-pub(super) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
+pub(crate) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
     let (sin, cos) = libm::sincos(angle);
     let half = libm::sin(0.5 * angle);
     let versine = 2.0 * half * half;

@@ -47,10 +47,15 @@ Examples:
   nullray diagram scene.toml --frame camera
   nullray diagram twin-paradox.toml --boost-to out -o twins.apng
   nullray diagram twin-paradox.toml --boost-to out --frames 0..49 -o twins-####.svg
+  nullray diagram scene.toml --pixel 320,240 -o pixel.svg
+  nullray diagram scene.toml --pixel 320,240 --dimensions 2+1 -o cone.pdf
 
 A file may hold a [diagram] table alone. Without one the diagram shows the world lines of the camera and the \
 objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \
-and no cube is read.";
+and no cube is read.
+
+--pixel draws the light that one pixel sees, from its emission to its reception, along the ray: clocks of camera \
+and object, where the object was seen and where it is now. The scene's geometry is loaded for it.";
 
 pub const PLAN: &str = "\
 Examples:

@@ -15,6 +15,10 @@
 //! origin are on hyperbolae, (ct)² − x² = τ² (Minkowski 1908). What is not in the plane of the diagram is
 //! projected onto it.
 //!
+//! In 2+1 dimensions it shows two directions of space, y going into the page at an angle and half as long
+//! (oblique projection). A light cone is then |Δ(x, y)| = |Δct|, and what is simultaneous in a frame a plane,
+//! Δct = β·Δ(x, y). What is straight below things is drawn on the floor, at the lowest ct.
+//!
 //! ```
 //! use nullray::{diagram, scene};
 //! # fn main() -> nullray::Result<()> {
@@ -39,7 +43,8 @@ mod series;
 
 pub use draw::draw;
 pub use layout::{
-    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Now,
-    Panel, Placed, Point, Segment, Spot, Tick, WorldLine, layout,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
+    Nappe, Now, Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
 };
+pub(crate) use layout::{number, round_step};
 pub use series::Series;

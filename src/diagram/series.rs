@@ -64,11 +64,15 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
     let whole = all.reduce(|a, b| Limits {
         x: wider(a.x, b.x),
         ct: wider(a.ct, b.ct),
+        y: wider(a.y, b.y),
     });
-    if let Some(Limits { x, ct }) = whole {
+    if let Some(Limits { x, ct, y }) = whole {
         let metres = |range: [f64; 2]| range.map(|end| end * diagram.unit.metres);
         let (x, ct) = (metres(x), metres(ct));
         diagram.x.get_or_insert(x);
         diagram.ct.get_or_insert(ct);
+        if diagram.across.is_some() {
+            diagram.y.get_or_insert(metres(y));
+        }
     }
 }

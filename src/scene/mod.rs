@@ -94,6 +94,10 @@
 //! converted from metres. x is the component along `direction`; what is beside that line is projected onto
 //! it, and light that goes there is then steeper than 45 degrees.
 //!
+//! With `dimensions = "2+1"` there is y besides, the component along `across`, and `[ct, x, y]` is an event. Light
+//! cones are cones, `simultaneity` without `to` is a plane, and below everything is its shadow on the floor.
+//! Grids of frames, hyperbolae and wedges are lines of 1+1 dimensions, and refused.
+//!
 //! ## Names, paths and overrides
 //!
 //! Relative paths resolve against the scene file's folder. Objects and sources have unique names; without

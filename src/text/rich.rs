@@ -50,6 +50,16 @@ pub(super) enum Level {
     Superscript,
 }
 
+/// `text` with all that markup would take for its own taken as it is.
+pub(crate) fn escaped(text: &str) -> String {
+    let own = |c| "*_^{}\\'".contains(c);
+    let escape = |c| match own(c) {
+        true => vec!['\\', c],
+        false => vec![c],
+    };
+    text.chars().flat_map(escape).collect()
+}
+
 impl RichText {
     /// Reads the markup of the [module](self).
     ///

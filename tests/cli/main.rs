@@ -6,6 +6,7 @@ mod info;
 mod interrupt;
 mod overlay;
 mod panels;
+mod pixel;
 mod plan;
 mod reference;
 mod refused;

@@ -4,6 +4,7 @@ mod axes;
 mod classic;
 mod lines;
 mod refused;
+mod solid;
 
 use std::path::Path;
 

@@ -13,7 +13,7 @@ fn refusal(body: &str) -> (String, String, String) {
 }
 
 #[track_caller]
-fn check(body: &str, place: &str, what: &str, help: &str) {
+pub fn check(body: &str, place: &str, what: &str, help: &str) {
     let found = refusal(body);
     assert_eq!(found.0, place, "{found:?}");
     assert!(found.1.contains(what), "{found:?}");

@@ -18,6 +18,16 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// Column and row of a pixel.
+pub(super) fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let help = "write COLUMN,ROW, whole numbers from 0, for instance 320,240";
+    let (column, row) = text.split_once(',').ok_or(help)?;
+    match (column.trim().parse(), row.trim().parse()) {
+        (Ok(column), Ok(row)) => Ok([column, row]),
+        _ => Err(help.into()),
+    }
+}
+
 /// Pixels of a point.
 pub(super) fn scale(text: &str) -> Result<f64, String> {
     let scale = text.trim().parse::<f64>().ok();

@@ -1,5 +1,6 @@
 //! `nullray diagram`.
 
+mod pixel;
 mod series;
 
 use std::collections::HashSet;
@@ -27,18 +28,26 @@ pub struct Output {
 }
 
 pub fn run(arguments: &DiagramArguments) -> Result<()> {
-    let path = arguments.scene.as_deref();
     let outputs = outputs(arguments)?;
-    let overrides = Overrides {
-        set: changes(arguments),
-        ..Overrides::default()
+    let mut model = match arguments.pixel.pixel {
+        Some(pixel) => pixel::model(arguments, pixel)?,
+        None => model(arguments)?,
     };
-    let mut model = builtin::load_diagram(path, &overrides)?;
     restyle(&mut model, arguments);
     if arguments.frames.is_none() {
         still(arguments, &model, &outputs)?;
     }
     series::write(arguments, &model, &outputs)
+}
+
+/// What the file says, or its scene: without a look at meshes and cubes.
+fn model(arguments: &DiagramArguments) -> Result<Diagram> {
+    let path = arguments.scene.as_deref();
+    let overrides = overrides(arguments, arguments.frame.as_deref());
+    match &arguments.panel {
+        None => builtin::load_diagram(path, &overrides),
+        Some(_) => pixel::diagram_of(arguments, &pixel::scene(arguments, &overrides)?),
+    }
 }
 
 /// Writes the diagram as it stands.
@@ -64,7 +73,7 @@ fn save(arguments: &DiagramArguments, drawing: &Drawing, output: &Output) -> Res
         "pdf" => drawing::save(path, pdf::write(drawing)?)?,
         _ => drawing::save(path, png::write(&png::render(drawing, arguments.scale)?)?)?,
     }
-    if arguments.quiet {
+    if arguments.quiet || arguments.pixel.json {
         return Ok(());
     }
     let [width, height] = [drawing.width, drawing.height].map(f64::round);
@@ -123,16 +132,25 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
     Ok(outputs)
 }
 
-fn changes(arguments: &DiagramArguments) -> Vec<(String, String)> {
-    let quoted = |name: &str| format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""));
+/// What the command line changes of the file; drawn in `frame`.
+fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+    let said = [
+        ("diagram.view", frame),
+        ("diagram.animation.boost_to", arguments.boost_to.as_deref()),
+        ("diagram.dimensions", arguments.dimensions.as_deref()),
+    ];
+    let said = said
+        .into_iter()
+        .filter_map(|(key, text)| Some((key.to_string(), quoted(text?))));
     let mut set = arguments.set.clone();
-    if let Some(frame) = &arguments.frame {
-        set.push(("diagram.view".into(), quoted(frame)));
+    set.extend(said);
+    Overrides {
+        set,
+        time: arguments.time.clone(),
+        size: arguments.pixel.image_size,
+        ..Overrides::default()
     }
-    if let Some(frame) = &arguments.boost_to {
-        set.push(("diagram.animation.boost_to".into(), quoted(frame)));
-    }
-    set
 }
 
 /// What the command line says of looks goes before what the file says.

@@ -16,16 +16,18 @@ pub(super) const TICK: f64 = 2.4;
 const HEADED: f64 = 14.0;
 
 /// What a panel's lines are drawn with.
-struct Pen<'a> {
-    panel: &'a Panel,
-    map: &'a Map,
-    theme: &'a Theme,
+pub(super) struct Pen<'a> {
+    pub panel: &'a Panel,
+    pub map: &'a Map,
+    pub theme: &'a Theme,
 }
 
 pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<Item> {
     let pen = Pen { panel, map, theme };
-    let mut clipped = pen.areas();
+    let mut clipped = pen.floor();
+    clipped.extend(pen.areas());
     clipped.extend(pen.grid());
+    clipped.extend(pen.solids());
     clipped.extend(pen.light());
     clipped.extend(pen.slices());
     clipped.extend(pen.hyperbolae());
@@ -93,7 +95,7 @@ pub(super) fn head(map: &Map, [from, to]: [Point; 2]) -> Option<Point> {
 }
 
 impl Pen<'_> {
-    fn line(&self, ends: [Point; 2], stroke: Stroke) -> Item {
+    pub fn line(&self, ends: [Point; 2], stroke: Stroke) -> Item {
         Item::stroked(self.map.polyline(&ends), stroke)
     }
 
@@ -120,7 +122,7 @@ impl Pen<'_> {
         items
     }
 
-    fn polygon(&self, edge: &[Point]) -> Path {
+    pub fn polygon(&self, edge: &[Point]) -> Path {
         Path::polygon(&self.map.points(edge))
     }
 
@@ -140,7 +142,7 @@ impl Pen<'_> {
         let mut items: Vec<Item> = rays.collect();
         for signal in &self.panel.signals {
             let colour = self.named(signal.colour, Name::Orange);
-            items.push(self.line(signal.ends, thin(colour)));
+            items.extend(self.strokes(&signal.ends, &thin(colour)));
             if let Some(tip) = head(self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
                     length: 6.4,
@@ -196,7 +198,7 @@ impl Pen<'_> {
         for (i, line) in self.panel.world_lines.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i);
             let stroke = self.theme.world_line(i, colour);
-            items.push(Item::stroked(self.map.polyline(&line.curve.points), stroke));
+            items.extend(self.strokes(&line.curve.points, &stroke));
             let ticks = line
                 .ticks
                 .iter()
@@ -209,7 +211,7 @@ impl Pen<'_> {
     /// A tick across the line that it is on.
     fn tick(&self, tick: &Tick, colour: Colour, half: f64) -> Item {
         let [x, y] = self.map.at(tick.at);
-        let (right, up) = (tick.along.x, tick.along.ct);
+        let [right, up] = tick.along.page();
         let length = right.hypot(up).max(f64::MIN_POSITIVE);
         let [dx, dy] = [up / length * half, right / length * half];
         let path = Path::line([x - dx, y - dy], [x + dx, y + dy]);
@@ -220,7 +222,7 @@ impl Pen<'_> {
         let own = self.panel.axes.first() == Some(axes);
         let colour = frame_colour(self.panel, self.theme, axes.frame);
         let mut items = Vec::new();
-        for axis in [&axes.time, &axes.space] {
+        for axis in [&axes.time, &axes.space].into_iter().chain(&axes.depth) {
             items.push(self.axis(axis, colour));
             if style.ticks || !own {
                 let inner = axis.ticks.iter().filter(|tick| self.is_inner(axis, tick));

@@ -5,6 +5,7 @@ mod layers;
 mod legend;
 mod obstacles;
 mod page;
+mod solid;
 mod theme;
 mod words;
 

@@ -4,7 +4,7 @@ use super::labels::Ground;
 use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
 use super::page::Map;
 use super::theme::Theme;
-use crate::diagram::layout::{Panel, Point, Tick};
+use crate::diagram::layout::{Panel, Tick};
 
 /// How much a label is disturbed by thin lines, and by the faint ones of a grid.
 const THIN: f64 = 0.8;
@@ -17,6 +17,7 @@ pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) 
     areas(ground, panel, map, theme);
     lines(ground, panel, map);
     thin_lines(ground, panel, map);
+    solids(ground, panel, map);
     for line in &panel.grid {
         ground.line(map.points(&line.ends), FAINT);
     }
@@ -52,7 +53,9 @@ fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
             ground.line(across(map, tick).into(), 1.0);
         }
     }
-    for axis in panel.axes.iter().flat_map(|axes| [&axes.time, &axes.space]) {
+    let axes = panel.axes.iter();
+    let axes = axes.flat_map(|axes| [&axes.time, &axes.space].into_iter().chain(&axes.depth));
+    for axis in axes {
         ground.line(map.points(&axis.ends), 1.0);
         for tick in &axis.ticks {
             ground.line(across(map, tick).into(), 1.0);
@@ -63,9 +66,9 @@ fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
 /// The ends of a tick, on the page.
 fn across(map: &Map, tick: &Tick) -> [[f64; 2]; 2] {
     let [x, y] = map.at(tick.at);
-    let Point { ct, x: right } = tick.along;
-    let half = TICK / ct.hypot(right).max(f64::MIN_POSITIVE);
-    [-half, half].map(|half| [x + half * ct, y + half * right])
+    let [right, up] = tick.along.page();
+    let half = TICK / up.hypot(right).max(f64::MIN_POSITIVE);
+    [-half, half].map(|half| [x + half * up, y + half * right])
 }
 
 fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
@@ -82,5 +85,16 @@ fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     }
     for hyperbola in &panel.hyperbolae {
         ground.line(map.points(&hyperbola.curve.points), THIN);
+    }
+}
+
+/// The outlines of cones and planes in a room.
+fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
+    for nappe in panel.cones.iter().flat_map(|cone| &cone.nappes) {
+        ground.line(map.points(&nappe.outline()), 1.0);
+        ground.line(map.points(&nappe.near), 1.0);
+    }
+    for plane in &panel.planes {
+        ground.line(map.points(&plane.corners), THIN);
     }
 }

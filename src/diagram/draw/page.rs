@@ -1,6 +1,6 @@
 //! Where a panel is on its page.
 
-use crate::diagram::layout::{Limits, Panel, Point};
+use crate::diagram::layout::{Panel, Point};
 use crate::drawing::Path;
 use crate::scene::model::diagram::Style;
 use crate::text::Rect;
@@ -19,7 +19,8 @@ pub(super) struct Page {
 
 /// The place of a panel: page coordinates from the diagram's.
 pub(super) struct Map {
-    limits: Limits,
+    /// The rectangle, in the diagram's unit: from left to right, and from bottom to top.
+    page: [[f64; 2]; 2],
     left: f64,
     top: f64,
     /// Points of a unit, the same for ct and x.
@@ -31,28 +32,29 @@ impl Page {
     pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
         let count = panels.len().max(1) as f64;
         let em = style.font_size;
+        // The axes of a room are along its edges, and their labels beyond.
+        let room = panels.iter().any(|panel| panel.solid.is_some());
+        let below = if room { 2.6 * em } else { 1.2 * em };
         // Views side by side are named above.
         let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
-        let [side, above, below] = [1.8 * em, 1.1 * em + names, 1.2 * em];
+        let [side, above] = [1.8 * em, 1.1 * em + names];
         let width = style.width.unwrap_or(WIDTH * count);
         let cell = width / count;
-        let room = (cell - 2.0 * side).max(1.0);
+        let width_left = (cell - 2.0 * side).max(1.0);
         let highest = match style.height {
             Some(height) => (height - head - foot - above - below).max(1.0),
-            None => HIGHEST * room,
+            None => HIGHEST * width_left,
         };
         let scale = |panel: &Panel| {
-            let [w, h] = panel.limits.size();
-            (room / w).min(highest / h)
+            let [w, h] = extent(panel);
+            (width_left / w).min(highest / h)
         };
-        let heights = panels
-            .iter()
-            .map(|panel| panel.limits.size()[1] * scale(panel));
+        let heights = panels.iter().map(|panel| extent(panel)[1] * scale(panel));
         let tallest = heights.fold(0.0, f64::max);
         let frames = panels.iter().enumerate().map(|(i, panel)| {
-            let w = panel.limits.size()[0] * scale(panel);
+            let w = extent(panel)[0] * scale(panel);
             Map {
-                limits: panel.limits,
+                page: panel.page(),
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
                 top: head + above,
                 scale: scale(panel),
@@ -68,20 +70,27 @@ impl Page {
     }
 }
 
+/// Width and height on the page, in the diagram's unit.
+fn extent(panel: &Panel) -> [f64; 2] {
+    panel.page().map(|[from, to]| to - from)
+}
+
 impl Map {
     pub fn at(&self, p: Point) -> [f64; 2] {
+        let [right, up] = p.page();
+        let [[left, _], [_, top]] = self.page;
         [
-            self.left + (p.x - self.limits.x[0]) * self.scale,
-            self.top + (self.limits.ct[1] - p.ct) * self.scale,
+            self.left + (right - left) * self.scale,
+            self.top + (top - up) * self.scale,
         ]
     }
 
     /// The panel's rectangle.
     pub fn rect(&self) -> Rect {
-        let Limits { x, ct } = self.limits;
+        let [width, height] = self.page.map(|[from, to]| (to - from) * self.scale);
         Rect {
-            min: self.at(Point::new(ct[1], x[0])),
-            max: self.at(Point::new(ct[0], x[1])),
+            min: [self.left, self.top],
+            max: [self.left + width, self.top + height],
         }
     }
 

@@ -71,7 +71,16 @@ impl Words<'_> {
                 [0.9, -0.4],
             ];
             let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
-            for (axis, directions) in [(&axes.time, up), (&axes.space, right)] {
+            let back = [
+                [0.9, -0.3],
+                [0.9, 0.3],
+                [0.0, -1.0],
+                [-0.9, -0.4],
+                [0.0, 1.0],
+            ];
+            let depth = axes.depth.as_ref().map(|axis| (axis, back));
+            let two = [(&axes.time, up), (&axes.space, right)];
+            for (axis, directions) in two.into_iter().chain(depth) {
                 let tip = self.map.at(axis.ends[1]);
                 all.push(Request {
                     directions: directions.to_vec(),
@@ -104,7 +113,10 @@ impl Words<'_> {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
             let left = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
             let below = [[0.0, 1.0], [0.0, -1.0], [-0.5, 0.9], [0.5, 0.9]];
-            for (axis, directions) in [(&axes.time, left), (&axes.space, below)] {
+            let aside = [[0.9, 0.4], [-0.9, -0.4], [0.9, -0.4], [-0.9, 0.4]];
+            let depth = axes.depth.as_ref().map(|axis| (axis, aside));
+            let two = [(&axes.time, left), (&axes.space, below)];
+            for (axis, directions) in two.into_iter().chain(depth) {
                 let inner = axis
                     .ticks
                     .iter()
@@ -233,6 +245,21 @@ impl Words<'_> {
                 &[]
             };
             all.extend(self.segment(slice, own, places));
+        }
+        for plane in &panel.planes {
+            let own = frame_colour(panel, theme, plane.frame);
+            let colour = plane.colour.map_or(own, |name| theme.colour(name));
+            // At the corners, or half way between them.
+            let after = plane.corners.iter().cycle().skip(1);
+            let middles = plane
+                .corners
+                .iter()
+                .zip(after)
+                .map(|(a, b)| a.plus(0.5, b.from(*a)));
+            let corners = plane.corners.iter().copied().chain(middles);
+            let corners = corners.map(|corner| self.map.at(corner));
+            let label = plane.label.iter();
+            all.extend(label.map(|text| self.request(text, colour, corners.clone().collect())));
         }
         for signal in &panel.signals {
             all.extend(self.segment(signal, theme.colour(Name::Orange), &MIDDLE));

@@ -15,7 +15,11 @@ const MOST: i64 = 400;
 /// The distance of ticks: 1, 2 or 5 times a power of ten.
 pub(super) fn step(limits: &Limits) -> f64 {
     let [width, height] = limits.size();
-    let rough = width.max(height) / TICKS;
+    round_step(width.max(height) / TICKS)
+}
+
+/// The next of 1, 2, 5 times a power of ten that is not below `rough`.
+pub(crate) fn round_step(rough: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
     let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
     let steps = factors.map(|factor| factor * power);
@@ -29,7 +33,11 @@ pub(super) fn step(limits: &Limits) -> f64 {
 pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
     // Those of a view on its way from frame to frame would be nobody's.
     let passing = view.diagram.is_passing(view.index);
-    let own = (!passing).then(|| own_axes(view, limits)).into_iter();
+    let own = (!passing).then(|| match view.is_solid() {
+        true => room_axes(view, limits),
+        false => own_axes(view, limits),
+    });
+    let own = own.into_iter();
     let frames = view.diagram.frames.iter().enumerate();
     // Of the world's axes there is something to compare with where others have some.
     let moving = passing || view.diagram.frames.iter().skip(1).any(|frame| frame.axes);
@@ -66,11 +74,55 @@ fn own_axes(view: &View, limits: &Limits) -> Axes {
             ticks: ticks.map(tick).collect(),
         }
     };
-    let [time, space] = labels;
+    let [time, space, _] = labels;
     Axes {
         frame: view.index,
         time: axis(Point::new(1.0, 0.0), limits.ct, time),
         space: axis(Point::new(0.0, 1.0), limits.x, space),
+        depth: None,
+        colour: view.reference.colour,
+    }
+}
+
+/// The view's own in 2+1 dimensions: ct along the near left edge of the room, x along the near edge of its
+/// floor, y along the right one.
+fn room_axes(view: &View, limits: &Limits) -> Axes {
+    let corner = Point::deep(limits.ct[0], limits.x[0], limits.y[0]);
+    let right = Point {
+        x: limits.x[1],
+        ..corner
+    };
+    let step = view
+        .reference
+        .ticks
+        .map(|ticks| ticks / view.diagram.unit.metres);
+    let step = step.unwrap_or_else(|| self::step(limits));
+    let axis = |corner: Point, along: Point, [low, high]: [f64; 2], label: String| {
+        let at = |value: f64| corner.plus(value - low, along);
+        let tick = |value: f64| Tick {
+            at: at(value),
+            value,
+            along,
+            label: Some(number(value)),
+        };
+        // Those next to the corners are on other edges too.
+        let clear = 0.03 * (high - low);
+        let inner = |value: &f64| (low + clear..=high - clear).contains(value);
+        Axis {
+            ends: [at(low), at(high)],
+            label,
+            ticks: multiples(step, [low, high])
+                .filter(inner)
+                .map(tick)
+                .collect(),
+        }
+    };
+    let [time, space, depth] = labels(view, &view.reference);
+    Axes {
+        frame: view.index,
+        time: axis(corner, Point::new(1.0, 0.0), limits.ct, time),
+        space: axis(corner, Point::new(0.0, 1.0), limits.x, space),
+        depth: Some(axis(right, Point::deep(0.0, 0.0, 1.0), limits.y, depth)),
         colour: view.reference.colour,
     }
 }
@@ -84,12 +136,10 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
         let ends = limits.line(origin, along)?;
         let value = |end: Point| {
             let way = end.from(origin);
-            let larger = along.ct.abs() > along.x.abs();
-            if larger {
-                way.ct / along.ct
-            } else {
-                way.x / along.x
-            }
+            let parts = [(way.ct, along.ct), (way.x, along.x), (way.y, along.y)];
+            let longest = |a: &(f64, f64), b: &(f64, f64)| a.1.abs().total_cmp(&b.1.abs());
+            let (way, along) = parts.into_iter().max_by(longest).unwrap_or((0.0, 1.0));
+            way / along
         };
         let ticks = multiples(step, ends.map(value)).filter(|value| *value != 0.0);
         let tick = |value: f64| Tick {
@@ -104,11 +154,13 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
             ticks: ticks.map(tick).collect(),
         })
     };
-    let [time_label, space_label] = labels(view, frame);
+    let [time_label, space_label, depth_label] = labels(view, frame);
+    let depth = view.depth_of(index);
     Some(Axes {
         frame: index,
         time: axis(time, time_label)?,
         space: axis(space, space_label)?,
+        depth: depth.and_then(|depth| axis(depth, depth_label)),
         colour: frame.colour,
     })
 }
@@ -119,7 +171,7 @@ fn ticks_labelled(frame: &Reference) -> bool {
 }
 
 /// Multiples of `step` within a range.
-fn multiples(step: f64, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+pub(super) fn multiples(step: f64, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     let rounding = 1e-9;
     let first = libm::ceil(low / step - rounding);
     let last = libm::floor(high / step + rounding);
@@ -131,8 +183,9 @@ fn multiples(step: f64, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
     (0..=count).map(move |k| (first + k as f64) * step)
 }
 
-/// What stands at the two axes of a frame: a prime for each of its name, or else the name below.
-fn labels(view: &View, frame: &Reference) -> [String; 2] {
+/// What stands at the axes of a frame, time first: a prime for each of its name, or else the name below; and
+/// at the view's own what x and y are.
+fn labels(view: &View, frame: &Reference) -> [String; 3] {
     let name = frame.name.as_str();
     let bare = name.trim_end_matches(['\'', '′']);
     let below = match (name, bare) {
@@ -150,9 +203,14 @@ fn labels(view: &View, frame: &Reference) -> [String; 2] {
         _ => [String::new(), String::new()],
     };
     let [time_unit, space_unit] = units;
+    let meaning = |i: usize| match &view.diagram.meanings[i] {
+        Some(words) if own => format!(", {words}"),
+        _ => String::new(),
+    };
     [
         format!("{time}{below}{time_unit}"),
-        format!("*x*{below}{space_unit}"),
+        format!("*x*{below}{space_unit}{}", meaning(0)),
+        format!("*y*{below}{space_unit}{}", meaning(1)),
     ]
 }
 

@@ -4,6 +4,7 @@
 //! by less than [`FLATNESS`] of the diagram's size.
 
 use super::limits::Limits;
+use super::solid;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
 use super::view::View;
 use crate::scene::model::diagram::{self as model, Line, Side, Track};
@@ -60,7 +61,40 @@ fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> C
             bend(&at, [(a, pa), (b, pb)], allowed, HALVINGS, &mut points);
         }
     }
-    Curve { points }
+    match view.is_solid() {
+        true => within(limits, &points),
+        false => Curve { points },
+    }
+}
+
+/// The longest part of a curve that is within: in 2+1 dimensions there is no edge of the page to cut it off.
+fn within(limits: &Limits, points: &[Point]) -> Curve {
+    let mut parts: Vec<Vec<Point>> = vec![Vec::new()];
+    for pair in points.windows(2) {
+        let Some([a, b]) = limits.segment(pair[0], pair[1]) else {
+            parts.push(Vec::new());
+            continue;
+        };
+        if let Some(part) = parts.last_mut() {
+            if part.is_empty() {
+                part.push(a);
+            }
+            part.push(b);
+        }
+        if b != pair[1] && !limits.contains(pair[1]) {
+            parts.push(Vec::new());
+        }
+    }
+    let extent = |part: &Vec<Point>| match (part.first(), part.last()) {
+        (Some(a), Some(b)) => b.ct - a.ct,
+        _ => 0.0,
+    };
+    let longest = parts
+        .into_iter()
+        .max_by(|a, b| extent(a).total_cmp(&extent(b)));
+    Curve {
+        points: longest.unwrap_or_default(),
+    }
 }
 
 /// Adds the points after the first of two, as many as the curve between them bends.
@@ -73,9 +107,9 @@ fn bend(
 ) {
     let middle = a.0 + 0.5 * (b.0 - a.0);
     let Some(m) = at(middle) else { return };
-    let chord = b.1.from(a.1);
-    let way = m.from(a.1);
-    let across = (chord.ct * way.x - chord.x * way.ct).abs() / chord.ct.hypot(chord.x);
+    let [chord_x, chord_y] = b.1.from(a.1).page();
+    let [way_x, way_y] = m.from(a.1).page();
+    let across = (chord_y * way_x - chord_x * way_y).abs() / chord_y.hypot(chord_x);
     if halvings > 0 && across > allowed {
         bend(at, [a, (middle, m)], allowed, halvings - 1, points);
         bend(at, [(middle, m), b], allowed, halvings - 1, points);
@@ -119,7 +153,12 @@ pub(super) fn cones(view: &View, limits: &Limits) -> Vec<Cone> {
             apex,
             rays: Vec::new(),
             inside: Vec::new(),
+            nappes: Vec::new(),
         };
+        if view.is_solid() {
+            laid.nappes = solid::nappes(view, limits, cone);
+            return laid;
+        }
         for (drawn, up) in [(cone.future, 1.0), (cone.past, -1.0)] {
             if !drawn {
                 continue;

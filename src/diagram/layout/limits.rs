@@ -2,10 +2,11 @@
 
 use super::types::Point;
 use super::view::View;
-use crate::scene::model::diagram::Track;
+use crate::scene::model::diagram::{self as model, Track};
 
 /// The part of an automatic diagram that is empty on each side.
 const MARGIN: f64 = 0.13;
+const ROOM: f64 = 0.07;
 /// The narrowest and the lowest automatic diagram, in parts of the other side.
 const NARROWEST: f64 = 0.62;
 const LOWEST: f64 = 0.55;
@@ -19,17 +20,20 @@ pub struct Limits {
     pub x: [f64; 2],
     /// From bottom to top.
     pub ct: [f64; 2],
+    /// From the front to the back; [0, 0] in 1+1 dimensions.
+    pub y: [f64; 2],
 }
 
 impl Limits {
-    /// Width and height.
+    /// Width (along x) and height.
     pub fn size(&self) -> [f64; 2] {
         [self.x[1] - self.x[0], self.ct[1] - self.ct[0]]
     }
 
     /// Whether a point is within, edges included.
     pub fn contains(&self, p: Point) -> bool {
-        (self.x[0]..=self.x[1]).contains(&p.x) && (self.ct[0]..=self.ct[1]).contains(&p.ct)
+        let sides = [(p.x, self.x), (p.ct, self.ct), (p.y, self.y)];
+        sides.iter().all(|(p, [from, to])| (from..=to).contains(&p))
     }
 
     /// The part within of the line through `p` along `d`.
@@ -42,9 +46,18 @@ impl Limits {
         self.part(p, d, [0.0, f64::INFINITY])
     }
 
+    /// The part within of the way from `a` to `b`.
+    pub fn segment(&self, a: Point, b: Point) -> Option<[Point; 2]> {
+        self.part(a, b.from(a), [0.0, 1.0])
+    }
+
     /// The part within of p + t d for t between two values (Liang and Barsky).
     fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
-        for (p, d, [low, high]) in [(p.x, d.x, self.x), (p.ct, d.ct, self.ct)] {
+        for (p, d, [low, high]) in [
+            (p.x, d.x, self.x),
+            (p.ct, d.ct, self.ct),
+            (p.y, d.y, self.y),
+        ] {
             if d == 0.0 {
                 if !(low..=high).contains(&p) {
                     return None;
@@ -62,7 +75,11 @@ impl Limits {
     pub fn beyond(&self, p: Point) -> f64 {
         let [width, height] = self.size();
         let way = |low: f64, high: f64, p: f64| (p - low).abs().max((high - p).abs());
-        2.0 * (width + height) + way(self.x[0], self.x[1], p.x) + way(self.ct[0], self.ct[1], p.ct)
+        let [x, ct] = [
+            way(self.x[0], self.x[1], p.x),
+            way(self.ct[0], self.ct[1], p.ct),
+        ];
+        2.0 * (width + height) + x + ct
     }
 }
 
@@ -70,10 +87,16 @@ impl Limits {
 pub(super) fn of(view: &View) -> Limits {
     let unit = view.diagram.unit.metres;
     let said = [view.diagram.x, view.diagram.ct].map(|l| l.map(|l| l.map(|end| end / unit)));
-    let found = automatic(&contents(view));
+    let y = view.diagram.y.map(|y| y.map(|end| end / unit));
+    let points = contents(view);
+    let found = match view.is_solid() {
+        true => roomy(&points),
+        false => automatic(&points),
+    };
     Limits {
         x: said[0].unwrap_or(found.x),
         ct: said[1].unwrap_or(found.ct),
+        y: y.unwrap_or(found.y),
     }
 }
 
@@ -96,6 +119,27 @@ fn automatic(points: &[Point]) -> Limits {
     let (x, ct) = (widened(x), widened(ct));
     Limits {
         x: at_least(x, NARROWEST * extent(ct)),
+        ct: at_least(ct, LOWEST * extent(x)),
+        y: [0.0; 2],
+    }
+}
+
+/// Limits of 2+1 dimensions around points. The origin has no say: the axes are along the edges.
+fn roomy(points: &[Point]) -> Limits {
+    let [x, y, ct] = [
+        range(points.iter().map(|p| p.x)),
+        range(points.iter().map(|p| p.y)),
+        range(points.iter().map(|p| p.ct)),
+    ];
+    let extent = |range: [f64; 2]| range[1] - range[0];
+    let largest = extent(x).max(extent(y)).max(extent(ct));
+    let margin = ROOM * if largest > 0.0 { largest } else { 8.0 };
+    let widened = |range: [f64; 2]| [range[0] - margin, range[1] + margin];
+    let (x, y, ct) = (widened(x), widened(y), widened(ct));
+    let least = NARROWEST * extent(ct).max(extent(x)).max(extent(y));
+    Limits {
+        x: at_least(x, least),
+        y: at_least(y, least),
         ct: at_least(ct, LOWEST * extent(x)),
     }
 }
@@ -134,7 +178,47 @@ fn contents(view: &View) -> Vec<Point> {
         let moments = shown(&line.track).into_iter();
         events.extend(moments.filter_map(|time| Some(line.track.at(time)?.event)));
     }
-    events.into_iter().map(|event| view.point(event)).collect()
+    let mut points: Vec<Point> = events.into_iter().map(|event| view.point(event)).collect();
+    if view.is_solid() {
+        let rims = rims(view, &points);
+        points.extend(rims);
+    }
+    points
+}
+
+/// Points of the rims of cones whose heights are as the contents go, or as they say.
+fn rims(view: &View, points: &[Point]) -> Vec<Point> {
+    let cones = view.diagram.cones.iter();
+    let rim = |cone: &model::Cone| {
+        let apex = view.point(cone.event);
+        let sides = [(cone.future, 1.0), (cone.past, -1.0)]
+            .into_iter()
+            .filter(|(drawn, _)| *drawn);
+        let heights = sides.map(move |(_, up)| up * height(view, cone, points, up));
+        let quarter =
+            |h: f64| [[h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]].map(|[x, y]| Point::deep(h, x, y));
+        heights
+            .flat_map(quarter)
+            .map(move |p| apex.plus(1.0, p))
+            .collect::<Vec<_>>()
+    };
+    cones.flat_map(rim).collect()
+}
+
+/// How far a cone goes towards `up`: beyond all that is on that side of its apex.
+fn height(view: &View, cone: &model::Cone, points: &[Point], up: f64) -> f64 {
+    if let Some(height) = cone.height {
+        return height / view.diagram.unit.metres;
+    }
+    let apex = view.point(cone.event);
+    let ways = points.iter().map(|p| up * (p.ct - apex.ct));
+    let far = ways.fold(0.0, f64::max);
+    let all = range(points.iter().map(|p| p.ct));
+    match (far > 0.0, all[1] > all[0]) {
+        (true, _) => far,
+        (false, true) => 0.5 * (all[1] - all[0]),
+        (false, false) => 1.0,
+    }
 }
 
 /// Proper times of a world line that are to be seen: its ends, its corners, its turning, a revolution.

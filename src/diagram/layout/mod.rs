@@ -4,14 +4,17 @@ mod axes;
 mod curves;
 mod limits;
 mod now;
+mod solid;
 mod types;
 mod view;
 
 use crate::scene::model::diagram::{Diagram, SliceKind};
+pub(crate) use axes::round_step;
 pub use limits::Limits;
+pub(crate) use types::number;
 pub use types::{
-    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Now, Panel,
-    Placed, Point, Segment, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Now,
+    Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
 };
 use view::View;
 
@@ -34,14 +37,17 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
     let limits = limits::of(&view);
     let axes = axes::all(&view, &limits);
     let step = axes::step(&limits);
+    let world_lines = curves::world_lines(&view, &limits);
     Panel {
+        solid: solid::of(&view, &limits, &world_lines, step),
         frame: view.reference.name.clone(),
         grid: axes::grid(&view, &limits, step),
-        world_lines: curves::world_lines(&view, &limits),
+        world_lines,
         cones: curves::cones(&view, &limits),
         hyperbolae: curves::hyperbolae(&view, &limits),
         areas: curves::areas(&view, &limits),
         slices: slices(&view, &limits),
+        planes: solid::planes(&view, &limits),
         signals: signals(&view),
         intervals: intervals(&view),
         arrows: arrows(&view),
@@ -97,24 +103,27 @@ fn arrows(view: &View) -> Vec<Segment> {
 /// Lines of equal time and equal place, clipped.
 fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
     let frame_colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
-    let slices = view.diagram.slices.iter().filter_map(|slice| {
-        let at = view.point(slice.event);
-        let [time, space] = view.axes_of(slice.frame);
-        let along = match slice.kind {
-            SliceKind::Simultaneity => space,
-            SliceKind::Place => time,
-        };
-        let ends = match slice.to {
-            Some(to) => [at, view.point(to)],
-            None => limits.line(at, along)?,
-        };
-        Some(Segment {
-            ends,
-            label: slice.label.clone(),
-            colour: slice.colour.or(frame_colour(slice.frame)),
-            owner: Some(slice.frame),
-        })
-    });
+    let lines = view.diagram.slices.iter();
+    let slices = lines
+        .filter(|slice| !solid::is_plane(view, slice))
+        .filter_map(|slice| {
+            let at = view.point(slice.event);
+            let [time, space] = view.axes_of(slice.frame);
+            let along = match slice.kind {
+                SliceKind::Simultaneity => space,
+                SliceKind::Place => time,
+            };
+            let ends = match slice.to {
+                Some(to) => [at, view.point(to)],
+                None => limits.line(at, along)?,
+            };
+            Some(Segment {
+                ends,
+                label: slice.label.clone(),
+                colour: slice.colour.or(frame_colour(slice.frame)),
+                owner: Some(slice.frame),
+            })
+        });
     slices.collect()
 }
 

@@ -48,7 +48,16 @@ impl<'d> View<'d> {
 
     fn project(&self, ct: f64, x: DVec3) -> Point {
         let unit = self.diagram.unit.metres;
-        Point::new(ct / unit, self.diagram.direction.dot(x) / unit)
+        let across = self
+            .diagram
+            .across
+            .map_or(0.0, |across| across.dot(x) / unit);
+        Point::deep(ct / unit, self.diagram.direction.dot(x) / unit, across)
+    }
+
+    /// Whether the diagram has 2+1 dimensions.
+    pub fn is_solid(&self) -> bool {
+        self.diagram.across.is_some()
     }
 
     /// One unit along the time axis and along the space axis of a frame.
@@ -63,6 +72,32 @@ impl<'d> View<'d> {
             Displacement::new(0.0, self.diagram.direction * unit),
         ];
         steps.map(|step| self.vector(frame.world_from_frame().displacement(step)))
+    }
+
+    /// One unit along the y axis of a frame, in 2+1 dimensions.
+    pub fn depth_of(&self, index: usize) -> Option<Point> {
+        let across = self.diagram.across?;
+        if index == self.index {
+            return Some(Point::deep(0.0, 0.0, 1.0));
+        }
+        let frame = View::new(self.diagram, index).reference.frame;
+        let step = Displacement::new(0.0, across * self.diagram.unit.metres);
+        Some(self.vector(frame.world_from_frame().displacement(step)))
+    }
+
+    /// How much ct rises along x and along y where it is one time in a frame.
+    pub fn rise_of(&self, index: usize) -> [f64; 2] {
+        let frame = View::new(self.diagram, index).reference.frame;
+        let time = |ct: f64, x: DVec3| {
+            let step = self
+                .frame()
+                .world_from_frame()
+                .displacement(Displacement::new(ct, x));
+            frame.frame_from_world().displacement(step).ct
+        };
+        let across = self.diagram.across.unwrap_or_default();
+        let up = time(1.0, DVec3::ZERO);
+        [self.diagram.direction, across].map(|x| -time(0.0, x) / up)
     }
 
     /// Where the coordinates of a frame are 0.

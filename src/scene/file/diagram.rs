@@ -19,7 +19,7 @@ pub(in crate::scene) use elements::{
 pub(in crate::scene) use spot::{OneOrMany, Speed, Spot};
 
 /// A space-time diagram: ct upwards, one direction of space to the right, light at 45 degrees. Numbers are
-/// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x].
+/// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x], or [ct, x, y] in 2+1 dimensions.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(
     default,
@@ -37,9 +37,17 @@ pub(in crate::scene) struct Diagram {
     pub x: Option<At<Numbers<2>>>,
     /// What the axes show of ct, [from, to]. Default: by the contents.
     pub ct: Option<At<Numbers<2>>>,
+    /// What the axes show of y in a diagram of 2+1 dimensions, [from, to]. Default: by the contents.
+    pub y: Option<At<Numbers<2>>>,
+    /// "1+1": ct and x. "2+1": ct, x and y in oblique projection, with light cones as cones and what is
+    /// simultaneous as planes. Default: "1+1".
+    pub dimensions: Option<At<Dimensions>>,
     /// The direction of the world along which x is measured, of any length but 0. Default: that of the
     /// camera's motion, or of the first object that moves, or else [1, 0, 0].
     pub direction: Option<At<Vector>>,
+    /// The direction along which y is measured in 2+1 dimensions; its part along `direction` is taken off.
+    /// Default: across `direction` in which something moves, or else upright.
+    pub across: Option<At<Vector>>,
     /// The frame, or several side by side, in whose coordinates all is drawn: "world", "camera", or the
     /// name of one. Default: "world".
     pub view: Option<At<OneOrMany>>,
@@ -75,6 +83,16 @@ pub(in crate::scene) struct Diagram {
     pub animation: Option<At<Animation>>,
     /// How it looks.
     pub style: DiagramStyle,
+}
+
+/// How many dimensions of space-time a diagram shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[schemars(inline)]
+pub(in crate::scene) enum Dimensions {
+    #[serde(rename = "1+1")]
+    Two,
+    #[serde(rename = "2+1")]
+    Three,
 }
 
 /// What a number of a diagram means.

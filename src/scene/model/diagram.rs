@@ -5,7 +5,7 @@ mod track;
 
 use glam::DVec3;
 
-use crate::spacetime::{Event, InertialFrame, Rest, World};
+use crate::spacetime::{Direction, Event, InertialFrame, Rest, World};
 
 pub use animation::{Animation, Boost, Now, Sweep};
 pub use track::{Moment, Track};
@@ -23,8 +23,14 @@ pub struct Diagram {
     pub unit: Unit,
     /// The unit vector of the world along which x is measured.
     pub direction: DVec3,
+    /// The unit vector across it along which y is measured; none for a diagram of 1+1 dimensions.
+    pub across: Option<DVec3>,
+    /// What x and y are, where that needs words at the axes of the view; markup.
+    pub meanings: [Option<String>; 2],
     /// What the axes show of x, metres; none for as much as the contents need.
     pub x: Option<[f64; 2]>,
+    /// What the axes show of y, metres.
+    pub y: Option<[f64; 2]>,
     /// What the axes show of ct, metres.
     pub ct: Option<[f64; 2]>,
     /// The frames in whose coordinates the diagram is drawn, side by side; at least one.
@@ -61,6 +67,16 @@ pub struct Diagram {
     pub now: Option<Now>,
     /// How it looks.
     pub style: Style,
+}
+
+/// The unit vector of what `v` has across the unit vector `direction`, where that is more than a millionth of it.
+pub(crate) fn part_across(direction: DVec3, v: DVec3) -> Option<DVec3> {
+    let v = Direction::<World>::new(v)?.unit();
+    let part = v - direction * direction.dot(v);
+    let is_some = part.length() > 1e-6;
+    is_some
+        .then(|| Direction::<World>::new(part))?
+        .map(Direction::unit)
 }
 
 /// What numbers at the axes count.
@@ -130,6 +146,9 @@ pub struct Cone {
     pub future: bool,
     /// Whether its past is drawn.
     pub past: bool,
+    /// How far from the apex it is drawn in 2+1 dimensions, metres of the view's time; none for as far as
+    /// the contents go.
+    pub height: Option<f64>,
     /// Whether its inside is shaded.
     pub shade: bool,
 }

@@ -17,7 +17,9 @@ pub(in crate::scene) struct LightCone {
     pub future: Option<bool>,
     /// Whether its past is drawn. Default: true, unless `future` is said.
     pub past: Option<bool>,
-    /// Whether what is within the cone is shaded. Default: false.
+    /// How far from its apex it is drawn in 2+1 dimensions, above 0. Default: as far as the contents go.
+    pub height: Option<At<Number>>,
+    /// Whether what is within the cone is shaded. Default: false; in 2+1 dimensions it is always.
     pub shade: Option<bool>,
 }
 

@@ -11,12 +11,13 @@ use super::VelocityTable;
 use crate::scene::at::At;
 use crate::scene::values::{Number, Numbers};
 
-/// An event: its name, or [ct, x].
+/// An event: its name, [ct, x], or [ct, x, y].
 #[derive(Debug, Clone, JsonSchema)]
 #[schemars(untagged)]
 pub(in crate::scene) enum Spot {
     Name(String),
     At(Numbers<2>),
+    Deep(Numbers<3>),
 }
 
 /// A velocity: β along the diagram's direction, or a table.
@@ -41,7 +42,7 @@ impl<'de> Visitor<'de> for SpotVisitor {
     type Value = Spot;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the name of an event or [ct, x]")
+        f.write_str("the name of an event, [ct, x] or [ct, x, y]")
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<Spot, E> {
@@ -49,7 +50,12 @@ impl<'de> Visitor<'de> for SpotVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Spot, A::Error> {
-        Numbers::deserialize(SeqAccessDeserializer::new(seq)).map(Spot::At)
+        let all: Vec<Number> = Vec::deserialize(SeqAccessDeserializer::new(seq))?;
+        match all.as_slice() {
+            [ct, x] => Ok(Spot::At(Numbers([ct.0, x.0]))),
+            [ct, x, y] => Ok(Spot::Deep(Numbers([ct.0, x.0, y.0]))),
+            other => Err(A::Error::invalid_length(other.len(), &self)),
+        }
     }
 }
 
@@ -64,6 +70,7 @@ impl Serialize for Spot {
         match self {
             Spot::Name(name) => name.serialize(serializer),
             Spot::At(numbers) => numbers.serialize(serializer),
+            Spot::Deep(numbers) => numbers.serialize(serializer),
         }
     }
 }

@@ -34,11 +34,12 @@ enum Course {
     Line(WorldLine),
     /// Straight from event to event, with the proper time of each.
     Broken(Vec<(f64, Event<World>)>),
-    /// The centre of a sensor behind the pinhole on `line`.
+    /// An element of a sensor behind the pinhole on `line`.
     Sensor {
         line: WorldLine,
         sensor: Sensor,
         forward: DVec3,
+        film: DVec3,
     },
 }
 
@@ -95,11 +96,17 @@ impl Track {
     /// The centre of a sensor that looks along `forward` through the pinhole on `line`. Its times are those
     /// of the pinhole's clock.
     pub fn sensor(line: WorldLine, sensor: Sensor, forward: DVec3) -> Track {
+        Track::element(line, sensor, forward, forward)
+    }
+
+    /// The element of film vector `film` (camera frame, its part along `forward` 1) of such a sensor.
+    pub fn element(line: WorldLine, sensor: Sensor, forward: DVec3, film: DVec3) -> Track {
         let span = line.span();
         let course = Course::Sensor {
             line,
             sensor,
             forward,
+            film,
         };
         Track { course, span }
     }
@@ -159,7 +166,8 @@ impl Track {
                 line,
                 sensor,
                 forward,
-            } => on_sensor(line, sensor, *forward, proper_time)?,
+                film,
+            } => on_sensor(line, sensor, [*forward, *film], proper_time)?,
         };
         Some(Moment {
             proper_time,
@@ -302,15 +310,17 @@ fn on_broken(corners: &[(f64, Event<World>)], time: f64) -> Option<(Event<World>
 fn on_sensor(
     line: &WorldLine,
     sensor: &Sensor,
-    forward: DVec3,
+    [forward, film]: [DVec3; 2],
     time: f64,
 ) -> Option<(Event<World>, Velocity)> {
     let state = line.state(time)?;
-    let own = sensor.own_focal_length(forward, state.velocity);
+    let element = film * -sensor.focal_length;
     let behind = match sensor.assembly {
-        Assembly::Bell => Displacement::new(0.0, forward * -sensor.focal_length),
+        Assembly::Bell => Displacement::new(0.0, element),
+        // The focal length is stretched, the sensor is not.
         _ => {
-            let offset = Displacement::new(0.0, forward * -own);
+            let own = sensor.own_focal_length(forward, state.velocity);
+            let offset = Displacement::new(0.0, element - forward * (own - sensor.focal_length));
             state.frame().world_from_frame().displacement(offset)
         }
     };

@@ -4,7 +4,7 @@
 //! the light by which the camera sees each object's origin at its time.
 
 use super::frame;
-use super::settings::{plain, settable};
+use super::settings::settable;
 use super::stage::{Filming, Stage};
 use crate::error::Result;
 use crate::scene::at::At;
@@ -12,6 +12,7 @@ use crate::scene::file;
 use crate::scene::model::diagram::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
 use crate::scene::resolve::context::Context;
 use crate::spacetime::{Event, World};
+use crate::text::rich::escaped;
 
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;
@@ -48,16 +49,17 @@ pub(super) fn of_scene<T>(
         film(stage, camera, diagram);
     }
     for body in stage.objects.iter().take(MOST) {
-        let name = settable(cx, at, &plain(&body.name)).unwrap_or_else(|_| "object".into());
+        let name = settable(cx, at, &escaped(&body.name)).unwrap_or_else(|_| "object".into());
         add_body(diagram, name, body.track());
     }
     for (name, event) in &stage.pulses {
-        let label = settable(cx, at, &plain(name)).ok();
+        let label = settable(cx, at, &escaped(name)).ok();
         diagram.events.push(mark(name, label, *event));
         diagram.cones.push(Cone {
             event: *event,
             future: true,
             past: false,
+            height: None,
             shade: false,
         });
     }
@@ -103,8 +105,9 @@ fn mark(name: &str, label: Option<String>, event: Event<World>) -> Mark {
 
 /// Adds the world line of an object; one that is drawn already takes the name in beside its own.
 fn add_body(diagram: &mut Diagram, name: String, track: Track) {
-    let n = diagram.direction;
-    let at = |track: &Track, time| track.at(time).map(|m| [m.event.ct, n.dot(m.event.x)]);
+    let (n, across) = (diagram.direction, diagram.across.unwrap_or_default());
+    let place = |event: Event<World>| [event.ct, n.dot(event.x), across.dot(event.x)];
+    let at = |track: &Track, time| track.at(time).map(|m| place(m.event));
     let same = |other: &Line| {
         [0.0, 1.0]
             .iter()
@@ -138,17 +141,47 @@ fn see(stage: &Stage, diagram: &mut Diagram) {
     }));
 }
 
+/// Refuses what has no meaning in 2+1 dimensions.
+pub(super) fn refuse_flat(cx: &Context, said: &file::Diagram) -> Result<()> {
+    let grid = said.frame.iter().find(|at| at.value.grid == Some(true));
+    let flat = [
+        (
+            grid.map(|at| &at.span),
+            "a grid of lines of equal time and place",
+            "in 2+1 dimensions equal times are planes: draw one by `simultaneity`",
+        ),
+        (
+            said.hyperbola.first().map(|at| &at.span),
+            "a hyperbola of constant interval",
+            "in 2+1 dimensions it is a surface: leave it out",
+        ),
+        (
+            said.wedge.first().map(|at| &at.span),
+            "a wedge between two light rays",
+            "in 2+1 dimensions draw the light cone of its event",
+        ),
+    ];
+    let found = flat
+        .into_iter()
+        .find_map(|(span, what, help)| Some((span?, what, help)));
+    let Some((span, what, help)) = found else {
+        return Ok(());
+    };
+    let what = format!("{what} is of a diagram of 1+1 dimensions");
+    Err(cx.report.refuse(span, what, help))
+}
+
 /// Refuses limits within which nothing is.
 pub(super) fn refuse_empty_limits(
     cx: &Context,
     said: &file::Diagram,
     diagram: &Diagram,
 ) -> Result<()> {
-    let said = [(&said.x, 1), (&said.ct, 0)];
+    let said = [(&said.x, 1), (&said.ct, 0), (&said.y, 2)];
     for (at, axis) in said {
         let Some(at) = at else { continue };
         let [from, to] = at.value.0.map(|number| number * diagram.unit.metres);
-        let within = |p: [f64; 2]| (from..=to).contains(&p[axis]);
+        let within = |p: [f64; 3]| (from..=to).contains(&p[axis]);
         let mut points = points(diagram).peekable();
         let straight = diagram.lines.iter().any(|l| l.track.span() == ENDLESS);
         if points.peek().is_some() && !straight && !points.any(within) {
@@ -162,9 +195,9 @@ pub(super) fn refuse_empty_limits(
 
 const ENDLESS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// Events of the diagram, (ct, x) in the world.
-fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 2]> + '_ {
-    let n = diagram.direction;
+/// Events of the diagram, (ct, x, y) in the world.
+fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 3]> + '_ {
+    let (n, across) = (diagram.direction, diagram.across.unwrap_or_default());
     let marks = diagram.events.iter().map(|mark| mark.event);
     let signals = diagram.signals.iter().flat_map(|s| [s.from, s.to]);
     let regions = diagram
@@ -177,5 +210,5 @@ fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 2]> + '_ {
         steps.filter_map(|time| Some(line.track.at(time)?.event))
     });
     let all = marks.chain(signals).chain(regions).chain(ends);
-    all.map(move |event| [event.ct, n.dot(event.x)])
+    all.map(move |event| [event.ct, n.dot(event.x), across.dot(event.x)])
 }

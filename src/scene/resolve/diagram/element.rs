@@ -50,10 +50,17 @@ fn each<S, T>(all: &[At<S>], resolve: impl FnMut(&At<S>) -> Result<T>) -> Result
 
 fn cone(names: &mut Names, at: &At<said::LightCone>) -> Result<Cone> {
     let cone = &at.value;
+    if let (Some(height), None) = (&cone.height, names.across) {
+        let what = "in 1+1 dimensions light cones go to the edges";
+        let help = "leave `height` out, or write dimensions = \"2+1\" in [diagram]";
+        return Err(names.cx.refuse(height, what, help));
+    }
+    let height = settings::positive(names.cx, &cone.height, "`height`")?;
     Ok(Cone {
         event: names.event(&cone.of)?,
         future: cone.future.unwrap_or(cone.past != Some(true)),
         past: cone.past.unwrap_or(cone.future != Some(true)),
+        height: height.map(|height| height * names.unit),
         shade: cone.shade.unwrap_or(false),
     })
 }

@@ -149,7 +149,15 @@ pub(super) fn meeting(names: &Names, a: &Track, b: &Track) -> Option<Moment> {
         Some(n.dot(event.x - other.event.x))
     };
     let bracket = bracket(&ahead, a, names.unit)?;
-    a.at(bisect(&ahead, bracket))
+    let moment = a.at(bisect(&ahead, bracket))?;
+    // In 2+1 dimensions lines that cross in x may pass each other.
+    let aside = |event: Event<World>| {
+        let other = b.where_zero(|e| e.ct - event.ct)?;
+        Some(names.across?.dot(event.x - other.event.x).abs())
+    };
+    aside(moment.event)
+        .is_none_or(|y| y <= 1e-9 * names.unit)
+        .then_some(moment)
 }
 
 fn never(names: &Names, cross: &At<[At<String>; 2]>) -> Error {

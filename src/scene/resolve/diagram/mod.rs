@@ -29,13 +29,17 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
     let stage = Stage::new(cx, file)?;
     let unit = settings::unit(said);
     let direction = settings::direction(cx, said, &stage)?;
+    let across = settings::across(cx, said, direction, &stage)?;
     let mut diagram = Diagram {
         name: cx.report.name.clone(),
         text: cx.report.text.to_string(),
         title: settings::words(cx, &said.title)?,
         unit,
         direction,
+        across,
+        meanings: [None, None],
         x: settings::limits(cx, &said.x, unit.metres)?,
+        y: settings::limits(cx, &said.y, unit.metres)?,
         ct: settings::limits(cx, &said.ct, unit.metres)?,
         views: vec![0],
         frames: Vec::new(),
@@ -55,9 +59,12 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
         now: None,
         style: settings::style(cx, &said.style)?,
     };
-    let mut names = Names::new(cx, said, unit.metres, direction, &stage)?;
+    let mut names = Names::new(cx, said, unit.metres, (direction, across), &stage)?;
     names.resolve_all(&mut diagram)?;
     element::resolve_all(&mut names, said, &mut diagram)?;
+    if across.is_some() {
+        content::refuse_flat(cx, said)?;
+    }
     diagram.views = names.views()?;
     diagram.animation = animation::resolve(&mut names, said, &diagram.views)?;
     if content::is_empty(said) {

@@ -36,6 +36,8 @@ pub(super) struct Names<'a> {
     pub unit: f64,
     /// Along which x is measured, unit vector.
     pub direction: DVec3,
+    /// Along which y is measured, in 2+1 dimensions.
+    pub across: Option<DVec3>,
     pub stage: &'a Stage,
     /// The world, then those of the file, then the camera's unless the file has one of that name.
     frames: Vec<Slot<Reference>>,
@@ -48,7 +50,7 @@ impl<'a> Names<'a> {
         cx: &'a Context<'a>,
         file: &'a file::Diagram,
         unit: f64,
-        direction: DVec3,
+        (direction, across): (DVec3, Option<DVec3>),
         stage: &'a Stage,
     ) -> Result<Self> {
         refuse_duplicates(cx, file.frame.iter().map(|at| &at.value.name), "frame")?;
@@ -68,6 +70,7 @@ impl<'a> Names<'a> {
             file,
             unit,
             direction,
+            across,
             stage,
             frames: vec![Slot::Known(world())],
             lines: file.worldline.iter().map(|_| Slot::Unasked).collect(),
@@ -267,6 +270,15 @@ impl<'a> Names<'a> {
             Spot::At(numbers) => {
                 let [ct, x] = numbers.0.map(|number| number * self.unit);
                 Ok(frame.event_to_world(Event::new(ct, self.direction * x)))
+            }
+            Spot::Deep(numbers) => {
+                let across = self.across.ok_or_else(|| {
+                    let what = "[ct, x, y] is of 2+1 dimensions, and this diagram has 1+1";
+                    let help = "write [ct, x], or dimensions = \"2+1\" in [diagram]";
+                    self.cx.refuse(spot, what, help)
+                })?;
+                let [ct, x, y] = numbers.0.map(|number| number * self.unit);
+                Ok(frame.event_to_world(Event::new(ct, self.direction * x + across * y)))
             }
             Spot::Name(name) => {
                 let i = find(self.cx, name, &spot.span, &self.event_names(), "event")?;

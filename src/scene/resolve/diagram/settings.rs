@@ -8,7 +8,7 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::file::diagram as said;
 use crate::scene::model::SPEED_OF_LIGHT;
-use crate::scene::model::diagram::{Colour, Style, Unit};
+use crate::scene::model::diagram::{Colour, Style, Unit, part_across};
 use crate::scene::resolve::context::Context;
 use crate::scene::values::{Number, Numbers};
 use crate::spacetime::{Direction, World};
@@ -67,6 +67,43 @@ pub(super) fn direction(cx: &Context, diagram: &file::Diagram, stage: &Stage) ->
     Ok(unit.unit())
 }
 
+/// The direction along which y is measured, a unit vector across x; none in 1+1 dimensions.
+pub(super) fn across(
+    cx: &Context,
+    diagram: &file::Diagram,
+    direction: DVec3,
+    stage: &Stage,
+) -> Result<Option<DVec3>> {
+    let three = matches!(&diagram.dimensions, Some(at) if at.value == said::Dimensions::Three);
+    let of_three = [
+        diagram.across.as_ref().map(|at| (&at.span, "across")),
+        diagram.y.as_ref().map(|at| (&at.span, "y")),
+    ];
+    if let (false, Some((span, key))) = (three, of_three.into_iter().flatten().next()) {
+        let what = format!("`{key}` is of a diagram of 2+1 dimensions");
+        let help = "leave it out, or write dimensions = \"2+1\"";
+        return Err(cx.report.refuse(span, what, help));
+    }
+    if !three {
+        return Ok(None);
+    }
+    let Some(at) = &diagram.across else {
+        let moving = stage.directions().find_map(|v| part_across(direction, v));
+        return Ok(moving.or_else(|| upright(direction)));
+    };
+    let part = part_across(direction, at.value.vec()).ok_or_else(|| {
+        let help = "give a direction that is not along x, like [0, 1, 0]";
+        cx.refuse(at, "y is measured along the same line as x", help)
+    })?;
+    Ok(Some(part))
+}
+
+/// Across `direction`, along the y axis of the world, or along its z axis.
+fn upright(direction: DVec3) -> Option<DVec3> {
+    let mut axes = [DVec3::Y, DVec3::Z].into_iter();
+    axes.find_map(|axis| part_across(direction, axis))
+}
+
 /// Limits in metres.
 pub(super) fn limits(
     cx: &Context,
@@ -105,16 +142,6 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
         }
         Err(error) => Err(error),
     }
-}
-
-/// `text` with all that markup would take for its own taken as it is.
-pub(super) fn plain(text: &str) -> String {
-    let own = |c| "*_^{}\\'".contains(c);
-    let escape = |c| match own(c) {
-        true => vec!['\\', c],
-        false => vec![c],
-    };
-    text.chars().flat_map(escape).collect()
 }
 
 pub(super) fn colour(at: &Option<At<said::Colour>>) -> Option<Colour> {

@@ -49,6 +49,12 @@ impl Stage {
         camera.or_else(|| Some(bodies.find(|v| !v.is_rest())?.rapidity()))
     }
 
+    /// All directions in which something of it moves: the camera, then objects.
+    pub fn directions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let camera = self.camera.iter().filter_map(Filming::direction);
+        camera.chain(self.objects.iter().map(|body| body.velocity.rapidity()))
+    }
+
     /// The names of its world lines.
     pub fn names(&self) -> Vec<&str> {
         let camera = self.camera.iter().flat_map(|filming| {

@@ -1,0 +1,83 @@
+//! `nullray diagram --pixel`.
+
+use std::path::Path;
+
+use nullray::scene::model::Scene;
+use nullray::scene::model::diagram::Diagram;
+use nullray::scene::{self, Overrides};
+use nullray::sighting::{self, Summary};
+use nullray::{Error, Result, files};
+
+use super::overrides;
+use crate::cli::args::DiagramArguments;
+use crate::cli::failure::refused;
+use crate::cli::progress::Bar;
+use crate::cli::{builtin, interrupt, panels, print};
+
+/// The diagram of what a pixel sees, whose numbers it prints.
+pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
+    let scene = scene(arguments, &overrides(arguments, None))?;
+    let base = diagram_of(arguments, &scene)?;
+    let quiet = arguments.quiet || arguments.pixel.json;
+    let bar = Bar::new(0, quiet);
+    let sighting = sighting::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
+    drop(bar);
+    interrupt::check()?;
+    let known = known(&base, &sighting);
+    let frame = arguments.frame.as_deref();
+    let model = sighting::diagram(&sighting, base, frame);
+    let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
+    say(arguments, &Summary::of(&sighting))?;
+    Ok(model)
+}
+
+/// The scene, or a panel of it.
+pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scene> {
+    let path = arguments.scene.as_deref();
+    let whole = builtin::load(path, overrides)?;
+    let chosen = panels::chosen(&whole, arguments.panel.as_slice())?;
+    match (&arguments.panel, chosen.as_slice()) {
+        (Some(_), [panel]) => builtin::load_panel(path, &whole, panel, overrides),
+        _ => Ok(whole),
+    }
+}
+
+/// The diagram of `scene`, whose text has all changes made.
+pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram> {
+    let base = match arguments.scene.as_deref() {
+        Some(path) => path.parent().unwrap_or(Path::new("")),
+        None => Path::new(files::BUILT_IN),
+    };
+    scene::parse_diagram(&scene.text, &scene.name, base, &Overrides::default())
+}
+
+/// The frames that a diagram can be drawn in.
+fn known(base: &Diagram, sighting: &sighting::Sighting) -> Vec<String> {
+    let frames = base.frames.iter().map(|frame| frame.name.clone());
+    let mut names: Vec<String> = frames
+        .chain(sighting.met.iter().map(|met| met.name.clone()))
+        .collect();
+    names.dedup();
+    names
+}
+
+fn unknown(name: &str, known: &[String]) -> Error {
+    let help = format!("there are: {}", known.join(", "));
+    refused(
+        format!("--frame {}", name.escape_debug()),
+        "there is no frame of this name",
+        &help,
+    )
+}
+
+fn say(arguments: &DiagramArguments, summary: &Summary) -> Result<()> {
+    if arguments.pixel.json {
+        let json = serde_json::to_string_pretty(summary);
+        let json = json.map_err(|e| refused("--json", e.to_string(), "leave it out"))?;
+        return print(&(json + "\n"));
+    }
+    match arguments.quiet {
+        true => Ok(()),
+        false => print(&summary.to_string()),
+    }
+}

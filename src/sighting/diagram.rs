@@ -1,0 +1,326 @@
+//! The space-time diagram of a sighting.
+
+use glam::DVec3;
+
+use super::{Lamp, Met, Sighting};
+use crate::diagram::{number, round_step};
+use crate::scene::model::diagram::{
+    Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
+};
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
+use crate::text::RichText;
+use crate::text::rich::escaped;
+
+/// About how many ticks clocks have between emission and reception.
+const TICKS: f64 = 7.0;
+/// The most pulses that are drawn.
+const MOST_PULSES: usize = 2;
+/// By how much the past cone reaches beyond the emission in 2+1 dimensions.
+const BEYOND: f64 = 1.1;
+
+/// The diagram of `sighting`, in the coordinates of the frame of this name: "world", "camera", the name of the
+/// object that is met, or one of the frames of `base`; without a name, of the view of `base`. None where there is
+/// no such frame.
+///
+/// Of `base`, the diagram of the same scene, it has unit, limits, dimensions, title, frames and style; but not
+/// what is drawn in it.
+pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Option<Diagram> {
+    let mut diagram = emptied(base);
+    let camera = frames(sighting, &mut diagram);
+    if let Some(name) = frame {
+        diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
+    }
+    let view = diagram
+        .views
+        .first()
+        .and_then(|i| diagram.frames.get(*i))
+        .map(|view| view.frame);
+    let axes = Axes::new(sighting, &view.unwrap_or_else(at_rest));
+    (diagram.direction, diagram.meanings[0]) = (axes.along, Some("along the ray".into()));
+    if diagram.across.is_some() {
+        (diagram.across, diagram.meanings[1]) = (Some(axes.across), Some("across it".into()));
+    }
+    Story {
+        sighting,
+        camera,
+        diagram,
+    }
+    .told()
+    .into()
+}
+
+fn at_rest() -> InertialFrame<Rest> {
+    InertialFrame::new(crate::spacetime::Velocity::REST, Event::ORIGIN)
+}
+
+/// A diagram in which nothing is drawn.
+fn emptied(base: Diagram) -> Diagram {
+    let metres = base.unit.metres;
+    let mut unit = base.unit;
+    if unit.names.is_none() && metres == 1.0 {
+        unit.names = Some(["m", "m"]);
+    }
+    Diagram {
+        unit,
+        lines: Vec::new(),
+        events: Vec::new(),
+        cones: Vec::new(),
+        signals: Vec::new(),
+        slices: Vec::new(),
+        intervals: Vec::new(),
+        hyperbolae: Vec::new(),
+        sheets: Vec::new(),
+        regions: Vec::new(),
+        arrows: Vec::new(),
+        wedges: Vec::new(),
+        texts: Vec::new(),
+        ..base
+    }
+}
+
+/// Adds the frames of camera and object, without axes; gives the index of the camera's.
+fn frames(sighting: &Sighting, diagram: &mut Diagram) -> usize {
+    for frame in &mut diagram.frames {
+        frame.axes &= frame.name != "camera";
+    }
+    if let Some(met) = &sighting.met {
+        let frame = InertialFrame::new(met.velocity, met.emission);
+        add_frame(diagram, &met.name, frame);
+    }
+    let camera = &sighting.reception.frame;
+    let frame = InertialFrame::new(camera.velocity(), camera.origin());
+    if let Some(i) = diagram
+        .frames
+        .iter()
+        .position(|known| known.name == "camera")
+    {
+        diagram.frames[i].frame = frame;
+        return i;
+    }
+    add_frame(diagram, "camera", frame);
+    diagram.frames.len() - 1
+}
+
+fn add_frame(diagram: &mut Diagram, name: &str, frame: InertialFrame<Rest>) {
+    if diagram.frames.iter().any(|known| known.name == name) {
+        return;
+    }
+    diagram.frames.push(Reference {
+        name: name.into(),
+        frame,
+        axes: false,
+        grid: false,
+        ticks: None,
+        colour: None,
+    });
+}
+
+/// The directions of space of a diagram, in the coordinates of its frame.
+struct Axes {
+    along: DVec3,
+    across: DVec3,
+}
+
+impl Axes {
+    /// Along the ray, and across it to the side in which there is most to see: motion, or the way to a lamp.
+    fn new(sighting: &Sighting, view: &InertialFrame<Rest>) -> Axes {
+        let (d, _) = view.frame_from_world().direction(sighting.direction);
+        let along = d.unit();
+        let moving = |velocity: crate::spacetime::Velocity| {
+            let relative = velocity.relative_to(view.velocity()).ok();
+            relative.map_or(DVec3::ZERO, |v| v.rapidity())
+        };
+        let met = sighting.met.as_ref();
+        let way = |lamp: &Lamp| {
+            let to = lamp.left - sighting.far_end();
+            view.frame_from_world().displacement(to).x
+        };
+        let mut sides = vec![moving(sighting.reception.frame.velocity())];
+        sides.extend(met.map(|met| moving(met.velocity)));
+        sides.extend(met.iter().flat_map(|met| met.pulses.iter().map(way)));
+        sides.extend([along.cross(DVec3::Y), DVec3::X]);
+        let across = sides.into_iter().find_map(|side| part_across(along, side));
+        Axes {
+            along,
+            across: across.unwrap_or(DVec3::Z),
+        }
+    }
+}
+
+impl Sighting {
+    /// The far end of the ray: the emission, or where it is no longer followed.
+    pub fn far_end(&self) -> Event<World> {
+        match &self.met {
+            Some(met) => met.emission,
+            None => {
+                let step = Displacement::new(-self.index, self.direction.unit());
+                self.reception.pinhole + step * self.reach
+            }
+        }
+    }
+}
+
+/// What is drawn.
+struct Story<'a> {
+    sighting: &'a Sighting,
+    camera: usize,
+    diagram: Diagram,
+}
+
+impl Story<'_> {
+    fn told(mut self) -> Diagram {
+        let [column, row] = self.sighting.pixel;
+        let title = || format!("What pixel ({column}, {row}) sees");
+        self.diagram.title = self.diagram.title.take().or_else(|| Some(title()));
+        self.camera_and_ray();
+        match &self.sighting.met {
+            Some(met) => self.surface(met),
+            None => self.mark("far end", None, self.sighting.far_end(), false),
+        }
+        self.cone();
+        self.diagram
+    }
+
+    /// The distance of ticks of clocks, metres.
+    fn step(&self) -> f64 {
+        let way = self.sighting.reception.event - self.sighting.far_end();
+        let unit = self.diagram.unit.metres;
+        round_step(way.ct.abs().max(way.x.length()).max(f64::MIN_POSITIVE) / unit / TICKS) * unit
+    }
+
+    fn line(&mut self, name: &str, track: Track, colour: Colour, ticked: bool) {
+        let line = Line {
+            name: name.into(),
+            label: Some(settable(name)),
+            track,
+            ticks: ticked.then(|| self.step()),
+            numbers: ticked,
+            colour: Some(colour),
+        };
+        self.diagram.lines.push(line);
+    }
+
+    fn mark(&mut self, name: &str, label: Option<String>, event: Event<World>, dot: bool) {
+        self.diagram.events.push(Mark {
+            name: name.into(),
+            label,
+            event,
+            dot,
+        });
+    }
+
+    fn signal(&mut self, from: Event<World>, to: Event<World>, label: Option<String>) {
+        self.diagram.signals.push(Signal {
+            from,
+            to,
+            label,
+            colour: None,
+        });
+    }
+
+    /// "τ_name = time", with its unit.
+    fn clock(&self, name: &str, time: f64) -> String {
+        let unit = self.diagram.unit;
+        let time = number(time / unit.metres);
+        let unit = unit
+            .names
+            .map_or(String::new(), |[name, _]| format!(" {name}"));
+        format!("*τ*_{{{}}} = {time}{unit}", settable(name))
+    }
+
+    fn camera_and_ray(&mut self) {
+        let sighting = self.sighting;
+        let reception = sighting.reception;
+        self.line("camera", sighting.camera.clone(), Colour::Blue, true);
+        if let Some(element) = &sighting.element {
+            self.line("sensor", element.clone(), Colour::Sky, false);
+        }
+        let clock = self.clock("camera", reception.time);
+        self.mark(
+            "reception",
+            Some(format!("seen: {clock}")),
+            reception.event,
+            true,
+        );
+        if reception.pinhole != reception.event {
+            self.mark("pinhole", None, reception.pinhole, true);
+            self.signal(reception.pinhole, reception.event, None);
+        }
+        let nothing = sighting.met.is_none().then(|| "meets nothing".to_string());
+        self.signal(sighting.far_end(), reception.pinhole, nothing);
+    }
+
+    fn surface(&mut self, met: &Met) {
+        self.line(&met.name, met.track.clone(), Colour::Red, true);
+        let clock = self.clock(&met.name, met.time);
+        self.mark(
+            "emission",
+            Some(format!("emitted: {clock}")),
+            met.emission,
+            true,
+        );
+        self.nows(met);
+        for lamp in met.pulses.iter().take(MOST_PULSES) {
+            self.mark(&lamp.name, Some(settable(&lamp.name)), lamp.left, true);
+            self.signal(lamp.left, met.emission, None);
+        }
+    }
+
+    /// Where the surface is when it is seen.
+    fn nows(&mut self, met: &Met) {
+        let reception = self.sighting.reception.event;
+        let rests = self.sighting.reception.frame.velocity().is_rest();
+        let camera = if rests { "now" } else { "now, for the camera" };
+        let world = met.now_in_world.filter(|_| !rests);
+        let frames = [
+            (self.camera, met.now, camera, Colour::Blue),
+            (0, world, "now, in the world", Colour::Grey),
+        ];
+        for (frame, now, label, colour) in frames {
+            let Some(now) = now else { continue };
+            let mut slice = Slice {
+                frame,
+                kind: SliceKind::Simultaneity,
+                event: reception,
+                to: Some(now),
+                label: None,
+                colour: Some(colour),
+            };
+            self.mark(label, Some(label.into()), now, true);
+            self.diagram.slices.push(slice.clone());
+            if self.diagram.across.is_some() && frame == self.camera {
+                slice.to = None;
+                self.diagram.slices.push(slice);
+            }
+        }
+    }
+
+    /// All that can be seen at the reception is on its past light cone.
+    fn cone(&mut self) {
+        let view = self
+            .diagram
+            .views
+            .first()
+            .and_then(|i| self.diagram.frames.get(*i));
+        let frame = view.map_or_else(at_rest, |view| view.frame);
+        let way = self.sighting.reception.event - self.sighting.far_end();
+        let way = frame.frame_from_world().displacement(way);
+        let height = BEYOND * way.ct.max(way.x.length());
+        self.diagram.cones.push(Cone {
+            event: self.sighting.reception.event,
+            future: false,
+            past: true,
+            height: Some(height),
+            shade: true,
+        });
+    }
+}
+
+/// A name as a label; one that cannot be set is "object".
+fn settable(name: &str) -> String {
+    let label = escaped(name);
+    match RichText::parse(&label) {
+        Ok(_) => label,
+        Err(_) => "object".into(),
+    }
+}

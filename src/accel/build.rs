@@ -26,8 +26,8 @@ const PARAMETERS: BvhBuildParams = BvhBuildParams {
     reinsertion_batch_ratio: 0.1,
     post_collapse_reinsertion_batch_ratio_multiplier: 2.0,
     sort_precision: SortPrecision::U64,
-    max_prims_per_leaf: 2,
-    collapse_traversal_cost: 1.0,
+    max_prims_per_leaf: 4,
+    collapse_traversal_cost: 3.0,
 };
 
 impl Bvh {

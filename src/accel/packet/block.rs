@@ -26,7 +26,7 @@ use super::bundle::Bundle;
 use super::simd::Simd;
 use crate::accel::Hit;
 use crate::accel::slab::{Lattice, exponent, power_of_two};
-use crate::accel::triangle::{greater, norm1};
+use crate::accel::triangle::{greater, lesser, norm1};
 
 /// Rays of a block.
 pub(super) const RAYS: usize = 64;
@@ -178,44 +178,91 @@ impl Block {
         unit: f64,
         view: &mut View,
     ) -> Option<()> {
-        let start = rays.start(self.order[0] as usize);
-        let (mut lo, mut hi, mut farthest) = (start, start, 0.0f64);
-        for &ray in &self.order {
-            let start = rays.start(ray as usize);
-            (lo, hi) = (lo.min(start), hi.max(start));
-        }
-        let point = lo * 0.5 + hi * 0.5;
+        let mut starts = [[0.0; RAYS]; 3];
+        let mut directions = [[0.0; RAYS]; 3];
+        self.gather(k, rays, &mut starts, &mut directions);
+        let point = centre(&starts);
         view.point = lattice.place(point);
         // In this form also for NaN.
         if !(view.point.abs().max_element() <= FAR) {
             return None;
         }
-        let mut broken = 0.0;
-        for (lane, &ray) in self.order.iter().enumerate() {
-            let ray = ray as usize;
-            let offset = (rays.start(ray) - point) * lattice.scale;
-            let moment = offset.cross(rays.direction(ray) * unit);
-            let origin = (rays.origin(ray) - point) * lattice.scale;
-            let distance = norm1(origin);
-            farthest = greater(farthest, distance);
-            broken += (distance + norm1(offset) + norm1(moment)) * 0.0;
-            let mut axis = 0;
-            while axis < 3 {
-                self.offsets[axis][lane] = offset[axis] as f32;
-                self.moments[axis][lane] = moment[axis] as f32;
-                axis += 1;
-            }
-        }
-        view.moments = interval(k, &self.moments);
-        view.turn = greatest(&view.moments) * 1.001;
-        let offsets = interval(k, &self.offsets);
         let mut axis = 0;
+        while axis < 3 {
+            let (start, direction) = (&mut starts[axis], &mut directions[axis]);
+            for lane in 0..RAYS {
+                start[lane] = (start[lane] - point[axis]) * lattice.scale;
+                direction[lane] *= unit;
+                self.offsets[axis][lane] = start[lane] as f32;
+            }
+            axis += 1;
+        }
+        axis = 0;
+        while axis < 3 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            for lane in 0..RAYS {
+                let moment = starts[next][lane] * directions[last][lane]
+                    - starts[last][lane] * directions[next][lane];
+                self.moments[axis][lane] = moment as f32;
+            }
+            axis += 1;
+        }
+        let offsets = interval(k, &self.offsets);
+        axis = 0;
         while axis < 3 {
             view.offsets[axis] = greater32(-offsets[axis][0], offsets[axis][1]) * 1.001;
             axis += 1;
         }
-        view.farthest = farthest as f32 * 1.001;
-        (broken == 0.0 && farthest <= 2.0 * FAR).then_some(())
+        view.moments = interval(k, &self.moments);
+        view.turn = greatest(&view.moments) * 1.001;
+        view.farthest = view.offsets[0] + view.offsets[1] + view.offsets[2];
+        if rays.is_reversed() {
+            view.farthest = self.farthest(lattice, rays, point);
+        }
+        let size = f64::from(view.farthest);
+        (size + f64::from(view.turn) <= 4.0 * FAR && is_whole(k, &self.moments)).then_some(())
+    }
+
+    /// Starts and directions of the rays, axis by axis.
+    #[inline(always)]
+    fn gather<K: Simd, B: Bundle>(
+        &self,
+        k: K,
+        rays: B,
+        [xs, ys, zs]: &mut [[f64; RAYS]; 3],
+        [us, vs, ws]: &mut [[f64; RAYS]; 3],
+    ) {
+        match (rays.origins(), rays.directions()) {
+            (Some(origins), Some(directions)) if self.in_fours => {
+                let mut at = 0;
+                while at < RAYS {
+                    let ray = self.order[at] as usize;
+                    let (starts, directions) = (&origins[ray..ray + 4], &directions[ray..ray + 4]);
+                    k.split_vectors(starts, &mut xs[at..], &mut ys[at..], &mut zs[at..]);
+                    k.split_vectors(directions, &mut us[at..], &mut vs[at..], &mut ws[at..]);
+                    at += 4;
+                }
+            }
+            _ => {
+                for (lane, &ray) in self.order.iter().enumerate() {
+                    let (o, d) = (rays.start(ray as usize), rays.direction(ray as usize));
+                    (xs[lane], ys[lane], zs[lane]) = (o.x, o.y, o.z);
+                    (us[lane], vs[lane], ws[lane]) = (d.x, d.y, d.z);
+                }
+            }
+        }
+    }
+
+    /// How far from `point` rays start as given.
+    #[inline(always)]
+    fn farthest<B: Bundle>(&self, lattice: &Lattice, rays: B, point: DVec3) -> f32 {
+        let mut farthest = 0.0;
+        for &ray in &self.order {
+            let distance = norm1((rays.origin(ray as usize) - point) * lattice.scale);
+            // Infinite for NaN.
+            farthest = if distance <= farthest { farthest } else { distance };
+        }
+        farthest as f32 * 1.001
     }
 
     /// Least and greatest direction along each axis; none if they don't go together.
@@ -306,6 +353,45 @@ impl Block {
 #[inline(always)]
 fn upper(tau: f64) -> f32 {
     (tau * (1.0 + power_of_two(-22))) as f32
+}
+
+/// The middle of the box of points.
+#[inline(always)]
+fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
+    let mut centre = DVec3::ZERO;
+    let mut axis = 0;
+    while axis < 3 {
+        let (mut lo, mut hi) = ([points[axis][0]; 8], [points[axis][0]; 8]);
+        let mut first = 0;
+        while first < RAYS {
+            for i in 0..8 {
+                lo[i] = lesser(points[axis][first + i], lo[i]);
+                hi[i] = greater(points[axis][first + i], hi[i]);
+            }
+            first += 8;
+        }
+        for i in 1..8 {
+            (lo[0], hi[0]) = (lesser(lo[0], lo[i]), greater(hi[0], hi[i]));
+        }
+        centre[axis] = lo[0] * 0.5 + hi[0] * 0.5;
+        axis += 1;
+    }
+    centre
+}
+
+/// Whether all numbers are finite.
+#[inline(always)]
+fn is_whole<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> bool {
+    let zero = k.splat(0.0);
+    let mut broken = zero;
+    for numbers in vectors {
+        let mut first = 0;
+        while first < RAYS {
+            broken = k.mul_add(k.load(&numbers[first..]), zero, broken);
+            first += K::LANES;
+        }
+    }
+    k.le(broken, zero) == u32::MAX >> (32 - K::LANES)
 }
 
 /// Least and greatest along each axis.

@@ -15,6 +15,10 @@ pub(super) trait Bundle: Copy {
     fn is_reversed(&self) -> bool {
         false
     }
+    /// All starts in a row, if they are.
+    fn origins(&self) -> Option<&[DVec3]> {
+        None
+    }
     /// All directions in a row, if they are.
     fn directions(&self) -> Option<&[DVec3]>;
     /// Metres per unit of s.
@@ -83,6 +87,11 @@ impl Bundle for Sheaf<'_> {
     #[inline(always)]
     fn shared_origin(self) -> Option<DVec3> {
         None
+    }
+
+    #[inline(always)]
+    fn origins(&self) -> Option<&[DVec3]> {
+        Some(self.origins)
     }
 
     #[inline(always)]

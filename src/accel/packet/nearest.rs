@@ -47,7 +47,7 @@ impl<T: Tally, B: Bundle, const CERTIFIED: bool> Task for Nearest<'_, T, B, CERT
         descend(k, tree, &slabs, &view, self.stack, &mut quest);
         if CERTIFIED {
             let Workspace { block, numbers, .. } = &mut *self.space;
-            numbers.fill(self.bvh, self.rays, block);
+            numbers.fill(k, self.bvh, self.rays, block);
         }
     }
 }
@@ -170,6 +170,7 @@ impl<T: Tally, B: Bundle, const CERTIFIED: bool> Lookout<'_, T, B, CERTIFIED> {
         let before = k.le(known_near, far);
         let certain = candidates & steep & !before & facet.is_inside(&weights);
         if certain != 0 {
+            k.prefetch(&self.bvh.corners[slot as usize]);
             k.store(
                 &mut block.near[first..],
                 k.select(certain, near, known_near),

@@ -113,6 +113,25 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        let from: *const f64 = vectors.as_ptr().cast();
+        // SAFETY: as `splat`; four vectors are twelve f64 in a row, and x, y and z hold four each.
+        unsafe {
+            let a = _mm256_loadu_pd(from);
+            let b = _mm256_loadu_pd(from.add(4));
+            let c = _mm256_loadu_pd(from.add(8));
+            // As in `store_vectors`.
+            let xs = _mm256_blend_pd::<0b0010>(_mm256_blend_pd::<0b0100>(a, b), c);
+            let ys = _mm256_blend_pd::<0b0100>(_mm256_blend_pd::<0b1001>(a, b), c);
+            let zs = _mm256_blend_pd::<0b1001>(_mm256_blend_pd::<0b0010>(a, b), c);
+            _mm256_storeu_pd(x.as_mut_ptr(), _mm256_permute4x64_pd::<0b01_10_11_00>(xs));
+            _mm256_storeu_pd(y.as_mut_ptr(), _mm256_permute4x64_pd::<0b10_11_00_01>(ys));
+            _mm256_storeu_pd(z.as_mut_ptr(), _mm256_permute4x64_pd::<0b11_00_01_10>(zs));
+        }
+    }
+
+    #[inline(always)]
     fn store(self, to: &mut [f32], x: __m256) {
         let to = &mut to[..8];
         // SAFETY: as `splat`; `to` holds 8 numbers.

@@ -85,6 +85,11 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+        Avx2::of(self).split_vectors(vectors, x, y, z);
+    }
+
+    #[inline(always)]
     fn store(self, to: &mut [f32], x: __m512) {
         let to = &mut to[..16];
         // SAFETY: as `splat`; `to` holds 16 numbers.

@@ -69,6 +69,8 @@ pub(super) trait Simd: Copy {
         y: &mut [f32],
         z: &mut [f32],
     );
+    /// Stores four of `vectors` in the first places of x, y and z.
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]);
     /// Stores to the first lanes of `to`.
     fn store(self, to: &mut [f32], x: Self::F);
     /// Stores the lanes of `mask`.

@@ -68,6 +68,14 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        for (i, v) in vectors.iter().enumerate() {
+            (x[i], y[i], z[i]) = (v.x, v.y, v.z);
+        }
+    }
+
+    #[inline(always)]
     fn store(self, to: &mut [f32], x: Lanes) {
         to[..8].copy_from_slice(&x);
     }

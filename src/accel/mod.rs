@@ -8,8 +8,9 @@
 //!   to all triangles that share them, so closed meshes have no gaps;
 //! - of equal parameters the smaller id wins, and every parameter is a function of ray and triangle
 //!   alone: a hit depends neither on the tree nor on the order in which it is walked;
-//! - rays that share their origin go in packets of as many as the processor has lanes ([`Kernel`]), and
-//!   meet what they would meet singly, bit for bit;
+//! - rays that go nearly the same way, from one point or from points near one another, go in packets of as
+//!   many as the processor has lanes ([`Kernel`]), and meet what they would meet singly, bit for bit; so do
+//!   segments, of which only whether something blocks them is asked;
 //! - nothing depends on the scale or the place of the scene, or on the length of a direction.
 //!
 //! Limits: coordinates up to 2³⁰⁰ m; directions of length 2⁻⁵⁰⁰ to 2⁵⁰⁰; origins up to 2¹⁰⁰ scene
@@ -94,13 +95,14 @@ impl Bvh {
 
     /// An upper estimate of [`Bvh::bytes`] for so many triangles.
     ///
-    /// There are at most four wide nodes per seven triangles: those with fewer than eight children have
-    /// two leaves or more and nothing else. Meshes have a third of that.
+    /// Packs of meshes hold five triangles or so, and nodes seven packs; three and six are allowed for, and a node of
+    /// pairs for every second triangle.
     pub fn estimate_bytes(triangles: usize) -> usize {
-        let pairs = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>();
-        triangles
-            .saturating_mul(pairs + size_of::<Wide>() * 4 / 7)
-            .saturating_add(size_of::<Bvh>() + size_of::<Node>() + size_of::<Wide>())
+        let pairs = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>() / 2;
+        let wide = size_of::<Pack>() / 3 + size_of::<Wide>() / 18;
+        triangles.saturating_mul(pairs + wide).saturating_add(
+            size_of::<Bvh>() + size_of::<Node>() + size_of::<Wide>() + size_of::<Pack>(),
+        )
     }
 
     /// Least and greatest coordinates of the triangles that can be hit, metres.

@@ -260,7 +260,11 @@ impl Block {
         for &ray in &self.order {
             let distance = norm1((rays.origin(ray as usize) - point) * lattice.scale);
             // Infinite for NaN.
-            farthest = if distance <= farthest { farthest } else { distance };
+            farthest = if distance <= farthest {
+                farthest
+            } else {
+                distance
+            };
         }
         farthest as f32 * 1.001
     }

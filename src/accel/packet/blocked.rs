@@ -66,20 +66,50 @@ impl<T: Tally> Task for Blocked<'_, T> {
 /// The segments from where they are nearer to one another: their starts, or their ends.
 #[inline(always)]
 fn directed<'a>(segments: &'a [Segment], order: &[u32; RAYS]) -> Segments<'a> {
-    let (mut extent, mut reversed) = ([0.0; 2], false);
-    for (from, extent) in [false, true].into_iter().zip(&mut extent) {
-        reversed = from;
-        let rays = Segments { segments, reversed };
-        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for &ray in order {
-            let start = rays.start(ray as usize);
-            (lo, hi) = (lo.min(start), hi.max(start));
-        }
-        *extent = (hi - lo).max_element();
+    let forward = Segments {
+        segments,
+        reversed: false,
+    };
+    let backward = Segments {
+        segments,
+        reversed: true,
+    };
+    let (mut starts, mut ends) = (Extent::NONE, Extent::NONE);
+    for &ray in order {
+        starts.add(forward.start(ray as usize));
+        ends.add(backward.start(ray as usize));
     }
-    // Also where ends are at infinity, or not a number.
-    reversed &= extent[1] >= 0.0 && extent[1] < extent[0];
-    Segments { segments, reversed }
+    let (starts, ends) = (starts.size(), ends.size());
+    // Not where ends are at infinity, or not numbers.
+    if ends >= 0.0 && ends < starts {
+        backward
+    } else {
+        forward
+    }
+}
+
+/// A box of points.
+struct Extent {
+    lo: DVec3,
+    hi: DVec3,
+}
+
+impl Extent {
+    const NONE: Extent = Extent {
+        lo: DVec3::INFINITY,
+        hi: DVec3::NEG_INFINITY,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, point: DVec3) {
+        self.lo = self.lo.min(point);
+        self.hi = self.hi.max(point);
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        (self.hi - self.lo).max_element()
+    }
 }
 
 /// Sets between which τ each ray of the block is of interest, a little more than between its ends, and
@@ -96,7 +126,7 @@ fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
         };
         let (from, to) = (from * block.tau_from_s, to * block.tau_from_s);
         // In this form also for NaN.
-        broken |= !(ray.s_min >= 0.0 && from < f64::INFINITY && !to.is_nan());
+        broken |= !(ray.s_min >= 0.0 && ray.s_min < f64::INFINITY && *s_max > f64::NEG_INFINITY);
         block.near[lane] = (from * (1.0 - RELATIVE) - ABSOLUTE) as f32;
         let far = lesser(to + to.abs() * RELATIVE + ABSOLUTE, f64::from(f32::MAX));
         block.far[lane] = far as f32;

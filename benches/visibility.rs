@@ -1,7 +1,9 @@
-//! Coherent primary rays: closest hits by packets of each kernel, certified and fast, against single
-//! rays and against obvhs' own f32 traversal.
+//! Coherent rays by packets of each kernel, certified and fast, against single rays and against obvhs' own
+//! f32 traversal: closest hits from one point ("shared"), from a pinhole a thousandth of R wide ("pinhole":
+//! an origin for each ray), and whether anything stands between what the first hit and a lamp at
+//! c + (0.5, 0.8, 0.6) R ("shadow").
 //!
-//! All are measured in turn, one thread, best of several rounds; one line per case, precision and kernel
+//! All are measured in turn, one thread, best of several rounds; one line per case, kind of rays, precision and kernel
 //! is printed and written as JSON to `target/bench/visibility.jsonl`. Meshes: every `*.tri`
 //! (little-endian f32, nine per triangle) of the folder `NULLRAY_BENCH_MESHES`, else generated ones.
 //! `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use tiny sizes.
@@ -17,7 +19,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray, Segment};
 
 use common::{Peer, grid, meshes};
 
@@ -53,33 +55,37 @@ fn main() {
 
 /// A way to trace the rays of a camera.
 struct Case {
+    rays: &'static str,
     precision: &'static str,
     kernel: &'static str,
     trace: Box<dyn Fn(&Camera) -> usize>,
 }
 
 fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mut fs::File) {
-    let count = triangles.len();
+    let triangle_count = triangles.len();
     let (peer, peer_build) = Peer::build(&triangles);
     let begin = Instant::now();
     let bvh = Bvh::build(triangles, |_| Facing::TwoSided);
     let build = begin.elapsed();
-    let bytes = bvh.bytes() as f64 / count as f64;
+    let bytes = bvh.bytes() as f64 / triangle_count as f64;
     println!(
-        "{name}: {count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {peer_build:.2?})"
+        "{name}: {triangle_count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {peer_build:.2?})"
     );
     let cameras = [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)]
         .map(|(place, distance, width)| (place, Camera::new(&bvh, distance, width, size.image)));
     let cases = cases(bvh, peer);
     for (place, camera) in &cameras {
         for (case, best, hits) in measure(&cases, camera, size.rounds) {
-            let rate = camera.rays() as f64 / best.as_secs_f64() / 1e6;
-            let (precision, kernel) = (case.precision, case.kernel);
-            println!("  {name}/{place} {precision} {kernel}: {rate:.2} Mrays/s, {hits} hits");
+            let (rays, precision, kernel) = (case.rays, case.precision, case.kernel);
+            let count = camera.count(rays);
+            let rate = count as f64 / best.as_secs_f64() / 1e6;
+            println!(
+                "  {name}/{place} {rays} {precision} {kernel}: {rate:.2} Mrays/s, {hits} hits"
+            );
             let line = serde_json::json!({
-                "case": format!("{name}/{place}"), "precision": precision, "kernel": kernel,
+                "case": format!("{name}/{place}"), "rays": rays, "precision": precision, "kernel": kernel,
                 "threads": 1, "mrays_per_s": rate, "hits": hits,
-                "triangles": count, "rays": camera.rays(),
+                "triangles": triangle_count, "ray_count": count,
                 "bytes_per_triangle": bytes, "build_s": build.as_secs_f64(),
             });
             writeln!(report, "{line}").expect("report");
@@ -91,32 +97,37 @@ fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mu
 fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
     let bvh = std::rc::Rc::new(bvh);
     let mut cases = Vec::new();
-    let mut add = |precision, kernel, trace: Box<dyn Fn(&Camera) -> usize>| {
+    let mut add = |rays, precision, kernel, trace: Box<dyn Fn(&Camera) -> usize>| {
         cases.push(Case {
+            rays,
             precision,
             kernel,
             trace,
         });
     };
     for kernel in Kernel::ALL.into_iter().filter(|k| k.is_supported()) {
+        let name = kernel_name(kernel);
         for (precision, called) in [
             (Precision::Fast, "fast"),
             (Precision::Certified, "certified"),
         ] {
             if (kernel, precision) != (Kernel::Scalar, Precision::Fast) {
-                let (bvh, method) = (bvh.clone(), Method { kernel, precision });
-                let trace = move |camera: &Camera| trace_batches(&bvh, method, camera);
-                add(called, kernel_name(kernel), Box::new(trace));
+                let method = Method { kernel, precision };
+                let tree = bvh.clone();
+                let trace = move |camera: &Camera| trace_shared(&tree, method, camera);
+                add("shared", called, name, Box::new(trace));
+                let tree = bvh.clone();
+                let trace = move |camera: &Camera| trace_pinhole(&tree, method, camera);
+                add("pinhole", called, name, Box::new(trace));
             }
         }
+        let (tree, precision) = (bvh.clone(), Precision::Certified);
+        let method = Method { kernel, precision };
+        let trace = move |camera: &Camera| trace_shadows(&tree, method, camera);
+        add("shadow", "certified", name, Box::new(trace));
     }
-    add(
-        "certified",
-        "any",
-        Box::new(move |camera| trace_any(&bvh, camera)),
-    );
     let trace_peer = move |camera: &Camera| peer.trace(camera.origin, &camera.directions);
-    add("fast", "obvhs", Box::new(trace_peer));
+    add("shared", "fast", "obvhs", Box::new(trace_peer));
     cases
 }
 
@@ -143,59 +154,116 @@ fn measure<'a>(
             *best = begin.elapsed().min(*best);
         }
     }
-    let certified = results.iter().filter(|r| r.0.precision == "certified");
-    let mut counts: Vec<usize> = certified.map(|r| r.2).collect();
-    counts.dedup();
-    assert_eq!(counts.len(), 1, "certified hits agree: {counts:?}");
+    for rays in ["shared", "pinhole", "shadow"] {
+        let certified =
+            |r: &&(&Case, Duration, usize)| (r.0.rays, r.0.precision) == (rays, "certified");
+        let mut counts: Vec<usize> = results.iter().filter(certified).map(|r| r.2).collect();
+        counts.dedup();
+        assert_eq!(counts.len(), 1, "certified hits agree: {rays} {counts:?}");
+    }
     results
 }
 
-fn trace_batches(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
+fn trace_shared(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
+    let from = |_| Origins::Shared(camera.origin);
+    trace_batches(bvh, method, camera, from)
+}
+
+fn trace_pinhole(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
+    let from = |at| Origins::Each(&camera.pinhole[at..]);
+    trace_batches(bvh, method, camera, from)
+}
+
+fn trace_batches<'a>(
+    bvh: &Bvh,
+    method: Method,
+    camera: &Camera,
+    from: impl Fn(usize) -> Origins<'a>,
+) -> usize {
     let mut hits: [Option<Hit>; TILE * TILE];
     let mut count = 0;
-    for tile in camera.directions.chunks(TILE * TILE) {
+    for (at, tile) in camera.directions.chunks(TILE * TILE).enumerate() {
         hits = [None; TILE * TILE];
-        bvh.closest_by(method, camera.origin, tile, &mut hits[..tile.len()], |_| {
-            count += 1
-        });
+        let (from, entries) = (from(at * TILE * TILE), &mut hits[..tile.len()]);
+        bvh.closest_by(method, from, tile, entries, &mut NoTally, |_| count += 1);
         std::hint::black_box(&hits);
     }
     count
 }
 
-fn trace_any(bvh: &Bvh, camera: &Camera) -> usize {
-    let hit = |&d: &DVec3| bvh.any(&camera.ray(d), f64::INFINITY, None);
-    camera.directions.iter().filter(|d| hit(d)).count()
+fn trace_shadows(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
+    let mut count = 0;
+    for segments in &camera.shadows {
+        let mut blocked = [false; TILE * TILE];
+        let blocked = &mut blocked[..segments.len()];
+        bvh.any_by(method, segments, blocked, &mut NoTally);
+        count += blocked.iter().filter(|b| **b).count();
+    }
+    count
 }
 
 struct Camera {
     origin: DVec3,
     /// By tiles.
     directions: Vec<DVec3>,
+    /// For each direction where it leaves a pinhole.
+    pinhole: Vec<DVec3>,
+    /// From what is seen to a lamp, by tiles.
+    shadows: Vec<Vec<Segment>>,
 }
 
 impl Camera {
     fn new(bvh: &Bvh, distance: f64, half_width: f64, size: usize) -> Camera {
         let (lo, hi) = bvh.bounds().expect("a mesh");
-        let origin = (lo + hi) / 2.0 + DVec3::Z * (distance * (hi - lo).length() / 2.0);
+        let (centre, radius) = ((lo + hi) / 2.0, (hi - lo).length() / 2.0);
+        let origin = centre + DVec3::Z * (distance * radius);
         let pixel = |i: usize| ((i as f64 + 0.5) / size as f64 * 2.0 - 1.0) * half_width;
         let mut directions = Vec::with_capacity(size * size);
         for (y0, x0) in grid(size / TILE).map(|(y, x)| (y * TILE, x * TILE)) {
             let direction = |(y, x)| DVec3::new(pixel(x0 + x), -pixel(y0 + y), -1.0).normalize();
             directions.extend(grid(TILE).map(direction));
         }
-        Camera { origin, directions }
-    }
-
-    fn rays(&self) -> usize {
-        self.directions.len()
-    }
-
-    fn ray(&self, direction: DVec3) -> Ray {
-        Ray {
-            origin: self.origin,
-            direction,
-            s_min: 0.0,
+        let place = |d: &DVec3| origin + DVec3::new(d.x, d.y, 0.0) * (radius * 1e-3);
+        let lamp = centre + DVec3::new(0.5, 0.8, 0.6) * radius;
+        let tiles = directions.chunks(TILE * TILE);
+        Camera {
+            origin,
+            pinhole: directions.iter().map(place).collect(),
+            shadows: tiles.map(|tile| shadows(bvh, origin, tile, lamp)).collect(),
+            directions,
         }
     }
+
+    /// How many rays of this kind there are.
+    fn count(&self, rays: &str) -> usize {
+        match rays {
+            "shadow" => self.shadows.iter().map(Vec::len).sum(),
+            _ => self.directions.len(),
+        }
+    }
+}
+
+/// From what is seen along `directions` to `lamp`.
+fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segment> {
+    let mut hits = vec![None; directions.len()];
+    bvh.closest_each(eye, directions, &mut hits, |_| ());
+    let seen = directions
+        .iter()
+        .zip(hits)
+        .filter_map(|(d, hit)| Some((d, hit?)));
+    let shadow = |(d, hit): (&DVec3, Hit)| {
+        let origin = eye + *d * hit.s;
+        let direction = lamp - origin;
+        let ray = Ray {
+            origin,
+            direction,
+            s_min: 1e-12 * origin.length() / direction.length(),
+        };
+        Segment {
+            ray,
+            s_max: 1.0,
+            skip: Some(hit.triangle),
+        }
+    };
+    seen.map(shadow).collect()
 }

@@ -4,6 +4,8 @@ mod brute_force;
 mod cases;
 mod closed;
 mod common;
+mod own_origins;
 mod packets;
 mod reference;
+mod segments;
 mod watertight;

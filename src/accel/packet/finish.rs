@@ -6,8 +6,9 @@
 
 use glam::DVec3;
 
-use super::Batch;
 use super::block::{Block, NONE, RAYS};
+use super::bundle::Bundle;
+use super::simd::Simd;
 use crate::accel::Bvh;
 use crate::accel::triangle::{GRAZING, Line, greater, lesser, norm1};
 
@@ -34,26 +35,26 @@ impl Numbers {
 
     /// Works out all hits of `block`.
     #[inline(always)]
-    pub fn fill(&mut self, bvh: &Bvh, batch: Batch, block: &Block) {
-        let Batch { origin, directions } = batch;
+    pub fn fill<K: Simd, B: Bundle>(&mut self, k: K, bvh: &Bvh, rays: B, block: &Block) {
         let mut first = 0;
         while first < RAYS {
-            let mut met = None;
-            let mut same = true;
-            for &slot in &block.slots[first..first + GROUP] {
+            let slots = &block.slots[first..first + GROUP];
+            let (mut met, mut same) = (NONE, true);
+            for &slot in slots {
                 if slot != NONE {
-                    same &= met.is_none_or(|known| known == slot);
-                    met = Some(slot);
+                    same &= met == NONE || met == slot;
+                    met = slot;
                 }
             }
-            if let Some(slot) = met {
-                let mut group = Group::aimed(directions, &block.order[first..first + GROUP]);
+            if met != NONE {
+                let order = &block.order[first..first + GROUP];
+                let mut group = Group::aimed(k, rays, order, block.in_fours);
                 if same {
-                    group.spread(&bvh.corners[slot as usize]);
+                    self.meet_one::<B>(&group, &bvh.corners[met as usize], first);
                 } else {
-                    group.collect(bvh, &block.slots[first..first + GROUP], slot);
+                    group.collect(bvh, slots, met);
+                    self.meet_each::<B>(&group, first);
                 }
-                self.meet(&group, origin, first);
             }
             first += GROUP;
         }
@@ -74,40 +75,65 @@ impl Numbers {
 
     /// Where the lines meet the triangles.
     #[inline(always)]
-    fn meet(&mut self, group: &Group, origin: DVec3, first: usize) {
-        let end = first + GROUP;
-        let (s, u) = (&mut self.s[first..end], &mut self.u[first..end]);
-        let (v, deltas) = (&mut self.v[first..end], &mut self.delta[first..end]);
+    fn meet_each<B: Bundle>(&mut self, group: &Group, first: usize) {
         for i in 0..GROUP {
-            let d = group.direction(i);
-            let (c0, c1, c2) = (group.corner(0, i), group.corner(3, i), group.corner(6, i));
-            let a = c0 - origin;
-            let e1 = c1 - c0;
-            let e2 = c2 - c0;
-            let n = e1.cross(e2);
-            let r = a.cross(d);
-            let delta = n.dot(d);
-            let ru = r.dot(e2);
-            let rv = -r.dot(e1);
-            let rw = delta - ru - rv;
-            let length = norm1(e1) + norm1(e2);
-            let bound = Line::bound(norm1(a), length);
-            let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
-            let plain =
-                ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
-            let inverse = 1.0 / delta;
-            s[i] = n.dot(a) / delta * group.unit[i];
-            u[i] = ru * inverse;
-            v[i] = rv * inverse;
-            deltas[i] = if plain { delta } else { 0.0 };
+            let origin = group.origin(if B::OWN { i } else { 0 });
+            let corners = [group.corner(0, i), group.corner(3, i), group.corner(6, i)];
+            let met = meet(origin, group.direction(i), corners);
+            self.set(first + i, met, group.unit[i]);
         }
     }
+
+    /// Where all meet one triangle.
+    #[inline(always)]
+    fn meet_one<B: Bundle>(&mut self, group: &Group, corners: &[DVec3; 3], first: usize) {
+        for i in 0..GROUP {
+            let origin = group.origin(if B::OWN { i } else { 0 });
+            let met = meet(origin, group.direction(i), *corners);
+            self.set(first + i, met, group.unit[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, [s, u, v, delta]: [f64; 4], unit: f64) {
+        self.s[lane] = s * unit;
+        self.u[lane] = u;
+        self.v[lane] = v;
+        self.delta[lane] = delta;
+    }
+}
+
+/// s, u, v and n·d, which is 0 where single rays are to be asked.
+#[inline(always)]
+fn meet(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
+    let a = c0 - origin;
+    let e1 = c1 - c0;
+    let e2 = c2 - c0;
+    let n = e1.cross(e2);
+    let r = a.cross(d);
+    let delta = n.dot(d);
+    let ru = r.dot(e2);
+    let rv = -r.dot(e1);
+    let rw = delta - ru - rv;
+    let length = norm1(e1) + norm1(e2);
+    let bound = Line::bound(norm1(a), length);
+    let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
+    let plain = ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
+    let inverse = 1.0 / delta;
+    let s = n.dot(a) / delta;
+    [
+        s,
+        ru * inverse,
+        rv * inverse,
+        if plain { delta } else { 0.0 },
+    ]
 }
 
 /// Rays and triangles, one pair per lane.
 #[repr(C, align(64))]
 struct Group {
     directions: [[f64; GROUP]; 3],
+    origins: [[f64; GROUP]; 3],
     /// s of the ray is so many times s of the line.
     unit: [f64; GROUP],
     /// Coordinates of the first corner, of the second and of the third.
@@ -117,18 +143,38 @@ struct Group {
 impl Group {
     /// Rays with directions of usual size; `Probe` scales them likewise.
     #[inline(always)]
-    fn aimed(directions: &[DVec3], order: &[u32]) -> Group {
+    fn aimed<K: Simd, B: Bundle>(k: K, rays: B, order: &[u32], in_fours: bool) -> Group {
         let mut group = Group {
             directions: [[0.0; GROUP]; 3],
+            origins: [[0.0; GROUP]; 3],
             unit: [0.0; GROUP],
             corners: [[0.0; GROUP]; 9],
         };
         let order = &order[..GROUP];
-        for i in 0..GROUP {
-            let d = directions[order[i] as usize];
-            group.directions[0][i] = d.x;
-            group.directions[1][i] = d.y;
-            group.directions[2][i] = d.z;
+        let [x, y, z] = &mut group.directions;
+        match rays.directions() {
+            Some(directions) if in_fours => {
+                let mut i = 0;
+                while i < GROUP {
+                    let ray = order[i] as usize;
+                    let four = &directions[ray..ray + 4];
+                    k.split_vectors(four, &mut x[i..], &mut y[i..], &mut z[i..]);
+                    i += 4;
+                }
+            }
+            _ => {
+                for i in 0..GROUP {
+                    let d = rays.direction(order[i] as usize);
+                    (x[i], y[i], z[i]) = (d.x, d.y, d.z);
+                }
+            }
+        }
+        let places = if B::OWN { GROUP } else { 1 };
+        for i in 0..places {
+            let origin = rays.origin(order[i] as usize);
+            group.origins[0][i] = origin.x;
+            group.origins[1][i] = origin.y;
+            group.origins[2][i] = origin.z;
         }
         let [x, y, z] = &mut group.directions;
         for i in 0..GROUP {
@@ -141,14 +187,6 @@ impl Group {
             z[i] *= unit;
         }
         group
-    }
-
-    /// One triangle in all lanes.
-    #[inline(always)]
-    fn spread(&mut self, corners: &[DVec3; 3]) {
-        for i in 0..GROUP {
-            self.set_corners(i, corners);
-        }
     }
 
     /// The triangle of each lane, or that in slot `instead`.
@@ -176,6 +214,12 @@ impl Group {
     #[inline(always)]
     fn direction(&self, i: usize) -> DVec3 {
         let [x, y, z] = &self.directions;
+        DVec3::new(x[i], y[i], z[i])
+    }
+
+    #[inline(always)]
+    fn origin(&self, i: usize) -> DVec3 {
+        let [x, y, z] = &self.origins;
         DVec3::new(x[i], y[i], z[i])
     }
 

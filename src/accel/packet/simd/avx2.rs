@@ -62,12 +62,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch(self, corners: &[DVec3; 3]) {
-        let first: *const i8 = std::ptr::from_ref(corners).cast();
-        // SAFETY: prefetching reads nothing, and both ends of `corners` are in it.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<[DVec3; 3]>() - 1));
+    fn prefetch<T>(self, what: &T) {
+        let first: *const i8 = std::ptr::from_ref(what).cast();
+        let mut at = 0;
+        while at < size_of::<T>() {
+            // SAFETY: prefetching reads nothing, and `at` is within `what`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            at += 64;
         }
     }
 
@@ -108,6 +109,25 @@ impl Simd for Avx2 {
             _mm_storeu_ps(x.as_mut_ptr(), _mm_permute_ps::<0b01_10_11_00>(xs));
             _mm_storeu_ps(y.as_mut_ptr(), _mm_permute_ps::<0b10_11_00_01>(ys));
             _mm_storeu_ps(z.as_mut_ptr(), _mm_permute_ps::<0b11_00_01_10>(zs));
+        }
+    }
+
+    #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        let from: *const f64 = vectors.as_ptr().cast();
+        // SAFETY: as `splat`; four vectors are twelve f64 in a row, and x, y and z hold four each.
+        unsafe {
+            let a = _mm256_loadu_pd(from);
+            let b = _mm256_loadu_pd(from.add(4));
+            let c = _mm256_loadu_pd(from.add(8));
+            // As in `store_vectors`.
+            let xs = _mm256_blend_pd::<0b0010>(_mm256_blend_pd::<0b0100>(a, b), c);
+            let ys = _mm256_blend_pd::<0b0100>(_mm256_blend_pd::<0b1001>(a, b), c);
+            let zs = _mm256_blend_pd::<0b1001>(_mm256_blend_pd::<0b0010>(a, b), c);
+            _mm256_storeu_pd(x.as_mut_ptr(), _mm256_permute4x64_pd::<0b01_10_11_00>(xs));
+            _mm256_storeu_pd(y.as_mut_ptr(), _mm256_permute4x64_pd::<0b10_11_00_01>(ys));
+            _mm256_storeu_pd(z.as_mut_ptr(), _mm256_permute4x64_pd::<0b11_00_01_10>(zs));
         }
     }
 
@@ -184,6 +204,24 @@ impl Simd for Avx2 {
     fn mul_add(self, x: __m256, y: __m256, z: __m256) -> __m256 {
         // SAFETY: as `splat`.
         unsafe { _mm256_fmadd_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, x: __m256, y: __m256, z: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_fmsub_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn abs(self, x: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
+    }
+
+    #[inline(always)]
+    fn flip(self, x: __m256, by: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_xor_ps(x, _mm256_and_ps(by, _mm256_set1_ps(-0.0))) }
     }
 
     #[inline(always)]

@@ -36,7 +36,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn prefetch(self, _: &[DVec3; 3]) {}
+    fn prefetch<T>(self, _: &T) {}
 
     #[inline(always)]
     fn splat(self, x: f32) -> Lanes {
@@ -64,6 +64,14 @@ impl Simd for Portable {
             x[i] = (v.x * scale) as f32;
             y[i] = (v.y * scale) as f32;
             z[i] = (v.z * scale) as f32;
+        }
+    }
+
+    #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        for (i, v) in vectors.iter().enumerate() {
+            (x[i], y[i], z[i]) = (v.x, v.y, v.z);
         }
     }
 
@@ -116,6 +124,24 @@ impl Simd for Portable {
     #[inline(always)]
     fn mul_add(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
         std::array::from_fn(|i| x[i] * y[i] + z[i])
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
+        std::array::from_fn(|i| x[i] * y[i] - z[i])
+    }
+
+    #[inline(always)]
+    fn abs(self, x: Lanes) -> Lanes {
+        x.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn flip(self, x: Lanes, by: Lanes) -> Lanes {
+        const SIGN: u32 = 1 << 31;
+        each(x, by, |x, by| {
+            f32::from_bits(x.to_bits() ^ (by.to_bits() & SIGN))
+        })
     }
 
     #[inline(always)]

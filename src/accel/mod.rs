@@ -27,6 +27,7 @@ mod wide;
 
 use glam::DVec3;
 
+pub use build::Preset;
 pub use packet::{Kernel, Method, Precision};
 
 use query::{Any, Closest, Probe, Tag};

@@ -1,0 +1,1 @@
+//! Where f64 ends.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::query::Tag;
-use super::slab::{Lattice, Link, Node, power_of_two};
+use super::slab::{Lattice, Link, Node};
 use super::wide::collapse;
 use super::{Bvh, Facing};
 
@@ -114,7 +114,7 @@ fn solid_triangles(triangles: &[[DVec3; 3]]) -> Vec<u32> {
 }
 
 fn is_in_range(corners: &[DVec3; 3]) -> bool {
-    let limit = DVec3::splat(power_of_two(300));
+    let limit = DVec3::splat(Bvh::MAX_COORDINATE);
     // False for NaN.
     corners.iter().all(|c| c.abs().cmple(limit).all())
 }

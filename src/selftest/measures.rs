@@ -57,8 +57,8 @@ fn vector(numbers: &[f64]) -> DVec3 {
     DVec3::new(numbers[0], numbers[1], numbers[2])
 }
 
-fn distance(got: DVec3, reference: &[Fine]) -> f64 {
-    DVec3::from_array([0, 1, 2].map(|i| reference[i].error(got[i]))).length()
+fn difference(got: DVec3, reference: &[Fine]) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|i| reference[i].error(got[i])))
 }
 
 /// Infinite where there is no number.
@@ -92,7 +92,7 @@ impl Look {
 pub(super) fn aberration(inputs: &[f64], reference: &[Fine]) -> f64 {
     or_infinite(Look::new(inputs).map(|look| {
         let condition = 1.0 + look.rapidity() + 1.0 / reference[3].value;
-        distance(look.d, reference) / (EPS * condition)
+        difference(look.d, reference).length() / (EPS * condition)
     }))
 }
 
@@ -110,9 +110,12 @@ pub(super) fn wavelength(inputs: &[f64], reference: &[Fine]) -> f64 {
 
 /// w, d′ → d, W: by how many pixels the picture is wrong there.
 pub(super) fn picture(inputs: &[f64], reference: &[Fine]) -> f64 {
-    or_infinite(
-        Look::new(inputs).map(|look| distance(look.d, reference) * reference[3].value / PIXEL),
-    )
+    or_infinite(Look::new(inputs).map(|look| {
+        let error = difference(look.d, reference);
+        // What is along d itself moves nothing.
+        let aside = error - look.d * look.d.dot(error);
+        aside.length() * reference[3].value / PIXEL
+    }))
 }
 
 /// w, t, x → t′, x′: the error over eps (1 + φ) of the sum of a component's terms.

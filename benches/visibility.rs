@@ -17,12 +17,9 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision};
 
-use common::{Peer, grid, meshes};
-
-/// Rays per batch: a tile of 16 × 16 pixels, as in images.
-const TILE: usize = 16;
+use common::{Camera, Peer, TILE, meshes};
 
 struct Size {
     image: usize,
@@ -166,36 +163,4 @@ fn trace_batches(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
 fn trace_any(bvh: &Bvh, camera: &Camera) -> usize {
     let hit = |&d: &DVec3| bvh.any(&camera.ray(d), f64::INFINITY, None);
     camera.directions.iter().filter(|d| hit(d)).count()
-}
-
-struct Camera {
-    origin: DVec3,
-    /// By tiles.
-    directions: Vec<DVec3>,
-}
-
-impl Camera {
-    fn new(bvh: &Bvh, distance: f64, half_width: f64, size: usize) -> Camera {
-        let (lo, hi) = bvh.bounds().expect("a mesh");
-        let origin = (lo + hi) / 2.0 + DVec3::Z * (distance * (hi - lo).length() / 2.0);
-        let pixel = |i: usize| ((i as f64 + 0.5) / size as f64 * 2.0 - 1.0) * half_width;
-        let mut directions = Vec::with_capacity(size * size);
-        for (y0, x0) in grid(size / TILE).map(|(y, x)| (y * TILE, x * TILE)) {
-            let direction = |(y, x)| DVec3::new(pixel(x0 + x), -pixel(y0 + y), -1.0).normalize();
-            directions.extend(grid(TILE).map(direction));
-        }
-        Camera { origin, directions }
-    }
-
-    fn rays(&self) -> usize {
-        self.directions.len()
-    }
-
-    fn ray(&self, direction: DVec3) -> Ray {
-        Ray {
-            origin: self.origin,
-            direction,
-            s_min: 0.0,
-        }
-    }
 }

@@ -11,6 +11,7 @@ mod reference;
 mod refused;
 mod render;
 mod resume;
+mod selftest;
 mod sheet;
 
 use std::fs;

@@ -6,6 +6,7 @@
 //! worst errors is held against what is measured.
 
 mod cases;
+#[allow(dead_code)] // errors are measured by the self-test
 #[path = "../common/exact.rs"]
 mod exact;
 mod limits;

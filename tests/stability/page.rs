@@ -26,6 +26,10 @@ fn row_of(check: &Check, worst: &str) -> String {
         bound,
         ..
     } = check;
+    let bound = match *bound {
+        x if x > 0.0 && x < 0.01 => format!("{x:e}"),
+        x => x.to_string(),
+    };
     format!("| `{name}` | {what} | {unit} | {bound} | {worst} |")
 }
 

@@ -21,10 +21,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray, Segment};
 
-use common::{Peer, grid, meshes};
-
-/// Rays per batch: a tile of 16 × 16 pixels, as in images.
-const TILE: usize = 16;
+use common::{Camera, Peer, TILE, meshes};
 
 struct Size {
     image: usize,
@@ -58,7 +55,7 @@ struct Case {
     rays: &'static str,
     precision: &'static str,
     kernel: &'static str,
-    trace: Box<dyn Fn(&Camera) -> usize>,
+    trace: Box<dyn Fn(&Shots) -> usize>,
 }
 
 fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mut fs::File) {
@@ -71,13 +68,13 @@ fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mu
     println!(
         "{name}: {triangle_count} triangles, {bytes:.1} bytes each, built in {build:.2?} (obvhs alone {peer_build:.2?})"
     );
-    let cameras = [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)]
-        .map(|(place, distance, width)| (place, Camera::new(&bvh, distance, width, size.image)));
+    let places = [("outside", 2.2, 0.5), ("inside", 0.3, 0.7)]
+        .map(|(place, distance, width)| (place, Shots::new(&bvh, distance, width, size.image)));
     let cases = cases(bvh, peer);
-    for (place, camera) in &cameras {
-        for (case, best, hits) in measure(&cases, camera, size.rounds) {
+    for (place, shots) in &places {
+        for (case, best, hits) in measure(&cases, shots, size.rounds) {
             let (rays, precision, kernel) = (case.rays, case.precision, case.kernel);
-            let count = camera.count(rays);
+            let count = shots.count(rays);
             let rate = count as f64 / best.as_secs_f64() / 1e6;
             println!(
                 "  {name}/{place} {rays} {precision} {kernel}: {rate:.2} Mrays/s, {hits} hits"
@@ -97,7 +94,7 @@ fn measure_mesh(name: &str, triangles: Vec<[DVec3; 3]>, size: &Size, report: &mu
 fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
     let bvh = std::rc::Rc::new(bvh);
     let mut cases = Vec::new();
-    let mut add = |rays, precision, kernel, trace: Box<dyn Fn(&Camera) -> usize>| {
+    let mut add = |rays, precision, kernel, trace: Box<dyn Fn(&Shots) -> usize>| {
         cases.push(Case {
             rays,
             precision,
@@ -114,19 +111,19 @@ fn cases(bvh: Bvh, peer: Peer) -> Vec<Case> {
             if (kernel, precision) != (Kernel::Scalar, Precision::Fast) {
                 let method = Method { kernel, precision };
                 let tree = bvh.clone();
-                let trace = move |camera: &Camera| trace_shared(&tree, method, camera);
+                let trace = move |shots: &Shots| trace_shared(&tree, method, shots);
                 add("shared", called, name, Box::new(trace));
                 let tree = bvh.clone();
-                let trace = move |camera: &Camera| trace_pinhole(&tree, method, camera);
+                let trace = move |shots: &Shots| trace_pinhole(&tree, method, shots);
                 add("pinhole", called, name, Box::new(trace));
             }
         }
         let (tree, precision) = (bvh.clone(), Precision::Certified);
         let method = Method { kernel, precision };
-        let trace = move |camera: &Camera| trace_shadows(&tree, method, camera);
+        let trace = move |shots: &Shots| trace_shadows(&tree, method, shots);
         add("shadow", "certified", name, Box::new(trace));
     }
-    let trace_peer = move |camera: &Camera| peer.trace(camera.origin, &camera.directions);
+    let trace_peer = move |shots: &Shots| peer.trace(shots.camera.origin, &shots.camera.directions);
     add("shared", "fast", "obvhs", Box::new(trace_peer));
     cases
 }
@@ -143,14 +140,14 @@ fn kernel_name(kernel: Kernel) -> &'static str {
 /// The best time of each case, and how many rays hit.
 fn measure<'a>(
     cases: &'a [Case],
-    camera: &Camera,
+    shots: &Shots,
     rounds: usize,
 ) -> Vec<(&'a Case, Duration, usize)> {
     let mut results: Vec<_> = cases.iter().map(|c| (c, Duration::MAX, 0)).collect();
     for _ in 0..rounds {
         for (case, best, hits) in &mut results {
             let begin = Instant::now();
-            *hits = (case.trace)(camera);
+            *hits = (case.trace)(shots);
             *best = begin.elapsed().min(*best);
         }
     }
@@ -164,25 +161,25 @@ fn measure<'a>(
     results
 }
 
-fn trace_shared(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
-    let from = |_| Origins::Shared(camera.origin);
-    trace_batches(bvh, method, camera, from)
+fn trace_shared(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
+    let from = |_| Origins::Shared(shots.camera.origin);
+    trace_batches(bvh, method, shots, from)
 }
 
-fn trace_pinhole(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
-    let from = |at| Origins::Each(&camera.pinhole[at..]);
-    trace_batches(bvh, method, camera, from)
+fn trace_pinhole(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
+    let from = |at| Origins::Each(&shots.pinhole[at..]);
+    trace_batches(bvh, method, shots, from)
 }
 
 fn trace_batches<'a>(
     bvh: &Bvh,
     method: Method,
-    camera: &Camera,
+    shots: &Shots,
     from: impl Fn(usize) -> Origins<'a>,
 ) -> usize {
     let mut hits: [Option<Hit>; TILE * TILE];
     let mut count = 0;
-    for (at, tile) in camera.directions.chunks(TILE * TILE).enumerate() {
+    for (at, tile) in shots.camera.directions.chunks(TILE * TILE).enumerate() {
         hits = [None; TILE * TILE];
         let (from, entries) = (from(at * TILE * TILE), &mut hits[..tile.len()]);
         bvh.closest_by(method, from, tile, entries, &mut NoTally, |_| count += 1);
@@ -191,9 +188,9 @@ fn trace_batches<'a>(
     count
 }
 
-fn trace_shadows(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
+fn trace_shadows(bvh: &Bvh, method: Method, shots: &Shots) -> usize {
     let mut count = 0;
-    for segments in &camera.shadows {
+    for segments in &shots.shadows {
         let mut blocked = [false; TILE * TILE];
         let blocked = &mut blocked[..segments.len()];
         bvh.any_by(method, segments, blocked, &mut NoTally);
@@ -202,35 +199,28 @@ fn trace_shadows(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
     count
 }
 
-struct Camera {
-    origin: DVec3,
-    /// By tiles.
-    directions: Vec<DVec3>,
+/// Rays of each kind.
+struct Shots {
+    camera: Camera,
     /// For each direction where it leaves a pinhole.
     pinhole: Vec<DVec3>,
     /// From what is seen to a lamp, by tiles.
     shadows: Vec<Vec<Segment>>,
 }
 
-impl Camera {
-    fn new(bvh: &Bvh, distance: f64, half_width: f64, size: usize) -> Camera {
+impl Shots {
+    fn new(bvh: &Bvh, distance: f64, half_width: f64, size: usize) -> Shots {
+        let camera = Camera::new(bvh, distance, half_width, size);
         let (lo, hi) = bvh.bounds().expect("a mesh");
         let (centre, radius) = ((lo + hi) / 2.0, (hi - lo).length() / 2.0);
-        let origin = centre + DVec3::Z * (distance * radius);
-        let pixel = |i: usize| ((i as f64 + 0.5) / size as f64 * 2.0 - 1.0) * half_width;
-        let mut directions = Vec::with_capacity(size * size);
-        for (y0, x0) in grid(size / TILE).map(|(y, x)| (y * TILE, x * TILE)) {
-            let direction = |(y, x)| DVec3::new(pixel(x0 + x), -pixel(y0 + y), -1.0).normalize();
-            directions.extend(grid(TILE).map(direction));
-        }
-        let place = |d: &DVec3| origin + DVec3::new(d.x, d.y, 0.0) * (radius * 1e-3);
+        let place = |d: &DVec3| camera.origin + DVec3::new(d.x, d.y, 0.0) * (radius * 1e-3);
         let lamp = centre + DVec3::new(0.5, 0.8, 0.6) * radius;
-        let tiles = directions.chunks(TILE * TILE);
-        Camera {
-            origin,
-            pinhole: directions.iter().map(place).collect(),
-            shadows: tiles.map(|tile| shadows(bvh, origin, tile, lamp)).collect(),
-            directions,
+        let tiles = camera.directions.chunks(TILE * TILE);
+        let tiles = tiles.map(|tile| shadows(bvh, camera.origin, tile, lamp));
+        Shots {
+            pinhole: camera.directions.iter().map(place).collect(),
+            shadows: tiles.collect(),
+            camera,
         }
     }
 
@@ -238,7 +228,7 @@ impl Camera {
     fn count(&self, rays: &str) -> usize {
         match rays {
             "shadow" => self.shadows.iter().map(Vec::len).sum(),
-            _ => self.directions.len(),
+            _ => self.camera.rays(),
         }
     }
 }

@@ -64,6 +64,7 @@ pub mod progress;
 pub mod render;
 pub mod sampler;
 pub mod scene;
+pub mod selftest;
 pub mod shapes;
 pub mod sheet;
 pub mod sighting;

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use nullray::import::gltf::{self, Imported, Want};
 use nullray::mesh::{Mesh, Wrap};
+use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    bad_vertices: BadVertices::Refuse,
 };
 
 fn valid(file: &str) -> PathBuf {
@@ -197,10 +199,7 @@ fn a_primitive_without_coordinates_has_none_among_those_that_have() {
 
 #[test]
 fn only_the_sets_that_textures_need_are_read_unless_all_are_wanted() {
-    let want = Want {
-        uvs: false,
-        textures: true,
-    };
+    let want = Want { uvs: false, ..ALL };
     let mesh = gltf::load(&valid("textured.glb"), None, want).unwrap().mesh;
     let read: Vec<bool> = mesh.uvs.iter().map(|set| !set.is_empty()).collect();
     // Sets 0 and 1, and the transformed coordinates after them.

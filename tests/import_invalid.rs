@@ -7,12 +7,14 @@ use std::path::Path;
 use miette::Diagnostic;
 use nullray::import::gltf::{self, Want};
 use nullray::import::npy;
+use nullray::scene::model::BadVertices;
 use nullray::{Error, Result};
 
 const DIRECTORY: &str = "tests/data/invalid";
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    bad_vertices: BadVertices::Refuse,
 };
 
 /// A row of the README's table.
@@ -155,7 +157,11 @@ fn what_is_not_wanted_is_not_read() {
         gltf::load(
             &Path::new(DIRECTORY).join(file),
             None,
-            Want { uvs, textures },
+            Want {
+                uvs,
+                textures,
+                ..ALL
+            },
         )
     };
     let plain = load("uv-nan.glb", false, false).unwrap();

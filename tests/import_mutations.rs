@@ -3,10 +3,12 @@
 
 use nullray::import::gltf::{self, Want};
 use nullray::import::npy;
+use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    bad_vertices: BadVertices::Refuse,
 };
 
 fn valid(file: &str) -> Vec<u8> {

@@ -58,8 +58,8 @@ fn patch(n: usize, point: impl Fn(f64, f64) -> DVec3) -> Vec<[DVec3; 3]> {
     grid(n).flat_map(quad).collect()
 }
 
-/// A unit sphere: the faces of a cube, blown up.
-fn sphere(detail: usize) -> Vec<[DVec3; 3]> {
+/// A unit sphere: the faces of a cube, blown up; 3 · `detail`² triangles.
+pub fn sphere(detail: usize) -> Vec<[DVec3; 3]> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let face = |i: usize, side: f64| {
         let (n, a, b) = (axes[i % 3], axes[(i + 1) % 3], axes[(i + 2) % 3]);

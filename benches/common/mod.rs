@@ -1,12 +1,18 @@
 //! What the benchmarks share.
 
+#![allow(dead_code, unused_imports)] // each uses a part of it
+
+mod camera;
 mod meshes;
 mod peer;
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-pub use meshes::meshes;
+pub use camera::{Camera, TILE};
+pub use meshes::{meshes, sphere};
 pub use peer::Peer;
 
 /// Whether to run tiny sizes only: `--smoke`, `NULLRAY_BENCH_SMOKE=1`, `cargo test --benches`.
@@ -24,6 +30,28 @@ pub fn report_file(name: &str) -> fs::File {
     let folder = target.join("bench");
     fs::create_dir_all(&folder).expect("target/bench");
     fs::File::create(folder.join(name).with_extension("jsonl")).expect("report")
+}
+
+/// The least of `rounds` times that `work` takes, seconds.
+pub fn best_of(rounds: usize, mut work: impl FnMut()) -> f64 {
+    let time = |_| {
+        let begin = Instant::now();
+        work();
+        begin.elapsed().as_secs_f64()
+    };
+    (0..rounds).map(time).fold(f64::INFINITY, f64::min)
+}
+
+/// Writes a line of a report, and prints it.
+pub fn report(file: &mut fs::File, line: &serde_json::Value) {
+    println!("{line}");
+    writeln!(file, "{line}").expect("report");
+}
+
+/// Runs `work` on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().expect("threads").install(work)
 }
 
 /// The cells of an `n` × `n` grid, row by row.

@@ -16,19 +16,43 @@ use super::slab::{Lattice, Link, Node, power_of_two};
 use super::wide::{Pairs, WideTree};
 use super::{Bvh, Facing};
 
-/// Chosen by measuring with `benches/visibility.rs`: small leaves, since the f64 test of a triangle
-/// costs more than that of two boxes; reinsertion beyond 0.1 multiplies the time to build for 3 % of
-/// speed; splitting triangles would break the memory budget.
-const PARAMETERS: BvhBuildParams = BvhBuildParams {
-    pre_split: false,
-    ploc_search_distance: PlocSearchDistance::Medium,
-    search_depth_threshold: 3,
-    reinsertion_batch_ratio: 0.1,
-    post_collapse_reinsertion_batch_ratio_multiplier: 2.0,
-    sort_precision: SortPrecision::U64,
-    max_prims_per_leaf: 4,
-    collapse_traversal_cost: 3.0,
-};
+/// How much work goes into a tree. What rays meet does not depend on it, only how fast.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// Built fastest.
+    Quick,
+    /// The best sum of building and tracing for a still.
+    #[default]
+    Balanced,
+    /// Some per cent faster to trace, for several times the building.
+    Thorough,
+}
+
+impl Preset {
+    /// All of them, quickest first.
+    pub const ALL: [Preset; 3] = [Preset::Quick, Preset::Balanced, Preset::Thorough];
+
+    /// Measured with `benches/visibility.rs` and `benches/build.rs`: small leaves, since the f64 test of a
+    /// triangle costs more than that of two boxes; reinsertion beyond 0.1 multiplies the time to build
+    /// for 3 % of speed; splitting triangles would break the memory budget.
+    fn parameters(self) -> BvhBuildParams {
+        let (ploc_search_distance, search_depth_threshold, reinsertion_batch_ratio) = match self {
+            Preset::Quick => (PlocSearchDistance::Minimum, 2, 0.0),
+            Preset::Balanced => (PlocSearchDistance::Medium, 3, 0.1),
+            Preset::Thorough => (PlocSearchDistance::VeryHigh, 2, 0.5),
+        };
+        BvhBuildParams {
+            pre_split: false,
+            ploc_search_distance,
+            search_depth_threshold,
+            reinsertion_batch_ratio,
+            post_collapse_reinsertion_batch_ratio_multiplier: 2.0,
+            sort_precision: SortPrecision::U64,
+            max_prims_per_leaf: 4,
+            collapse_traversal_cost: 3.0,
+        }
+    }
+}
 
 impl Bvh {
     /// Builds the tree over `triangles`: their corners in metres, relative to the rest frame's origin.
@@ -37,13 +61,22 @@ impl Bvh {
     /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
     /// are never hit. At most [`Bvh::MAX_TRIANGLES`] are looked at.
     pub fn build(triangles: Vec<[DVec3; 3]>, facing: impl Fn(u32) -> Facing) -> Bvh {
+        Bvh::build_with(triangles, facing, Preset::default())
+    }
+
+    /// The same, with more or less care for the tree.
+    pub fn build_with(
+        triangles: Vec<[DVec3; 3]>,
+        facing: impl Fn(u32) -> Facing,
+        preset: Preset,
+    ) -> Bvh {
         let count = triangles.len().min(Bvh::MAX_TRIANGLES);
         let solid = solid_triangles(&triangles[..count]);
         let Some((lo, hi)) = bounds(&triangles, &solid) else {
             return Bvh::empty();
         };
         let lattice = Lattice::new(lo, hi);
-        let tree = build_tree(&triangles, &solid, &lattice);
+        let tree = build_tree(&triangles, &solid, &lattice, preset);
         let layout = Layout::of(&tree);
         drop(tree);
         let ids: Vec<u32> = layout.order.iter().map(|&i| solid[i as usize]).collect();
@@ -85,7 +118,7 @@ fn solid_triangles(triangles: &[[DVec3; 3]]) -> Vec<u32> {
 }
 
 fn is_in_range(corners: &[DVec3; 3]) -> bool {
-    let limit = DVec3::splat(power_of_two(300));
+    let limit = DVec3::splat(Bvh::MAX_COORDINATE);
     // False for NaN.
     corners.iter().all(|c| c.abs().cmple(limit).all())
 }
@@ -108,7 +141,7 @@ fn bounds(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<(DVec3, DVec3)> {
         .reduce_with(|x, y| (x.0.min(y.0), x.1.max(y.1)))
 }
 
-fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], lattice: &Lattice) -> Bvh2 {
+fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], lattice: &Lattice, preset: Preset) -> Bvh2 {
     let boxes: Vec<Aabb> = ids
         .par_iter()
         .map(|&id| {
@@ -116,7 +149,7 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], lattice: &Lattice) -> Bvh2 
             Aabb::new(Vec3A::from(lo), Vec3A::from(hi))
         })
         .collect();
-    build_bvh2(&boxes, PARAMETERS, &mut Duration::default())
+    build_bvh2(&boxes, preset.parameters(), &mut Duration::default())
 }
 
 /// Nodes and leaves in the order of a depth-first walk.

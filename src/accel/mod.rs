@@ -32,6 +32,7 @@ mod wide;
 
 use glam::DVec3;
 
+pub use build::Preset;
 pub use packet::{Kernel, Method, Precision};
 pub use rays::{Facing, Hit, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
@@ -58,6 +59,9 @@ pub struct Bvh {
 }
 
 impl Bvh {
+    /// Triangles with a coordinate beyond this, 2³⁰⁰ m, are never hit.
+    pub const MAX_COORDINATE: f64 = f64::from_bits((1023 + 300) << 52);
+
     /// A tree holds no more triangles than these.
     pub const MAX_TRIANGLES: usize = 1 << 30;
 

@@ -41,6 +41,9 @@ pub enum Command {
     /// Print what a glTF, npy, npz, exr, png or scene file holds.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
+    /// Test this build on this machine: numbers against arbitrary precision, rays against gaps.
+    #[command(after_help = help::SELFTEST)]
+    Selftest(SelftestArguments),
     /// Print the JSON schema of the scene file, for editors.
     Schema,
     /// Print completions for a shell.
@@ -300,6 +303,19 @@ pub struct InfoArguments {
     /// As JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SelftestArguments {
+    /// 10⁸ rays and a mesh of 10⁷ triangles: a few minutes, 3 GB of memory.
+    #[arg(long)]
+    pub thorough: bool,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads. Default: one per core. The outcome does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 /// Parsed `--aovs`.

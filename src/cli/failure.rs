@@ -3,6 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
+//! | 1 | a self-test that fails |
 //! | 2 | wrong command line, bad input, a file that cannot be read or written |
 //! | 101 | a bug of this program |
 //! | 130 | stopped by Ctrl-C or a signal to end |
@@ -22,7 +23,7 @@ const BUG: u8 = 101;
 static LAST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
 /// Does `work`; reports what went wrong.
-pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
+pub fn outcome(work: impl FnOnce() -> Result<ExitCode>) -> ExitCode {
     show_errors_plainly();
     match caught(work) {
         // What fails while everything is being stopped fails because of that.
@@ -30,7 +31,7 @@ pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
             complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
         }
-        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Ok(code)) => code,
         Ok(Err(error)) => {
             complain(&format!("{:?}\n", miette::Report::new(error)));
             ExitCode::from(FAILED)
@@ -46,7 +47,7 @@ pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
 ///
 /// The hook only takes notes: panics of image decoders are caught in the library, which reports them
 /// as broken files, and must not be seen here.
-fn caught(work: impl FnOnce() -> Result<()>) -> Result<Result<()>, String> {
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<Result<T>, String> {
     panic::set_hook(Box::new(|info| {
         let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
         *last = Some(info.to_string());
@@ -86,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_a_short_message_that_asks_for_a_report() {
-        let what = caught(|| panic!("index {} of nothing", 7)).unwrap_err();
+        let what = caught::<()>(|| panic!("index {} of nothing", 7)).unwrap_err();
         assert!(
             what.contains("index 7 of nothing") && what.contains("failure.rs"),
             "{what}"
@@ -99,7 +100,7 @@ mod tests {
     #[test]
     fn an_error_is_not_taken_for_a_panic() {
         assert!(matches!(
-            caught(|| Err(Error::Cancelled)),
+            caught(|| Err::<(), _>(Error::Cancelled)),
             Ok(Err(Error::Cancelled))
         ));
     }

@@ -12,9 +12,10 @@ Examples:
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
+  nullray selftest                   test this build on this machine
   nullray help render                all options, examples and channel names
 
-Exit codes: 0 done; 2 wrong arguments, bad input, or a file that cannot be read or written; \
+Exit codes: 0 done; 1 a self-test that fails; 2 wrong arguments, bad input, or a file that cannot be read or written; \
 101 a bug of this program; 130 stopped by Ctrl-C, with no unfinished file left.
 
 No environment variable changes what is computed; NO_COLOR turns the colours of messages off.";
@@ -66,6 +67,12 @@ pub const INFO: &str = "\
 Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
 time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera, \
 objects, sources. Only headers are read, except of .exr.";
+
+pub const SELFTEST: &str = "\
+Each line is a regime at the ends of f64: the worst error found, the bound that is derived for it, in which \
+unit, and in how many cases. eps is 2^-53; the conditioning says how much rounding the input itself counts.
+
+Exit codes: 0 all hold; 1 one fails.";
 
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {

@@ -19,6 +19,7 @@ mod progress;
 mod reference;
 mod remarks;
 mod render;
+mod selftest;
 mod sheet;
 
 use std::io::{self, ErrorKind, Write};
@@ -36,18 +37,20 @@ pub fn run() -> ExitCode {
     failure::outcome(|| carry_out(arguments.command))
 }
 
-fn carry_out(command: Option<Command>) -> Result<()> {
-    match command {
+fn carry_out(command: Option<Command>) -> Result<ExitCode> {
+    let done = match command {
         None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Diagram(diagram)) => diagram::run(&diagram),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),
+        Some(Command::Selftest(selftest)) => return selftest::run(&selftest),
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 /// Prints `text` on standard output. A reader that has seen enough ("nullray info … | head") is no

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::light::Builder;
 use crate::accel::{Bvh, Facing};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::import::gltf;
 use crate::mesh::Mesh;
 use crate::plan::{Plan, PlannedFrame, PlannedObject};
-use crate::scene::model::{BackFaces, Geometry, Object, Scene};
+use crate::scene::model::{BackFaces, BadVertices, Geometry, Object, Scene};
 use crate::shapes;
 use crate::spacetime::{Event, InertialFrame, Rest};
 use crate::trace::{Patch, RestFrame};
@@ -67,6 +67,7 @@ fn load(
             let want = gltf::Want {
                 uvs: planned.uvs,
                 textures: planned.textures,
+                bad_vertices: object.bad_vertices,
             };
             let imported = gltf::load(path, node.as_deref(), want)?;
             let named = |w: String| format!("{}: {w}", path.display());
@@ -82,10 +83,51 @@ fn load(
     for p in &mut mesh.positions {
         *p = transform.transform_point3(*p);
     }
+    check_reach(object, &mut mesh, warnings)?;
     if transform.matrix3.determinant() < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     Ok((mesh, images))
+}
+
+/// Refuses, or drops triangles with, vertices that are too far away for a ray to meet.
+fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> Result<()> {
+    // Not so for NaN.
+    let is_reached = |p: &DVec3| p.abs().max_element() <= Bvh::MAX_COORDINATE && !p.is_nan();
+    let Some(at) = mesh.positions.iter().position(|p| !is_reached(p)) else {
+        return Ok(());
+    };
+    if object.bad_vertices == BadVertices::Refuse {
+        let place = format!("object \"{}\", vertex {at}", object.name);
+        let what = format!("lies at {} m, after its transform", mesh.positions[at]);
+        let help = format!(
+            "coordinates must be within {:.0e} m; bad_vertices = \"drop\" leaves such triangles out",
+            Bvh::MAX_COORDINATE
+        );
+        return Err(Error::invalid(file(object), place, what, help));
+    }
+    let positions = &mesh.positions;
+    let is_bad = |t: &&mut [u32; 3]| t.iter().any(|&v| !is_reached(&positions[v as usize]));
+    let mut dropped = 0;
+    for triangle in mesh.triangles.iter_mut().filter(is_bad) {
+        *triangle = [triangle[0]; 3];
+        dropped += 1;
+    }
+    let bad = mesh.positions.iter_mut().filter(|p| !is_reached(p));
+    bad.for_each(|p| *p = DVec3::ZERO);
+    warnings.push(format!(
+        "object \"{}\": {dropped} triangles with a vertex that is out of reach are dropped",
+        object.name
+    ));
+    Ok(())
+}
+
+/// The file of an object, or its name.
+fn file(object: &Object) -> String {
+    match &object.geometry {
+        Geometry::Gltf { path, .. } => path.display().to_string(),
+        Geometry::Shape { .. } => object.name.clone(),
+    }
 }
 
 /// The triangles of a frame while they are gathered.

@@ -78,12 +78,24 @@ pub struct Object {
     pub geometry: Geometry,
     /// Object coordinates from the file's (or shape's) coordinates.
     pub transform: DAffine3,
+    /// What is done about vertices of its file that are no places.
+    pub bad_vertices: BadVertices,
     /// Velocity in the world.
     pub velocity: Velocity,
     /// The world event at which the object's origin is when its clock shows 0.
     pub origin: Event<World>,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
+}
+
+/// What is done about vertices that are NaN or infinite, or too far away for a ray to meet.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BadVertices {
+    /// The file is refused.
+    #[default]
+    Refuse,
+    /// Triangles with such a vertex are never seen, and counted in a warning.
+    Drop,
 }
 
 /// Where an object's triangles come from.

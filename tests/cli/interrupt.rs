@@ -162,3 +162,15 @@ fn a_sequence_stops_with_whole_frames_and_says_how_to_go_on() {
     let all = format!("0 rendered, {} there already", frames.len());
     assert!(said.contains(&all), "{said}");
 }
+
+#[test]
+fn the_self_test_stops_in_the_midst_of_its_rays() {
+    let arguments = ["selftest", "--thorough", "--json"];
+    let took = stopped(
+        &Folder::empty(),
+        &arguments,
+        "-INT",
+        Duration::from_millis(1500),
+    );
+    assert!(took < SOON, "{took:?}");
+}

@@ -12,6 +12,7 @@ mod reference;
 mod refused;
 mod render;
 mod resume;
+mod selftest;
 mod sheet;
 
 use std::fs;

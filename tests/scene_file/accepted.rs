@@ -128,6 +128,20 @@ fn scale_rotation_and_translation_apply_in_this_order() {
 }
 
 #[test]
+fn bad_vertices_are_refused_unless_the_object_says_otherwise() {
+    let folder = Folder::with_files();
+    for (said, expected) in [
+        ("", BadVertices::Refuse),
+        ("bad_vertices = \"refuse\"\n", BadVertices::Refuse),
+        ("bad_vertices = \"drop\"\n", BadVertices::Drop),
+    ] {
+        let text = VALID.replace("node = \"Wheel\"\n", said);
+        let scene = folder.parse(&text).unwrap();
+        assert_eq!(scene.objects[0].bad_vertices, expected, "{said}");
+    }
+}
+
+#[test]
 fn a_matrix_is_given_by_rows() {
     let scene = shape_scene(
         "",

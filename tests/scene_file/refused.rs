@@ -76,6 +76,8 @@ cases! { CAMERA:
 }
 
 cases! { OBJECTS:
+    "node = \"Wheel\"" => "bad_vertices = \"keep\"" at "object[0].bad_vertices" "\"keep\"": "keep is not one of refuse, drop", "\"refuse\" the file";
+    "colour = [1, 0.5, 0.25]" => "bad_vertices = \"drop\"" at "object[2].bad_vertices" "\"drop\"": "`shape` and `bad_vertices` exclude", "keep one";
     "name = \"ship\"" => "name = \"floor\"" at "object[2].name" "\"floor\"": "two objects are called \"floor\"", "of its own";
     "name = \"ship\"" => "name = \" \"" at "object[2].name" "\" \"": "the name is empty", "leave the key out";
     "gltf = \"a.glb\"" => "gltf = \"missing.glb\"" at "object[0].gltf" "\"missing.glb\"": "cannot find this file", "relative to the scene file";

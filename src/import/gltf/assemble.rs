@@ -21,7 +21,7 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
     let draft = Draft::new(document, node, want)?;
     let mut builder = Builder {
         buffers: Buffers::new(document),
-        vertices: Vertices::new(draft.uv_sets()),
+        vertices: Vertices::new(draft.uv_sets(), want.bad_vertices),
         triangles: Vec::new(),
         parts: Vec::new(),
         palette: Palette::default(),
@@ -69,14 +69,22 @@ impl Builder<'_, '_> {
     fn add_triangles(&mut self, at: &Placement, piece: &Piece, base: u32) -> Result<()> {
         let corners = corners(&mut self.buffers, piece)?;
         let mirrored = at.placed.world.matrix3.determinant() < 0.0;
-        let mut without_area = 0;
+        let (mut without_area, mut dropped) = (0, 0);
         for triangle in 0..piece.triangles as usize {
             let [a, b, c] = (piece.topology.corners(triangle)).map(|at| base + corners[at]);
             let triangle = if mirrored { [a, c, b] } else { [a, b, c] };
+            if triangle.iter().any(|&vertex| self.vertices.is_bad(vertex)) {
+                dropped += 1;
+                self.triangles.push([a; 3]);
+                continue;
+            }
             let [a, b, c] = triangle.map(|vertex| self.vertices.positions[vertex as usize]);
             without_area += u64::from((b - a).cross(c - a) == DVec3::ZERO);
             self.triangles.push(triangle);
         }
+        let what = "triangles with a vertex that is not finite are dropped";
+        self.warnings
+            .add_many(what, &piece.positions.place, dropped);
         let what = "triangles without area, which are never seen";
         self.warnings
             .add_many(what, &piece.positions.place, without_area);
@@ -98,6 +106,7 @@ impl Builder<'_, '_> {
     }
 
     fn finish(mut self) -> Imported {
+        self.vertices.settle();
         self.vertices.pad_uvs();
         Imported {
             mesh: Mesh {

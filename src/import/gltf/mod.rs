@@ -8,6 +8,9 @@
 //! trust counts and offsets: here each is checked against what it lies in before anything is read,
 //! and only the bytes that are wanted are read at all.
 //!
+//! Vertices are taken as they are, denormal numbers too, which f64 holds exactly. NaN and infinities are
+//! refused, or their triangles dropped, as the scene says.
+//!
 //! Not read, each with a warning where it would be seen: skins, morph targets, vertex colours,
 //! alpha, emission, points and lines. Animations and lights are ignored. Extensions that a file
 //! *requires* and that are not known here are refused.
@@ -37,6 +40,7 @@ pub use summary::Summary;
 
 use crate::Result;
 use crate::mesh::Mesh;
+use crate::scene::model::BadVertices;
 use document::Document;
 
 /// What an import is to read besides positions and indices.
@@ -46,6 +50,9 @@ pub struct Want {
     pub uvs: bool,
     /// Base colour textures: their images, and the coordinates that address them.
     pub textures: bool,
+    /// Positions and texture coordinates that are not finite. Triangles that are dropped keep their numbers:
+    /// their corners are made one point, so that no ray meets them.
+    pub bad_vertices: BadVertices,
 }
 
 /// What was read.
@@ -78,7 +85,8 @@ pub struct EncodedImage {
 ///
 /// # Errors
 /// The file or one that it refers to cannot be read, or is not glTF 2.0; it requires an extension
-/// that is not known; any count, offset or index is out of range; a vertex is not finite; there
+/// that is not known; any count, offset or index is out of range; a vertex is not finite (where these are
+/// refused); there
 /// are no triangles, or more than 2²⁶.
 pub fn load(path: &Path, node: Option<&str>, want: Want) -> Result<Imported> {
     assemble::load(&mut Document::open(path)?, node, want)

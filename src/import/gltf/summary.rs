@@ -12,6 +12,7 @@ use super::uri::{self, Target};
 use super::{Want, camera};
 use crate::Result;
 use crate::mesh::Material;
+use crate::scene::model::BadVertices;
 
 /// What an import would give, and what else there is to choose from.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +48,7 @@ pub struct Summary {
 
 pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary> {
     let want = Want {
+        bad_vertices: BadVertices::Refuse,
         uvs: true,
         textures: true,
     };

@@ -11,6 +11,7 @@ use super::materials::{Resolved, UvTransform};
 use super::pieces::Placement;
 use super::primitive::Piece;
 use crate::Result;
+use crate::scene::model::BadVertices;
 
 /// The vertices of all that has been read so far.
 pub(super) struct Vertices {
@@ -21,6 +22,7 @@ pub(super) struct Vertices {
     blocks: BTreeMap<BlockKey, u32>,
     /// The list for coordinates of transformed textures: the one after the file's sets.
     pub transformed_set: usize,
+    bad: BadVertices,
 }
 
 /// What makes two primitives share their vertices: node, positions, sets, and the material where
@@ -29,12 +31,13 @@ type BlockKey = (usize, usize, Vec<(usize, usize)>, Option<usize>);
 
 impl Vertices {
     /// No vertices yet, of a file with this many sets.
-    pub fn new(sets: usize) -> Self {
+    pub fn new(sets: usize, bad: BadVertices) -> Self {
         Vertices {
             positions: Vec::new(),
             uvs: Vec::new(),
             blocks: BTreeMap::new(),
             transformed_set: sets,
+            bad,
         }
     }
 
@@ -84,14 +87,17 @@ impl Vertices {
             if !placed.is_finite() {
                 bad.get_or_insert((at, position));
             }
-            self.positions[base + at as usize] = placed;
+            self.positions[base + at as usize] = match placed.is_finite() {
+                true => placed,
+                false => DVec3::NAN,
+            };
         })?;
-        match bad {
+        match bad.filter(|_| self.bad == BadVertices::Refuse) {
             None => Ok(()),
             Some((at, [x, y, z])) => Err(buffers.document.invalid(
                 format!("{}, vertex {at}", layout.place),
                 format!("the position {x}, {y}, {z} is not finite, or not after its transform"),
-                "positions must be finite numbers",
+                "positions must be finite numbers; bad_vertices = \"drop\" leaves their triangles out",
             )),
         }
     }
@@ -108,6 +114,7 @@ impl Vertices {
             self.uvs.resize_with(set + 1, Vec::new);
         }
         let uvs = &mut self.uvs[set];
+        let positions = &mut self.positions[base..];
         let mut bad = None;
         uvs.resize(base + layout.count as usize, [f32::NAN; 2]);
         accessor::read::<2>(buffers, layout, &mut |at, uv| {
@@ -115,17 +122,29 @@ impl Vertices {
             let placed = placed.map(|coordinate| coordinate as f32);
             if placed.iter().any(|coordinate| !coordinate.is_finite()) {
                 bad.get_or_insert((at, uv));
+                positions[at as usize] = DVec3::NAN;
             }
             uvs[base + at as usize] = placed;
         })?;
-        match bad {
+        match bad.filter(|_| self.bad == BadVertices::Refuse) {
             None => Ok(()),
             Some((at, [u, v])) => Err(buffers.document.invalid(
                 format!("{}, vertex {at}", layout.place),
                 format!("the texture coordinates {u}, {v} are not finite"),
-                "texture coordinates must be finite numbers",
+                "texture coordinates must be finite numbers; bad_vertices = \"drop\" leaves their triangles out",
             )),
         }
+    }
+
+    /// Whether a vertex is no place, or has no place on its texture.
+    pub fn is_bad(&self, vertex: u32) -> bool {
+        self.positions[vertex as usize].is_nan()
+    }
+
+    /// Gives vertices that are no places, and that no triangle uses, one.
+    pub fn settle(&mut self) {
+        let bad = self.positions.iter_mut().filter(|p| p.is_nan());
+        bad.for_each(|position| *position = DVec3::ZERO);
     }
 
     /// Brings every set that is in use to the number of vertices.

@@ -23,7 +23,9 @@ use crate::units::{Percentage, Speed, Wavelength};
 pub(super) use camera::{Camera, Velocity};
 pub(super) use diagram::Diagram;
 pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
-pub(super) use object::{BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform};
+pub(super) use object::{
+    BadVertices, BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform,
+};
 pub(super) use panel::{Panel, Sheet, Show};
 pub(super) use sensor::{Assembly, Elements, Pivot, Records, Sensor, SensorRotation};
 pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};

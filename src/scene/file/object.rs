@@ -22,6 +22,10 @@ pub(in crate::scene) struct Object {
     pub gltf: Option<At<String>>,
     /// Only this node of the glTF file, with all below it. Default: the file's default scene.
     pub node: Option<At<String>>,
+    /// What to do about a glTF file's vertices that are NaN or infinite, or lie beyond 2e90 m: "refuse" the
+    /// file, or "drop" the triangles that use them, with a warning that counts them. The others keep their
+    /// numbers. Excludes `shape`. Default: "refuse".
+    pub bad_vertices: Option<At<BadVertices>>,
     /// A built-in shape, like { box = { size = [1, 1, 1] } }. Excludes `gltf`.
     pub shape: Option<At<Shape>>,
     /// Linear RGB base colour of the shape, each at least 0. Default: [0.8, 0.8, 0.8].
@@ -39,6 +43,15 @@ pub(in crate::scene) struct Object {
 impl Object {
     /// What `colour` is unless the file says otherwise.
     pub const COLOUR: Vector = Numbers([0.8; 3]);
+}
+
+/// What to do about vertices that are no places.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(in crate::scene) enum BadVertices {
+    Refuse,
+    Drop,
 }
 
 /// A shape that needs no file: exactly one of the keys.

@@ -8,7 +8,7 @@ use super::{shape, transform, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{Geometry, Object};
+use crate::scene::model::{BadVertices, Geometry, Object};
 use crate::scene::names;
 use crate::spacetime::Event;
 use crate::units::quoted;
@@ -73,6 +73,7 @@ fn resolve(cx: &Context, at: &At<file::Object>, name: String) -> Result<Object> 
         name,
         geometry: geometry(cx, at)?,
         transform: transform::resolve(cx, &object.transform)?,
+        bad_vertices: bad_vertices(object),
         velocity: velocity::resolve(cx, &object.velocity)?,
         origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
         span: span(at),
@@ -99,6 +100,8 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         });
     }
     cx.exclusive((&object.shape, "shape"), (&object.node, "node"))?;
+    let bad_vertices = (&object.bad_vertices, "bad_vertices");
+    cx.exclusive((&object.shape, "shape"), bad_vertices)?;
     let Some(shape) = &object.shape else {
         let help = "add gltf = \"file.glb\" or shape = { box = { size = [1, 1, 1] } }";
         return Err(cx.refuse(at, "this object has no geometry", help));
@@ -107,6 +110,13 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         shape: shape::resolve(cx, shape)?,
         colour: colour(cx, object)?,
     })
+}
+
+fn bad_vertices(object: &file::Object) -> BadVertices {
+    match object.bad_vertices.as_ref().map(|at| at.value) {
+        None | Some(file::BadVertices::Refuse) => BadVertices::Refuse,
+        Some(file::BadVertices::Drop) => BadVertices::Drop,
+    }
 }
 
 fn colour(cx: &Context, object: &file::Object) -> Result<[f32; 3]> {

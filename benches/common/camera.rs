@@ -1,0 +1,47 @@
+//! The camera of benchmarks of visibility.
+
+use glam::DVec3;
+use nullray::accel::{Bvh, Ray};
+
+use super::grid;
+
+/// Rays per batch: a tile of 16 × 16 pixels, as in images.
+pub const TILE: usize = 16;
+
+/// Rays from one point through the centres of a square image's pixels.
+pub struct Camera {
+    /// Where they leave.
+    pub origin: DVec3,
+    /// By tiles.
+    pub directions: Vec<DVec3>,
+}
+
+impl Camera {
+    /// Along −z at `bvh`, from `distance` half-diagonals in front of its centre; `half_width` of the image plane
+    /// at distance 1.
+    pub fn new(bvh: &Bvh, distance: f64, half_width: f64, size: usize) -> Camera {
+        let (lo, hi) = bvh.bounds().expect("a mesh");
+        let origin = (lo + hi) / 2.0 + DVec3::Z * (distance * (hi - lo).length() / 2.0);
+        let pixel = |i: usize| ((i as f64 + 0.5) / size as f64 * 2.0 - 1.0) * half_width;
+        let mut directions = Vec::with_capacity(size * size);
+        for (y0, x0) in grid(size / TILE).map(|(y, x)| (y * TILE, x * TILE)) {
+            let direction = |(y, x)| DVec3::new(pixel(x0 + x), -pixel(y0 + y), -1.0).normalize();
+            directions.extend(grid(TILE).map(direction));
+        }
+        Camera { origin, directions }
+    }
+
+    /// How many there are.
+    pub fn rays(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// One of them alone.
+    pub fn ray(&self, direction: DVec3) -> Ray {
+        Ray {
+            origin: self.origin,
+            direction,
+            s_min: 0.0,
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! `nullray selftest`.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use nullray::Result;
+use nullray::accel::Kernel;
+use nullray::plan;
+use nullray::selftest::{self, Check, Effort, Outcome};
+use serde_json::{Value, json};
+
+use super::args::SelftestArguments;
+use super::progress::Bar;
+use super::{print, render};
+
+/// The exit code where a check fails.
+const FAILED: u8 = 1;
+
+/// Runs every check, says what each has found, and whether all hold.
+pub fn run(arguments: &SelftestArguments) -> Result<ExitCode> {
+    render::in_pool(arguments.threads, || {
+        let effort = match arguments.thorough {
+            true => Effort::Thorough,
+            false => Effort::Quick,
+        };
+        if !arguments.json {
+            print(&heading())?;
+        }
+        let mut lines = Vec::new();
+        for check in selftest::checks() {
+            let line = Line::of(check, effort)?;
+            if !arguments.json {
+                print(&line.to_string())?;
+            }
+            lines.push(line);
+        }
+        let failed = lines.iter().filter(|line| !line.holds()).count();
+        print(&match arguments.json {
+            true => format!("{:#}\n", report(&lines, effort)),
+            false => verdict(lines.len(), failed),
+        })?;
+        Ok(match failed {
+            0 => ExitCode::SUCCESS,
+            _ => ExitCode::from(FAILED),
+        })
+    })
+}
+
+/// What a check has found, and how long that took.
+struct Line {
+    check: Check,
+    outcome: Outcome,
+    seconds: f64,
+}
+
+impl Line {
+    fn of(check: Check, effort: Effort) -> Result<Line> {
+        let bar = Bar::new(check.cases(effort), false).named(check.name.into());
+        let begin = Instant::now();
+        let outcome = check.run(effort, &bar)?;
+        Ok(Line {
+            check,
+            outcome,
+            seconds: begin.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn holds(&self) -> bool {
+        self.check.holds(&self.outcome)
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "name": self.check.name,
+            "what": self.check.what,
+            "unit": self.check.unit,
+            "worst": self.outcome.worst,
+            "bound": self.check.bound,
+            "cases": self.outcome.cases,
+            "holds": self.holds(),
+            "seconds": self.seconds,
+        })
+    }
+}
+
+impl std::fmt::Display for Line {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let verdict = if self.holds() { "holds" } else { "FAILS" };
+        let (worst, bound) = (figure(self.outcome.worst), figure(self.check.bound));
+        let (name, unit) = (self.check.name, self.check.unit);
+        let cases = plan::count(self.outcome.cases);
+        writeln!(
+            f,
+            "{name:<13} {verdict}  {worst:>8} of {bound:>7}  {unit:<29} {cases:>11}"
+        )?;
+        match self.holds() {
+            true => Ok(()),
+            false => writeln!(f, "              {}", self.check.what),
+        }
+    }
+}
+
+/// Counts as they are, other numbers with two digits.
+fn figure(x: f64) -> String {
+    match x {
+        x if x == x.trunc() && x.abs() < 1e6 => format!("{x}"),
+        x if (0.01..1e6).contains(&x) => format!("{x:.2}"),
+        x => format!("{x:.1e}"),
+    }
+}
+
+fn heading() -> String {
+    format!(
+        "nullray {}, {:?} kernel, {} threads\n{:<13} {:>16} of {:>7}  {:<29} {:>11}\n",
+        env!("CARGO_PKG_VERSION"),
+        Kernel::best(),
+        rayon::current_num_threads(),
+        "check",
+        "worst",
+        "bound",
+        "unit",
+        "cases"
+    )
+}
+
+fn verdict(checks: usize, failed: usize) -> String {
+    match failed {
+        0 => format!("all {checks} checks hold\n"),
+        n => format!(
+            "{n} of {checks} checks FAIL: results of this machine or this build are not to be trusted\n"
+        ),
+    }
+}
+
+fn report(lines: &[Line], effort: Effort) -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "thorough": effort == Effort::Thorough,
+        "kernel": format!("{:?}", Kernel::best()).to_lowercase(),
+        "threads": rayon::current_num_threads(),
+        "holds": lines.iter().all(Line::holds),
+        "checks": lines.iter().map(Line::json).collect::<Vec<_>>(),
+    })
+}

@@ -35,6 +35,9 @@ pub enum Command {
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
     #[command(after_help = help::DIAGRAM)]
     Diagram(DiagramArguments),
+    /// Write a scene as a bundle for other programs: geometry, camera, sources, reference pictures.
+    #[command(after_help = help::EXPORT)]
+    Export(ExportArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
@@ -237,6 +240,45 @@ pub struct DiagramArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// The directory to write. It appears when it is complete.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Export this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Render no reference pictures.
+    #[arg(long)]
+    pub no_reference: bool,
+    /// What becomes of stored cubes: copied, or named with their SHA-256.
+    #[arg(long, value_name = "WHAT", default_value = "copy")]
+    pub cubes: CubesArgument,
+    /// Replace an export of this name.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Worker threads. Default: one per core. What is written does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What becomes of stored cubes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CubesArgument {
+    /// Copied into the bundle.
+    Copy,
+    /// Named with their SHA-256.
+    Reference,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ Examples:
   nullray render scene.toml          write scene.png
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
+  nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
   nullray help render                all options, examples and channel names
@@ -49,6 +50,16 @@ Examples:
 A file may hold a [diagram] table alone. Without one the diagram shows the world lines of the camera and the \
 objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \
 and no cube is read.";
+
+pub const EXPORT: &str = "\
+Examples:
+  nullray export scene.toml -o bundle
+  nullray export scene.toml --size 640x480 -o bundle --overwrite
+  nullray export figure.toml --panel beta-0.9 --no-reference -o bundle
+
+The directory holds GLB files, bundle.json with its JSON schema, cubes, reference pictures with all auxiliary \
+channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells the author of \
+another renderer how to read it and how to compare. A directory that is no export is never replaced.";
 
 pub const PLAN: &str = "\
 Examples:

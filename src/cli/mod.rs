@@ -4,13 +4,13 @@ mod args;
 mod builtin;
 mod demo;
 mod diagram;
+mod export;
 mod failure;
 mod frames;
 mod help;
 mod info;
 mod inputs;
 mod interrupt;
-mod metadata;
 mod output;
 mod overlay;
 mod panels;
@@ -42,6 +42,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Diagram(diagram)) => diagram::run(&diagram),
+        Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Schema) => reference::schema(),

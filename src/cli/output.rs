@@ -10,11 +10,11 @@ use nullray::Result;
 use nullray::aov::Aov;
 use nullray::film::Film;
 use nullray::image::{self, Layers};
+use nullray::metadata::metadata;
 use nullray::overlay::Parts;
 use nullray::scene::model::{Scene, Show};
 
 use super::frames::Identity;
-use super::metadata::metadata;
 use super::{inputs, interrupt};
 
 pub use check::{check_all, check_page};

@@ -46,6 +46,7 @@
 
 pub mod accel;
 pub mod aov;
+pub mod apparent;
 pub mod camera;
 pub mod colour;
 pub mod diagram;
@@ -63,6 +64,7 @@ pub mod overlay;
 pub mod plan;
 pub mod prepare;
 pub mod progress;
+pub mod raster;
 pub mod render;
 pub mod sampler;
 pub mod scene;

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::Aov;
 use nullray::overlay::Parts;
+use nullray::raster::Method;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
 use nullray::units::Time;
@@ -157,6 +158,10 @@ pub struct RenderArguments {
     /// A file of this name is replaced when the new one is complete.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
+    /// How the picture is made: trace, raster:none, raster:uniform=METRES, raster:adaptive=PIXELS, warp:cube=N or
+    /// warp:panorama=WxH; see `nullray help render`.
+    #[arg(long, value_name = "METHOD", default_value = "trace")]
+    pub method: Method,
     /// Also write the retarded time as a coloured picture with a legend.
     #[arg(long, value_name = "FILE.png", group = "timed")]
     pub isochrones: Option<PathBuf>,

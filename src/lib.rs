@@ -71,6 +71,7 @@ pub mod scene;
 pub mod shapes;
 pub mod sheet;
 pub mod spacetime;
+pub mod study;
 pub mod text;
 pub mod time_texture;
 pub mod tonemap;

@@ -36,7 +36,8 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
     Ok(())
 }
 
-fn save(drawing: &Drawing, path: &Path, scale: f64) -> Result<()> {
+/// Writes `drawing` as the extension of `path` says; what is no vector format is a .png of `scale` pixels a point.
+pub fn save(drawing: &Drawing, path: &Path, scale: f64) -> Result<()> {
     match extension(path).as_str() {
         "svg" => drawing::save(path, svg::write(drawing)?),
         "pdf" => drawing::save(path, pdf::write(drawing)?),

@@ -9,10 +9,15 @@ use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
 use super::output::will_write;
 use super::progress::Bar;
-use super::{builtin, inputs, interrupt, panels, print, render};
+use super::{inputs, interrupt, panels, print, render};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
-    let scene = scene(arguments)?;
+    let path = arguments.scene.as_deref();
+    let scene = panels::scene(
+        path,
+        arguments.panel.as_ref(),
+        &arguments.changes.overrides(),
+    )?;
     let options = Options {
         reference: !arguments.no_reference,
         cubes: match arguments.cubes {
@@ -34,18 +39,6 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
     match arguments.quiet {
         true => Ok(()),
         false => report(arguments, &exported),
-    }
-}
-
-/// The scene as it stands, or a panel of it.
-fn scene(arguments: &ExportArguments) -> Result<Scene> {
-    let path = arguments.scene.as_deref();
-    let overrides = arguments.changes.overrides();
-    let whole = builtin::load(path, &overrides)?;
-    let chosen = panels::chosen(&whole, arguments.panel.as_slice())?;
-    match (&arguments.panel, chosen.as_slice()) {
-        (Some(_), [panel]) => builtin::load_panel(path, &whole, panel, &overrides),
-        _ => Ok(whole),
     }
 }
 

@@ -11,6 +11,7 @@ Examples:
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
+  nullray study scene.toml           measure run time against error, by several methods
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
   nullray help render                all options, examples and channel names
@@ -60,6 +61,17 @@ Examples:
 The directory holds GLB files, bundle.json with its JSON schema, cubes, reference pictures with all auxiliary \
 channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells the author of \
 another renderer how to read it and how to compare. A directory that is no export is never replaced.";
+
+pub const STUDY: &str = "\
+Examples:
+  nullray study scene.toml
+  nullray study scene.toml --size 320x240 --samples 1,16 --budget 20 -o study.csv -o study.png
+  nullray study scene.toml --methods \"trace; raster:uniform=0.1; raster:adaptive=0.1\" --runs 21
+
+Runs of all methods take turns, and the median counts. Errors are those of geometry (where each point that is \
+shown should have been, in pixels), of emission times, and of radiance against a picture of the ray tracer with many \
+samples. The number of samples is that of --samples, whatever --spp says. On a machine that does other things too, \
+trust ratios rather than times.";
 
 pub const PLAN: &str = "\
 Examples:

@@ -20,6 +20,7 @@ mod reference;
 mod remarks;
 mod render;
 mod sheet;
+mod study;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -45,6 +46,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Info(info)) => info::run(&info),
+        Some(Command::Study(study)) => study::run(&study),
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),

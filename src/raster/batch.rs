@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
+use super::Attributes;
 use super::bins::{Bins, Grid};
 use super::cull::Frustum;
 use super::divide::Corner;
-use super::Attributes;
 use crate::apparent::{Image, Sight};
 
 /// More small triangles than these in one batch are refused.
@@ -79,7 +79,12 @@ impl<'a> Parts<'a> {
     /// Begins with the triangle in `slot`.
     pub fn begin(&mut self, slot: u32) {
         // A triangle of which nothing was kept leaves no vertices.
-        if self.batch.triangles.last().is_none_or(|t| (t.corners[0] as usize) < self.first) {
+        if self
+            .batch
+            .triangles
+            .last()
+            .is_none_or(|t| (t.corners[0] as usize) < self.first)
+        {
             self.batch.vertices.truncate(self.first);
             self.batch.attributes.truncate(self.first);
         }

@@ -89,7 +89,9 @@ impl<'a> Divider<'a> {
         let [width, height] = self.sight.film().size();
         let near = |x: f64, size: f64| x > -0.5 * size && x < 1.5 * size;
         let pixels = match (image.film_point(), self.sight.slide(image.film)) {
-            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => (u * u + v * v).sqrt(),
+            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => {
+                (u * u + v * v).sqrt()
+            }
             _ => self.density * self.sight.turn(image),
         };
         c.length() * pixels
@@ -139,7 +141,11 @@ impl<'a> Divider<'a> {
         if halved == [false; 3] || depth == 0 {
             return parts.keep(&corners, self.frustum);
         }
-        if parts.is_full() || self.frustum.misses(self.sight, corners.map(|corner| corner.c)) {
+        if parts.is_full()
+            || self
+                .frustum
+                .misses(self.sight, corners.map(|corner| corner.c))
+        {
             return;
         }
         let count = halved.iter().filter(|h| **h).count();

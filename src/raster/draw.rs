@@ -136,32 +136,34 @@ fn run<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder, P: Paint
     progress: &dyn Progress,
 ) -> Result<Film> {
     let film = Mutex::new(Film::new(layout.clone()));
-    (0..Tile::count(layout.size)).into_par_iter().try_for_each_init(
-        || (Buffers::default(), P::Space::default()),
-        |(buffers, space), index| {
-            let tile = Tile::of_image(layout.size, index);
-            let mut tile_film = TileFilm::new(tile, layout);
-            painter.begin(tile, space);
-            for sample in 0..layout.samples {
-                if progress.is_cancelled() {
-                    return Err(Error::Cancelled);
+    (0..Tile::count(layout.size))
+        .into_par_iter()
+        .try_for_each_init(
+            || (Buffers::default(), P::Space::default()),
+            |(buffers, space), index| {
+                let tile = Tile::of_image(layout.size, index);
+                let mut tile_film = TileFilm::new(tile, layout);
+                painter.begin(tile, space);
+                for sample in 0..layout.samples {
+                    if progress.is_cancelled() {
+                        return Err(Error::Cancelled);
+                    }
+                    pipeline.shoot(tile, sample, buffers);
+                    let film = &mut tile_film;
+                    let mut brush = Brush {
+                        pipeline,
+                        recorder,
+                        buffers,
+                        film,
+                    };
+                    painter.paint(&mut brush, tile, space);
+                    progress.rays_done(tile.pixels() as u64);
                 }
-                pipeline.shoot(tile, sample, buffers);
-                let film = &mut tile_film;
-                let mut brush = Brush {
-                    pipeline,
-                    recorder,
-                    buffers,
-                    film,
-                };
-                painter.paint(&mut brush, tile, space);
-                progress.rays_done(tile.pixels() as u64);
-            }
-            // A poisoned lock means a panic elsewhere, which rayon passes on.
-            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            film.place(&tile_film);
-            Ok(())
-        },
-    )?;
+                // A poisoned lock means a panic elsewhere, which rayon passes on.
+                let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
+                film.place(&tile_film);
+                Ok(())
+            },
+        )?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

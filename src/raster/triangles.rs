@@ -18,9 +18,7 @@ use crate::film::Tile;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::spacetime::{Direction, Displacement, WavelengthRatio};
-use crate::trace::{
-    Found, Pipeline, Radiance, Recorder, RestFrame, Seen, SurfacePoint, Surfaces,
-};
+use crate::trace::{Found, Pipeline, Radiance, Recorder, RestFrame, Seen, SurfacePoint, Surfaces};
 
 /// All triangles of a scene in homogeneous film coordinates.
 #[derive(Debug)]
@@ -62,12 +60,7 @@ impl<'a> Triangles<'a> {
     }
 
     /// The batches of rest frame `frame`, in the order of its tree.
-    fn divided(
-        &self,
-        frame: u32,
-        raster: &Raster,
-        progress: &dyn Progress,
-    ) -> Result<Vec<Batch>> {
+    fn divided(&self, frame: u32, raster: &Raster, progress: &dyn Progress) -> Result<Vec<Batch>> {
         let (rest, sight) = (&self.frames[frame as usize], &self.sights[frame as usize]);
         let frustum = Frustum::of(sight);
         let divider = Divider::new(sight, &frustum, raster.tessellation);
@@ -83,7 +76,10 @@ impl<'a> Triangles<'a> {
             }
             Ok(parts.finish(Grid { size: self.size }))
         };
-        (0..slots.div_ceil(run)).into_par_iter().map(batch).collect()
+        (0..slots.div_ceil(run))
+            .into_par_iter()
+            .map(batch)
+            .collect()
     }
 
     /// Where facet `facet` is met at film point (x, y).
@@ -208,7 +204,9 @@ impl Painter for Triangles<'_> {
                 let facet = &space.facets[nearest as usize];
                 self.met(facet, space.x[pixel], space.y[pixel])
             });
-            let emitted = met.as_ref().and_then(|m| Some((m.frame, m.at_emission(pipeline)?)));
+            let emitted = met
+                .as_ref()
+                .and_then(|m| Some((m.frame, m.at_emission(pipeline)?)));
             let Some((frame, (point, interpolated))) = emitted else {
                 brush.nothing(pixel);
                 continue;

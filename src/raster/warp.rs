@@ -17,9 +17,7 @@ use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::spacetime::Direction;
 use crate::time_texture::Coverage;
-use crate::trace::{
-    Found, Frames, Observed, Radiance, Rays, Recorder, Scratch, Seen, Surfaces,
-};
+use crate::trace::{Found, Frames, Observed, Radiance, Rays, Recorder, Scratch, Seen, Surfaces};
 
 /// Texels of one batch of rays: part of a row, which is coherent.
 const RUN: u64 = 256;
@@ -74,7 +72,9 @@ fn met(
         from: &from,
     };
     surfaces.nearest(rays, scratch);
-    (0..directions.len()).map(|ray| scratch.found(ray)).collect()
+    (0..directions.len())
+        .map(|ray| scratch.found(ray))
+        .collect()
 }
 
 impl Painter for Warped {

@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use nullray::aov;
+use nullray::study;
 use nullray::units::Percentage;
 
-use super::AovList;
+use super::{AovList, MethodList, SampleList};
 
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text
@@ -48,6 +49,21 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
         .parse::<u64>()
         .map_err(|e| format!("{e}; write 16GiB"))?;
     number.checked_mul(unit).ok_or_else(|| "too large".into())
+}
+
+pub(super) fn methods(text: &str) -> Result<MethodList, String> {
+    study::parse_methods(text).map(MethodList)
+}
+
+pub(super) fn samples(text: &str) -> Result<SampleList, String> {
+    study::parse_samples(text).map(SampleList)
+}
+
+/// A number of seconds, up to a month.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse::<f64>().ok();
+    let seconds = seconds.filter(|seconds| (0.0..=2.6e6).contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds, like 60".into())
 }
 
 pub(super) fn aovs(text: &str) -> Result<AovList, String> {

@@ -48,6 +48,7 @@ pub mod accel;
 pub mod aov;
 pub mod camera;
 pub mod colour;
+pub mod compare;
 pub mod diagram;
 pub mod drawing;
 pub mod error;

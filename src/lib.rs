@@ -49,6 +49,7 @@ pub mod aov;
 pub mod apparent;
 pub mod camera;
 pub mod colour;
+pub mod compare;
 pub mod diagram;
 pub mod drawing;
 pub mod error;

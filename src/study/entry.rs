@@ -35,8 +35,19 @@ pub struct Study {
     pub entries: Vec<Entry>,
     /// Times at equal geometric error.
     pub verdicts: Vec<Verdict>,
+    /// Methods that cannot render the scene.
+    pub left_out: Vec<LeftOut>,
     /// Whether the budget ended the runs before all were done.
     pub was_cut_short: bool,
+}
+
+/// A method that cannot render the scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// As the command line says it.
+    pub method: String,
+    /// Why not.
+    pub why: String,
 }
 
 /// The picture that radiance is compared with, by the ray tracer.

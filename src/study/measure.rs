@@ -4,14 +4,15 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use super::Method;
-use super::entry::{Entry, Family, Front, Reference, Study, Timing, Verdict};
+use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
 use super::front::front;
 use super::geometry::{CHANNELS, GeometricError, Geometry};
 use super::memory::Before;
 use super::options::Options;
-use super::radiance::RadianceError;
+use super::radiance::{self, RadianceError};
 use super::statistics::quantile;
 use crate::apparent::Observer;
+use crate::compare::Picture;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::metadata::sha256;
@@ -28,7 +29,8 @@ const ERRORS: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
 /// Studies `scene` on rayon's current thread pool.
 ///
 /// # Errors
-/// What a method cannot do of the scene (see [`crate::raster::render`]); files that are missing or broken;
+/// A camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
+/// scene (see [`crate::raster::render`]), where it is the only one; files that are missing or broken;
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Study> {
     let plan = plan(scene, options)?;
@@ -36,7 +38,7 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
     let mut prepared = Prepared::new(scene, &plan, progress)?;
     let prepare_seconds = start.elapsed().as_secs_f64();
     let observer = Observer::new(&prepared)?;
-    let geometries = geometries(&mut prepared, &observer, &options.methods, progress)?;
+    let (able, left_out) = geometries(&mut prepared, &observer, &plan, options, progress)?;
     let start = Instant::now();
     let truth = picture(
         &mut prepared,
@@ -44,12 +46,13 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
         options.reference_samples,
         progress,
     )?;
+    let truth = radiance::picture("reference", &truth)?;
     let reference = Reference {
         samples: options.reference_samples,
         seconds: start.elapsed().as_secs_f64(),
     };
-    let mut rounds = Rounds::new(options, &geometries);
-    let was_cut_short = rounds.run(&mut prepared, options, truth.radiance(), progress)?;
+    let mut rounds = Rounds::new(options, &able);
+    let was_cut_short = rounds.run(&mut prepared, options, &truth, progress)?;
     let mut entries: Vec<_> = rounds.jobs.into_iter().map(Job::finish).collect();
     mark_fronts(&mut entries);
     Ok(Study {
@@ -66,6 +69,7 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
         reference,
         verdicts: ERRORS.map(|pixels| verdict(&entries, pixels)).into(),
         entries,
+        left_out,
         was_cut_short,
     })
 }
@@ -86,14 +90,12 @@ fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
         memory_limit: options.memory_limit,
         ..Request::default()
     };
-    let plan = Plan::new(scene, &request)?;
-    options.methods.iter().try_for_each(|m| m.check(&plan))?;
     if options.methods.is_empty() || options.samples.is_empty() || options.runs == 0 {
         let what = "there is nothing to be measured";
         let help = "give methods, numbers of samples, and one run at least";
         return Err(Error::invalid(&scene.name, "study", what, help));
     }
-    Ok(plan)
+    Plan::new(scene, &request)
 }
 
 /// A picture with `samples` samples per pixel.
@@ -110,21 +112,39 @@ fn picture(
     render(prepared, method, progress)
 }
 
+/// The methods that can render the scene with their errors of geometry, and those that cannot.
+type Able = (Vec<(Method, GeometricError)>, Vec<LeftOut>);
+
 /// The errors of geometry of all methods.
 fn geometries(
     prepared: &mut Prepared,
     observer: &Observer,
-    methods: &[Method],
+    plan: &Plan,
+    options: &Options,
     progress: &dyn Progress,
-) -> Result<Vec<GeometricError>> {
+) -> Result<Able> {
     prepared.layout.channels = CHANNELS.to_vec();
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
     let geometry = Geometry::new(prepared, observer)?;
     let exact = render(prepared, &Method::Trace, progress)?;
-    let error = |method| Ok(geometry.error(&render(prepared, method, progress)?, &exact));
-    methods.iter().map(error).collect()
+    let (mut able, mut left_out) = (Vec::new(), Vec::new());
+    for method in &options.methods {
+        let film = method
+            .check(plan)
+            .and_then(|()| render(prepared, method, progress));
+        match film {
+            Ok(film) => able.push((*method, geometry.error(&film, &exact))),
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(error) if options.methods.len() == 1 => return Err(error),
+            Err(error) => left_out.push(LeftOut {
+                method: method.to_string(),
+                why: error.to_string(),
+            }),
+        }
+    }
+    Ok((able, left_out))
 }
 
 /// One method with one number of samples, while it is measured.
@@ -144,10 +164,9 @@ struct Rounds {
 }
 
 impl Rounds {
-    fn new(options: &Options, geometries: &[GeometricError]) -> Self {
+    fn new(options: &Options, able: &[(Method, GeometricError)]) -> Self {
         let of = |samples: &u32| {
-            let methods = options.methods.iter().zip(geometries);
-            let job = |(method, geometry): (&Method, &GeometricError)| Job {
+            let job = |(method, geometry): &(Method, GeometricError)| Job {
                 method: *method,
                 samples: *samples,
                 geometry: *geometry,
@@ -156,7 +175,7 @@ impl Rounds {
                 memory: None,
                 radiance: None,
             };
-            methods.map(job).collect::<Vec<_>>()
+            able.iter().map(job).collect::<Vec<_>>()
         };
         Rounds {
             jobs: options.samples.iter().flat_map(of).collect(),
@@ -168,7 +187,7 @@ impl Rounds {
         &mut self,
         prepared: &mut Prepared,
         options: &Options,
-        truth: &[[f64; 3]],
+        truth: &Picture,
         progress: &dyn Progress,
     ) -> Result<bool> {
         let start = Instant::now();
@@ -221,7 +240,7 @@ impl Job {
     fn run(
         &mut self,
         prepared: &mut Prepared,
-        truth: &[[f64; 3]],
+        truth: &Picture,
         progress: &dyn Progress,
     ) -> Result<()> {
         let is_first = self.runs.is_empty();
@@ -238,7 +257,7 @@ impl Job {
             .push(watch.first.get().copied().unwrap_or(seconds));
         if let Some(before) = before {
             self.memory = before.growth();
-            self.radiance = Some(RadianceError::of(film.radiance(), truth));
+            self.radiance = Some(RadianceError::of(&film, truth)?);
         }
         Ok(())
     }
@@ -284,7 +303,7 @@ impl Progress for Watch<'_> {
 
 fn mark_fronts(entries: &mut [Entry]) {
     let time = |e: &Entry| e.timing.as_ref().map_or(f64::NAN, |t| t.median);
-    let radiance = |e: &Entry| [time(e), e.radiance.map_or(f64::NAN, |r| r.rel_rmse)];
+    let radiance = |e: &Entry| [time(e), e.radiance.map_or(f64::NAN, |r| r.relrmse)];
     let fewest = entries.iter().map(|e| e.samples).min();
     let geometry = |e: &Entry| match Some(e.samples) == fewest {
         true => [time(e), e.geometry.pixels.max],

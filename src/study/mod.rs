@@ -11,13 +11,8 @@
 //!   been. It does not depend on the number of samples. Pixels that show another object than they should are
 //!   counted;
 //! - *emission time error*: |Δct| of pixels that show the right object, metres;
-//! - *radiance error*: against a picture of the ray tracer with many samples. With x the values of all
-//!   pixels and channels, r the reference's and m the mean of r,
-//!
-//! ```text
-//! relRMSE = √⟨(x − r)²⟩ / m,       MRSE = ⟨(x − r)² / (r² + ε)⟩,  ε = (m/100)²;
-//! ```
-//!
+//! - *radiance error*: relRMSE, MRSE and ꟻLIP against a picture of the ray tracer with many samples, by the
+//!   definitions of [`crate::compare`];
 //! - *memory*: by how much the resident memory of the process grew at most during the first run; known on
 //!   Linux only, and less than the truth where freed memory was used again.
 //!
@@ -34,7 +29,7 @@ mod radiance;
 mod statistics;
 mod table;
 
-pub use entry::{Entry, Family, Front, Reference, Study, Timing, Verdict};
+pub use entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
 pub use geometry::{GeometricError, Spread};
 pub use measure::study;
 pub use options::{METHODS, Options, parse_methods, parse_samples};

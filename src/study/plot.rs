@@ -29,7 +29,7 @@ pub fn draw(study: &Study) -> Result<Drawing> {
         rect: panel(1),
         title: format!("radiance, against {} per pixel", study.reference.samples),
         error: "relRMSE",
-        points: points(study, |e| Some((e.radiance?.rel_rmse, e.front.radiance))),
+        points: points(study, |e| Some((e.radiance?.relrmse, e.front.radiance))),
     };
     let mut items = Vec::new();
     // A name may hold characters that the font does not have.

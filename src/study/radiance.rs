@@ -2,54 +2,45 @@
 
 use serde::Serialize;
 
-/// Errors of radiance; see the [module](super) for their definitions.
+use crate::compare::{NotFinite, Options, Picture, compare};
+use crate::error::Result;
+use crate::film::Film;
+use crate::image::Layers;
+
+/// Errors of radiance, by the definitions of [`crate::compare`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RadianceError {
-    /// Root mean square error over the mean of the reference.
-    pub rel_rmse: f64,
-    /// Mean relative squared error.
+    /// Root mean square error relative to the reference's root mean square; NaN against black.
+    pub relrmse: f64,
+    /// Mean relative square error.
     pub mrse: f64,
+    /// Mean HDR-ꟻLIP.
+    pub flip: f64,
+}
+
+/// The radiance of `film` as a picture that can be compared.
+pub(super) fn picture(name: &str, film: &Film) -> Result<Picture> {
+    let [width, height] = film.size();
+    let layers = Layers::new(width, height, film.channels(&[]), Vec::new())?;
+    Ok(Picture::linear(name, layers))
 }
 
 impl RadianceError {
-    /// The error of `picture` against `reference`, of the same pixels.
-    pub fn of(picture: &[[f64; 3]], reference: &[[f64; 3]]) -> Self {
-        let count = (3 * reference.len()) as f64;
-        let mean = reference.iter().flatten().sum::<f64>() / count;
-        let floor = 1e-4 * mean * mean;
-        let pairs = picture.iter().flatten().zip(reference.iter().flatten());
-        let (squares, relative) = pairs.fold((0.0, 0.0), |(squares, relative), (x, r)| {
-            let square = (x - r) * (x - r);
-            // A pixel that is black in a black picture has no error.
-            let part = if square > 0.0 {
-                square / (r * r + floor)
-            } else {
-                0.0
-            };
-            (squares + square, relative + part)
-        });
-        RadianceError {
-            rel_rmse: (squares / count).sqrt() / mean,
-            mrse: relative / count,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_errors_are_those_of_their_definitions() {
-        // m = 2; differences 1 at r = 1 and 0 at r = 3, on half of the values each.
-        let error = RadianceError::of(&[[2.0; 3], [3.0; 3]], &[[1.0; 3], [3.0; 3]]);
-        assert!((error.rel_rmse - 0.5f64.sqrt() / 2.0).abs() < 1e-15);
-        assert!((error.mrse - 0.5 / (1.0 + 4e-4)).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_picture_has_no_error_against_itself_even_where_it_is_black() {
-        let error = RadianceError::of(&[[0.0; 3], [1.0; 3]], &[[0.0; 3], [1.0; 3]]);
-        assert_eq!((error.rel_rmse, error.mrse), (0.0, 0.0));
+    /// The error of `film` against `reference`.
+    ///
+    /// # Errors
+    /// As [`compare`].
+    pub(super) fn of(film: &Film, reference: &Picture) -> Result<Self> {
+        let options = Options {
+            not_finite: NotFinite::Ignore,
+            ..Options::default()
+        };
+        let found = compare(reference, &picture("picture", film)?, &options)?;
+        let errors = found.radiance.as_ref();
+        Ok(RadianceError {
+            relrmse: errors.and_then(|e| e.relrmse).unwrap_or(f64::NAN),
+            mrse: errors.map_or(f64::NAN, |e| e.mrse),
+            flip: found.flip.map_or(f64::NAN, |flip| flip.mean),
+        })
     }
 }

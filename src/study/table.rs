@@ -7,7 +7,7 @@ use super::entry::{Entry, Study, Verdict};
 /// The columns of [`csv`].
 const COLUMNS: &str = "method,family,samples,runs,seconds,seconds_q1,seconds_q3,setup_seconds,memory_bytes,\
                        geometric_median_px,geometric_p99_px,geometric_max_px,emission_p99_m,emission_max_m,\
-                       wrong_object_pixels,rel_rmse,mrse,front_geometry,front_radiance";
+                       wrong_object_pixels,relrmse,mrse,flip,front_geometry,front_radiance";
 
 /// All entries as comma-separated values, a line of names first; what is not known is empty.
 pub fn csv(study: &Study) -> String {
@@ -33,8 +33,9 @@ pub fn csv(study: &Study) -> String {
             number(Some(geometry.emission_time.p99)),
             number(Some(geometry.emission_time.max)),
             geometry.wrong_object.to_string(),
-            number(entry.radiance.map(|r| r.rel_rmse)),
+            number(entry.radiance.map(|r| r.relrmse)),
             number(entry.radiance.map(|r| r.mrse)),
+            number(entry.radiance.map(|r| r.flip)),
             entry.front.geometry.to_string(),
             entry.front.radiance.to_string(),
         ];
@@ -58,6 +59,9 @@ pub fn table(study: &Study) -> String {
         let _ = writeln!(text, "{}", row(entry));
     }
     text.push_str("* nothing else is both faster and nearer to the truth (px, max; relRMSE)\n");
+    for left_out in &study.left_out {
+        let _ = writeln!(text, "{} was left out: {}", left_out.method, left_out.why);
+    }
     for verdict in &study.verdicts {
         let _ = writeln!(text, "{}", sentence(verdict));
     }
@@ -79,7 +83,7 @@ fn row(entry: &Entry) -> String {
     let mark = |on: bool| if on { "*" } else { "" };
     let rel = entry
         .radiance
-        .map_or(String::new(), |r| format!("{:.2e}", r.rel_rmse));
+        .map_or(String::new(), |r| format!("{:.2e}", r.relrmse));
     format!(
         "{:<38} {:>7} {runs:>4} {time:>10} {spread:>9} {:>10} {:>10} {:>6} {:>9}",
         entry.method,

@@ -69,6 +69,7 @@ pub mod scene;
 pub mod shapes;
 pub mod sheet;
 pub mod spacetime;
+pub mod tessellation;
 pub mod text;
 pub mod time_texture;
 pub mod tonemap;

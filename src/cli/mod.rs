@@ -20,6 +20,7 @@ mod reference;
 mod remarks;
 mod render;
 mod sheet;
+mod tessellation;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -43,6 +44,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Diagram(diagram)) => diagram::run(&diagram),
         Some(Command::Plan(plan)) => plan::run(&plan),
+        Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),

@@ -73,6 +73,7 @@ pub mod shapes;
 pub mod sheet;
 pub mod spacetime;
 pub mod study;
+pub mod tessellation;
 pub mod text;
 pub mod time_texture;
 pub mod tonemap;

@@ -43,6 +43,9 @@ pub enum Command {
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
+    /// Foretell how fine a rasterizer has to tessellate the objects of a scene.
+    #[command(after_help = help::TESSELLATION)]
+    Tessellation(TessellationArguments),
     /// Print what a glTF, npy, npz, exr, png or scene file holds.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
@@ -345,6 +348,30 @@ pub struct PlanArguments {
     /// As JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct TessellationArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// How far points may be drawn from their places, pixels.
+    #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = values::pixels, allow_hyphen_values = true)]
+    pub pixels: f64,
+    /// Look at this panel of the scene; at the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads. Default: one per core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress bar.
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -78,6 +78,16 @@ Examples:
   nullray plan scene.toml --size 1920x1080 --aovs event
   nullray plan scene.toml --json";
 
+pub const TESSELLATION: &str = "\
+Examples:
+  nullray tessellation scene.toml --pixels 0.5
+  nullray tessellation scene.toml --pixels 0.1 --json
+
+Rasterizers move vertices to where they are seen and join them by straight edges, which are curved. For each \
+object that the picture shows: how long its edges may be, in its rest frame, so that no point is drawn farther \
+than that from its place, along edges or across; into how many parts its longest edge has to be cut, or how often \
+halved; how far points may be off as it is; and the triangle and the pixel that need the shortest edges.";
+
 pub const INFO: &str = "\
 Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
 time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera, \
@@ -86,7 +96,7 @@ objects, sources. Only headers are read, except of .exr.";
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {
     let mut text = format!(
-        "{}\n{SEQUENCES}\n{FORMATS}",
+        "{}\n{SEQUENCES}\n{METHODS}\n{FORMATS}",
         RENDER
             .rsplit_once("\n\n")
             .map_or(RENDER, |(examples, _)| examples)
@@ -106,6 +116,19 @@ same input, is not rendered again: after an interruption the same command goes o
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name before the \
 extension; with one --panel and -o the name is taken as it is.";
+
+const METHODS: &str = "
+Methods (--method): all but the first approximate geometry and visibility, with samples, radiance and channels \
+of the same definition.
+  trace                     rays; exact
+  raster:none               vertices at their apparent positions, flat triangles between them
+  raster:uniform=0.05       the same, triangles cut until no edge is longer than 0.05 m in its rest frame
+  raster:adaptive=0.5       the same, cut until no point is more than 0.5 pixels off
+  warp:cube=1024            directions looked up in what is met from the same event at rest: a cube with faces of \
+1024² texels (objects at rest only)
+  warp:panorama=2048x1024   the same, by longitude and latitude
+With ,attributes=vertex emission times and wavelength ratios of rasterizers are interpolated between vertices, not \
+worked out at each sample; with ,lookup=nearest warps take the nearest texel, not the four around.";
 
 const FORMATS: &str = "
 Formats, by the extension of -o:

@@ -21,6 +21,7 @@ mod remarks;
 mod render;
 mod sheet;
 mod study;
+mod tessellation;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -45,6 +46,7 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         Some(Command::Diagram(diagram)) => diagram::run(&diagram),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),
+        Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Study(study)) => study::run(&study),
         Some(Command::Schema) => reference::schema(),

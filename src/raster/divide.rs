@@ -1,22 +1,24 @@
 //! Tessellation: triangles divided until straight edges will do.
 //!
-//! Each edge is halved, or not, by its two ends alone, and its halves likewise: triangles that share it
-//! divide it alike, and no cracks open. A triangle is cut by those of its edges that are halved into two,
-//! three or four, and so on.
+//! An edge that is to have n > 1 equal parts is cut after the first ⌊n/2⌋, counted from the end whose
+//! coordinates are less, and its two pieces likewise. How many is decided by its two ends alone: triangles
+//! that share an edge cut it alike, and no cracks open. A triangle is cut by those of its edges that are cut
+//! into two, three or four, and so on.
 //!
-//! *Uniform*: an edge longer than L is halved, so that all are at most L and longer than L/2, or whole.
+//! *Uniform*: n = ⌈length/L⌉, so that all edges are at most L.
 //!
-//! *Adaptive*: with Δ of [`apparent`](crate::apparent), an edge is halved where
+//! *Adaptive*: with Δ and δ of [`apparent`](crate::apparent), n = ⌈√(E/ε)⌉, or 2 where that is above 3 and E
+//! not to be relied on, with
 //!
 //! ```text
-//! 4/3 · max |Δ/δ| · |c_A × c_B|² / (8 |c|³_min) > ε,
+//! E = 4/3 · max |Δ/δ| · |c_A × c_B|² / (8 |c|³_min),
 //! ```
 //!
-//! |c|_min being that of its nearest point and |Δ/δ| that of the end where a metre is more. |c| is convex,
-//! its second derivative largest at the nearest point, so that this bounds δ wherever on the edge. Within a
-//! triangle whose edges are all at most L, δ is at most 4/3 of what it can be on an edge (Jung: it lies in a
-//! circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its corner,
-//! where a radian has most pixels.
+//! |c|_min being that of the edge's nearest point and |Δ/δ| that of the end where a metre is more. |c| is
+//! convex, its second derivative largest at the nearest point, so that this bounds δ wherever on the edge.
+//! Within a triangle whose edges are all at most L, δ is at most 4/3 of what it can be on an edge (Jung: it
+//! lies in a circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its
+//! corner, where a radian has most pixels.
 
 use glam::DVec3;
 
@@ -25,8 +27,10 @@ use super::batch::Parts;
 use super::cull::Frustum;
 use crate::apparent::{Image, Sight};
 
-/// So often an edge is halved at most: 10⁻⁹ of it is left.
+/// So often an edge is cut at most: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;
+/// Lengths that are the same but for rounding count as such.
+const SAME: f64 = 1.0 - 1e-12;
 
 /// A point of a triangle that is being divided.
 #[derive(Debug, Clone, Copy)]
@@ -44,8 +48,8 @@ pub(super) struct Corner {
     pub index: u32,
 }
 
-/// The up to four parts of a triangle; none where a corner cannot be seen.
-type Cut = Option<[Option<[Corner; 3]>; 4]>;
+/// The up to four pieces of a triangle.
+type Pieces = [Option<[Corner; 3]>; 4];
 
 /// Divides triangles of one rest frame.
 #[derive(Debug)]
@@ -97,13 +101,30 @@ impl<'a> Divider<'a> {
         c.length() * pixels
     }
 
-    /// Whether the edge is halved.
-    fn halves(&self, a: &Corner, b: &Corner) -> bool {
+    /// Into how many parts the edge is cut.
+    fn parts(&self, a: &Corner, b: &Corner) -> f64 {
         match self.tessellation {
-            Tessellation::None => false,
-            Tessellation::Uniform(length) => a.x.distance_squared(b.x) > length * length,
-            Tessellation::Adaptive(pixels) => self.error(a, b) > pixels,
+            Tessellation::None => 1.0,
+            Tessellation::Uniform(length) => (a.x.distance(b.x) / length * SAME).ceil(),
+            Tessellation::Adaptive(pixels) => match (self.error(a, b) / pixels).sqrt().ceil() {
+                parts if parts > 3.0 => 2.0,
+                parts => parts,
+            },
         }
+    }
+
+    /// Where the edge is cut, as a part of it from `a`; none where it stays whole.
+    fn cut(&self, a: &Corner, b: &Corner) -> Option<f64> {
+        let parts = self.parts(a, b);
+        // Not for NaN either.
+        (parts > 1.0).then(|| {
+            let first = (0.5 * parts).floor() / parts;
+            if comes_first(a.x, b.x) {
+                first
+            } else {
+                1.0 - first
+            }
+        })
     }
 
     /// A bound on how far points are drawn from their places, pixels. It is the same from either end.
@@ -131,14 +152,15 @@ impl<'a> Divider<'a> {
         }
     }
 
-    /// Of the edges opposite to each corner, which are halved.
-    fn edges(&self, [a, b, c]: &[Corner; 3]) -> [bool; 3] {
-        [self.halves(b, c), self.halves(c, a), self.halves(a, b)]
+    /// Of the edges opposite to each corner, where they are cut.
+    fn cuts(&self, [a, b, c]: &[Corner; 3]) -> [Option<f64>; 3] {
+        [self.cut(b, c), self.cut(c, a), self.cut(a, b)]
     }
 
     fn divide_by(&self, mut corners: [Corner; 3], depth: u32, parts: &mut Parts) {
-        let halved = self.edges(&corners);
-        if halved == [false; 3] || depth == 0 {
+        let mut cuts = self.cuts(&corners);
+        let count = cuts.iter().flatten().count();
+        if count == 0 || depth == 0 {
             return parts.keep(&corners, self.frustum);
         }
         if parts.is_full()
@@ -148,55 +170,67 @@ impl<'a> Divider<'a> {
         {
             return;
         }
-        let count = halved.iter().filter(|h| **h).count();
         // Turned so that the one edge that differs from the others is opposite to the first corner.
         let first = match count {
-            1 => halved.iter().position(|h| *h),
-            2 => halved.iter().position(|h| !*h),
+            1 => cuts.iter().position(Option::is_some),
+            2 => cuts.iter().position(Option::is_none),
             _ => None,
         };
         corners.rotate_left(first.unwrap_or(0));
-        let cut = match count {
-            1 => self.two(&corners, parts),
-            2 => self.three(&corners, parts),
-            _ => self.four(&corners, parts),
+        cuts.rotate_left(first.unwrap_or(0));
+        let [a, b, c] = &corners;
+        let points = [
+            cuts[0].and_then(|at| self.between(b, c, at, parts)),
+            cuts[1].and_then(|at| self.between(c, a, at, parts)),
+            cuts[2].and_then(|at| self.between(a, b, at, parts)),
+        ];
+        let pieces = match points {
+            [Some(bc), None, None] => two(&corners, bc),
+            [None, Some(ca), Some(ab)] => three(&corners, ca, ab),
+            [Some(bc), Some(ca), Some(ab)] => four(&corners, bc, ca, ab),
+            _ => [None; 4],
         };
-        for part in cut.into_iter().flatten().flatten() {
-            self.divide_by(part, depth - 1, parts);
+        for piece in pieces.into_iter().flatten() {
+            self.divide_by(piece, depth - 1, parts);
         }
     }
 
-    fn middle(&self, a: &Corner, b: &Corner, parts: &mut Parts) -> Option<Corner> {
-        let x = (a.x + b.x) * 0.5;
-        let weights = [0, 1].map(|i| (a.weights[i] + b.weights[i]) * 0.5);
+    /// The corner after the part `at` of the edge, the same from either side of it.
+    fn between(&self, a: &Corner, b: &Corner, at: f64, parts: &mut Parts) -> Option<Corner> {
+        let (a, b, at) = match comes_first(a.x, b.x) {
+            true => (a, b, at),
+            false => (b, a, 1.0 - at),
+        };
+        let x = a.x + (b.x - a.x) * at;
+        let weights = [0, 1].map(|i| a.weights[i] + (b.weights[i] - a.weights[i]) * at);
         self.corner(x, weights, parts)
     }
+}
 
-    /// Cut by the middle of the edge opposite to the first corner.
-    fn two(&self, [a, b, c]: &[Corner; 3], parts: &mut Parts) -> Cut {
-        let m = self.middle(b, c, parts)?;
-        Some([Some([*a, *b, m]), Some([*a, m, *c]), None, None])
-    }
+/// Whether `a` has the lesser coordinates, the first that differ.
+fn comes_first(a: DVec3, b: DVec3) -> bool {
+    a.to_array() <= b.to_array()
+}
 
-    /// Cut by the middles of the two edges at the first corner, and by the shorter diagonal.
-    fn three(&self, [a, b, c]: &[Corner; 3], parts: &mut Parts) -> Cut {
-        let (ab, ca) = (self.middle(a, b, parts)?, self.middle(c, a, parts)?);
-        let [second, third] = match ab.x.distance_squared(c.x) <= ca.x.distance_squared(b.x) {
-            true => [[ab, *b, *c], [ab, *c, ca]],
-            false => [[ab, *b, ca], [*b, *c, ca]],
-        };
-        Some([Some([*a, ab, ca]), Some(second), Some(third), None])
-    }
+/// Cut by a point of the edge opposite to the first corner.
+fn two([a, b, c]: &[Corner; 3], bc: Corner) -> Pieces {
+    [Some([*a, *b, bc]), Some([*a, bc, *c]), None, None]
+}
 
-    fn four(&self, [a, b, c]: &[Corner; 3], parts: &mut Parts) -> Cut {
-        let ab = self.middle(a, b, parts)?;
-        let bc = self.middle(b, c, parts)?;
-        let ca = self.middle(c, a, parts)?;
-        Some([
-            Some([*a, ab, ca]),
-            Some([ab, *b, bc]),
-            Some([ca, bc, *c]),
-            Some([ab, bc, ca]),
-        ])
-    }
+/// Cut by points of the two edges at the first corner, and by the shorter diagonal.
+fn three([a, b, c]: &[Corner; 3], ca: Corner, ab: Corner) -> Pieces {
+    let [second, third] = match ab.x.distance_squared(c.x) <= ca.x.distance_squared(b.x) {
+        true => [[ab, *b, *c], [ab, *c, ca]],
+        false => [[ab, *b, ca], [*b, *c, ca]],
+    };
+    [Some([*a, ab, ca]), Some(second), Some(third), None]
+}
+
+fn four([a, b, c]: &[Corner; 3], bc: Corner, ca: Corner, ab: Corner) -> Pieces {
+    [
+        Some([*a, ab, ca]),
+        Some([ab, *b, bc]),
+        Some([ca, bc, *c]),
+        Some([ab, bc, ca]),
+    ]
 }

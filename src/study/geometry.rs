@@ -1,11 +1,10 @@
 //! Where the points that a picture shows should have been.
 
-use glam::DVec3;
 use serde::Serialize;
 
 use super::statistics::quantile;
 use crate::aov::Aov;
-use crate::apparent::{Observer, Sight};
+use crate::apparent::{CHANNELS as PLACES, misplacements};
 use crate::error::Result;
 use crate::film::Film;
 use crate::prepare::Prepared;
@@ -34,20 +33,9 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// The channels that [`Geometry::error`] reads.
-pub(super) const CHANNELS: [Aov; 5] = [
-    Aov::Object,
-    Aov::EventCt,
-    Aov::ObjectEventX,
-    Aov::ObjectEventY,
-    Aov::ObjectEventZ,
-];
-
-/// What a camera sees of points of a scene's objects.
-pub(super) struct Geometry<'a> {
-    /// Per object: what is seen of its rest frame, and where its origin is in that.
-    sights: Vec<Option<(usize, DVec3)>>,
-    frames: Vec<Sight<'a>>,
+/// The channels that [`GeometricError::of`] reads.
+pub(super) fn channels() -> Vec<Aov> {
+    PLACES.into_iter().chain([Aov::EventCt]).collect()
 }
 
 impl Spread {
@@ -60,56 +48,38 @@ impl Spread {
     }
 }
 
-impl<'a> Geometry<'a> {
-    /// What `observer` sees of `scene`.
-    pub fn new(scene: &Prepared, observer: &'a Observer) -> Result<Self> {
-        let frames = scene.frames.iter().map(|rest| observer.sight(&rest.frame));
-        let mut sights = Vec::new();
-        for (index, rest) in scene.frames.iter().enumerate() {
-            for patch in &rest.patches {
-                let object = patch.object as usize;
-                if sights.len() <= object {
-                    sights.resize(object + 1, None);
-                }
-                sights[object] = Some((index, patch.object_origin.x));
-            }
-        }
-        Ok(Geometry {
-            sights,
-            frames: frames.collect::<Result<_>>()?,
+impl GeometricError {
+    /// The error of `film` of `scene`, rendered at the centres of pixels, against the truth of `exact`.
+    ///
+    /// # Errors
+    /// As [`misplacements`].
+    pub(super) fn of(scene: &Prepared, film: &Film, exact: &Film) -> Result<Self> {
+        let object = film.aov(Aov::Object).unwrap_or_default();
+        let true_object = exact.aov(Aov::Object).unwrap_or_default();
+        let is_seen = |i: &usize| object[*i] >= 0.0;
+        let is_right = |i: &usize| object[*i] == true_object[*i];
+        let all = 0..object.len();
+        let misplaced = misplacements(scene, film)?;
+        let pixels: Vec<_> = all
+            .clone()
+            .filter(is_seen)
+            .map(|i| libm::hypot(misplaced[i][0], misplaced[i][1]))
+            .collect();
+        Ok(GeometricError {
+            pixels: Spread::of(&pixels),
+            emission_time: Spread::of(&late(
+                film,
+                exact,
+                all.clone().filter(is_seen).filter(is_right),
+            )),
+            wrong_object: all.filter(|i| !is_right(i)).count() as u64,
+            seen: pixels.len() as u64,
         })
     }
+}
 
-    /// The error of `film`, rendered at the centres of pixels, against the truth of `exact`.
-    pub fn error(&self, film: &Film, exact: &Film) -> GeometricError {
-        let [object, ct, x, y, z] = CHANNELS.map(|aov| film.aov(aov).unwrap_or_default());
-        let [true_object, true_ct, ..] = CHANNELS.map(|aov| exact.aov(aov).unwrap_or_default());
-        let columns = film.size()[0] as usize;
-        let (mut pixels, mut times, mut wrong) = (Vec::new(), Vec::new(), 0);
-        for i in 0..object.len() {
-            if object[i] != true_object[i] {
-                wrong += 1;
-            } else if object[i] >= 0.0 {
-                times.push((ct[i] - true_ct[i]).abs());
-            }
-            if object[i] >= 0.0 {
-                let middle = [(i % columns) as f64 + 0.5, (i / columns) as f64 + 0.5];
-                let place = DVec3::new(x[i], y[i], z[i]);
-                pixels.push(self.distance(object[i] as usize, place, middle));
-            }
-        }
-        GeometricError {
-            pixels: Spread::of(&pixels),
-            emission_time: Spread::of(&times),
-            wrong_object: wrong,
-            seen: pixels.len() as u64,
-        }
-    }
-
-    /// How far from `middle`, in pixels, the point `place` of an object is truly seen.
-    fn distance(&self, object: usize, place: DVec3, [x, y]: [f64; 2]) -> f64 {
-        let known = self.sights.get(object).copied().flatten();
-        let seen = known.and_then(|(frame, origin)| self.frames[frame].film_point(place + origin));
-        seen.map_or(f64::INFINITY, |[u, v]| libm::hypot(u - x, v - y))
-    }
+/// By how much the emission times of these pixels are wrong.
+fn late(film: &Film, exact: &Film, pixels: impl Iterator<Item = usize>) -> Vec<f64> {
+    let [time, truth] = [film, exact].map(|f| f.aov(Aov::EventCt).unwrap_or_default());
+    pixels.map(|i| (time[i] - truth[i]).abs()).collect()
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::Method;
 use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
 use super::front::front;
-use super::geometry::{CHANNELS, GeometricError, Geometry};
+use super::geometry::{self, GeometricError};
 use super::memory::Before;
 use super::options::Options;
 use super::radiance::{self, RadianceError};
@@ -37,8 +37,8 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, &plan, progress)?;
     let prepare_seconds = start.elapsed().as_secs_f64();
-    let observer = Observer::new(&prepared)?;
-    let (able, left_out) = geometries(&mut prepared, &observer, &plan, options, progress)?;
+    Observer::new(&prepared)?;
+    let (able, left_out) = geometries(&mut prepared, &plan, options, progress)?;
     let start = Instant::now();
     let truth = picture(
         &mut prepared,
@@ -118,16 +118,14 @@ type Able = (Vec<(Method, GeometricError)>, Vec<LeftOut>);
 /// The errors of geometry of all methods.
 fn geometries(
     prepared: &mut Prepared,
-    observer: &Observer,
     plan: &Plan,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Able> {
-    prepared.layout.channels = CHANNELS.to_vec();
+    prepared.layout.channels = geometry::channels();
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
-    let geometry = Geometry::new(prepared, observer)?;
     let exact = render(prepared, &Method::Trace, progress)?;
     let (mut able, mut left_out) = (Vec::new(), Vec::new());
     for method in &options.methods {
@@ -135,7 +133,7 @@ fn geometries(
             .check(plan)
             .and_then(|()| render(prepared, method, progress));
         match film {
-            Ok(film) => able.push((*method, geometry.error(&film, &exact))),
+            Ok(film) => able.push((*method, GeometricError::of(prepared, &film, &exact)?)),
             Err(Error::Cancelled) => return Err(Error::Cancelled),
             Err(error) if options.methods.len() == 1 => return Err(error),
             Err(error) => left_out.push(LeftOut {

@@ -26,6 +26,13 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
     scale.ok_or_else(|| "a scale is a number from 0.1 to 100".into())
 }
 
+/// An error on the film.
+pub(super) fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = text.trim().parse::<f64>().ok();
+    let pixels = pixels.filter(|pixels| (1e-6..=1e6).contains(pixels));
+    pixels.ok_or_else(|| "give a number of pixels from 1e-6 to 1e6, like 0.5".into())
+}
+
 pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     let (key, value) = text
         .split_once('=')

@@ -38,7 +38,11 @@
 //! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
 //! root: the light of an object that outruns it arrives twice, or never.
 
+mod misplaced;
+
 use glam::{DMat3, DVec3};
+
+pub use misplaced::{CHANNELS, misplacements};
 
 use crate::camera::{AnyView, Camera, Pinhole};
 use crate::error::{Error, Result};
@@ -133,6 +137,28 @@ impl Observer {
         &self.film
     }
 
+    /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
+    /// coordinates in its object (the channel `object_event`) plus that are those of [`Sight`]. None for
+    /// objects without triangles.
+    ///
+    /// # Errors
+    /// As [`Observer::sight`].
+    pub fn places(&self, scene: &Prepared) -> Result<Vec<Place<'_>>> {
+        let mut places = Vec::new();
+        for rest in &scene.frames {
+            for patch in &rest.patches {
+                let object = patch.object as usize;
+                if places.len() <= object {
+                    places.resize(object + 1, None);
+                }
+                if places[object].is_none() {
+                    places[object] = Some((self.sight(&rest.frame)?, patch.object_origin.x));
+                }
+            }
+        }
+        Ok(places)
+    }
+
     /// What is seen of points at rest in `frame`.
     ///
     /// # Errors
@@ -155,6 +181,9 @@ impl Observer {
         Ok(sight)
     }
 }
+
+/// What is seen of an object, and where its origin is in its rest frame, metres.
+pub type Place<'a> = Option<(Sight<'a>, DVec3)>;
 
 /// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
 fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {

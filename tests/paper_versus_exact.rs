@@ -15,7 +15,7 @@ use nullray::render::render;
 use nullray::scene::{self, Overrides};
 
 /// Figure and panel; its camera, in words.
-const PANELS: [(u32, &str, &str); 20] = [
+const PANELS: [(u32, &str, &str); 19] = [
     (2, "camera-9.6", "at rest"),
     (3, "alike-1.5", "accelerating, 1.5 m after its start"),
     (3, "alike-3", "accelerating, 3 m after its start"),
@@ -31,7 +31,6 @@ const PANELS: [(u32, &str, &str); 20] = [
     (6, "alike-4", "accelerating, 4th picture after its start"),
     (7, "alike-constant", "at constant speed"),
     (7, "alike-accelerating", "accelerating, at the same speed"),
-    (8, "approaching", "coming in at 0.76 c, braking"),
     (8, "receding", "going out at 0.76 c, accelerating"),
     (10, "exact-0.5", "turning, rim at 0.5 c"),
     (10, "comoving-0.5", "turning, with pinholes that move along"),
@@ -52,7 +51,8 @@ fn picture(figure: u32, panel: &str, model: &str) -> Picture {
         set: vec![("model".into(), format!("\"{model}\""))],
         ..Overrides::default()
     };
-    let whole = scene::load(&path, &overrides).unwrap();
+    // As a whole a figure may be what the paper does not have.
+    let whole = scene::load(&path, &Overrides::default()).unwrap();
     let panel = whole.panels.iter().find(|p| p.name == panel).unwrap();
     let scene = scene::load_panel(&path, &whole, panel, &overrides).unwrap();
     let request = Request {
@@ -68,7 +68,12 @@ fn picture(figure: u32, panel: &str, model: &str) -> Picture {
 }
 
 fn compared(figure: u32, panel: &str) -> Comparison {
-    let [exact, paper] = ["exact", "paper2015"].map(|model| picture(figure, panel, model));
+    let exact = picture(figure, panel, "exact");
+    // Of exact rotation the paper has none: it has its own in place of it.
+    let paper = match panel {
+        "exact-0.5" => picture(figure, "paper-0.5", "paper2015"),
+        _ => picture(figure, panel, "paper2015"),
+    };
     compare(&exact, &paper, &Options::default()).unwrap()
 }
 

@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 
 /// Makes the enumeration and its table from one list.
 macro_rules! aovs {
-    ($($variant:ident, $name:literal, $meaning:literal;)*) => {
+    ($($variant:ident, $name:literal, $meaning:literal, $definition:literal;)*) => {
         /// One auxiliary channel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Aov {
@@ -19,34 +19,67 @@ macro_rules! aovs {
 
         /// Channel, name, meaning with unit and frame; in the order of [`Aov`].
         pub const TABLE: &[(Aov, &str, &str)] = &[$((Aov::$variant, $name, $meaning),)*];
+
+        impl Aov {
+            /// The formula of one ray's value; [`crate::export`] explains the symbols.
+            pub fn definition(self) -> &'static str {
+                match self {
+                    $(Aov::$variant => $definition,)*
+                }
+            }
+        }
     };
 }
 
 aovs! {
-    Object, "object", "index of the object in the scene file, −1 where nothing is met";
-    Primitive, "primitive", "index of the triangle in the object, in the order of its file";
-    BarycentricU, "barycentric.u", "weight of the triangle's second corner";
-    BarycentricV, "barycentric.v", "weight of the triangle's third corner";
-    UvU, "uv.u", "texture coordinate u (set 0)";
-    UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row";
-    EventCt, "event.ct", "emission event: world time × c, metres";
-    EventX, "event.x", "emission event: world x, metres";
-    EventY, "event.y", "emission event: world y, metres";
-    EventZ, "event.z", "emission event: world z, metres";
-    ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres";
-    ObjectEventX, "object_event.x", "emission event: object x, metres";
-    ObjectEventY, "object_event.y", "emission event: object y, metres";
-    ObjectEventZ, "object_event.z", "emission event: object z, metres";
-    DirectionX, "direction.x", "look direction in the world, x";
-    DirectionY, "direction.y", "look direction in the world, y";
-    DirectionZ, "direction.z", "look direction in the world, z";
-    Distance, "distance", "world distance from the pinhole event to the emission event, metres";
-    WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength";
-    NormalX, "normal.x", "geometric normal in the object's rest frame, x";
-    NormalY, "normal.y", "geometric normal in the object's rest frame, y";
-    NormalZ, "normal.z", "geometric normal in the object's rest frame, z";
-    Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1";
-    StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel";
+    Object, "object", "index of the object in the scene file, −1 where nothing is met",
+        "k, the object of which the ray X(s) meets a triangle at the smallest s > 0";
+    Primitive, "primitive", "index of the triangle in the object, in the order of its file",
+        "index of that triangle, (a, b, c), in the order of the object's geometry";
+    BarycentricU, "barycentric.u", "weight of the triangle's second corner",
+        "u of p = (1 − u − v) a + u b + v c, p the place of object_event";
+    BarycentricV, "barycentric.v", "weight of the triangle's third corner",
+        "v of p = (1 − u − v) a + u b + v c";
+    UvU, "uv.u", "texture coordinate u (set 0)",
+        "first component of (1 − u − v) t_a + u t_b + v t_c, t the corners' TEXCOORD_0";
+    UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row",
+        "second component of (1 − u − v) t_a + u t_b + v t_c";
+    EventCt, "event.ct", "emission event: world time × c, metres",
+        "time of E = X(s) = P + s (−η, d)";
+    EventX, "event.x", "emission event: world x, metres",
+        "x of E = X(s) = P + s (−η, d)";
+    EventY, "event.y", "emission event: world y, metres",
+        "y of E = X(s) = P + s (−η, d)";
+    EventZ, "event.z", "emission event: world z, metres",
+        "z of E = X(s) = P + s (−η, d)";
+    ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres",
+        "time of M_k⁻¹ (E − O_k)";
+    ObjectEventX, "object_event.x", "emission event: object x, metres",
+        "x of M_k⁻¹ (E − O_k)";
+    ObjectEventY, "object_event.y", "emission event: object y, metres",
+        "y of M_k⁻¹ (E − O_k)";
+    ObjectEventZ, "object_event.z", "emission event: object z, metres",
+        "z of M_k⁻¹ (E − O_k)";
+    DirectionX, "direction.x", "look direction in the world, x",
+        "x of d, where L (−1, d′) = W₀ (−1, d)";
+    DirectionY, "direction.y", "look direction in the world, y",
+        "y of d, where L (−1, d′) = W₀ (−1, d)";
+    DirectionZ, "direction.z", "look direction in the world, z",
+        "z of d, where L (−1, d′) = W₀ (−1, d)";
+    Distance, "distance", "world distance from the pinhole event to the emission event, metres",
+        "s of E = P + s (−η, d)";
+    WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength",
+        "W = (κ·u_k)/(κ·u_camera), κ = (−1, d), u the four-velocities, a·b = a_x b_x + a_y b_y + a_z b_z − a_ct b_ct";
+    NormalX, "normal.x", "geometric normal in the object's rest frame, x",
+        "x of (b − a) × (c − a), normalised";
+    NormalY, "normal.y", "geometric normal in the object's rest frame, y",
+        "y of (b − a) × (c − a), normalised";
+    NormalZ, "normal.z", "geometric normal in the object's rest frame, z",
+        "z of (b − a) × (c − a), normalised";
+    Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1",
+        "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
+    StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
+        "√(sample variance / n) of the n samples' (R + G + B)/3";
 }
 
 impl Aov {

@@ -36,7 +36,7 @@ impl Tile {
     }
 
     /// The tile's index in an image of `size` pixels.
-    fn index(self, size: [u32; 2]) -> u64 {
+    pub fn index(self, size: [u32; 2]) -> u64 {
         let across = size[0].div_ceil(TILE) as u64;
         (self.corner[1] / TILE) as u64 * across + (self.corner[0] / TILE) as u64
     }

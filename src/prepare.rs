@@ -3,6 +3,9 @@
 mod geometry;
 mod light;
 
+pub use geometry::object_mesh;
+pub(crate) use light::scaling;
+
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::film::Layout;

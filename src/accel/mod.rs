@@ -119,6 +119,16 @@ impl Bvh {
         self.corners[slot as usize]
     }
 
+    /// The id of the triangle in `slot`, and which of its sides are there.
+    pub fn triangle(&self, slot: u32) -> (u32, Facing) {
+        let tag = self.tags[slot as usize];
+        let facing = match tag.shows(false) {
+            true => Facing::TwoSided,
+            false => Facing::FrontOnly,
+        };
+        (tag.id(), facing)
+    }
+
     /// The unit normal of the triangle that was hit, on the side from which its corners run
     /// counter-clockwise.
     pub fn normal(&self, hit: &Hit) -> DVec3 {

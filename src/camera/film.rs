@@ -79,6 +79,36 @@ impl Pinhole {
             + self.up * ((height - 2.0 * y) * self.pixel[1])
     }
 
+    /// The matrix from vectors of the camera frame to homogeneous film coordinates (x z, y z, z), with x and
+    /// y in pixels and z the part along the forward axis, which is negative behind the camera.
+    pub fn homogeneous_from_camera(&self) -> DMat3 {
+        let [width, height] = self.size;
+        let right = self.right / self.right.length_squared();
+        let up = self.up / self.up.length_squared();
+        let x = (self.forward + right) * (0.5 * width);
+        let y = (self.forward - up) * (0.5 * height);
+        DMat3::from_cols(x, y, self.forward).transpose()
+    }
+
+    /// The inward unit normals of the four planes through the pinhole and an edge of the film: left, right,
+    /// top, bottom. What is seen lies on the inner side of all of them.
+    pub fn sides(&self) -> [DVec3; 4] {
+        let right = self.right / self.right.length_squared();
+        let up = self.up / self.up.length_squared();
+        [right, -right, -up, up].map(|side| (self.forward + side).normalize())
+    }
+
+    /// Pixels per radian in the film's corners, away from the centre: nowhere are there more.
+    pub fn density(&self) -> f64 {
+        let (right, up) = (self.right.length_squared(), self.up.length_squared());
+        0.5 * self.size[0] / right.sqrt() * (1.0 + right + up)
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
     /// The camera-frame look direction at film point `(x, y)`, pixels.
     #[inline(always)]
     pub fn direction(&self, x: f64, y: f64) -> Direction<Camera> {

@@ -8,8 +8,10 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use nullray::aov::Aov;
 use nullray::overlay::Parts;
+use nullray::raster::Method;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
+use nullray::study;
 use nullray::units::Time;
 
 use super::help;
@@ -35,15 +37,24 @@ pub enum Command {
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
     #[command(after_help = help::DIAGRAM)]
     Diagram(DiagramArguments),
+    /// Write a scene as a bundle for other programs: geometry, camera, sources, reference pictures.
+    #[command(after_help = help::EXPORT)]
+    Export(ExportArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
+    /// Foretell how fine a rasterizer has to tessellate the objects of a scene.
+    #[command(after_help = help::TESSELLATION)]
+    Tessellation(TessellationArguments),
     /// Print what a glTF, npy, npz, exr, png or scene file holds.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Test this build on this machine: numbers against arbitrary precision, rays against gaps.
     #[command(after_help = help::SELFTEST)]
     Selftest(SelftestArguments),
+    /// Measure run time against error: ray tracer, rasterizers, warped pictures.
+    #[command(after_help = help::STUDY)]
+    Study(StudyArguments),
     /// Print the JSON schema of the scene file, for editors.
     Schema,
     /// Print completions for a shell.
@@ -157,6 +168,10 @@ pub struct RenderArguments {
     /// A file of this name is replaced when the new one is complete.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
+    /// How the picture is made: trace, raster:none, raster:uniform=METRES, raster:adaptive=PIXELS, warp:cube=N or
+    /// warp:panorama=WxH; see `nullray help render`.
+    #[arg(long, value_name = "METHOD", default_value = "trace")]
+    pub method: Method,
     /// Also write the retarded time as a coloured picture with a legend.
     #[arg(long, value_name = "FILE.png", group = "timed")]
     pub isochrones: Option<PathBuf>,
@@ -284,6 +299,90 @@ pub struct PixelArguments {
 }
 
 #[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// The directory to write. It appears when it is complete.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Export this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Render no reference pictures.
+    #[arg(long)]
+    pub no_reference: bool,
+    /// What becomes of stored cubes: copied, or named with their SHA-256.
+    #[arg(long, value_name = "WHAT", default_value = "copy")]
+    pub cubes: CubesArgument,
+    /// Replace an export of this name.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Worker threads. Default: one per core. What is written does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// Where to write: .csv, .json, or the plot as .svg, .pdf, .png. Repeatable.
+    /// Default: the scene's name with -study.csv, -study.json and -study.svg, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// The methods, separated by semicolons or spaces, as --method of render has them.
+    #[arg(long, value_name = "LIST", default_value = study::METHODS, value_parser = values::methods)]
+    pub methods: MethodList,
+    /// Samples per pixel that each is measured with.
+    #[arg(long, value_name = "LIST", default_value = "1,4,16,64", value_parser = values::samples)]
+    pub samples: SampleList,
+    /// Pictures of each method and number of samples, as far as the budget goes.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub runs: u32,
+    /// For how many seconds to measure, not counting the reference.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = values::seconds)]
+    pub budget: f64,
+    /// Samples per pixel of the picture that radiance is compared with.
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    pub reference_spp: u32,
+    /// Study this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Worker threads. Default: one per core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Methods of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodList(pub Vec<Method>);
+
+/// Numbers of samples of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SampleList(pub Vec<u32>);
+
+/// What becomes of stored cubes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CubesArgument {
+    /// Copied into the bundle.
+    Copy,
+    /// Named with their SHA-256.
+    Reference,
+}
+
+#[derive(Debug, Args)]
 pub struct PlanArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -293,6 +392,30 @@ pub struct PlanArguments {
     /// As JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct TessellationArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// How far points may be drawn from their places, pixels.
+    #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = values::pixels, allow_hyphen_values = true)]
+    pub pixels: f64,
+    /// Look at this panel of the scene; at the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads. Default: one per core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// No progress bar.
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,8 @@ Examples:
   nullray render scene.toml          write scene.png
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
+  nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
+  nullray study scene.toml           measure run time against error, by several methods
   nullray plan scene.toml            see what that would need, before
   nullray info data.npz              see what a file holds
   nullray selftest                   test this build on this machine
@@ -58,10 +60,41 @@ and no cube is read.
 --pixel draws the light that one pixel sees, from its emission to its reception, along the ray: clocks of camera \
 and object, where the object was seen and where it is now. The scene's geometry is loaded for it.";
 
+pub const EXPORT: &str = "\
+Examples:
+  nullray export scene.toml -o bundle
+  nullray export scene.toml --size 640x480 -o bundle --overwrite
+  nullray export figure.toml --panel beta-0.9 --no-reference -o bundle
+
+The directory holds GLB files, bundle.json with its JSON schema, cubes, reference pictures with all auxiliary \
+channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells the author of \
+another renderer how to read it and how to compare. A directory that is no export is never replaced.";
+
+pub const STUDY: &str = "\
+Examples:
+  nullray study scene.toml
+  nullray study scene.toml --size 320x240 --samples 1,16 --budget 20 -o study.csv -o study.png
+  nullray study scene.toml --methods \"trace; raster:uniform=0.1; raster:adaptive=0.1\" --runs 21
+
+Runs of all methods take turns, and the median counts. Errors are those of geometry (where each point that is \
+shown should have been, in pixels), of emission times, and of radiance against a picture of the ray tracer with many \
+samples. The number of samples is that of --samples, whatever --spp says. On a machine that does other things too, \
+trust ratios rather than times.";
+
 pub const PLAN: &str = "\
 Examples:
   nullray plan scene.toml --size 1920x1080 --aovs event
   nullray plan scene.toml --json";
+
+pub const TESSELLATION: &str = "\
+Examples:
+  nullray tessellation scene.toml --pixels 0.5
+  nullray tessellation scene.toml --pixels 0.1 --json
+
+Rasterizers move vertices to where they are seen and join them by straight edges, which are curved. For each \
+object that the picture shows: how long its edges may be, in its rest frame, so that no point is drawn farther \
+than that from its place, along edges or across; into how many parts its longest edge has to be cut, or how often \
+halved; how far points may be off as it is; and the triangle and the pixel that need the shortest edges.";
 
 pub const INFO: &str = "\
 Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
@@ -77,7 +110,7 @@ Exit codes: 0 all hold; 1 one fails.";
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {
     let mut text = format!(
-        "{}\n{SEQUENCES}\n{FORMATS}",
+        "{}\n{SEQUENCES}\n{METHODS}\n{FORMATS}",
         RENDER
             .rsplit_once("\n\n")
             .map_or(RENDER, |(examples, _)| examples)
@@ -97,6 +130,19 @@ same input, is not rendered again: after an interruption the same command goes o
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name before the \
 extension; with one --panel and -o the name is taken as it is.";
+
+const METHODS: &str = "
+Methods (--method): all but the first approximate geometry and visibility, with samples, radiance and channels \
+of the same definition.
+  trace                     rays; exact
+  raster:none               vertices at their apparent positions, flat triangles between them
+  raster:uniform=0.05       the same, triangles cut until no edge is longer than 0.05 m in its rest frame
+  raster:adaptive=0.5       the same, cut until no point is more than 0.5 pixels off
+  warp:cube=1024            directions looked up in what is met from the same event at rest: a cube with faces of \
+1024² texels (objects at rest only)
+  warp:panorama=2048x1024   the same, by longitude and latitude
+With ,attributes=vertex emission times and wavelength ratios of rasterizers are interpolated between vertices, not \
+worked out at each sample; with ,lookup=nearest warps take the nearest texel, not the four around.";
 
 const FORMATS: &str = "
 Formats, by the extension of -o:

@@ -84,7 +84,8 @@ pub fn will_write_into(directory: PathBuf) {
     }
 }
 
-/// Removes the temporary files of this process, by the names that `nullray::image` gives them.
+/// Removes the temporary files of this process, by the names that `nullray::image` and
+/// `nullray::export` give them.
 fn remove_temporary_files() {
     let ours = format!(".nullray-{}-", std::process::id());
     let directories = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -92,7 +93,9 @@ fn remove_temporary_files() {
     for entry in entries.flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         if name.starts_with(&ours) && name.ends_with(".part") {
-            let _ = fs::remove_file(entry.path());
+            let path = entry.path();
+            // A directory is an export in the making.
+            let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir_all(&path));
         }
     }
 }

@@ -4,13 +4,13 @@ mod args;
 mod builtin;
 mod demo;
 mod diagram;
+mod export;
 mod failure;
 mod frames;
 mod help;
 mod info;
 mod inputs;
 mod interrupt;
-mod metadata;
 mod output;
 mod overlay;
 mod panels;
@@ -21,6 +21,8 @@ mod remarks;
 mod render;
 mod selftest;
 mod sheet;
+mod study;
+mod tessellation;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -43,9 +45,12 @@ fn carry_out(command: Option<Command>) -> Result<ExitCode> {
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
         Some(Command::Diagram(diagram)) => diagram::run(&diagram),
+        Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),
+        Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),
         Some(Command::Info(info)) => info::run(&info),
         Some(Command::Selftest(selftest)) => return selftest::run(&selftest),
+        Some(Command::Study(study)) => study::run(&study),
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),

@@ -10,11 +10,12 @@ use nullray::Result;
 use nullray::aov::Aov;
 use nullray::film::Film;
 use nullray::image::{self, Layers};
+use nullray::metadata::metadata;
 use nullray::overlay::Parts;
+use nullray::raster::Method;
 use nullray::scene::model::{Scene, Show};
 
 use super::frames::Identity;
-use super::metadata::metadata;
 use super::{inputs, interrupt};
 
 pub use check::{check_all, check_page};
@@ -41,6 +42,8 @@ pub struct Outputs {
     pub step: Option<f64>,
     /// Auxiliary channels that were asked for.
     pub aovs: Vec<Aov>,
+    /// How they are made.
+    pub method: Method,
     /// Tells the files of a frame of a sequence from all others.
     pub identity: Option<Identity>,
 }
@@ -139,6 +142,7 @@ impl Outputs {
 
     fn write_one(&self, path: &Path, kind: Kind, scene: &Scene, film: &Film) -> Result<String> {
         let mut metadata = metadata(scene, film);
+        metadata.push(("method".into(), self.method.to_string()));
         if let Some(identity) = &self.identity {
             metadata.push((Identity::KEY.into(), identity.fingerprint(kind)));
         }

@@ -23,6 +23,21 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
     Ok(scene.panels.iter().filter(is_chosen).collect())
 }
 
+/// The scene of a command as it stands, or the panel of it that is named.
+///
+/// # Errors
+/// What is wrong with the scene; a name that no panel has.
+pub fn scene(path: Option<&Path>, panel: Option<&String>, overrides: &Overrides) -> Result<Scene> {
+    let whole = builtin::load(path, overrides)?;
+    let Some(panel) = panel else {
+        return Ok(whole);
+    };
+    match chosen(&whole, std::slice::from_ref(panel))?.as_slice() {
+        [panel] => builtin::load_panel(path, &whole, panel, overrides),
+        _ => Ok(whole),
+    }
+}
+
 fn unknown(scene: &Scene, name: &str) -> nullray::Error {
     let known: Vec<_> = scene.panels.iter().map(|p| p.name.as_str()).collect();
     let help = match known.as_slice() {

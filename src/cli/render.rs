@@ -6,6 +6,7 @@ use std::time::Instant;
 use nullray::film::Film;
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
+use nullray::raster::{self, Method};
 use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
@@ -86,8 +87,9 @@ fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> 
 pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> Result<()> {
     let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
+    outputs.method.check(&plan)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
-    let rendered = film(scene, &plan, quiet)?;
+    let rendered = film(scene, &plan, &outputs.method, quiet)?;
     outputs.write(scene, &rendered.film, &mut say)?;
     rendered.remark(&plan, &mut say)?;
     overlay::write(outputs, scene, rendered, quiet)
@@ -119,13 +121,13 @@ impl Rendered {
 }
 
 /// Loads, builds and renders, with a progress bar unless `quiet`.
-pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
+pub fn film(scene: &Scene, plan: &Plan, method: &Method, quiet: bool) -> Result<Rendered> {
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, plan, &bar)?;
     let prepared_in = start.elapsed().as_secs_f64();
     bar.start();
-    let film = nullray::render::render(&prepared, &bar)?;
+    let film = raster::render(&prepared, method, &bar)?;
     drop(bar);
     interrupt::check()?;
     Ok(Rendered {
@@ -162,6 +164,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
         parts: arguments.overlay_parts.unwrap_or_default(),
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.scene.request().aovs,
+        method: arguments.method,
         ..Outputs::default()
     }
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use nullray::plan::{Plan, Request};
+use nullray::raster::Method;
 use nullray::scene::model::{Panel, Scene, Show};
 use nullray::text::{self, Label};
 use nullray::{Error, Result, image, scene, sheet};
@@ -170,7 +171,7 @@ fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file:
 impl Part {
     fn render(&self, quiet: bool, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
-        let rendered = render::film(&self.scene, &plan, quiet)?;
+        let rendered = render::film(&self.scene, &plan, &Method::Trace, quiet)?;
         self.outputs.write(&self.scene, &rendered.film, say)?;
         rendered.remark(&plan, say)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;

@@ -41,6 +41,20 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     })
 }
 
+/// Writes `rows` to `path` as one array of shape (rows, 3) and type `<f8`, a .npy file, whole or not at all.
+///
+/// # Errors
+/// I/O errors.
+pub fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
+    write_atomically(path, |writer| {
+        let shape = format!("({}, 3)", rows.len());
+        write_all(writer, path, &npy_header("<f8", &shape))?;
+        rows.iter()
+            .flatten()
+            .try_for_each(|value| write_all(writer, path, &value.to_le_bytes()))
+    })
+}
+
 /// An array of the archive: its name, and the channels whose samples alternate in it.
 struct Array<'a> {
     name: &'a str,

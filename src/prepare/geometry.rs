@@ -7,7 +7,7 @@ use crate::accel::{Bvh, Facing};
 use crate::error::{Error, Result};
 use crate::import::gltf;
 use crate::mesh::Mesh;
-use crate::plan::{Plan, PlannedFrame, PlannedObject};
+use crate::plan::{Plan, PlannedFrame};
 use crate::scene::model::{BackFaces, BadVertices, Geometry, Object, Scene};
 use crate::shapes;
 use crate::spacetime::{Event, InertialFrame, Rest};
@@ -26,7 +26,13 @@ pub(super) fn frame(
     let mut gathered = Gathered::default();
     for &index in &planned.objects {
         let object = &scene.objects[index];
-        let (mesh, images) = load(object, &plan.objects[index], warnings)?;
+        let planned = &plan.objects[index];
+        let want = gltf::Want {
+            uvs: planned.uvs,
+            textures: planned.textures,
+            bad_vertices: object.bad_vertices,
+        };
+        let (mesh, images) = object_mesh(object, want, warnings)?;
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);
@@ -56,19 +62,18 @@ pub(super) fn frame(
     })
 }
 
-/// The mesh of an object in object coordinates, and the images of its file where they are wanted.
-fn load(
+/// The mesh of an object in object coordinates, as it is rendered, and the images of its file, as far as
+/// they are wanted.
+///
+/// # Errors
+/// Those of [`gltf::load`].
+pub fn object_mesh(
     object: &Object,
-    planned: &PlannedObject,
+    want: gltf::Want,
     warnings: &mut Vec<String>,
 ) -> Result<(Mesh, Vec<gltf::EncodedImage>)> {
     let (mut mesh, images) = match &object.geometry {
         Geometry::Gltf { path, node } => {
-            let want = gltf::Want {
-                uvs: planned.uvs,
-                textures: planned.textures,
-                bad_vertices: object.bad_vertices,
-            };
             let imported = gltf::load(path, node.as_deref(), want)?;
             let named = |w: String| format!("{}: {w}", path.display());
             warnings.extend(imported.warnings.into_iter().map(named));
@@ -76,7 +81,7 @@ fn load(
         }
         Geometry::Shape { shape, colour } => (shapes::mesh(*shape, *colour), Vec::new()),
     };
-    if !planned.uvs {
+    if !want.uvs {
         mesh.uvs.clear();
     }
     let transform = object.transform;

@@ -162,7 +162,7 @@ fn response(quantity: Quantity, scene: &Scene) -> Response {
 }
 
 /// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
-fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
+pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
     match (equations, quantity) {
         (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
             Quantity::PerWavelength

@@ -7,6 +7,8 @@ mod panel;
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -61,7 +63,8 @@ pub struct Scene {
 }
 
 /// Whose equations a picture follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Equations {
     /// Special relativity.
     Exact,
@@ -234,7 +237,8 @@ pub struct CaptureCamera {
 }
 
 /// The clock that a time axis shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Clock {
     /// World time of the emission event.
     World,
@@ -247,7 +251,8 @@ pub enum Clock {
 }
 
 /// What a stored value is along time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum BinValues {
     /// The integral over the bin.
     PerBin,
@@ -256,7 +261,8 @@ pub enum BinValues {
 }
 
 /// Reconstruction along time from bin-centred values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum TimeFilter {
     /// The bin's own value.
     Nearest,
@@ -286,7 +292,7 @@ pub struct Pulse {
 }
 
 /// The effects of relativity and of light's delay; each can be turned off alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Effects {
     /// Off: a look direction of the camera frame is taken as the same direction of the world.
     pub aberration: bool,
@@ -300,7 +306,7 @@ pub struct Effects {
 }
 
 /// What stands in for data that a source does not have; coverage says where.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Outside {
     /// Before the first bin.
     pub before: Fill,
@@ -313,7 +319,8 @@ pub struct Outside {
 }
 
 /// A substitute for missing data.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Fill {
     /// Radiance 0.
     Black,
@@ -324,7 +331,8 @@ pub enum Fill {
 }
 
 /// Which faces of a triangle are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum BackFaces {
     /// As each file's materials say: double-sided, or else culled.
     AsFile,

@@ -56,11 +56,11 @@ pub struct Observed {
 /// Buffers of one thread's tile.
 #[derive(Debug)]
 pub struct Buffers<D> {
-    offsets: Vec<[f64; 2]>,
-    directions: Vec<Direction<World>>,
-    ratios: Vec<f64>,
+    pub(crate) offsets: Vec<[f64; 2]>,
+    pub(crate) directions: Vec<Direction<World>>,
+    pub(crate) ratios: Vec<f64>,
     from: Vec<D>,
-    scratch: Scratch,
+    pub(crate) scratch: Scratch,
 }
 
 impl<D> Default for Buffers<D> {
@@ -97,7 +97,7 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
     }
 
     /// Look directions and wavelength ratios of sample `index` of every pixel.
-    fn shoot(&self, tile: Tile, index: u32, buffers: &mut Buffers<V::From>) {
+    pub(crate) fn shoot(&self, tile: Tile, index: u32, buffers: &mut Buffers<V::From>) {
         buffers.offsets.clear();
         buffers.directions.clear();
         buffers.ratios.clear();
@@ -157,7 +157,12 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// The surface point, and ω_rest/ω_world of the light that comes from it.
     #[inline]
-    fn point(&self, found: Found, d: Direction<World>, from: V::From) -> (SurfacePoint<'_>, f64) {
+    pub(crate) fn point(
+        &self,
+        found: Found,
+        d: Direction<World>,
+        from: V::From,
+    ) -> (SurfacePoint<'_>, f64) {
         let rest = self.surfaces.rest(found.frame);
         let (local, rho) = self.surfaces.local(found.frame, d, from);
         let point = SurfacePoint {
@@ -188,14 +193,14 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// Adds a sample to its pixel; coverage only where it can be other than full.
     #[inline]
-    fn expose(&self, pixel: usize, observed: Observed, film: &mut TileFilm) {
+    pub(crate) fn expose(&self, pixel: usize, observed: Observed, film: &mut TileFilm) {
         film.add(pixel, observed.radiance);
         if R::HAS_GAPS || !V::From::TOGETHER {
             film.add_coverage(pixel, observed.coverage);
         }
     }
 
-    fn unmet(&self, weight: f64) -> Observed {
+    pub(crate) fn unmet(&self, weight: f64) -> Observed {
         Observed {
             radiance: self.background.map(|c| c * weight),
             coverage: Coverage::HELD,
@@ -204,7 +209,12 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// What is recorded of a surface point seen with wavelength ratio `w`.
     #[inline]
-    fn observe(&self, point: &SurfacePoint, w: WavelengthRatio, weight: f64) -> Observed {
+    pub(crate) fn observe(
+        &self,
+        point: &SurfacePoint,
+        w: WavelengthRatio,
+        weight: f64,
+    ) -> Observed {
         if point.patch.black_back && !point.hit.front {
             return Observed {
                 radiance: [0.0; 3],

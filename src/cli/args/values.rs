@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use nullray::aov;
+use nullray::study;
 use nullray::units::Percentage;
 
-use super::AovList;
+use super::{AovList, MethodList, SampleList};
 
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text
@@ -35,6 +36,13 @@ pub(super) fn scale(text: &str) -> Result<f64, String> {
     scale.ok_or_else(|| "a scale is a number from 0.1 to 100".into())
 }
 
+/// An error on the film.
+pub(super) fn pixels(text: &str) -> Result<f64, String> {
+    let pixels = text.trim().parse::<f64>().ok();
+    let pixels = pixels.filter(|pixels| (1e-6..=1e6).contains(pixels));
+    pixels.ok_or_else(|| "give a number of pixels from 1e-6 to 1e6, like 0.5".into())
+}
+
 pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     let (key, value) = text
         .split_once('=')
@@ -58,6 +66,21 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
         .parse::<u64>()
         .map_err(|e| format!("{e}; write 16GiB"))?;
     number.checked_mul(unit).ok_or_else(|| "too large".into())
+}
+
+pub(super) fn methods(text: &str) -> Result<MethodList, String> {
+    study::parse_methods(text).map(MethodList)
+}
+
+pub(super) fn samples(text: &str) -> Result<SampleList, String> {
+    study::parse_samples(text).map(SampleList)
+}
+
+/// A number of seconds, up to a month.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.trim().parse::<f64>().ok();
+    let seconds = seconds.filter(|seconds| (0.0..=2.6e6).contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds, like 60".into())
 }
 
 pub(super) fn aovs(text: &str) -> Result<AovList, String> {

@@ -1,7 +1,7 @@
 //! What makes the files of a frame those of this frame, as one number.
 //!
 //! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with
-//! the frame's time, poses read from other files, channels, sampling, content of every input file); each
+//! the frame's time, poses read from other files, channels, sampling, method, content of every input file); each
 //! part is preceded by its length.
 
 use std::io::Read;
@@ -64,6 +64,7 @@ impl Identity {
             parts.add(aov.name().as_bytes());
         }
         parts.add(&[u8::from(request.pixel_centers)]);
+        parts.add(outputs.method.to_string().as_bytes());
         parts.add(&inputs.0);
         Identity {
             common: parts.finish(),

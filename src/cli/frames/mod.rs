@@ -31,6 +31,7 @@ pub fn run(
     outputs: &Outputs,
 ) -> Result<()> {
     let plan = Plan::new(scene, request)?;
+    outputs.method.check(&plan)?;
     let read = inputs::of(scene, &plan);
     let all = frames.numbers.clone();
     check_all(
@@ -134,7 +135,7 @@ impl Sequence<'_> {
         let start = Instant::now();
         bar.start();
         prepared.retake(scene)?;
-        let film = nullray::render::render(prepared, &bar)?;
+        let film = nullray::raster::render(prepared, &self.outputs.method, &bar)?;
         drop(bar);
         interrupt::check()?;
         self.done.rendered_in += start.elapsed().as_secs_f64();

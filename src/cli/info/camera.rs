@@ -1,6 +1,7 @@
 //! What a scene file says of its camera.
 
 use glam::DVec3;
+use nullray::metadata;
 use nullray::plan::motion;
 use nullray::scene::model::{
     Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Scene, Shutter,
@@ -8,7 +9,6 @@ use nullray::scene::model::{
 use nullray::spacetime::{Event, Velocity, World};
 use serde_json::{Value, json};
 
-use super::super::metadata;
 use super::Sheet;
 
 pub fn rows(sheet: &mut Sheet, scene: &Scene) {

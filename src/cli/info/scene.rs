@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use nullray::Result;
+use nullray::metadata;
 use nullray::scene::model::{
     Binding, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
 };
 use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
 
-use super::super::metadata;
 use super::{Info, Sheet, camera};
 
 pub fn info(path: &Path) -> Result<Info> {

@@ -1,6 +1,8 @@
 //! The camera: a pinhole on a world line, a sensor, a shutter.
 
 use glam::DVec3;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::spacetime::worldline::Segment;
 use crate::spacetime::{Event, Velocity, World};
@@ -69,7 +71,8 @@ pub struct Sensor {
 }
 
 /// What keeps sensor and pinhole apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Assembly {
     /// A rigid body: the focal length is that of the camera's own frame. When it accelerates, Born-rigid.
     Rigid,
@@ -94,7 +97,8 @@ pub struct Rotation {
 }
 
 /// What an axis of rotation passes through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Pivot {
     /// The pinhole.
     Pinhole,
@@ -103,7 +107,8 @@ pub enum Pivot {
 }
 
 /// How the elements of a turning sensor see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Elements {
     /// By the light that comes to them through the pinhole, which does not turn.
     Exact,
@@ -123,7 +128,8 @@ pub struct Shutter {
 }
 
 /// What an exposure records.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Records {
     /// The mean over the exposure.
     Mean,

@@ -1,10 +1,13 @@
-//! What every output says of its origin.
+//! What every output says of its origin, and the words of scene files for it.
 
-use nullray::film::Film;
-use nullray::scene::model::{
+use std::io::{self, Read};
+
+use sha2::{Digest, Sha256};
+
+use crate::film::Film;
+use crate::scene::model::{
     Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
 };
-use sha2::{Digest, Sha256};
 
 /// Key and value pairs: program, scene, hash, camera, units.
 pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
@@ -14,7 +17,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let pairs = [
         ("software", format!("nullray {}", env!("CARGO_PKG_VERSION"))),
         ("scene", scene.name.clone()),
-        ("scene_sha256", sha256(&scene.text)),
+        ("scene_sha256", sha256(scene.text.as_bytes())),
         ("scene_text", scene.text.clone()),
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
@@ -146,9 +149,31 @@ fn vector(v: glam::DVec3) -> String {
     format!("{} {} {}", v.x, v.y, v.z)
 }
 
-fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes())
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+/// The SHA-256 of `bytes`, in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The length of what is left in `reader`, and its SHA-256 in hexadecimal.
+///
+/// # Errors
+/// Those of `reader`.
+pub fn sha256_of(reader: &mut impl Read) -> io::Result<(u64, String)> {
+    let mut hasher = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    let mut length = 0;
+    loop {
+        match reader.read(&mut block)? {
+            0 => return Ok((length, hexadecimal(&hasher.finalize()))),
+            n => {
+                hasher.update(&block[..n]);
+                length += n as u64;
+            }
+        }
+    }
+}
+
+/// Two digits for each byte.
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

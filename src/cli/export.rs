@@ -1,0 +1,84 @@
+//! `nullray export`.
+
+use nullray::Result;
+use nullray::export::{self, Cubes, Exported, Options};
+use nullray::plan::{self, Plan};
+use nullray::scene::model::Scene;
+
+use super::args::{CubesArgument, ExportArguments};
+use super::failure::refused;
+use super::output::will_write;
+use super::progress::Bar;
+use super::{inputs, interrupt, panels, print, render};
+
+pub fn run(arguments: &ExportArguments) -> Result<()> {
+    let path = arguments.scene.as_deref();
+    let scene = panels::scene(
+        path,
+        arguments.panel.as_ref(),
+        &arguments.changes.overrides(),
+    )?;
+    let options = Options {
+        reference: !arguments.no_reference,
+        cubes: match arguments.cubes {
+            CubesArgument::Copy => Cubes::Copied,
+            CubesArgument::Reference => Cubes::Referenced,
+        },
+        overwrite: arguments.overwrite,
+        memory_limit: arguments.changes.max_memory,
+    };
+    let plan = export::plan(&scene, &options)?;
+    check(arguments, &scene, &plan)?;
+    will_write(&arguments.output);
+    let exported = render::in_pool(arguments.threads, || {
+        let bar = Bar::new(plan.rays.camera, arguments.quiet);
+        bar.start();
+        export::export(&scene, &arguments.output, &options, &bar)
+    })?;
+    interrupt::check()?;
+    match arguments.quiet {
+        true => Ok(()),
+        false => report(arguments, &exported),
+    }
+}
+
+/// Refuses to replace a directory that the scene is read from.
+fn check(arguments: &ExportArguments, scene: &Scene, plan: &Plan) -> Result<()> {
+    let target = inputs::identity(&arguments.output);
+    let read = inputs::of(scene, plan);
+    match read
+        .iter()
+        .find(|path| inputs::identity(path).starts_with(&target))
+    {
+        None => Ok(()),
+        Some(path) => Err(refused(
+            format!("-o {}", arguments.output.display()),
+            format!("the scene is made of {}, which lies in it", path.display()),
+            "write to another name",
+        )),
+    }
+}
+
+fn report(arguments: &ExportArguments, exported: &Exported) -> Result<()> {
+    let bundle = &exported.bundle;
+    let triangles: u64 = bundle.objects.iter().map(|o| o.triangles).sum();
+    let bytes: u64 = bundle.files.iter().map(|f| f.bytes).sum();
+    let reference = match &bundle.reference {
+        Some(reference) => format!("reference pictures {} and .exr", reference.npz),
+        None => "no reference pictures".into(),
+    };
+    print(&format!(
+        "wrote {}: {} objects ({} triangles), {} sources, {reference}; {} files, {}\n\
+         README.md in it says how to read it, and how to compare\n",
+        arguments.output.display(),
+        bundle.objects.len(),
+        plan::count(triangles),
+        bundle.sources.len(),
+        bundle.files.len() + 1,
+        plan::bytes(bytes),
+    ))?;
+    for warning in &exported.warnings {
+        print(&format!("warning: {}\n", super::info::escaped(warning)))?;
+    }
+    Ok(())
+}

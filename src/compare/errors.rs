@@ -1,0 +1,247 @@
+//! Errors of one channel, or of several together.
+//!
+//! With r the reference, c the candidate, e = c − r, over the n samples of the region that are numbers in
+//! both pictures:
+//!
+//! | metric | definition | also known as |
+//! |---|---|---|
+//! | bias | Σe / n | |
+//! | mae | Σ\|e\| / n | `oiiotool --diff` "Mean error", `imgtool diff --metric MAE` |
+//! | rmse | √(Σe² / n) | `oiiotool --diff` "RMS error"; its square is `imgtool`'s MSE |
+//! | relrmse | √(Σe² / Σr²); 0 where both sums are 0, none where only Σr² is | |
+//! | mrse | Σ e²/(r + 0.01)² / n, a term that is infinite left out | `imgtool diff --metric MRSE` of pbrt-v4 |
+//! | max | the largest \|e\|, and where (first in reading order) | `oiiotool --diff` "Max error" |
+//! | psnr | 20 log₁₀(range / rmse), dB; infinite where rmse is 0 | `skimage.metrics.peak_signal_noise_ratio` |
+//! | p50 … p99.9 | nearest-rank percentiles of \|e\| | |
+//!
+//! `range` is 1 for pictures of display codes, otherwise the largest \|r\| of the region. Percentiles come
+//! from a histogram of \|e\| in single precision whose bins are 2⁻¹⁰ wide, relatively, so that memory does not grow
+//! with the picture: they are the bin's upper end, at most 0.1 % too large, and never above max.
+//! Sums are taken row by row and then over rows, in f64, in a fixed order.
+
+use serde::Serialize;
+
+/// Bits of a single-precision number that a bin of the histogram leaves out: 2¹⁰ bins per octave.
+const DROPPED: u32 = 13;
+/// Bins for all single-precision numbers that are not below 0.
+const BINS: usize = (0x7f80_0000 >> DROPPED) + 1;
+/// The constant of mrse.
+const MRSE_OFFSET: f64 = 0.01;
+
+/// Errors, in the unit of the channel unless a ratio.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Errors {
+    /// How many samples were compared.
+    pub count: u64,
+    /// Mean of candidate − reference.
+    pub bias: f64,
+    /// Mean absolute error.
+    pub mae: f64,
+    /// Root mean square error.
+    pub rmse: f64,
+    /// Root mean square error relative to the reference's root mean square.
+    pub relrmse: Option<f64>,
+    /// Mean relative square error.
+    pub mrse: f64,
+    /// Largest absolute error.
+    pub max: f64,
+    /// Column and row of the largest error; none where there is no error.
+    pub max_at: Option<[u32; 2]>,
+    /// The range to which psnr and ssim relate.
+    pub range: f64,
+    /// Peak signal-to-noise ratio, decibels; none where the pictures are the same.
+    pub psnr: Option<f64>,
+    /// Half of the absolute errors are at most this.
+    pub p50: f64,
+    /// 90 % are at most this.
+    pub p90: f64,
+    /// 99 % are at most this.
+    pub p99: f64,
+    /// 99.9 % are at most this.
+    #[serde(rename = "p99.9")]
+    pub p99_9: f64,
+    /// Mean structural similarity; none for fewer than 7 × 7 pixels.
+    pub ssim: Option<f64>,
+    /// Distribution of the absolute errors.
+    #[serde(skip)]
+    pub histogram: Histogram,
+}
+
+/// How many absolute errors lie in each quarter of an octave.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Histogram {
+    /// Errors that are exactly 0.
+    pub zeros: u64,
+    /// Lower ends of bins, ascending, and their counts; a bin reaches to the next one.
+    pub bins: Vec<(f64, u64)>,
+}
+
+/// Sums of errors, to which rows are added in order.
+#[derive(Debug, Clone)]
+pub(super) struct Sums {
+    count: u64,
+    error: f64,
+    absolute: f64,
+    square: f64,
+    reference: f64,
+    relative: f64,
+    max: f64,
+    max_at: Option<[u32; 2]>,
+    largest: f64,
+    bins: Vec<u64>,
+}
+
+impl Sums {
+    pub fn new() -> Self {
+        Sums {
+            count: 0,
+            error: 0.0,
+            absolute: 0.0,
+            square: 0.0,
+            reference: 0.0,
+            relative: 0.0,
+            max: 0.0,
+            max_at: None,
+            largest: 0.0,
+            bins: vec![0; BINS],
+        }
+    }
+
+    /// Adds row `y`; samples that are no finite numbers in either row, and those outside of `chosen`, do not count.
+    pub fn add_row(&mut self, y: usize, r: &[f64], c: &[f64], chosen: Option<&[bool]>) {
+        let mut row = [0.0f64; 5];
+        for x in 0..r.len().min(c.len()) {
+            let (r, c) = (r[x], c[x]);
+            let e = c - r;
+            if !e.is_finite() || chosen.is_some_and(|chosen| !chosen[x]) {
+                continue;
+            }
+            let absolute = e.abs();
+            let relative = e / (r + MRSE_OFFSET);
+            self.count += 1;
+            row[0] += e;
+            row[1] += absolute;
+            row[2] += e * e;
+            row[3] += r * r;
+            row[4] += if relative.is_finite() {
+                relative * relative
+            } else {
+                0.0
+            };
+            self.largest = self.largest.max(r.abs());
+            if absolute > self.max {
+                self.max = absolute;
+                self.max_at = Some([x as u32, y as u32]);
+            }
+            self.bins[bin(absolute)] += 1;
+        }
+        self.error += row[0];
+        self.absolute += row[1];
+        self.square += row[2];
+        self.reference += row[3];
+        self.relative += row[4];
+    }
+
+    /// Adds sums of another channel over the same rows.
+    pub fn add(&mut self, other: &Sums) {
+        self.count += other.count;
+        self.error += other.error;
+        self.absolute += other.absolute;
+        self.square += other.square;
+        self.reference += other.reference;
+        self.relative += other.relative;
+        self.largest = self.largest.max(other.largest);
+        if other.max > self.max {
+            (self.max, self.max_at) = (other.max, other.max_at);
+        }
+        for (bin, other) in self.bins.iter_mut().zip(&other.bins) {
+            *bin += other;
+        }
+    }
+
+    /// The largest |r|.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// The errors, psnr relative to `range`.
+    pub fn errors(&self, range: f64, ssim: Option<f64>) -> Errors {
+        let n = self.count.max(1) as f64;
+        let rmse = (self.square / n).sqrt();
+        let percentile = |p| self.percentile(p);
+        Errors {
+            count: self.count,
+            bias: self.error / n,
+            mae: self.absolute / n,
+            rmse,
+            relrmse: match (self.square, self.reference) {
+                (0.0, _) => Some(0.0),
+                (_, 0.0) => None,
+                (square, reference) => Some((square / reference).sqrt()),
+            },
+            mrse: self.relative / n,
+            max: self.max,
+            max_at: self.max_at,
+            range,
+            psnr: (rmse > 0.0).then(|| 20.0 * libm::log10(range / rmse)),
+            p50: percentile(50.0),
+            p90: percentile(90.0),
+            p99: percentile(99.0),
+            p99_9: percentile(99.9),
+            ssim,
+            histogram: self.histogram(),
+        }
+    }
+
+    fn percentile(&self, p: f64) -> f64 {
+        let rank = (p / 100.0 * self.count as f64 * (1.0 - 1e-12)).ceil() as u64;
+        let mut seen = 0;
+        for (bin, count) in self.bins.iter().enumerate() {
+            seen += count;
+            if seen >= rank.max(1) {
+                return if bin == 0 {
+                    0.0
+                } else {
+                    lower(bin + 1).min(self.max)
+                };
+            }
+        }
+        self.max
+    }
+
+    fn histogram(&self) -> Histogram {
+        const QUARTER: usize = 1 << (21 - DROPPED);
+        let filled = |bins: &[u64]| bins.iter().position(|&n| n > 0);
+        let Some(first) = filled(&self.bins[1..]) else {
+            return Histogram {
+                zeros: self.bins[0],
+                bins: Vec::new(),
+            };
+        };
+        let last = self.bins.iter().rposition(|&n| n > 0).unwrap_or(0);
+        let quarters = (first + 1) / QUARTER..=last / QUARTER;
+        let count = |quarter: usize| {
+            let span = (quarter * QUARTER).max(1)..((quarter + 1) * QUARTER).min(BINS);
+            (lower(quarter * QUARTER), self.bins[span].iter().sum())
+        };
+        Histogram {
+            zeros: self.bins[0],
+            bins: quarters.map(count).collect(),
+        }
+    }
+}
+
+/// The bin of an absolute error; the first holds 0 and what is 0 in single precision but for 2¹³ steps.
+#[inline]
+fn bin(absolute: f64) -> usize {
+    let bits = (absolute as f32).to_bits();
+    ((bits >> DROPPED) as usize + usize::from(bits > 0)).min(BINS - 1)
+}
+
+/// The lower end of a bin.
+fn lower(bin: usize) -> f64 {
+    match bin {
+        0 => 0.0,
+        bin => f32::from_bits(((bin - 1) as u32) << DROPPED).into(),
+    }
+}

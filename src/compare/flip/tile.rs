@@ -1,0 +1,373 @@
+//! One tile of both pictures at one exposure after the other.
+//!
+//! Rows go through the horizontal filters into rings that hold as many as the vertical filters reach; a
+//! row of errors comes out as soon as its ring is full. All of a tile stays in a core's own cache.
+
+use super::colour::{FROM_OPPONENT, OPPONENT, apply, clip, hunt_lab, hyab, power};
+use super::filter::Filters;
+use super::{Question, Sum};
+use crate::colour::srgb_decode;
+use crate::compare::plane::Plane;
+use crate::compare::region::Region;
+
+/// Columns of a tile; whole groups of lanes.
+pub(super) const WIDTH: usize = 512;
+/// Rows of a tile.
+pub(super) const HEIGHT: usize = 256;
+/// Pixels that are computed together.
+const LANES: usize = 16;
+/// What is kept of a row after the horizontal filters: luminance, red-green, blue-yellow twice, then the
+/// first and second derivative and the smoothed luminance.
+const KEPT: usize = 7;
+
+/// Exponents and limits of the definition.
+const COLOUR_EXPONENT: f32 = 0.7;
+const LARGE_PART: f32 = 0.4;
+const LARGE_ERROR: f32 = 0.95;
+
+type Lanes = [f32; LANES];
+
+/// A tile under evaluation.
+pub(super) struct Tile<'a> {
+    question: &'a Question<'a>,
+    filters: &'a Filters,
+    corner: [usize; 2],
+    size: [usize; 2],
+    tone_mapped: bool,
+    /// The largest colour difference, green to blue, to the power of the definition.
+    largest: f32,
+    /// Errors so far, `WIDTH` per row.
+    errors: Vec<f32>,
+    rings: [Ring; 2],
+    /// Which pixels of a row are no numbers in one of the pictures.
+    unusable: Vec<bool>,
+}
+
+/// Rows of one picture after the horizontal filters.
+struct Ring {
+    rows: [Vec<f32>; KEPT],
+    /// The row that goes through the filters, with its margins: Y + 16, Cx, Cz.
+    source: [Vec<f32>; 3],
+    light: [Vec<f32>; 3],
+}
+
+/// A finished tile.
+pub(super) struct Done {
+    pub sum: Sum,
+    corner: [usize; 2],
+    size: [usize; 2],
+    errors: Vec<f32>,
+}
+
+impl<'a> Tile<'a> {
+    pub fn new(
+        question: &'a Question<'a>,
+        filters: &'a Filters,
+        corner: [usize; 2],
+        tone_mapped: bool,
+    ) -> Self {
+        let [width, height] = question.size;
+        let ring = || Ring {
+            rows: std::array::from_fn(|_| vec![0.0; (2 * filters.radius + 1) * WIDTH]),
+            source: std::array::from_fn(|_| vec![0.0; WIDTH + 2 * filters.radius]),
+            light: std::array::from_fn(|_| vec![0.0; width.min(WIDTH + 2 * filters.radius)]),
+        };
+        let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(hunt_lab);
+        Tile {
+            question,
+            filters,
+            corner,
+            size: [WIDTH.min(width - corner[0]), HEIGHT.min(height - corner[1])],
+            tone_mapped,
+            largest: power_of_definition(hyab(green, blue)),
+            errors: vec![0.0; WIDTH * HEIGHT],
+            rings: [ring(), ring()],
+            unusable: Vec::new(),
+        }
+    }
+
+    /// Takes in the errors at an exposure: light is multiplied by `gain`.
+    #[inline(always)]
+    pub fn expose(&mut self, gain: f32) {
+        let radius = self.filters.radius;
+        for row in 0..self.size[1] + 2 * radius {
+            self.take(row, gain);
+            if row >= 2 * radius {
+                self.give(row - 2 * radius);
+            }
+        }
+    }
+
+    /// Sends row `row` of the tile with its margins through the horizontal filters.
+    #[inline(always)]
+    fn take(&mut self, row: usize, gain: f32) {
+        let radius = self.filters.radius;
+        let [left, top] = self.corner;
+        let y = (top + row)
+            .saturating_sub(radius)
+            .min(self.question.size[1] - 1);
+        let pictures = [&self.question.reference, &self.question.candidate];
+        self.unusable.clear();
+        self.unusable.resize(WIDTH + 2 * radius, false);
+        for (ring, planes) in self.rings.iter_mut().zip(pictures) {
+            ring.load(planes, y, left, radius, self.question);
+            let [r, g, b] = &ring.light;
+            for (x, unusable) in self.unusable.iter_mut().enumerate().take(r.len()) {
+                *unusable |= !(r[x] + g[x] + b[x]).is_finite();
+            }
+        }
+        let slot = row % (2 * radius + 1);
+        for ring in &mut self.rings {
+            ring.prepare(
+                &self.unusable,
+                left,
+                radius,
+                self.tone_mapped.then_some(gain),
+            );
+            ring.filter(slot, self.filters);
+        }
+    }
+
+    /// Computes row `row` of the tile's errors from the rings.
+    #[inline(always)]
+    fn give(&mut self, row: usize) {
+        let centre = row + self.filters.radius;
+        let [reference, candidate] = &self.rings;
+        let errors = &mut self.errors[row * WIDTH..(row + 1) * WIDTH];
+        for (x, errors) in (0..WIDTH)
+            .step_by(LANES)
+            .zip(errors.as_chunks_mut::<LANES>().0)
+        {
+            if x >= self.size[0] {
+                break;
+            }
+            let r = reference.column(x, centre, self.filters);
+            let c = candidate.column(x, centre, self.filters);
+            for lane in 0..LANES {
+                let error = error(r.map(|v| v[lane]), c.map(|v| v[lane]), self.largest);
+                errors[lane] = if error > errors[lane] {
+                    error
+                } else {
+                    errors[lane]
+                };
+            }
+        }
+    }
+
+    /// The errors, and their sum over the region.
+    pub fn finish(self, region: &Region) -> Done {
+        let mut sum = Sum::default();
+        let [left, top] = self.corner;
+        for y in 0..self.size[1] {
+            let chosen = (!region.is_all()).then(|| region.row(top + y, self.question.size[0]));
+            for x in 0..self.size[0] {
+                let error = self.errors[y * WIDTH + x];
+                if chosen.as_ref().is_none_or(|chosen| chosen[left + x]) {
+                    sum.sum += f64::from(error);
+                    sum.count += 1;
+                    sum.max = sum.max.max(error);
+                }
+            }
+        }
+        Done {
+            sum,
+            corner: self.corner,
+            size: self.size,
+            errors: self.errors,
+        }
+    }
+}
+
+impl Done {
+    /// Copies the errors to their place in a map of rows of `width`.
+    pub fn place(&self, map: &mut [f32], width: usize) {
+        for y in 0..self.size[1] {
+            let start = (self.corner[1] + y) * width + self.corner[0];
+            let row = &self.errors[y * WIDTH..y * WIDTH + self.size[0]];
+            map[start..start + row.len()].copy_from_slice(row);
+        }
+    }
+}
+
+impl Ring {
+    /// Reads what there is of row `y` from the tile's left margin on.
+    #[inline(always)]
+    fn load(
+        &mut self,
+        planes: &[Plane; 3],
+        y: usize,
+        left: usize,
+        radius: usize,
+        question: &Question,
+    ) {
+        let first = left.saturating_sub(radius);
+        let last = (left + WIDTH + radius).min(question.size[0]);
+        for (plane, light) in planes.iter().zip(&mut self.light) {
+            light.resize(last - first, 0.0);
+            plane.part(y, first..last, light);
+            if question.encoded {
+                light
+                    .iter_mut()
+                    .for_each(|code| *code = srgb_decode((*code).into()) as f32);
+            }
+        }
+    }
+
+    /// Light → Y + 16, Cx, Cz as a display shows it, with margins.
+    #[inline(always)]
+    fn prepare(&mut self, unusable: &[bool], left: usize, radius: usize, gain: Option<f32>) {
+        let first = left.saturating_sub(radius);
+        let Ring {
+            light: [r, g, b],
+            source,
+            ..
+        } = self;
+        let count = r.len();
+        for x in 0..count {
+            let rgb = if unusable[x] {
+                [0.0; 3]
+            } else {
+                [r[x], g[x], b[x]]
+            };
+            let shown = match gain {
+                Some(gain) => rgb.map(|c| tone::map(c * gain)),
+                None => rgb,
+            };
+            [r[x], g[x], b[x]] = apply(&OPPONENT, shown.map(clip));
+        }
+        let before = first + radius - left;
+        for (light, source) in [r, g, b].into_iter().zip(source) {
+            let end = (before + count).min(source.len());
+            source[..before].fill(light[0]);
+            source[before..end].copy_from_slice(&light[..end - before]);
+            source[end..].fill(light[count - 1]);
+        }
+    }
+
+    /// The horizontal filters, into `slot` of the ring.
+    #[inline(always)]
+    fn filter(&mut self, slot: usize, filters: &Filters) {
+        let Ring {
+            rows,
+            source: [y, cx, cz],
+            ..
+        } = self;
+        let [sy, sx, sz1, sz2] = &filters.sensitivity;
+        let plan: [(&[f32], &[f32], f32); KEPT] = [
+            (y, sy, 1.0),
+            (cx, sx, 1.0),
+            (cz, sz1, 1.0),
+            (cz, sz2, 1.0),
+            (y, &filters.edge, -1.0),
+            (y, &filters.point, 1.0),
+            (y, &filters.smooth, 1.0),
+        ];
+        for ((source, half, sign), rows) in plan.into_iter().zip(rows) {
+            let row = &mut rows[slot * WIDTH..(slot + 1) * WIDTH];
+            for (x, sums) in row.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+                let centre = x * LANES + filters.radius;
+                *sums = symmetric(
+                    half,
+                    sign,
+                    |i| lanes(source, centre + i),
+                    |i| lanes(source, centre - i),
+                );
+            }
+        }
+    }
+
+    /// The vertical filters at columns `x` on, about ring row `centre`: Y + 16, Cx, Cz, and the strengths of edge
+    /// and point, times 116.
+    #[inline(always)]
+    fn column(&self, x: usize, centre: usize, filters: &Filters) -> [Lanes; 5] {
+        let size = 2 * filters.radius + 1;
+        let filtered = |kept: usize, half: &[f32], sign: f32| {
+            let at = |row: usize| lanes(&self.rows[kept], row % size * WIDTH + x);
+            symmetric(half, sign, |i| at(centre + i), |i| at(centre - i))
+        };
+        let [sy, sx, sz1, sz2] = &filters.sensitivity;
+        let [cz1, cz2] = [filtered(2, sz1, 1.0), filtered(3, sz2, 1.0)];
+        let [dx, ddx] = [
+            filtered(4, &filters.smooth, 1.0),
+            filtered(5, &filters.smooth, 1.0),
+        ];
+        let [dy, ddy] = [
+            filtered(6, &filters.edge, -1.0),
+            filtered(6, &filters.point, 1.0),
+        ];
+        let sum = |a: Lanes, b: Lanes| std::array::from_fn(|i| a[i] + b[i]);
+        let length =
+            |a: Lanes, b: Lanes| std::array::from_fn(|i| (a[i] * a[i] + b[i] * b[i]).sqrt());
+        [
+            filtered(0, sy, 1.0),
+            filtered(1, sx, 1.0),
+            sum(cz1, cz2),
+            length(dx, dy),
+            length(ddx, ddy),
+        ]
+    }
+}
+
+/// The sum of a filter with the weights `half` on one side and `sign` times these on the other.
+#[inline(always)]
+fn symmetric(
+    half: &[f32],
+    sign: f32,
+    after: impl Fn(usize) -> Lanes,
+    before: impl Fn(usize) -> Lanes,
+) -> Lanes {
+    let middle = after(0);
+    let mut sums: Lanes = std::array::from_fn(|l| half[0] * middle[l]);
+    for (i, weight) in half.iter().enumerate().skip(1) {
+        let (a, b) = (after(i), before(i));
+        for l in 0..LANES {
+            sums[l] += weight * (a[l] + sign * b[l]);
+        }
+    }
+    sums
+}
+
+#[inline(always)]
+fn lanes(row: &[f32], start: usize) -> Lanes {
+    row[start..].first_chunk().copied().unwrap_or([0.0; LANES])
+}
+
+/// ꟻLIP of one pixel from both pictures' Y + 16, Cx, Cz, edge and point.
+#[inline(always)]
+fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
+    let lab = |v: [f32; 5]| hunt_lab(apply(&FROM_OPPONENT, [v[0], v[1], v[2]]).map(clip));
+    let difference = power_of_definition(hyab(lab(r), lab(c)));
+    let large = LARGE_PART * largest;
+    let small = difference * (LARGE_ERROR / large);
+    let beyond = LARGE_ERROR + (difference - large) / (largest - large) * (1.0 - LARGE_ERROR);
+    let colour = if difference < large { small } else { beyond };
+    let (edge, point) = ((r[3] - c[3]).abs(), (r[4] - c[4]).abs());
+    let feature = if edge > point { edge } else { point };
+    let feature = (feature * (std::f32::consts::FRAC_1_SQRT_2 / 116.0)).sqrt();
+    power(colour, 1.0 - feature)
+}
+
+#[inline(always)]
+fn power_of_definition(distance: f32) -> f32 {
+    power(distance, COLOUR_EXPONENT)
+}
+
+/// The filmic curve of ACES as Narkowicz fits it, before which light is multiplied by 0.6.
+pub(super) mod tone {
+    const OVER: [f32; 2] = [0.6 * 0.6 * 2.51, 0.6 * 0.03];
+    const UNDER: [f32; 3] = [0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
+
+    #[inline(always)]
+    pub fn map(x: f32) -> f32 {
+        let x2 = x * x;
+        (x2 * OVER[0] + x * OVER[1]) / (x2 * UNDER[0] + x * UNDER[1] + UNDER[2])
+    }
+
+    /// The light that becomes `t`.
+    pub fn inverse(t: f32) -> f32 {
+        let a = OVER[0] - t * UNDER[0];
+        let b = OVER[1] - t * UNDER[1];
+        let half = -0.5 * (b / a);
+        half + (half * half + t * UNDER[2] / a).sqrt()
+    }
+}

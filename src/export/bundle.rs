@@ -1,0 +1,351 @@
+//! What `bundle.json` holds: the types are the format, and make its JSON schema.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::camera;
+use crate::scene::model::{
+    Assembly, BackFaces, BinValues, Clock, Effects, Elements, Equations, Outside, Pivot, Records,
+    TimeFilter,
+};
+
+/// (ct, x, y, z), metres.
+pub type FourVector = [f64; 4];
+/// By rows; multiplies columns (ct, x, y, z).
+pub type Matrix = [FourVector; 4];
+
+/// The description of an exported scene. Lengths are in metres, times are c·t in metres, and c = 1, so that
+/// velocities are fractions of that of light. Numbers are written in as many digits as read back exactly.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[schemars(title = "nullray bundle")]
+pub struct Bundle {
+    /// Always "nullray-bundle".
+    pub format: &'static str,
+    /// The version of the format. A reader refuses one that it does not know; keys may be added within one.
+    pub version: u32,
+    /// What wrote it.
+    pub software: String,
+    /// What holds for all of it.
+    pub scene: SceneEntry,
+    /// The camera at the moment of the shot.
+    pub camera: CameraEntry,
+    /// The objects; the channel `object` counts them from 0.
+    pub objects: Vec<ObjectEntry>,
+    /// Time-resolved radiance of surfaces.
+    pub sources: Vec<SourceEntry>,
+    /// The channels of the reference, and the auxiliary ones that a candidate may have.
+    pub channels: Vec<ChannelEntry>,
+    /// The reference pictures; null where they were left out.
+    pub reference: Option<ReferenceEntry>,
+    /// Every other file of the bundle.
+    pub files: Vec<FileEntry>,
+}
+
+/// What holds for the whole scene.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct SceneEntry {
+    /// The scene file, as it was named.
+    pub name: String,
+    /// The text of the scene file after all changes, as a record: its paths are relative to where it was.
+    pub text: &'static str,
+    /// The speed of light, metres per second; only what is given in seconds depends on it.
+    pub speed_of_light_m_per_s: f64,
+    /// Refractive index of the medium, which rests in the world: it delays light and bends nothing.
+    pub medium_index: f64,
+    /// η of rays that leave the camera: the medium's index, or 0 where retardation is turned off.
+    pub ray_index: f64,
+    /// Whose equations the reference follows. The definitions of channels are the exact ones.
+    pub equations: Equations,
+    /// Which effects the radiance of the reference shows; W and events are those of the physics in any case,
+    /// but retardation turned off is a `ray_index` of 0.
+    pub effects: Effects,
+    /// Which faces are seen: "as_file" (double-sided materials from both sides, others from the front),
+    /// "two_sided", "black" (back faces hide, and are black) or "culled".
+    pub back_faces: BackFaces,
+    /// Observed linear RGB radiance of rays that meet nothing.
+    pub background: [f64; 3],
+    /// What the radiance of base colours measures.
+    pub base_colour: Radiometry,
+    /// What stands in for data that a cube does not have.
+    pub outside: Outside,
+    /// Samples per pixel of the scene's own pictures; the reference here has one, at the pixel's centre.
+    pub samples_per_pixel: u32,
+}
+
+/// A velocity relative to the world.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct VelocityEntry {
+    /// The rapidity vector artanh(β) β̂: exact where β rounds to 1.
+    pub rapidity: [f64; 3],
+    /// v/c.
+    pub beta: [f64; 3],
+    /// The Lorentz factor.
+    pub gamma: f64,
+}
+
+/// The camera at the moment of the shot, or at which its shutter opens.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct CameraEntry {
+    /// What kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are wholly
+    /// described by the matrix; "unaberrated" is such a one whose directions are not boosted. The rays of all
+    /// others leave events of their own, and the entry is the state at the shot.
+    pub kind: camera::Kind,
+    /// Whether all rays leave `shot_event`.
+    pub is_point: bool,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Horizontal field of view in the camera frame, radians.
+    pub horizontal_fov_rad: f64,
+    /// Tangents of half the field of view, across and down, in the camera frame at the shot.
+    pub tan_half_fov: [f64; 2],
+    /// Unit vector of the camera frame that points right in the picture.
+    pub right: [f64; 3],
+    /// Up.
+    pub up: [f64; 3],
+    /// Into it.
+    pub forward: [f64; 3],
+    /// P: the pinhole's event of the world at the shot.
+    pub shot_event: FourVector,
+    /// The camera's proper time then.
+    pub time: f64,
+    /// The pinhole's event when the camera's clock shows 0.
+    pub clock_zero_event: FourVector,
+    /// Its velocity at the shot.
+    pub velocity: VelocityEntry,
+    /// L: takes displacements of the camera frame to the world. The camera frame's axes are the world's,
+    /// boosted without rotation. Its first column is the camera's four-velocity.
+    pub world_from_camera: Matrix,
+    /// How the pinhole moves: "inertial", "acceleration", "segments", "profile", "keyframes" or "circle".
+    pub motion: &'static str,
+    /// The sensor behind the pinhole; null for a point camera.
+    pub sensor: Option<SensorEntry>,
+    /// How the sensor turns; `right`, `up` and `forward` are turned already.
+    pub rotation: Option<RotationEntry>,
+    /// How long it exposes; null for an instant.
+    pub shutter: Option<ShutterEntry>,
+}
+
+/// A sensor across the forward axis.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct SensorEntry {
+    /// From the sensor to the pinhole as `assembly` has it, metres.
+    pub focal_length: f64,
+    /// The same in the camera's own frame at the shot.
+    pub own_focal_length: f64,
+    /// Width and height.
+    pub size: [f64; 2],
+    /// "rigid", "world_length" or "bell".
+    pub assembly: Assembly,
+}
+
+/// A sensor that turns.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct RotationEntry {
+    /// Unit vector along the axis, camera frame.
+    pub axis: [f64; 3],
+    /// Radians per metre of camera time.
+    pub rate_rad_per_m: f64,
+    /// What the axis passes through.
+    pub through: Pivot,
+    /// How the elements see.
+    pub elements: Elements,
+}
+
+/// A shutter.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct ShutterEntry {
+    /// Camera time for which it is open.
+    pub duration: f64,
+    /// What the picture holds.
+    pub records: Records,
+}
+
+/// An object at rest in its own frame.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct ObjectEntry {
+    /// Its name in the scene.
+    pub name: String,
+    /// Its geometry in its own frame, a GLB file: single precision.
+    pub geometry: String,
+    /// Where single precision is not what the renderer uses: the same vertices in double precision, a .npy
+    /// file of shape (vertices, 3) and type <f8. Null where those of the GLB file are exact.
+    pub positions: Option<String>,
+    /// How many vertices.
+    pub vertices: u64,
+    /// How many triangles; the channel `primitive` counts them from 0 through all primitives in turn.
+    pub triangles: u64,
+    /// Its velocity in the world.
+    pub velocity: VelocityEntry,
+    /// O: the world event at which the object's origin is when its clock shows 0.
+    pub origin: FourVector,
+    /// M: takes displacements of the object's frame to the world; an event y of that frame is O + M y there.
+    pub world_from_object: Matrix,
+    /// The primitives of the GLB file, in its order.
+    pub parts: Vec<PartEntry>,
+}
+
+/// A primitive of an object.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct PartEntry {
+    /// Its first triangle.
+    pub first_triangle: u32,
+    /// How many.
+    pub triangles: u32,
+    /// The material's name in its own file, or "".
+    pub material: String,
+    /// Linear RGB factor; that of the GLB file is cut off at 1.
+    pub base_colour: [f32; 3],
+    /// Whether a texture of the GLB file multiplies it.
+    pub has_texture: bool,
+    /// Whether the material says that its back face is seen.
+    pub double_sided: bool,
+    /// The sets of texture coordinates that it has. Lower sets that are missing here hold zeros in the GLB file.
+    pub uv_sets: Vec<usize>,
+    /// What gives it radiance: "base_colour", one "cube", or "pulses" that fall on the base colour.
+    pub radiance: &'static str,
+    /// Which sources, by their places in `sources`.
+    pub sources: Vec<usize>,
+}
+
+/// What a radiance measures.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct Radiometry {
+    /// "integrated", "line", "per_wavelength", "per_frequency", "photons", "photons_per_wavelength" or
+    /// "photons_per_frequency".
+    pub quantity: &'static str,
+    /// The emitted wavelength of a line, metres.
+    pub line_wavelength: Option<f64>,
+    /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 where the searchlight effect is turned off.
+    pub exponent: u32,
+}
+
+/// Time-resolved radiance of surfaces.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct SourceEntry {
+    /// Its name in the scene.
+    pub name: String,
+    /// What it measures.
+    #[serde(flatten)]
+    pub radiometry: Radiometry,
+    /// A stored cube, or a pulse.
+    #[serde(flatten)]
+    pub light: LightEntry,
+}
+
+/// Where a source's radiance comes from.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum LightEntry {
+    /// A stored x-y-t cube.
+    Cube(CubeEntry),
+    /// A spherical pulse.
+    Pulse(PulseEntry),
+}
+
+/// A stored cube: rows, columns, bins of time, and channels where there are four dimensions.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct CubeEntry {
+    /// The .npy or .npz file: within the bundle where it was copied, else where it was.
+    pub file: String,
+    /// Whether `file` is within the bundle.
+    pub is_copied: bool,
+    /// The file's SHA-256.
+    pub sha256: String,
+    /// The array of an .npz that holds several.
+    pub array: Option<String>,
+    /// Rows, columns, bins, channels; null for a cube that lights nothing.
+    pub shape: Option<[usize; 4]>,
+    /// Time at the start of bin 0.
+    pub start: f64,
+    /// Width of a bin.
+    pub bin_width: f64,
+    /// Whether a value is the integral over its bin, or the mean per metre.
+    pub values: BinValues,
+    /// Factor on all values.
+    pub scale: f64,
+    /// Reconstruction along time from the centres of bins.
+    pub filter: TimeFilter,
+    /// The clock of the time axis: "world" and "object" are times of emission; "capture" is arrival at the
+    /// capture camera, the time of emission in its frame plus η times the distance to its pinhole.
+    pub clock: Clock,
+    /// How surface points address it.
+    pub mapping: MappingEntry,
+}
+
+/// How surface points address a cube.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[serde(tag = "by", rename_all = "snake_case")]
+pub enum MappingEntry {
+    /// By texture coordinates; row 0 of the cube is v = 0.
+    Uv {
+        /// TEXCOORD_n.
+        set: usize,
+    },
+    /// By projection into the camera that captured it, as far as that saw the point.
+    Capture {
+        /// Its pinhole: world coordinates for objects at rest in the world, else the first bound object's own.
+        eye: [f64; 3],
+        /// Unit vector to the right, of the same frame.
+        right: [f64; 3],
+        /// Up.
+        up: [f64; 3],
+        /// Forward.
+        forward: [f64; 3],
+        /// Horizontal field of view, radians; pixels are square.
+        horizontal_fov_rad: f64,
+    },
+}
+
+/// A spherical pulse from a point at rest in the world, reflected diffusely by the base colour: of the
+/// irradiance g((t − t₀ − ηr)/σ)/σ · intensity · cos θ / r², albedo/π, g the unit Gaussian.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct PulseEntry {
+    /// Where and when its centre is emitted, in the world.
+    pub event: FourVector,
+    /// σ, metres.
+    pub sigma: f64,
+    /// Energy per solid angle, linear RGB.
+    pub intensity: [f64; 3],
+    /// Whether other surfaces shadow it.
+    pub shadows: bool,
+}
+
+/// A channel.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct ChannelEntry {
+    /// Its name in files.
+    pub name: &'static str,
+    /// What it is, with unit and frame.
+    pub meaning: &'static str,
+    /// The formula, in the symbols of README.md.
+    pub definition: &'static str,
+    /// What stands where nothing is met; null where every ray has a value.
+    pub where_nothing_is_met: Option<&'static str>,
+    /// Whether the reference has it.
+    pub in_reference: bool,
+}
+
+/// The reference pictures, by the ray tracer: one ray through each pixel's centre.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct ReferenceEntry {
+    /// All channels in double precision, for numpy.
+    pub npz: &'static str,
+    /// All channels in single precision.
+    pub exr: &'static str,
+    /// The tone-mapped picture, to look at.
+    pub png: &'static str,
+    /// Where the rays go: the ray of column j and row i passes the film at (j + ½, i + ½) pixels from the top
+    /// left corner.
+    pub sampling: &'static str,
+}
+
+/// A file of the bundle.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct FileEntry {
+    /// Its path in the bundle.
+    pub path: String,
+    /// Its length.
+    pub bytes: u64,
+    /// Its SHA-256.
+    pub sha256: String,
+}

@@ -1,0 +1,58 @@
+//! `nullray export`.
+
+use super::Folder;
+use super::refused::refused;
+
+#[test]
+fn a_scene_is_exported_and_what_was_written_is_said() {
+    let folder = Folder::new();
+    let run = folder.run(&["export", "scene.toml", "-o", "bundle"]);
+    assert_eq!(run.code, 0, "{}", run.message());
+    assert_eq!(folder.names(), ["bundle", "scene.toml"]);
+    assert!(
+        run.stdout
+            .contains("wrote bundle: 2 objects (14 triangles), 1 sources")
+    );
+    assert!(folder.path("bundle/bundle.json").exists());
+}
+
+#[test]
+fn the_built_in_scene_can_be_exported_without_reference_pictures() {
+    let folder = Folder::empty();
+    let run = folder.run(&[
+        "export",
+        "--no-reference",
+        "--cubes",
+        "reference",
+        "-o",
+        "b",
+    ]);
+    assert_eq!(run.code, 0, "{}", run.message());
+    assert!(folder.path("b/sources/000.npz").exists());
+    assert!(!folder.path("b/reference").exists());
+}
+
+#[test]
+fn a_second_export_of_the_name_is_refused_unless_it_is_to_replace_the_first() {
+    let folder = Folder::new();
+    let arguments = ["export", "scene.toml", "-q", "-o", "bundle"];
+    assert_eq!(folder.run(&arguments).code, 0);
+    let again = folder.run(&arguments);
+    assert_eq!(again.code, 2);
+    assert!(
+        again.message().contains("--overwrite"),
+        "{}",
+        again.message()
+    );
+    let mut overwrite = arguments.to_vec();
+    overwrite.push("--overwrite");
+    assert_eq!(folder.run(&overwrite).code, 0);
+}
+
+#[test]
+fn a_directory_that_the_scene_is_in_is_not_replaced() {
+    let folder = Folder::new();
+    folder.run(&["export", "scene.toml", "-q", "-o", "bundle"]);
+    let arguments = ["export", "bundle/scene.toml", "--overwrite", "-o", "bundle"];
+    refused(&folder, &arguments, &["bundle/scene.toml", "another name"]);
+}

@@ -1,0 +1,6 @@
+//! Comparing pictures: metrics against other programs, geometric errors against known shifts, planted errors.
+
+mod metrics;
+mod pictures;
+mod refusals;
+mod surfaces;

@@ -1,0 +1,261 @@
+//! What a bundle holds, and what it says of it.
+
+use std::fs;
+use std::path::Path;
+
+use nullray::aov::TABLE;
+use nullray::export::{Cubes, Options, README, schema};
+use nullray::import::gltf;
+use nullray::{image, metadata};
+
+use super::{Exported, exported, exported_with};
+
+const SMALL: &str = r#"
+camera = { eye = [0, 1, 4], look_at = [0, 0, 0], size = [16, 12] }
+[[object]]
+name = "crate"
+shape = { box = { size = [1, 2, 1] } }
+colour = [0.5, 2.0, 0.25]
+"#;
+
+fn capture(options: &Options) -> Exported {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let text = fs::read_to_string(scenes.join("capture.toml")).unwrap();
+    let text = text.replace("size = [640, 480]", "size = [16, 12]");
+    exported_with(&text, &scenes, options)
+}
+
+#[test]
+fn every_file_is_listed_with_its_length_and_sum() {
+    let exported = capture(&Options::default());
+    let files = exported.bundle.json["files"].as_array().unwrap();
+    for file in files {
+        let bytes = fs::read(exported.path(file["path"].as_str().unwrap())).unwrap();
+        assert_eq!(file["bytes"], bytes.len());
+        assert_eq!(file["sha256"], metadata::sha256(&bytes));
+    }
+    let mut names: Vec<_> = files.iter().map(|f| f["path"].as_str().unwrap()).collect();
+    names.sort_unstable();
+    let expected = [
+        "README.md",
+        "bundle.schema.json",
+        "geometry/000.glb",
+        "reference/reference.exr",
+        "reference/reference.npz",
+        "reference/reference.png",
+        "scene.toml",
+        "sources/000.npz",
+    ];
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn a_cube_is_copied_as_it_is_or_named() {
+    let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/corner/capture_rgb.npz");
+    let copied = capture(&Options::default());
+    let source = &copied.bundle.json["sources"][0];
+    assert_eq!(source["file"], "sources/000.npz");
+    assert_eq!(
+        fs::read(copied.path("sources/000.npz")).unwrap(),
+        fs::read(&original).unwrap()
+    );
+    let named = capture(&Options {
+        cubes: Cubes::Referenced,
+        reference: false,
+        ..Options::default()
+    });
+    let source = &named.bundle.json["sources"][0];
+    assert_eq!(source["is_copied"], false);
+    assert_eq!(
+        source["sha256"],
+        metadata::sha256(&fs::read(&original).unwrap())
+    );
+    assert!(!named.path("sources").exists() && !named.path("reference").exists());
+    assert!(named.bundle.json["reference"].is_null());
+}
+
+#[test]
+fn a_source_says_what_it_measures_and_how_it_lies_on_surface_and_time() {
+    let exported = capture(&Options::default());
+    let source = &exported.bundle.json["sources"][0];
+    assert_eq!(source["name"], "recording");
+    assert_eq!(source["kind"], "cube");
+    assert_eq!(source["quantity"], "integrated");
+    assert_eq!(source["exponent"], 4);
+    assert_eq!(source["start"], 7.0);
+    assert_eq!(source["bin_width"], 0.1);
+    assert_eq!(source["clock"], "capture");
+    assert_eq!(source["mapping"]["by"], "capture");
+    assert_eq!(source["mapping"]["eye"][0], 3.2);
+    assert_eq!(source["shape"], serde_json::json!([64, 64, 95, 3]));
+    let part = &exported.bundle.json["objects"][0]["parts"][0];
+    assert_eq!(part["radiance"], "cube");
+    assert_eq!(part["sources"][0], 0);
+}
+
+#[test]
+fn the_description_has_every_key_that_its_schema_requires_and_no_other() {
+    let exported = capture(&Options::default());
+    let schema = schema();
+    agree(&schema, &schema, &exported.bundle.json, "bundle");
+    let stored = fs::read(exported.path("bundle.schema.json")).unwrap();
+    assert_eq!(
+        serde_json::from_slice::<serde_json::Value>(&stored).unwrap(),
+        schema
+    );
+}
+
+/// Checks objects against `properties` and `required` of their schemas, through references and lists.
+fn agree(
+    root: &serde_json::Value,
+    schema: &serde_json::Value,
+    value: &serde_json::Value,
+    at: &str,
+) {
+    if let Some(reference) = schema["$ref"].as_str() {
+        let schema = root.pointer(reference.trim_start_matches('#')).unwrap();
+        return agree(root, schema, value, at);
+    }
+    if let (Some(items), Some(list)) = (schema.get("items"), value.as_array()) {
+        return list.iter().for_each(|value| agree(root, items, value, at));
+    }
+    let (Some(properties), Some(map)) = (schema["properties"].as_object(), value.as_object())
+    else {
+        return;
+    };
+    // Alternatives add keys of their own.
+    let open = schema.get("oneOf").is_some() || schema.get("anyOf").is_some();
+    for (key, value) in map {
+        match properties.get(key) {
+            Some(schema) => agree(root, schema, value, &format!("{at}.{key}")),
+            None => assert!(open, "{at}.{key} is not in the schema"),
+        }
+    }
+    for key in schema["required"].as_array().into_iter().flatten() {
+        assert!(map.contains_key(key.as_str().unwrap()), "{at} lacks {key}");
+    }
+}
+
+#[test]
+fn the_page_defines_each_channel_as_the_table_does() {
+    for (aov, name, meaning) in TABLE {
+        let row = format!("| `{name}` | {meaning} | {} |", aov.definition());
+        assert!(README.contains(&row), "{row}");
+    }
+    let exported = exported(SMALL);
+    assert_eq!(
+        fs::read_to_string(exported.path("README.md")).unwrap(),
+        README
+    );
+    let channels = exported.bundle.json["channels"].as_array().unwrap();
+    assert_eq!(channels.len(), TABLE.len() + 3);
+}
+
+#[test]
+fn the_page_names_every_key_in_code_that_it_uses() {
+    let json = capture(&Options::default()).bundle.json.to_string();
+    for key in [
+        "shot_event",
+        "world_from_camera",
+        "tan_half_fov",
+        "ray_index",
+        "is_point",
+        "world_from_object",
+    ] {
+        assert!(
+            README.contains(key) && json.contains(&format!("\"{key}\"")),
+            "{key}"
+        );
+    }
+}
+
+#[test]
+fn our_own_importer_reads_the_geometry() {
+    let exported = exported(SMALL);
+    let want = gltf::Want {
+        uvs: true,
+        textures: true,
+    };
+    let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
+        .unwrap()
+        .mesh;
+    assert_eq!(mesh.triangles.len(), 12);
+    assert_eq!(mesh.positions.iter().map(|p| p.y).fold(0.0, f64::max), 1.0);
+    assert_eq!(mesh.uvs.len(), 1);
+}
+
+#[test]
+fn a_base_colour_that_gltf_cannot_hold_is_in_the_description() {
+    let exported = exported(SMALL);
+    let part = &exported.bundle.json["objects"][0]["parts"][0];
+    assert_eq!(part["base_colour"], serde_json::json!([0.5, 2.0, 0.25]));
+    let want = gltf::Want {
+        uvs: false,
+        textures: false,
+    };
+    let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
+        .unwrap()
+        .mesh;
+    assert_eq!(mesh.materials[0].base_colour, [0.5, 1.0, 0.25]);
+}
+
+#[test]
+fn textures_go_with_the_geometry() {
+    let picture = tempfile::tempdir().unwrap();
+    let source = picture.path().join("x.png");
+    image::png::write(&source, 2, 1, &[255, 0, 0, 0, 255, 0], &[]).unwrap();
+    let bytes = fs::read(&source).unwrap();
+    fs::write(picture.path().join("quad.gltf"), textured()).unwrap();
+    let text = "camera = { eye = [0, 0, 2], look_at = [0, 0, 0], size = [8, 6] }\n\
+                [[object]]\ngltf = \"quad.gltf\"\n[display]\nback_faces = \"two_sided\"\n";
+    let exported = exported_with(text, picture.path(), &Options::default());
+    let part = &exported.bundle.json["objects"][0]["parts"][0];
+    assert_eq!(part["has_texture"], true);
+    assert!(exported.bundle.json["objects"][0]["positions"].is_null());
+    let want = gltf::Want {
+        uvs: true,
+        textures: true,
+    };
+    let loaded = gltf::load(&exported.path("geometry/000.glb"), None, want).unwrap();
+    assert_eq!(loaded.images[0].bytes, bytes);
+    assert!(loaded.mesh.materials[0].texture.is_some());
+}
+
+/// A triangle with texture coordinates and the image beside it.
+fn textured() -> String {
+    let numbers: [f32; 15] = [
+        -1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.5, 0.0,
+    ];
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+        "textures": [{ "source": 0 }], "images": [{ "uri": "x.png" }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+              "min": [-1, -1, 0], "max": [1, 1, 0] },
+            { "bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC2" }
+        ],
+        "bufferViews": [{ "buffer": 0, "byteLength": 60 }],
+        "buffers": [{ "byteLength": 60, "uri": format!("data:application/octet-stream;base64,{}", base64(&bytes)) }],
+    })
+    .to_string()
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    assert_eq!(bytes.len() % 3, 0);
+    let quads = bytes.chunks(3).flat_map(|b| {
+        let n = u32::from(b[0]) << 16 | u32::from(b[1]) << 8 | u32::from(b[2]);
+        [18, 12, 6, 0].map(|shift| DIGITS[(n >> shift & 63) as usize] as char)
+    });
+    quads.collect()
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let (a, b) = (exported(SMALL), exported(SMALL));
+    assert_eq!(a.bundle.json["files"], b.bundle.json["files"]);
+}

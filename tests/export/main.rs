@@ -1,0 +1,40 @@
+//! Exported scenes: what other programs read of them.
+
+mod apparent;
+mod contents;
+mod reader;
+mod targets;
+
+use std::path::{Path, PathBuf};
+
+use nullray::export::{Options, export};
+use nullray::progress::Silent;
+use nullray::scene::{self, Overrides};
+use tempfile::TempDir;
+
+/// An export in a directory of its own.
+struct Exported {
+    folder: TempDir,
+    bundle: reader::Bundle,
+}
+
+impl Exported {
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join("bundle").join(name)
+    }
+}
+
+fn exported(text: &str) -> Exported {
+    exported_with(text, Path::new("."), &Options::default())
+}
+
+fn exported_with(text: &str, base: &Path, options: &Options) -> Exported {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("bundle");
+    let scene = scene::parse(text, "test", base, &Overrides::default()).unwrap();
+    export(&scene, &target, options, &Silent).unwrap();
+    Exported {
+        bundle: reader::Bundle::read(&target),
+        folder,
+    }
+}

@@ -1,0 +1,209 @@
+//! Studies of run time against error.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use nullray::Error;
+use nullray::drawing::{Item, svg};
+use nullray::progress::Silent;
+use nullray::scene::model::Scene;
+use nullray::scene::{self, Overrides};
+use nullray::study::{Entry, Family, Options, Study, csv, draw, parse_methods, study, table};
+
+/// A cube and a floor, from a camera at 0.9 c, as rasterizers like it least.
+const SCENE: &str = r#"
+[camera]
+eye = [0, 1.4, 3.4]
+look_at = [0, 0.5, 0]
+hfov = "90 deg"
+size = [64, 48]
+velocity = { beta = [0, 0, -0.9] }
+[display]
+back_faces = "two_sided"
+[[object]]
+name = "floor"
+shape = { plane = { size = [8, 8] } }
+colour = [0.5, 0.5, 0.5]
+[[object]]
+name = "cube"
+shape = { box = { size = [1, 1, 1] } }
+colour = [0.8, 0.3, 0.2]
+velocity = { beta = [0.3, 0, 0] }
+origin = { position = [-0.4, 0.5, 0], time = "-3 m" }
+"#;
+
+fn parsed(text: &str) -> Scene {
+    scene::parse(text, "test", Path::new("."), &Overrides::default()).unwrap()
+}
+
+fn options(methods: &str) -> Options {
+    Options {
+        methods: parse_methods(methods).unwrap(),
+        samples: vec![1, 4],
+        runs: 3,
+        budget: Duration::from_secs(600),
+        reference_samples: 64,
+        ..Options::default()
+    }
+}
+
+fn studied(methods: &str) -> Study {
+    study(&parsed(SCENE), &options(methods), &Silent).unwrap()
+}
+
+fn entry<'s>(study: &'s Study, method: &str, samples: u32) -> &'s Entry {
+    let is_it = |e: &&Entry| e.method == method && e.samples == samples;
+    study.entries.iter().find(is_it).unwrap()
+}
+
+#[test]
+fn the_ray_tracer_shows_every_point_where_it_should_be() {
+    let study = studied("trace");
+    let geometry = entry(&study, "trace", 1).geometry;
+    assert!(geometry.pixels.max < 1e-9, "{geometry:?}");
+    assert_eq!(geometry.emission_time.max, 0.0);
+    assert_eq!(geometry.wrong_object, 0);
+    assert!(geometry.seen > 1000);
+}
+
+#[test]
+fn the_error_of_vertices_that_are_moved_falls_with_the_square_of_the_edge() {
+    let study = studied("raster:uniform=0.4; raster:uniform=0.2; raster:uniform=0.1; raster:none");
+    let error = |method| entry(&study, method, 1).geometry.pixels;
+    let (coarse, middle, fine) = (
+        error("raster:uniform=0.4"),
+        error("raster:uniform=0.2"),
+        error("raster:uniform=0.1"),
+    );
+    assert!(error("raster:none").max > 10.0 * coarse.max);
+    for ratio in [coarse.median / middle.median, middle.median / fine.median] {
+        assert!(
+            (2.5..6.5).contains(&ratio),
+            "{coarse:?} {middle:?} {fine:?}"
+        );
+    }
+}
+
+#[test]
+fn an_adaptive_rasterizer_keeps_to_its_error() {
+    let study = studied("raster:adaptive=0.5");
+    let error = entry(&study, "raster:adaptive=0.5", 1).geometry.pixels.max;
+    assert!(error > 0.0 && error <= 0.5, "{error}");
+}
+
+#[test]
+fn more_samples_bring_radiance_nearer_to_the_reference() {
+    let study = studied("trace");
+    let error = |samples| entry(&study, "trace", samples).radiance.unwrap();
+    assert!(error(4).relrmse < 0.8 * error(1).relrmse);
+    assert!(error(4).mrse < error(1).mrse && error(4).flip < error(1).flip);
+}
+
+#[test]
+fn methods_take_turns_and_each_has_all_its_runs() {
+    let study = studied("trace; raster:none; raster:adaptive=1").entries;
+    assert_eq!(study.len(), 6);
+    for entry in &study {
+        let timing = entry.timing.as_ref().unwrap();
+        assert_eq!(timing.runs.len(), 3);
+        assert!(timing.setup <= timing.runs.iter().fold(0.0, |a, b| b.max(a)));
+        assert!(timing.quartiles[0] <= timing.median && timing.median <= timing.quartiles[1]);
+    }
+}
+
+#[test]
+fn a_budget_of_nothing_measures_nothing_and_says_so() {
+    let options = Options {
+        budget: Duration::ZERO,
+        ..options("trace")
+    };
+    let study = study(&parsed(SCENE), &options, &Silent).unwrap();
+    assert!(study.was_cut_short);
+    assert!(study.entries.iter().all(|e| e.timing.is_none()));
+    assert!(table(&study).contains("no time"));
+    assert!(svg::write(&draw(&study).unwrap()).is_ok());
+}
+
+#[test]
+fn the_front_has_no_entry_that_another_beats() {
+    let study = studied("trace; raster:none; raster:uniform=0.1; raster:adaptive=0.3");
+    let of = |e: &Entry| [e.timing.as_ref().unwrap().median, e.geometry.pixels.max];
+    let first: Vec<_> = study.entries.iter().filter(|e| e.samples == 1).collect();
+    for a in &first {
+        let beaten = first
+            .iter()
+            .any(|b| of(b)[0] < of(a)[0] && of(b)[1] < of(a)[1]);
+        assert_eq!(a.front.geometry, !beaten, "{}", a.method);
+    }
+    assert!(
+        study
+            .entries
+            .iter()
+            .all(|e| e.samples == 1 || !e.front.geometry)
+    );
+}
+
+#[test]
+fn verdicts_name_the_fastest_of_those_that_keep_to_the_error() {
+    let study = studied("trace; raster:none; raster:adaptive=0.05");
+    let verdict = study.verdicts.iter().find(|v| v.pixels == 0.1).unwrap();
+    let (method, time) = verdict.raster.clone().unwrap();
+    assert_eq!(method, "raster:adaptive=0.05");
+    assert_eq!(
+        Some(time),
+        entry(&study, &method, 1).timing.as_ref().map(|t| t.median)
+    );
+    let [median, least, most] = verdict.raster_over_trace.unwrap();
+    assert!(least <= median && median <= most && least > 0.0);
+    assert!(verdict.warp.is_none());
+}
+
+#[test]
+fn the_table_for_spreadsheets_has_a_line_for_each_entry_and_a_field_for_each_column() {
+    let study = studied("trace; raster:none,attributes=vertex");
+    let text = csv(&study);
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines.len(), 1 + study.entries.len());
+    let columns = lines[0].split(',').count();
+    // The name of a method may hold a comma; it stands in quotes.
+    let fields = |line: &str| line.rsplit_once('"').unwrap().1.split(',').count();
+    assert!(lines[1..].iter().all(|line| fields(line) == columns));
+}
+
+#[test]
+fn the_drawing_has_a_mark_for_each_result_and_the_ray_tracer_in_it() {
+    let study = studied("trace; raster:none; raster:uniform=0.2");
+    let drawing = draw(&study).unwrap();
+    let filled = |item: &&Item| matches!(item, Item::Path { fill: Some(_), .. });
+    // One of geometry for each method, one of radiance for each entry, one in the legend for each family.
+    assert_eq!(drawing.items.iter().filter(filled).count(), 3 + 6 + 3);
+    assert!(study.entries.iter().any(|e| e.family == Family::Trace));
+}
+
+#[test]
+fn a_method_that_cannot_render_the_scene_is_left_out_by_name_and_refused_alone() {
+    let both = studied("trace; warp:cube=32");
+    assert!(both.entries.iter().all(|e| e.family == Family::Trace));
+    assert_eq!(both.left_out[0].method, "warp:cube=32");
+    assert!(table(&both).contains("warp:cube=32 was left out"));
+    let alone = study(&parsed(SCENE), &options("warp:cube=32"), &Silent).map(|_| ());
+    assert!(alone.is_err_and(|e| e.to_string().contains("cube")));
+}
+
+#[test]
+fn a_camera_without_exact_film_points_is_refused() {
+    let sensor = SCENE.replace(
+        "[display]",
+        "sensor = { focal_length = \"36 mm\", width = \"24 mm\" }\n[display]",
+    );
+    let sensor = sensor.replace("hfov = \"90 deg\"\n", "");
+    let refused = study(&parsed(&sensor), &options("trace"), &Silent).map(|_| ());
+    assert!(matches!(refused, Err(Error::Unsupported(_))), "{refused:?}");
+}
+
+#[test]
+fn a_study_that_is_stopped_ends() {
+    let stopped = study(&parsed(SCENE), &options("trace"), &AtomicBool::new(true));
+    assert!(matches!(stopped, Err(Error::Cancelled)));
+}

@@ -14,7 +14,7 @@ use super::args::DiagramArguments;
 use super::failure::refused;
 use super::output::{extension, will_write};
 use super::panels::named_after;
-use super::{builtin, inputs, interrupt, print};
+use super::{builtin, inputs, interrupt, metadata, print};
 
 /// The kinds of files, by extension.
 const KINDS: [&str; 4] = ["svg", "pdf", "png", "apng"];
@@ -35,41 +35,67 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
     };
     let mut model = builtin::load_diagram(path, &overrides)?;
     restyle(&mut model, arguments);
-    if arguments.frames.is_none() {
-        still(arguments, &model, &outputs)?;
-    }
-    series::write(arguments, &model, &outputs)
-}
-
-/// Writes the diagram as it stands.
-fn still(arguments: &DiagramArguments, model: &Diagram, outputs: &[Output]) -> Result<()> {
-    let mut stills = outputs.iter().filter(|output| !output.is_animated());
-    let Some(first) = stills.next() else {
-        return Ok(());
+    let page = Pages {
+        arguments,
+        origin: metadata::of_text(&model.name, &model.text),
+        outputs,
     };
-    let drawing = diagram::draw(&diagram::layout(model), &model.style)?;
-    for output in std::iter::once(first).chain(stills) {
-        save(arguments, &drawing, output)?;
+    if arguments.frames.is_none() {
+        page.still(&model)?;
     }
-    Ok(())
+    series::write(&page, &model)
 }
 
-/// Writes one file; says so unless asked to be quiet.
-fn save(arguments: &DiagramArguments, drawing: &Drawing, output: &Output) -> Result<()> {
-    let path = &output.path;
-    interrupt::check()?;
-    will_write(path);
-    match output.kind.as_str() {
-        "svg" => drawing::save(path, svg::write(drawing)?)?,
-        "pdf" => drawing::save(path, pdf::write(drawing)?)?,
-        _ => drawing::save(path, png::write(&png::render(drawing, arguments.scale)?)?)?,
+/// What is to be written.
+pub struct Pages<'a> {
+    arguments: &'a DiagramArguments,
+    outputs: Vec<Output>,
+    /// What files say of it.
+    origin: Vec<(String, String)>,
+}
+
+impl Pages<'_> {
+    fn stills(&self) -> impl Iterator<Item = &Output> {
+        self.outputs.iter().filter(|output| !output.is_animated())
     }
-    if arguments.quiet {
-        return Ok(());
+
+    fn animated(&self) -> impl Iterator<Item = &Output> {
+        self.outputs.iter().filter(|output| output.is_animated())
     }
-    let [width, height] = [drawing.width, drawing.height].map(f64::round);
-    let path = path.display();
-    print(&format!("wrote {path} ({width} × {height} points)\n"))
+
+    /// Writes the diagram as it stands.
+    fn still(&self, model: &Diagram) -> Result<()> {
+        if self.stills().next().is_none() {
+            return Ok(());
+        }
+        let drawing = diagram::draw(&diagram::layout(model), &model.style)?;
+        self.stills()
+            .try_for_each(|output| self.save(&drawing, output, &output.path))
+    }
+
+    /// Writes one file; says so unless asked to be quiet.
+    fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
+        interrupt::check()?;
+        will_write(path);
+        drawing::save(path, self.bytes(drawing, &output.kind)?)?;
+        if self.arguments.quiet {
+            return Ok(());
+        }
+        let [width, height] = [drawing.width, drawing.height].map(f64::round);
+        let path = path.display();
+        print(&format!("wrote {path} ({width} × {height} points)\n"))
+    }
+
+    fn bytes(&self, drawing: &Drawing, kind: &str) -> Result<Vec<u8>> {
+        match kind {
+            "svg" => Ok(svg::write_with(drawing, &self.origin)?.into_bytes()),
+            "pdf" => pdf::write_with(drawing, &self.origin),
+            _ => {
+                let raster = png::render(drawing, self.arguments.scale)?;
+                png::write_with(&raster, &self.origin)
+            }
+        }
+    }
 }
 
 impl Output {
@@ -77,13 +103,6 @@ impl Output {
         Output {
             path: path.into(),
             kind: extension(path),
-        }
-    }
-
-    fn named(&self, path: PathBuf) -> Output {
-        Output {
-            path,
-            kind: self.kind.clone(),
         }
     }
 

@@ -9,16 +9,27 @@ use crate::scene::model::{
     Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
 };
 
+/// Of a file that is made of a text alone: program, name of the text, hash, and the text.
+pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
+    let pairs = [
+        ("software", software()),
+        ("scene", name.into()),
+        ("scene_sha256", sha256(text.as_bytes())),
+        ("scene_text", text.into()),
+    ];
+    pairs.map(|(key, value)| (key.into(), value)).into()
+}
+
+fn software() -> String {
+    format!("nullray {}", env!("CARGO_PKG_VERSION"))
+}
+
 /// Key and value pairs: program, scene, hash, camera, units.
 pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let camera = &scene.camera;
     let event = camera.origin;
     let [right, up, forward] = camera.axes;
     let pairs = [
-        ("software", format!("nullray {}", env!("CARGO_PKG_VERSION"))),
-        ("scene", scene.name.clone()),
-        ("scene_sha256", sha256(scene.text.as_bytes())),
-        ("scene_text", scene.text.clone()),
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
         ("medium_index", scene.medium_index.to_string()),
@@ -41,12 +52,15 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     ];
     let equations = (scene.equations != Equations::Exact)
         .then(|| ("equations", equations(scene.equations).to_string()));
-    pairs
+    let own = pairs
         .into_iter()
         .chain(equations)
         .chain(moving(camera))
-        .chain(sensor(camera))
-        .map(|(key, value)| (key.into(), value))
+        .chain(sensor(camera));
+    let own = own.map(|(key, value)| (key.into(), value));
+    of_text(&scene.name, &scene.text)
+        .into_iter()
+        .chain(own)
         .collect()
 }
 

@@ -27,7 +27,7 @@ fn films(scene: &Scene, parts: Parts) -> (Film, Film) {
     let plan = Plan::new(scene, &Request::default()).unwrap();
     let mut prepared = Prepared::new(scene, &plan, &Silent).unwrap();
     let film = apparent(&mut prepared, parts, &Silent).unwrap();
-    let instant = instantaneous(scene, prepared, &Silent).unwrap();
+    let instant = instantaneous(scene, &mut prepared, &Silent).unwrap();
     (film, instant)
 }
 

@@ -177,12 +177,7 @@ pub struct RenderArguments {
     pub isochrones: Option<PathBuf>,
     /// Also write the display picture with lines drawn over it: where objects are seen and where they
     /// are, isochrones, the camera's velocity; .png, .svg or .pdf. Repeatable.
-    #[arg(
-        long,
-        value_name = "FILE",
-        group = "timed",
-        conflicts_with = "sequence"
-    )]
+    #[arg(long, value_name = "FILE", group = "timed")]
     pub overlay: Vec<PathBuf>,
     /// What of "isochrones,outlines,beta,legend" is drawn over the picture. Default: all.
     #[arg(long, value_name = "LIST", requires = "overlay", value_parser = Parts::parse)]

@@ -2,31 +2,42 @@
 
 use std::path::Path;
 
+use nullray::metadata::metadata;
 use nullray::Result;
-use nullray::drawing::{self, Drawing, pdf, png, svg};
+use nullray::drawing::{self, Drawing, Origin, pdf, png, svg};
+use nullray::film::Film;
 use nullray::overlay::{self, Overlay, Part};
 use nullray::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
 
+use super::frames::Identity;
 use super::output::{Outputs, extension, picture, will_write};
 use super::progress::Bar;
-use super::render::Rendered;
 use super::{interrupt, print};
 
 /// Writes the pictures with lines drawn over them, if any; says which unless `quiet`.
-pub fn write(outputs: &Outputs, scene: &Scene, rendered: Rendered, quiet: bool) -> Result<()> {
+pub fn write(
+    outputs: &Outputs,
+    scene: &Scene,
+    film: &Film,
+    prepared: &mut Prepared,
+    quiet: bool,
+) -> Result<()> {
     if outputs.overlays.is_empty() {
         return Ok(());
     }
-    let Rendered { film, prepared, .. } = rendered;
     let overlay = traced(outputs, scene, prepared, quiet)?;
-    let image = picture(scene, &film, Show::Picture, None)?.image;
+    let image = picture(scene, film, Show::Picture, None)?.image;
     let page = overlay.drawing(&scene.name, image)?;
     let scale = overlay::png_scale(film.size());
+    let mut origin = metadata(scene, film);
+    if let Some(identity) = &outputs.identity {
+        origin.push((Identity::KEY.into(), identity.of_overlay(outputs.parts)));
+    }
     for path in &outputs.overlays {
         interrupt::check()?;
         will_write(path);
-        drawing::save(path, bytes(path, &page, scale)?)?;
+        drawing::save(path, bytes(path, &page, scale, &origin)?)?;
         if !quiet {
             print(&format!("wrote {} (overlay)\n", path.display()))?;
         }
@@ -38,7 +49,7 @@ pub fn write(outputs: &Outputs, scene: &Scene, rendered: Rendered, quiet: bool) 
 fn traced(
     outputs: &Outputs,
     scene: &Scene,
-    mut prepared: Prepared,
+    prepared: &mut Prepared,
     quiet: bool,
 ) -> Result<Overlay> {
     let parts = outputs.parts;
@@ -46,7 +57,7 @@ fn traced(
     let bar = || Bar::new(width * height, quiet).named("overlay".into());
     let apparent = match parts.needs().is_empty() {
         true => None,
-        false => Some(overlay::apparent(&mut prepared, parts, &bar())?),
+        false => Some(overlay::apparent(prepared, parts, &bar())?),
     };
     let instant = match parts.has(Part::Outlines) {
         true => Some(overlay::instantaneous(scene, prepared, &bar())?),
@@ -62,10 +73,10 @@ fn traced(
     )
 }
 
-fn bytes(path: &Path, page: &Drawing, scale: f64) -> Result<Vec<u8>> {
+fn bytes(path: &Path, page: &Drawing, scale: f64, origin: &Origin) -> Result<Vec<u8>> {
     match extension(path).as_str() {
-        "svg" => Ok(svg::write(page)?.into_bytes()),
-        "pdf" => pdf::write(page),
-        _ => png::write(&png::render(page, scale)?),
+        "svg" => Ok(svg::write_with(page, origin)?.into_bytes()),
+        "pdf" => pdf::write_with(page, origin),
+        _ => png::write_with(&png::render(page, scale)?, origin),
     }
 }

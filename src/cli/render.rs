@@ -89,10 +89,11 @@ pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> 
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
-    let rendered = film(scene, &plan, &outputs.method, quiet)?;
+    let mut rendered = film(scene, &plan, &outputs.method, quiet)?;
     outputs.write(scene, &rendered.film, &mut say)?;
     rendered.remark(&plan, &mut say)?;
-    overlay::write(outputs, scene, rendered, quiet)
+    let Rendered { film, prepared, .. } = &mut rendered;
+    overlay::write(outputs, scene, film, prepared, quiet)
 }
 
 /// A finished film, and what there is to say of it.

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use nullray::study::{self, Options, Study};
-use nullray::{Error, Result, drawing};
+use nullray::{Error, Result, drawing, metadata};
 
 use super::args::StudyArguments;
-use super::diagram::save;
+use super::diagram::encoded;
 use super::failure::refused;
 use super::output::{extension, will_write};
 use super::panels::named_after;
@@ -44,9 +44,10 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
     if study.was_cut_short {
         say("the budget ended the runs: a larger --budget gives more of them\n")?;
     }
+    let origin = metadata::of_text(&scene.name, &scene.text);
     for output in &outputs {
         will_write(output);
-        write(&study, output)?;
+        write(&study, output, &origin)?;
         say(&format!("wrote {}\n", output.display()))?;
     }
     Ok(())
@@ -80,7 +81,7 @@ fn outputs(arguments: &StudyArguments) -> Result<Vec<PathBuf>> {
     Ok(arguments.output.clone())
 }
 
-fn write(study: &Study, path: &Path) -> Result<()> {
+fn write(study: &Study, path: &Path, origin: &[(String, String)]) -> Result<()> {
     match extension(path).as_str() {
         "csv" => drawing::save(path, study::csv(study)),
         "json" => {
@@ -88,6 +89,6 @@ fn write(study: &Study, path: &Path) -> Result<()> {
             let json = json.map_err(|e| Error::invalid(path, "", e.to_string(), ""))?;
             drawing::save(path, json + "\n")
         }
-        _ => save(&study::draw(study)?, path, SCALE),
+        kind => drawing::save(path, encoded(&study::draw(study)?, kind, SCALE, origin)?),
     }
 }

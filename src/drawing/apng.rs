@@ -5,7 +5,8 @@
 
 use ::png::{BlendOp, ColorType, DisposeOp, EncodingError};
 
-use super::png::{Raster, encoder};
+use super::Origin;
+use super::png::{Raster, encoder, say};
 use crate::error::{Error, Result};
 
 /// How long a frame is shown, as a fraction of a second.
@@ -27,6 +28,19 @@ pub fn write(
     frames: impl IntoIterator<Item = Result<Raster>>,
     delay: Delay,
 ) -> Result<Vec<u8>> {
+    write_with(count, frames, delay, &[])
+}
+
+/// The frames as one file that says where it is from.
+///
+/// # Errors
+/// As [`write`], and keys that PNG does not hold.
+pub fn write_with(
+    count: u32,
+    frames: impl IntoIterator<Item = Result<Raster>>,
+    delay: Delay,
+    origin: &Origin,
+) -> Result<Vec<u8>> {
     if delay.denominator == 0 {
         return Err(wrong(
             "a delay with the denominator 0",
@@ -41,6 +55,7 @@ pub fn write(
     let mut bytes = Vec::new();
     let mut encoder = encoder(&mut bytes, &first, ColorType::Rgba);
     set_up(&mut encoder, count, delay).map_err(failure)?;
+    say(&mut encoder, origin).map_err(failure)?;
     let mut writer = encoder.write_header().map_err(failure)?;
     writer.write_image_data(&first.rgba).map_err(failure)?;
     for index in 1..count {

@@ -68,6 +68,9 @@ pub struct Drawing {
     pub items: Vec<Item>,
 }
 
+/// What a file says of its origin: keys (printable ASCII without spaces, 79 characters at most) and texts.
+pub type Origin = [(String, String)];
+
 /// Something on a page.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {

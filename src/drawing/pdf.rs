@@ -12,7 +12,7 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Path};
+use super::{Cap, Colour, Drawing, Join, Origin, Path};
 use crate::error::Result;
 use crate::image::RgbImage;
 use crate::text::{self, Segment};
@@ -22,13 +22,21 @@ use crate::text::{self, Segment};
 /// # Errors
 /// As [`svg::write`](super::svg::write).
 pub fn write(drawing: &Drawing) -> Result<Vec<u8>> {
+    write_with(drawing, &[])
+}
+
+/// The drawing as a PDF file that says, in its document information, where it is from.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<Vec<u8>> {
     let marks = marks(drawing)?;
     let mut page = Page::new(drawing.height);
     page.marks(&marks);
-    Ok(document(drawing, page))
+    Ok(document(drawing, page, origin))
 }
 
-fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
+fn document(drawing: &Drawing, page: Page, origin: &Origin) -> Vec<u8> {
     let [catalog, pages, leaf, content, info] = [1, 2, 3, 4, 5].map(Ref::new);
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
@@ -46,6 +54,9 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     let mut about = pdf.document_info(info);
     about.title(TextStr(&drawing.title));
     about.producer(TextStr(producer));
+    for (key, value) in origin {
+        about.pair(Name(key.as_bytes()), TextStr(value));
+    }
     about.finish();
     pdf.finish()
 }

@@ -10,7 +10,7 @@ use tiny_skia::{
 };
 
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Path};
+use super::{Cap, Colour, Drawing, Join, Origin, Path};
 use crate::error::{Error, Result};
 use crate::image::RgbImage;
 use crate::text::{self, Rect};
@@ -59,24 +59,49 @@ pub fn render(drawing: &Drawing, scale: f64) -> Result<Raster> {
 /// # Errors
 /// A [`Raster`] whose length is not that of its pixels.
 pub fn write(raster: &Raster) -> Result<Vec<u8>> {
+    write_with(raster, &[])
+}
+
+/// The picture as a PNG file that says, in its text chunks, where it is from.
+///
+/// # Errors
+/// As [`write`], and keys that PNG does not hold.
+pub fn write_with(raster: &Raster, origin: &Origin) -> Result<Vec<u8>> {
     let opaque = raster.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     let mut bytes = Vec::new();
     let encoded = if opaque {
         let rgb = raster.rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
         let rgb: Vec<u8> = rgb.copied().collect();
-        encode(encoder(&mut bytes, raster, ColorType::Rgb), &rgb)
+        encode(encoder(&mut bytes, raster, ColorType::Rgb), &rgb, origin)
     } else {
-        encode(encoder(&mut bytes, raster, ColorType::Rgba), &raster.rgba)
+        let encoder = encoder(&mut bytes, raster, ColorType::Rgba);
+        encode(encoder, &raster.rgba, origin)
     };
     encoded
         .map_err(|e| Error::invalid("drawing", "", format!("cannot be written as PNG: {e}"), ""))?;
     Ok(bytes)
 }
 
-fn encode(encoder: Encoder<&mut Vec<u8>>, data: &[u8]) -> Result<(), EncodingError> {
+fn encode(
+    mut encoder: Encoder<&mut Vec<u8>>,
+    data: &[u8],
+    origin: &Origin,
+) -> Result<(), EncodingError> {
+    say(&mut encoder, origin)?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(data)?;
     writer.finish()
+}
+
+/// Has the file say where it is from.
+pub(super) fn say(
+    encoder: &mut Encoder<&mut Vec<u8>>,
+    origin: &Origin,
+) -> Result<(), EncodingError> {
+    for (key, value) in origin {
+        encoder.add_itxt_chunk(key.clone(), value.clone())?;
+    }
+    Ok(())
 }
 
 /// An encoder of pictures like `raster`.

@@ -4,7 +4,7 @@
 
 use super::image::{png_of, push_base64};
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Path};
+use super::{Cap, Colour, Drawing, Join, Origin, Path};
 use crate::error::Result;
 use crate::image::RgbImage;
 use crate::text::{Rect, Segment};
@@ -15,12 +15,31 @@ use crate::text::{Rect, Segment};
 /// Numbers that are not finite, paths that are not sound, pages of more than 200 inches; with the index
 /// of the item.
 pub fn write(drawing: &Drawing) -> Result<String> {
+    write_with(drawing, &[])
+}
+
+/// The drawing as an SVG file that says, in `<metadata>`, where it is from: a line for each key.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<String> {
     let marks = marks(drawing)?;
     let mut svg = Svg::default();
     svg.head(drawing, holds_image(&marks));
+    svg.origin(origin);
     svg.marks(&marks)?;
     svg.text.push_str("</svg>\n");
     Ok(svg.text)
+}
+
+/// Without the characters that XML cannot hold.
+fn printable(text: &str) -> String {
+    let told = |c: char| match c {
+        '\t' | '\n' | '\r' => c,
+        c if c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c) => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(told).collect()
 }
 
 /// Whether there is a picture somewhere among the marks.
@@ -55,6 +74,18 @@ impl Svg {
             let title = format!("<title>{}</title>\n", escaped(&drawing.title));
             self.text.push_str(&title);
         }
+    }
+
+    fn origin(&mut self, origin: &Origin) {
+        if origin.is_empty() {
+            return;
+        }
+        self.text.push_str("<metadata>\n");
+        for (key, value) in origin {
+            let line = format!("{}: {}\n", escaped(key), escaped(&printable(value)));
+            self.text.push_str(&line);
+        }
+        self.text.push_str("</metadata>\n");
     }
 
     fn marks(&mut self, marks: &[Mark]) -> Result<()> {

@@ -18,28 +18,31 @@ use crate::sampler::Sampler;
 use crate::scene::model::{Equations, Scene};
 
 /// Takes the picture of the channels that `parts` need, one ray through the centre of each pixel, so that
-/// lines do not depend on where the samples of the display's picture lie.
+/// lines do not depend on where the samples of the display's picture lie; `prepared` is left as it was.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Film> {
-    centre(prepared, parts.needs());
-    render(prepared, progress)
+    centred(prepared, parts.needs(), progress)
 }
 
-/// Has the next picture be of these channels, at the centres of pixels.
-fn centre(prepared: &mut Prepared, channels: Vec<Aov>) {
-    prepared.sampler = Sampler::centred();
-    prepared.layout = Layout {
+/// The picture of these channels at the centres of pixels; `prepared` is left as it was.
+fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress) -> Result<Film> {
+    let layout = Layout {
         samples: 1,
         pixel_centers: true,
         channels,
-        ..prepared.layout
+        ..prepared.layout.clone()
     };
+    let layout = std::mem::replace(&mut prepared.layout, layout);
+    let sampler = std::mem::replace(&mut prepared.sampler, Sampler::centred());
+    let film = render(prepared, progress);
+    (prepared.layout, prepared.sampler) = (layout, sampler);
+    film
 }
 
 /// Takes the picture of identities ([`Aov::Object`]) without delay and aberration, one ray through the
-/// centre of each pixel, of the same geometry: `prepared` is that of `scene`.
+/// centre of each pixel, of the same geometry: `prepared` is that of `scene`, and is left as it was.
 ///
 /// The camera is a point at the event of the shot: a sensor or a shutter would look at several moments.
 /// A focal length that is fixed in the world is taken as the world measures it.
@@ -48,7 +51,7 @@ fn centre(prepared: &mut Prepared, channels: Vec<Aov>) {
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn instantaneous(
     scene: &Scene,
-    mut prepared: Prepared,
+    prepared: &mut Prepared,
     progress: &dyn Progress,
 ) -> Result<Film> {
     let mut scene = scene.clone();
@@ -56,8 +59,9 @@ pub fn instantaneous(
     scene.effects.aberration = false;
     scene.effects.retardation = false;
     (scene.camera.sensor, scene.camera.shutter) = (None, None);
-    prepared.camera = Camera::new(&scene)?;
-    prepared.ray_index = 0.0;
-    centre(&mut prepared, vec![Aov::Object]);
-    render(&prepared, progress)
+    let camera = std::mem::replace(&mut prepared.camera, Camera::new(&scene)?);
+    let ray_index = std::mem::replace(&mut prepared.ray_index, 0.0);
+    let film = centred(prepared, vec![Aov::Object], progress);
+    (prepared.camera, prepared.ray_index) = (camera, ray_index);
+    film
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use nullray::drawing::{self, Drawing, pdf, png, svg};
 use nullray::scene::Overrides;
 use nullray::scene::model::diagram::Diagram;
-use nullray::{Result, diagram};
+use nullray::{Result, diagram, metadata};
 
 use super::args::DiagramArguments;
 use super::failure::refused;
@@ -34,10 +34,15 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
         None => model(arguments)?,
     };
     restyle(&mut model, arguments);
+    let page = Pages {
+        arguments,
+        origin: metadata::of_text(&model.name, &model.text),
+        outputs,
+    };
     if arguments.frames.is_none() {
-        still(arguments, &model, &outputs)?;
+        page.still(&model)?;
     }
-    series::write(arguments, &model, &outputs)
+    series::write(&page, &model)
 }
 
 /// What the file says, or its scene: without a look at meshes and cubes.
@@ -50,35 +55,59 @@ fn model(arguments: &DiagramArguments) -> Result<Diagram> {
     }
 }
 
-/// Writes the diagram as it stands.
-fn still(arguments: &DiagramArguments, model: &Diagram, outputs: &[Output]) -> Result<()> {
-    let mut stills = outputs.iter().filter(|output| !output.is_animated());
-    let Some(first) = stills.next() else {
-        return Ok(());
-    };
-    let drawing = diagram::draw(&diagram::layout(model), &model.style)?;
-    for output in std::iter::once(first).chain(stills) {
-        save(arguments, &drawing, output)?;
-    }
-    Ok(())
+/// What is to be written.
+pub struct Pages<'a> {
+    arguments: &'a DiagramArguments,
+    outputs: Vec<Output>,
+    /// What files say of it.
+    origin: Vec<(String, String)>,
 }
 
-/// Writes one file; says so unless asked to be quiet.
-fn save(arguments: &DiagramArguments, drawing: &Drawing, output: &Output) -> Result<()> {
-    let path = &output.path;
-    interrupt::check()?;
-    will_write(path);
-    match output.kind.as_str() {
-        "svg" => drawing::save(path, svg::write(drawing)?)?,
-        "pdf" => drawing::save(path, pdf::write(drawing)?)?,
-        _ => drawing::save(path, png::write(&png::render(drawing, arguments.scale)?)?)?,
+impl Pages<'_> {
+    fn stills(&self) -> impl Iterator<Item = &Output> {
+        self.outputs.iter().filter(|output| !output.is_animated())
     }
-    if arguments.quiet || arguments.pixel.json {
-        return Ok(());
+
+    fn animated(&self) -> impl Iterator<Item = &Output> {
+        self.outputs.iter().filter(|output| output.is_animated())
     }
-    let [width, height] = [drawing.width, drawing.height].map(f64::round);
-    let path = path.display();
-    print(&format!("wrote {path} ({width} × {height} points)\n"))
+
+    /// Writes the diagram as it stands.
+    fn still(&self, model: &Diagram) -> Result<()> {
+        if self.stills().next().is_none() {
+            return Ok(());
+        }
+        let drawing = diagram::draw(&diagram::layout(model), &model.style)?;
+        self.stills()
+            .try_for_each(|output| self.save(&drawing, output, &output.path))
+    }
+
+    /// Writes one file; says so unless asked to be quiet.
+    fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
+        interrupt::check()?;
+        will_write(path);
+        drawing::save(path, encoded(drawing, &output.kind, self.arguments.scale, &self.origin)?)?;
+        if self.arguments.quiet || self.arguments.pixel.json {
+            return Ok(());
+        }
+        let [width, height] = [drawing.width, drawing.height].map(f64::round);
+        let path = path.display();
+        print(&format!("wrote {path} ({width} × {height} points)\n"))
+    }
+}
+
+/// A drawing in the format of this extension, which says where it is from; .png with so many pixels a point.
+pub fn encoded(
+    drawing: &Drawing,
+    kind: &str,
+    scale: f64,
+    origin: &[(String, String)],
+) -> Result<Vec<u8>> {
+    match kind {
+        "svg" => Ok(svg::write_with(drawing, origin)?.into_bytes()),
+        "pdf" => pdf::write_with(drawing, origin),
+        _ => png::write_with(&png::render(drawing, scale)?, origin),
+    }
 }
 
 impl Output {
@@ -86,13 +115,6 @@ impl Output {
         Output {
             path: path.into(),
             kind: extension(path),
-        }
-    }
-
-    fn named(&self, path: PathBuf) -> Output {
-        Output {
-            path,
-            kind: self.kind.clone(),
         }
     }
 

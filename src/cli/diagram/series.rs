@@ -8,7 +8,7 @@ use nullray::drawing::{self, Drawing, apng, png};
 use nullray::scene::model::diagram::Diagram;
 use nullray::{Error, Result};
 
-use super::{Output, save};
+use super::{Output, Pages};
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::output::{numbered, will_write};
@@ -19,18 +19,18 @@ const MOST: f64 = 65_535.0;
 
 /// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are asked
 /// for.
-pub fn write(arguments: &DiagramArguments, model: &Diagram, outputs: &[Output]) -> Result<()> {
+pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
+    let arguments = pages.arguments;
     let series = || Series::new(model).ok_or_else(|| nothing_moves(arguments));
-    let animated = outputs.iter().filter(|output| output.is_animated());
-    if animated.clone().next().is_none() && arguments.frames.is_none() {
+    if pages.animated().next().is_none() && arguments.frames.is_none() {
         return Ok(());
     }
     let frames = frames(arguments, series()?.animation().frames)?;
     if arguments.frames.is_some() {
-        pictures(arguments, series()?, outputs, &frames)?;
+        pictures(pages, series()?, &frames)?;
     }
-    for output in animated {
-        animate(arguments, series()?, &output.path, &frames)?;
+    for output in pages.animated() {
+        animate(pages, series()?, &output.path, &frames)?;
     }
     Ok(())
 }
@@ -70,32 +70,22 @@ fn frames(arguments: &DiagramArguments, count: u32) -> Result<Range<u64>> {
     }
 }
 
-fn pictures(
-    arguments: &DiagramArguments,
-    series: Series,
-    outputs: &[Output],
-    frames: &Range<u64>,
-) -> Result<()> {
+fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     for (k, drawing) in (0..frames.end).zip(series) {
         interrupt::check()?;
         let drawing = drawing?;
         if k < frames.start {
             continue;
         }
-        for output in outputs.iter().filter(|output| !output.is_animated()) {
-            let output = output.named(numbered(&output.path, k));
-            save(arguments, &drawing, &output)?;
+        for output in pages.stills() {
+            pages.save(&drawing, output, &numbered(&output.path, k))?;
         }
     }
     Ok(())
 }
 
-fn animate(
-    arguments: &DiagramArguments,
-    series: Series,
-    path: &Path,
-    frames: &Range<u64>,
-) -> Result<()> {
+fn animate(pages: &Pages, series: Series, path: &Path, frames: &Range<u64>) -> Result<()> {
+    let arguments = pages.arguments;
     let fps = arguments.fps.unwrap_or(series.animation().fps);
     let count = (frames.end - frames.start) as usize;
     let mut size = [0.0; 2];
@@ -106,7 +96,7 @@ fn animate(
         size = [drawing.width, drawing.height];
         png::render(&drawing, arguments.scale)
     });
-    let bytes = apng::write(count as u32, rasters, delay(fps))?;
+    let bytes = apng::write_with(count as u32, rasters, delay(fps), &pages.origin)?;
     will_write(path);
     drawing::save(path, bytes)?;
     if arguments.quiet {

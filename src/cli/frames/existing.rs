@@ -7,18 +7,39 @@ use std::path::Path;
 use nullray::image::{Texture, exr, png};
 
 use super::Identity;
-use crate::cli::output::{Kind, Outputs};
+use crate::cli::output::{Kind, Outputs, extension};
 
 /// Whether all files of a frame are there, as they would be written.
 pub fn all(outputs: &Outputs) -> bool {
     let Some(identity) = &outputs.identity else {
         return false;
     };
-    outputs.files().all(|(path, kind)| {
-        // A look at the first bytes would do for the fingerprint; that the rest is there takes all of it.
-        let found = fingerprint(path, kind);
-        found.is_some_and(|found| found == identity.fingerprint(kind))
-    })
+    let overlay = identity.of_overlay(outputs.parts);
+    let drawn = outputs.overlays.iter().all(|path| is_drawn(path, &overlay));
+    drawn
+        && outputs.files().all(|(path, kind)| {
+            // A look at the first bytes would do for the fingerprint; that the rest is there takes all of it.
+            let found = fingerprint(path, kind);
+            found.is_some_and(|found| found == identity.fingerprint(kind))
+        })
+}
+
+/// Whether a file with lines over a picture is whole and has this fingerprint.
+fn is_drawn(path: &Path, fingerprint: &str) -> bool {
+    let end: &[u8] = match extension(path).as_str() {
+        "svg" => b"</svg>\n",
+        "pdf" => b"%%EOF",
+        _ => {
+            let text = of_png(path).unwrap_or_default();
+            return text.contains(&(Identity::KEY.into(), fingerprint.into()));
+        }
+    };
+    let bytes = match path.is_file() {
+        true => std::fs::read(path).unwrap_or_default(),
+        false => return false,
+    };
+    let mut places = bytes.windows(fingerprint.len());
+    bytes.ends_with(end) && places.any(|part| part == fingerprint.as_bytes())
 }
 
 /// The fingerprint in a file that is whole; none in any other.

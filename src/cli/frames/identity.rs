@@ -8,6 +8,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use nullray::files;
+use nullray::overlay;
 use nullray::plan::Request;
 use nullray::scene::model::{Mapping, Scene, SourceKind};
 use sha2::{Digest, Sha256};
@@ -74,10 +75,20 @@ impl Identity {
 
     /// The fingerprint of the frame's file of this kind, as text.
     pub fn fingerprint(&self, kind: Kind) -> String {
+        let step = self.step.filter(|_| kind == Kind::Isochrones);
+        self.number(kind.word(), step)
+    }
+
+    /// The fingerprint of the frame's picture with these lines over it, as text.
+    pub fn of_overlay(&self, parts: overlay::Parts) -> String {
+        self.number(&format!("overlay {parts:?}"), self.step)
+    }
+
+    fn number(&self, what: &str, step: Option<f64>) -> String {
         let mut parts = Parts::default();
         parts.add(&self.common);
-        parts.add(kind.word().as_bytes());
-        if let (Kind::Isochrones, Some(step)) = (kind, self.step) {
+        parts.add(what.as_bytes());
+        if let Some(step) = step {
             parts.add(&step.to_le_bytes());
         }
         let bytes = parts.finish();

@@ -17,7 +17,7 @@ use nullray::{Result, plan};
 use super::args::RenderArguments;
 use super::output::{Kind, Outputs, check_all, numbered};
 use super::progress::Bar;
-use super::{builtin, inputs, interrupt, print, remarks};
+use super::{builtin, inputs, interrupt, overlay, print, remarks};
 
 pub use identity::Identity;
 pub use range::Frames;
@@ -108,6 +108,9 @@ impl Sequence<'_> {
         let quiet = self.arguments.quiet;
         let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
         outputs.write(&scene, &film, &mut say)?;
+        if let Some(prepared) = &mut self.prepared {
+            overlay::write(&outputs, &scene, &film, prepared, quiet)?;
+        }
         self.note(number, &film);
         Ok(())
     }
@@ -183,6 +186,7 @@ impl Sequence<'_> {
 /// A warning where each frame would have its own brightness; empty otherwise.
 fn flicker(scene: &Scene, outputs: &Outputs) -> String {
     let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
+    let shown = shown || !outputs.overlays.is_empty();
     match scene.exposure {
         Exposure::Percentile(_) if shown => {
             "warning: brightness is scaled for each frame by itself, and may flicker: give --white RADIANCE, or \

@@ -128,8 +128,8 @@ impl Pen<'_> {
 
     fn grid(&self) -> Vec<Item> {
         let lines = self.panel.grid.iter().map(|line| {
-            let colour = frame_colour(self.panel, self.theme, line.frame).with_alpha(60);
-            self.line(line.ends, Stroke::new(colour, 0.3 * self.theme.width))
+            let colour = frame_colour(self.panel, self.theme, line.frame).with_alpha(100);
+            self.line(line.ends, Stroke::new(colour, 0.35 * self.theme.width))
         });
         lines.collect()
     }

@@ -45,4 +45,4 @@ pub use layout::{
     Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits, Nappe,
     Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
 };
-pub(crate) use layout::{number, round_step};
+pub(crate) use layout::{limits, number, round_step};

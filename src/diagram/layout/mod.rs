@@ -3,6 +3,7 @@
 mod axes;
 mod curves;
 mod limits;
+mod room;
 mod solid;
 mod types;
 mod view;
@@ -10,10 +11,11 @@ mod view;
 use crate::scene::model::diagram::{Diagram, SliceKind};
 pub(crate) use axes::round_step;
 pub use limits::Limits;
+pub use room::{Nappe, Plane, Solid};
 pub(crate) use types::number;
 pub use types::{
-    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Panel,
-    Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Panel, Placed,
+    Point, Segment, Spot, Tick, WorldLine,
 };
 use view::View;
 
@@ -23,6 +25,11 @@ pub fn layout(diagram: &Diagram) -> Layout {
         title: diagram.title.clone(),
         panels: diagram.views.iter().map(|i| panel(diagram, *i)).collect(),
     }
+}
+
+/// What a diagram shows in the coordinates of its frame `index`.
+pub(crate) fn limits(diagram: &Diagram, index: usize) -> Limits {
+    limits::of(&View::new(diagram, index))
 }
 
 fn panel(diagram: &Diagram, index: usize) -> Panel {

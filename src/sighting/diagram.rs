@@ -37,10 +37,8 @@ pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Optio
         .map(|view| view.frame);
     let view = view.unwrap_or_else(at_rest);
     let axes = Axes::new(sighting, &view);
-    (diagram.direction, diagram.meanings[0]) = (axes.along, Some("along the ray".into()));
-    if diagram.across.is_some() {
-        (diagram.across, diagram.meanings[1]) = (Some(axes.across), Some("across the ray".into()));
-    }
+    (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
+    diagram.across = diagram.across.map(|_| axes.across);
     Story {
         sighting,
         view,
@@ -306,9 +304,24 @@ impl Story<'_> {
         );
         self.nows(met);
         for lamp in met.pulses.iter().take(MOST_PULSES) {
-            self.mark(&lamp.name, Some(settable(&lamp.name)), lamp.left, true);
-            self.signal(lamp.left, met.emission, None);
+            self.lamp(lamp, met.emission);
         }
+    }
+
+    /// The light of a pulse; one from the same event takes the name in beside its own.
+    fn lamp(&mut self, lamp: &Lamp, emission: Event<World>) {
+        let name = settable(&lamp.name);
+        let mut marks = self.diagram.events.iter_mut();
+        if let Some(mark) = marks.find(|mark| mark.event == lamp.left) {
+            mark.label = Some(
+                mark.label
+                    .take()
+                    .map_or(name.clone(), |label| format!("{label}, {name}")),
+            );
+            return;
+        }
+        self.mark(&lamp.name, Some(name), lamp.left, true);
+        self.signal(lamp.left, emission, None);
     }
 
     /// Where the surface is when it is seen.

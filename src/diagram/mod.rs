@@ -46,5 +46,5 @@ pub use layout::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
     Nappe, Now, Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
 };
-pub(crate) use layout::{number, round_step};
+pub(crate) use layout::{limits, number, round_step};
 pub use series::Series;

@@ -1,7 +1,7 @@
 //! A series of pictures of one diagram, all with the same limits, their labels staying where they can.
 
 use super::draw::{Habits, draw_next};
-use super::layout::{Limits, layout, limits_of};
+use super::layout::{Limits, layout, limits};
 use crate::drawing::Drawing;
 use crate::error::Result;
 use crate::scene::model::diagram::{Animation, Diagram};
@@ -59,7 +59,11 @@ impl Iterator for Series {
 fn fix_limits(diagram: &mut Diagram, frames: u32) {
     let last = frames.saturating_sub(1);
     let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
-    let all = looked_at.flat_map(|k| limits_of(&diagram.picture(k)));
+    let all = looked_at.flat_map(|k| {
+        let picture = diagram.picture(k);
+        let views = picture.views.iter();
+        views.map(|i| limits(&picture, *i)).collect::<Vec<_>>()
+    });
     let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let whole = all.reduce(|a, b| Limits {
         x: wider(a.x, b.x),

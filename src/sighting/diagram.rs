@@ -3,16 +3,16 @@
 use glam::DVec3;
 
 use super::{Lamp, Met, Sighting};
-use crate::diagram::{number, round_step};
+use crate::diagram::{limits, number, round_step};
 use crate::scene::model::diagram::{
     Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
 };
-use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
 use crate::text::RichText;
 use crate::text::rich::escaped;
 
-/// About how many ticks clocks have between emission and reception.
-const TICKS: f64 = 7.0;
+/// About how many ticks clocks have from the first to the last event.
+const TICKS: f64 = 8.0;
 /// The most pulses that are drawn.
 const MOST_PULSES: usize = 2;
 /// By how much the past cone reaches beyond the emission in 2+1 dimensions.
@@ -35,13 +35,13 @@ pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Optio
         .first()
         .and_then(|i| diagram.frames.get(*i))
         .map(|view| view.frame);
-    let axes = Axes::new(sighting, &view.unwrap_or_else(at_rest));
-    (diagram.direction, diagram.meanings[0]) = (axes.along, Some("along the ray".into()));
-    if diagram.across.is_some() {
-        (diagram.across, diagram.meanings[1]) = (Some(axes.across), Some("across it".into()));
-    }
+    let view = view.unwrap_or_else(at_rest);
+    let axes = Axes::new(sighting, &view);
+    (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
+    diagram.across = diagram.across.map(|_| axes.across);
     Story {
         sighting,
+        view,
         camera,
         diagram,
     }
@@ -50,7 +50,7 @@ pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Optio
 }
 
 fn at_rest() -> InertialFrame<Rest> {
-    InertialFrame::new(crate::spacetime::Velocity::REST, Event::ORIGIN)
+    InertialFrame::new(Velocity::REST, Event::ORIGIN)
 }
 
 /// A diagram in which nothing is drawn.
@@ -126,7 +126,7 @@ impl Axes {
     fn new(sighting: &Sighting, view: &InertialFrame<Rest>) -> Axes {
         let (d, _) = view.frame_from_world().direction(sighting.direction);
         let along = d.unit();
-        let moving = |velocity: crate::spacetime::Velocity| {
+        let moving = |velocity: Velocity| {
             let relative = velocity.relative_to(view.velocity()).ok();
             relative.map_or(DVec3::ZERO, |v| v.rapidity())
         };
@@ -163,6 +163,8 @@ impl Sighting {
 /// What is drawn.
 struct Story<'a> {
     sighting: &'a Sighting,
+    /// In whose coordinates it is drawn first.
+    view: InertialFrame<Rest>,
     camera: usize,
     diagram: Diagram,
 }
@@ -178,26 +180,65 @@ impl Story<'_> {
             None => self.mark("far end", None, self.sighting.far_end(), false),
         }
         self.cone();
+        self.fit();
         self.diagram
     }
 
-    /// The distance of ticks of clocks, metres.
-    fn step(&self) -> f64 {
-        let way = self.sighting.reception.event - self.sighting.far_end();
+    /// The distance of ticks of a clock that moves with `velocity`, metres.
+    fn step(&self, velocity: Velocity) -> f64 {
+        let sighting = self.sighting;
+        let reception = sighting.reception;
+        let mut events = vec![sighting.far_end(), reception.event, reception.pinhole];
+        if let Some(met) = &sighting.met {
+            events.extend(met.now.into_iter().chain(met.now_in_world));
+            events.extend(met.pulses.iter().take(MOST_PULSES).map(|lamp| lamp.left));
+        }
+        let times = events
+            .into_iter()
+            .map(|event| self.view.event_from_world(event).ct);
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let [first, last] = times.fold(ends, |[a, b], ct| [a.min(ct), b.max(ct)]);
+        let way = sighting.far_end().x - reception.event.x;
+        let all = if last > first {
+            last - first
+        } else {
+            way.length()
+        };
+        let relative = velocity.relative_to(self.view.velocity());
+        let own = all / relative.map_or(1.0, Velocity::gamma);
         let unit = self.diagram.unit.metres;
-        round_step(way.ct.abs().max(way.x.length()).max(f64::MIN_POSITIVE) / unit / TICKS) * unit
+        round_step(own.max(f64::MIN_POSITIVE) / unit / TICKS) * unit
     }
 
-    fn line(&mut self, name: &str, track: Track, colour: Colour, ticked: bool) {
+    fn line(&mut self, name: &str, track: Track, colour: Colour, ticks: Option<f64>) {
         let line = Line {
             name: name.into(),
             label: Some(settable(name)),
             track,
-            ticks: ticked.then(|| self.step()),
-            numbers: ticked,
+            ticks,
+            numbers: ticks.is_some(),
             colour: Some(colour),
         };
         self.diagram.lines.push(line);
+    }
+
+    /// What is shown of a single view is what happens: world lines go on beyond it.
+    fn fit(&mut self) {
+        let &[view] = self.diagram.views.as_slice() else {
+            return;
+        };
+        let bare = Diagram {
+            lines: Vec::new(),
+            ..self.diagram.clone()
+        };
+        let limits = limits(&bare, view);
+        let unit = self.diagram.unit.metres;
+        let metres = |limits: [f64; 2]| Some(limits.map(|end| end * unit));
+        self.diagram.x = self.diagram.x.or(metres(limits.x));
+        self.diagram.ct = self.diagram.ct.or(metres(limits.ct));
+        if self.diagram.across.is_some() {
+            self.diagram.y = self.diagram.y.or(metres(limits.y));
+        }
     }
 
     fn mark(&mut self, name: &str, label: Option<String>, event: Event<World>, dot: bool) {
@@ -231,9 +272,10 @@ impl Story<'_> {
     fn camera_and_ray(&mut self) {
         let sighting = self.sighting;
         let reception = sighting.reception;
-        self.line("camera", sighting.camera.clone(), Colour::Blue, true);
+        let ticks = self.step(reception.frame.velocity());
+        self.line("camera", sighting.camera.clone(), Colour::Blue, Some(ticks));
         if let Some(element) = &sighting.element {
-            self.line("sensor", element.clone(), Colour::Sky, false);
+            self.line("sensor", element.clone(), Colour::Sky, None);
         }
         let clock = self.clock("camera", reception.time);
         self.mark(
@@ -251,7 +293,8 @@ impl Story<'_> {
     }
 
     fn surface(&mut self, met: &Met) {
-        self.line(&met.name, met.track.clone(), Colour::Red, true);
+        let ticks = self.step(met.velocity);
+        self.line(&met.name, met.track.clone(), Colour::Red, Some(ticks));
         let clock = self.clock(&met.name, met.time);
         self.mark(
             "emission",
@@ -261,9 +304,24 @@ impl Story<'_> {
         );
         self.nows(met);
         for lamp in met.pulses.iter().take(MOST_PULSES) {
-            self.mark(&lamp.name, Some(settable(&lamp.name)), lamp.left, true);
-            self.signal(lamp.left, met.emission, None);
+            self.lamp(lamp, met.emission);
         }
+    }
+
+    /// The light of a pulse; one from the same event takes the name in beside its own.
+    fn lamp(&mut self, lamp: &Lamp, emission: Event<World>) {
+        let name = settable(&lamp.name);
+        let mut marks = self.diagram.events.iter_mut();
+        if let Some(mark) = marks.find(|mark| mark.event == lamp.left) {
+            mark.label = Some(
+                mark.label
+                    .take()
+                    .map_or(name.clone(), |label| format!("{label}, {name}")),
+            );
+            return;
+        }
+        self.mark(&lamp.name, Some(name), lamp.left, true);
+        self.signal(lamp.left, emission, None);
     }
 
     /// Where the surface is when it is seen.
@@ -297,14 +355,8 @@ impl Story<'_> {
 
     /// All that can be seen at the reception is on its past light cone.
     fn cone(&mut self) {
-        let view = self
-            .diagram
-            .views
-            .first()
-            .and_then(|i| self.diagram.frames.get(*i));
-        let frame = view.map_or_else(at_rest, |view| view.frame);
         let way = self.sighting.reception.event - self.sighting.far_end();
-        let way = frame.frame_from_world().displacement(way);
+        let way = self.view.frame_from_world().displacement(way);
         let height = BEYOND * way.ct.max(way.x.length());
         self.diagram.cones.push(Cone {
             event: self.sighting.reception.event,

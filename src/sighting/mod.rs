@@ -17,7 +17,8 @@
 //! ```
 //!
 //! Of the diagram, x is along the ray. In vacuum the ray lies in the plane of x and ct and has the slope of 45
-//! degrees; what is beside that plane is projected onto it, and its light is steeper.
+//! degrees; what is beside that plane is projected onto it, and its light is steeper. In a medium, and with
+//! retardation turned off, the ray has the slope that it is rendered with.
 
 mod diagram;
 mod summary;

@@ -151,6 +151,13 @@ impl fmt::Display for Summary {
             )?;
         }
         writeln!(f, "  looks along   {}", Tuple(&self.direction))?;
+        if self.refractive_index != 1.0 {
+            writeln!(
+                f,
+                "  light takes   {} m of ct per metre",
+                self.refractive_index
+            )?;
+        }
         match &self.surface {
             Some(surface) => surface.fmt(f),
             None => writeln!(f, "  meets nothing"),

@@ -42,7 +42,10 @@ fn time_size_and_changes_are_those_of_the_picture() {
         serde_json::from_str::<Value>(&said).unwrap()
     };
     assert_eq!(run("--time 2m")["reception_proper_time"], 2.0);
-    assert_eq!(run("--set camera.velocity.beta=0")["camera_beta"][2], 0.0);
+    assert_eq!(
+        run("--set camera.velocity.beta=[0,0,0]")["camera_beta"][2],
+        0.0
+    );
     assert_ne!(
         run("--image-size 320x240")["direction"],
         run("")["direction"]

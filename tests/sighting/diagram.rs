@@ -144,3 +144,24 @@ fn an_unknown_frame_has_no_diagram() {
     let (sighting, _) = met(STILL);
     assert!(diagram(&sighting, base(&text(STILL)), Some("moon")).is_none());
 }
+
+#[test]
+fn pulses_from_one_event_share_a_mark() {
+    let lamp = |name: &str| {
+        format!(
+            "[[source]]\nname = \"{name}\"\npulse = {{ position = [0.5, 3, 1], time = \"-8 m\", sigma = \"4 m\", \
+             intensity = 10 }}\n"
+        )
+    };
+    let text = text(STILL) + &lamp("a") + &lamp("b");
+    let sighting = traced(&crate::scene(&text), [16, 20]).unwrap();
+    let panel = layout(&diagram(&sighting, base(&text), None).unwrap())
+        .panels
+        .remove(0);
+    let marked = panel
+        .events
+        .iter()
+        .filter(|event| event.label.as_deref() == Some("a, b"));
+    assert_eq!(marked.count(), 1);
+    assert_eq!(panel.signals.len(), 2);
+}

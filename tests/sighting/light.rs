@@ -168,3 +168,15 @@ fn a_ray_that_meets_nothing_is_followed_as_far_as_there_are_objects() {
     // The floor's origin is farther than the crate's.
     equal(sighting.reach, 17f64.sqrt());
 }
+
+#[test]
+fn in_a_medium_light_takes_the_longer_for_its_way() {
+    let medium = "[medium]\nindex = 1.5\n";
+    let sighting = traced(&scene(&(medium.to_string() + &text(STILL))), [16, 20]).unwrap();
+    let met = sighting.met.unwrap();
+    equal(
+        sighting.reception.pinhole.ct - met.emission.ct,
+        1.5 * met.distance,
+    );
+    assert_eq!(sighting.index, 1.5);
+}

@@ -35,9 +35,10 @@ impl Page {
         // The axes of a room are along its edges, and their labels beyond.
         let room = panels.iter().any(|panel| panel.solid.is_some());
         let below = if room { 2.6 * em } else { 1.2 * em };
+        let side = if room { 2.8 * em } else { 1.8 * em };
         // Views side by side are named above.
         let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
-        let [side, above] = [1.8 * em, 1.1 * em + names];
+        let above = 1.1 * em + names;
         let width = style.width.unwrap_or(WIDTH * count);
         let cell = width / count;
         let width_left = (cell - 2.0 * side).max(1.0);

@@ -4,8 +4,11 @@
 //! a past cone is dashed where the cone hides it.
 
 use super::layers::{Pen, frame_colour, line_colour};
-use crate::diagram::layout::{Nappe, Point};
+use super::page::Map;
+use super::theme::Theme;
+use crate::diagram::layout::{Nappe, Panel, Plane, Point};
 use crate::drawing::{Colour, Item, Path, Stroke};
+use crate::scene::model::diagram::Colour as Name;
 
 /// Opacity of lines behind a surface, of 255.
 const BEHIND: u8 = 95;
@@ -14,6 +17,42 @@ const PIECES: u32 = 96;
 const HALVINGS: u32 = 12;
 /// Every so many points of a rim there is a generator.
 const GENERATOR: usize = 8;
+
+/// The colour of a plane: what it says, or that of its frame; grey for the view's own.
+fn plane_colour(panel: &Panel, theme: &Theme, plane: &Plane) -> Colour {
+    let own = panel
+        .axes
+        .first()
+        .is_some_and(|axes| axes.frame == plane.frame);
+    match plane.colour {
+        Some(name) => theme.colour(name),
+        None if own => theme.colour(Name::Grey),
+        None => frame_colour(panel, theme, plane.frame),
+    }
+}
+
+/// A text, its colour, and the points of the page that it may stand beside.
+type Wording<'a> = (&'a str, Colour, Vec<[f64; 2]>);
+
+/// What stands beside planes: at their corners, or half way between these.
+pub(super) fn plane_labels<'a>(
+    panel: &'a Panel,
+    map: &'a Map,
+    theme: &'a Theme,
+) -> impl Iterator<Item = Wording<'a>> {
+    panel.planes.iter().filter_map(move |plane| {
+        let after = plane.corners.iter().cycle().skip(1);
+        let middles = plane.corners.iter().zip(after);
+        let middles = middles.map(|(a, b)| a.plus(0.5, b.from(*a)));
+        let corners = plane.corners.iter().copied().chain(middles);
+        let anchors = corners.map(|corner| map.at(corner)).collect();
+        Some((
+            plane.label.as_deref()?,
+            plane_colour(panel, theme, plane),
+            anchors,
+        ))
+    })
+}
 
 impl Pen<'_> {
     /// The floor, and what is straight below things.
@@ -117,12 +156,11 @@ impl Pen<'_> {
 
     fn planes(&self) -> Vec<Item> {
         let planes = self.panel.planes.iter().flat_map(|plane| {
-            let own = frame_colour(self.panel, self.theme, plane.frame);
-            let colour = plane.colour.map_or(own, |name| self.theme.colour(name));
+            let colour = plane_colour(self.panel, self.theme, plane);
             let path = self.polygon(&plane.corners);
             let edge = Stroke::new(colour.with_alpha(150), 0.4 * self.theme.width);
             [
-                Item::filled(path.clone(), colour.with_alpha(36)),
+                Item::filled(path.clone(), colour.with_alpha(34)),
                 Item::stroked(path, edge),
             ]
         });

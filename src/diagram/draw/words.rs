@@ -3,6 +3,7 @@
 use super::labels::{AROUND, Request};
 use super::layers::{area_colour, frame_colour, is_inner, line_colour};
 use super::page::Map;
+use super::solid;
 use super::theme::Theme;
 use crate::diagram::layout::{Panel, Placed, Point, Segment, Tick};
 use crate::drawing::Colour;
@@ -246,20 +247,8 @@ impl Words<'_> {
             };
             all.extend(self.segment(slice, own, places));
         }
-        for plane in &panel.planes {
-            let own = frame_colour(panel, theme, plane.frame);
-            let colour = plane.colour.map_or(own, |name| theme.colour(name));
-            // At the corners, or half way between them.
-            let after = plane.corners.iter().cycle().skip(1);
-            let middles = plane
-                .corners
-                .iter()
-                .zip(after)
-                .map(|(a, b)| a.plus(0.5, b.from(*a)));
-            let corners = plane.corners.iter().copied().chain(middles);
-            let corners = corners.map(|corner| self.map.at(corner));
-            let label = plane.label.iter();
-            all.extend(label.map(|text| self.request(text, colour, corners.clone().collect())));
+        for (text, colour, anchors) in solid::plane_labels(panel, self.map, theme) {
+            all.push(self.request(text, colour, anchors));
         }
         for signal in &panel.signals {
             all.extend(self.segment(signal, theme.colour(Name::Orange), &MIDDLE));

@@ -184,7 +184,7 @@ pub(super) fn multiples(step: f64, [low, high]: [f64; 2]) -> impl Iterator<Item 
 }
 
 /// What stands at the axes of a frame, time first: a prime for each of its name, or else the name below; and
-/// at the view's own what x and y are.
+/// at the view's own along what x is.
 fn labels(view: &View, frame: &Reference) -> [String; 3] {
     let name = frame.name.as_str();
     let bare = name.trim_end_matches(['\'', '′']);
@@ -203,14 +203,14 @@ fn labels(view: &View, frame: &Reference) -> [String; 3] {
         _ => [String::new(), String::new()],
     };
     let [time_unit, space_unit] = units;
-    let meaning = |i: usize| match &view.diagram.meanings[i] {
+    let meaning = match &view.diagram.meaning {
         Some(words) if own => format!(", {words}"),
         _ => String::new(),
     };
     [
         format!("{time}{below}{time_unit}"),
-        format!("*x*{below}{space_unit}{}", meaning(0)),
-        format!("*y*{below}{space_unit}{}", meaning(1)),
+        format!("*x*{below}{space_unit}{meaning}"),
+        format!("*y*{below}{space_unit}"),
     ]
 }
 

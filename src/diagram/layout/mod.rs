@@ -4,6 +4,7 @@ mod axes;
 mod curves;
 mod limits;
 mod now;
+mod room;
 mod solid;
 mod types;
 mod view;
@@ -11,10 +12,11 @@ mod view;
 use crate::scene::model::diagram::{Diagram, SliceKind};
 pub(crate) use axes::round_step;
 pub use limits::Limits;
+pub use room::{Nappe, Plane, Solid};
 pub(crate) use types::number;
 pub use types::{
-    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Nappe, Now,
-    Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Now, Panel,
+    Placed, Point, Segment, Spot, Tick, WorldLine,
 };
 use view::View;
 
@@ -26,10 +28,9 @@ pub fn layout(diagram: &Diagram) -> Layout {
     }
 }
 
-/// The limits of each view.
-pub(super) fn limits_of(diagram: &Diagram) -> Vec<Limits> {
-    let views = diagram.views.iter();
-    views.map(|i| limits::of(&View::new(diagram, *i))).collect()
+/// What a diagram shows in the coordinates of its frame `index`.
+pub(crate) fn limits(diagram: &Diagram, index: usize) -> Limits {
+    limits::of(&View::new(diagram, index))
 }
 
 fn panel(diagram: &Diagram, index: usize) -> Panel {

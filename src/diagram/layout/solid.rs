@@ -13,7 +13,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::limits::Limits;
-use super::types::{ALOFT, ASIDE, Curve, Nappe, Plane, Point, Solid, WorldLine};
+use super::room::{Nappe, Plane, Solid};
+use super::types::{ALOFT, ASIDE, Curve, Point, WorldLine};
 use super::view::View;
 use crate::scene::model::diagram::{Cone, Slice, SliceKind};
 

@@ -25,8 +25,8 @@ pub struct Diagram {
     pub direction: DVec3,
     /// The unit vector across it along which y is measured; none for a diagram of 1+1 dimensions.
     pub across: Option<DVec3>,
-    /// What x and y are, where that needs words at the axes of the view; markup.
-    pub meanings: [Option<String>; 2],
+    /// Along what x is, where that needs words at the view's axis; markup.
+    pub meaning: Option<String>,
     /// What the axes show of x, metres; none for as much as the contents need.
     pub x: Option<[f64; 2]>,
     /// What the axes show of y, metres.

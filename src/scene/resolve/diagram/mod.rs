@@ -37,7 +37,7 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
         unit,
         direction,
         across,
-        meanings: [None, None],
+        meaning: None,
         x: settings::limits(cx, &said.x, unit.metres)?,
         y: settings::limits(cx, &said.y, unit.metres)?,
         ct: settings::limits(cx, &said.ct, unit.metres)?,

@@ -1,5 +1,6 @@
 //! What was typed. One definition makes the parser, the help, the man pages and the completions.
 
+mod compare;
 mod values;
 
 use std::ops::Range;
@@ -13,6 +14,8 @@ use nullray::scene::model::MOST_SAMPLES;
 use nullray::units::Time;
 
 use super::help;
+
+pub use compare::CompareArguments;
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -35,6 +38,9 @@ pub enum Command {
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
     #[command(after_help = help::DIAGRAM)]
     Diagram(DiagramArguments),
+    /// Compare a picture with its reference: errors, maps, a report, tolerances.
+    #[command(after_help = help::COMPARE)]
+    Compare(CompareArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),

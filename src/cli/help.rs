@@ -50,6 +50,18 @@ A file may hold a [diagram] table alone. Without one the diagram shows the world
 objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \
 and no cube is read.";
 
+pub const COMPARE: &str = "\
+Examples:
+  nullray compare exact.exr mine.exr --report report.html
+  nullray compare exact.npz mine.npz --bin-width \"5 mm\" --json
+  nullray compare exact.exr mine.exr --tolerance rmse=0.01 --tolerance geometric.p99=0.1
+
+Channels are matched by name. Metrics of --tolerance: bias, mae, rmse, relrmse, mrse, max, p50, p90, p99, p99.9, \
+psnr and ssim (at least) of the light, or of one channel (radiance.R:max); flip, flip.max; wrong_object (pixels); \
+silhouette, silhouette.max; geometric, time, time_bins, w and w_ulp with .mean, .rms, .p50, .p90, .p99 or .max; time.bias, w.bias.
+
+Exit codes: 0 within all tolerances, 1 beyond one, 2 bad input.";
+
 pub const PLAN: &str = "\
 Examples:
   nullray plan scene.toml --size 1920x1080 --aovs event

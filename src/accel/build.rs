@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use super::query::Tag;
-use super::slab::{Lattice, Link, Node, power_of_two};
+use super::slab::{Lattice, Link, Node};
 use super::wide::{Pairs, WideTree};
 use super::{Bvh, Facing};
 

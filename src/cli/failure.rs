@@ -3,7 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | a self-test that fails |
+//! | 1 | compared or tested, and not within bounds |
 //! | 2 | wrong command line, bad input, a file that cannot be read or written |
 //! | 101 | a bug of this program |
 //! | 130 | stopped by Ctrl-C or a signal to end |
@@ -16,14 +16,24 @@ use nullray::{Error, Result};
 
 use super::{complain, interrupt};
 
+const OUT_OF_BOUNDS: u8 = 1;
 const FAILED: u8 = 2;
 const BUG: u8 = 101;
 
 /// What the last panic said, and where.
 static LAST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
+/// How work that did not fail has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Done {
+    /// As it should.
+    Well,
+    /// With something that was checked and is not within its bounds.
+    OutOfBounds,
+}
+
 /// Does `work`; reports what went wrong.
-pub fn outcome(work: impl FnOnce() -> Result<ExitCode>) -> ExitCode {
+pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
     show_errors_plainly();
     match caught(work) {
         // What fails while everything is being stopped fails because of that.
@@ -31,7 +41,8 @@ pub fn outcome(work: impl FnOnce() -> Result<ExitCode>) -> ExitCode {
             complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
         }
-        Ok(Ok(code)) => code,
+        Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
+        Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
             complain(&format!("{:?}\n", miette::Report::new(error)));
             ExitCode::from(FAILED)
@@ -100,7 +111,7 @@ mod tests {
     #[test]
     fn an_error_is_not_taken_for_a_panic() {
         assert!(matches!(
-            caught(|| Err::<(), _>(Error::Cancelled)),
+            caught::<()>(|| Err(Error::Cancelled)),
             Ok(Err(Error::Cancelled))
         ));
     }

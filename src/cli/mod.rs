@@ -2,6 +2,7 @@
 
 mod args;
 mod builtin;
+mod compare;
 mod demo;
 mod diagram;
 mod export;
@@ -31,6 +32,7 @@ use clap::Parser;
 use nullray::{Error, Result};
 
 use args::{Arguments, Command};
+use failure::Done;
 
 /// Parses the command line, does what it says, reports what went wrong.
 pub fn run() -> ExitCode {
@@ -39,8 +41,9 @@ pub fn run() -> ExitCode {
     failure::outcome(|| carry_out(arguments.command))
 }
 
-fn carry_out(command: Option<Command>) -> Result<ExitCode> {
+fn carry_out(command: Option<Command>) -> Result<Done> {
     let done = match command {
+        Some(Command::Compare(compare)) => return compare::run(&compare),
         None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
@@ -55,7 +58,7 @@ fn carry_out(command: Option<Command>) -> Result<ExitCode> {
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),
     };
-    done.map(|()| ExitCode::SUCCESS)
+    done.map(|()| Done::Well)
 }
 
 /// Prints `text` on standard output. A reader that has seen enough ("nullray info … | head") is no

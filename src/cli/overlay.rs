@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use nullray::metadata::metadata;
 use nullray::Result;
 use nullray::drawing::{self, Drawing, Origin, pdf, png, svg};
 use nullray::film::Film;
+use nullray::metadata::metadata;
 use nullray::overlay::{self, Overlay, Part};
 use nullray::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};

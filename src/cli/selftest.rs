@@ -1,6 +1,5 @@
 //! `nullray selftest`.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use nullray::Result;
@@ -10,14 +9,12 @@ use nullray::selftest::{self, Check, Effort, Outcome};
 use serde_json::{Value, json};
 
 use super::args::SelftestArguments;
+use super::failure::Done;
 use super::progress::Bar;
 use super::{print, render};
 
-/// The exit code where a check fails.
-const FAILED: u8 = 1;
-
 /// Runs every check, says what each has found, and whether all hold.
-pub fn run(arguments: &SelftestArguments) -> Result<ExitCode> {
+pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     render::in_pool(arguments.threads, || {
         let effort = match arguments.thorough {
             true => Effort::Thorough,
@@ -40,8 +37,8 @@ pub fn run(arguments: &SelftestArguments) -> Result<ExitCode> {
             false => verdict(lines.len(), failed),
         })?;
         Ok(match failed {
-            0 => ExitCode::SUCCESS,
-            _ => ExitCode::from(FAILED),
+            0 => Done::Well,
+            _ => Done::OutOfBounds,
         })
     })
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, fan, grid, of_grid, placed, sphere};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Hit, Kernel, Method, Precision, Ray};
+use crate::accel::{Bvh, Hit, Kernel, Method, NoTally, Origins, Precision, Ray};
 use crate::progress::Progress;
 
 pub(super) const CHECKS: [Check; 4] = [
@@ -53,7 +53,14 @@ fn certified(kernel: Kernel) -> Method {
 fn by_every_kernel(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> [Vec<Option<Hit>>; 4] {
     Kernel::ALL.map(|kernel| {
         let mut hits = vec![None; directions.len()];
-        bvh.closest_by(certified(kernel), origin, directions, &mut hits, |_| ());
+        bvh.closest_by(
+            certified(kernel),
+            Origins::Shared(origin),
+            directions,
+            &mut hits,
+            &mut NoTally,
+            |_| (),
+        );
         hits
     })
 }

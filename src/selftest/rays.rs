@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::meshes::{PLACES, Random, Triangle, build, disc, placed, soup, sphere, tile};
 use super::{Check, Outcome, count_in_batches, counted};
 use crate::Result;
-use crate::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Preset};
+use crate::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Preset};
 use crate::progress::Progress;
 
 pub(super) const CHECKS: [Check; 3] = [
@@ -44,7 +44,8 @@ fn trace(bvh: &Bvh, kernel: Kernel, origin: DVec3, directions: &[DVec3]) -> Vec<
         precision: Precision::Certified,
     };
     let mut hits = vec![None; directions.len()];
-    bvh.closest_by(method, origin, directions, &mut hits, |_| ());
+    let from = Origins::Shared(origin);
+    bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |_| ());
     hits
 }
 

@@ -86,7 +86,10 @@ impl Pages<'_> {
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
         will_write(path);
-        drawing::save(path, encoded(drawing, &output.kind, self.arguments.scale, &self.origin)?)?;
+        drawing::save(
+            path,
+            encoded(drawing, &output.kind, self.arguments.scale, &self.origin)?,
+        )?;
         if self.arguments.quiet || self.arguments.pixel.json {
             return Ok(());
         }

@@ -35,7 +35,12 @@ pub fn run(arguments: &TessellationArguments) -> Result<()> {
             return print(&forecast.to_string());
         }
         let json = serde_json::to_string_pretty(&forecast).map_err(|e| {
-            Error::invalid(&scene.name, "", e.to_string(), "a forecast that JSON can hold")
+            Error::invalid(
+                &scene.name,
+                "",
+                e.to_string(),
+                "a forecast that JSON can hold",
+            )
         })?;
         print(&(json + "\n"))
     })

@@ -69,11 +69,7 @@ impl Edges {
 
 impl Bins {
     /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
-    pub fn new(
-        grid: Grid,
-        triangles: &[Small],
-        film: impl Fn(&Small) -> [DVec3; 3],
-    ) -> Self {
+    pub fn new(grid: Grid, triangles: &[Small], film: impl Fn(&Small) -> [DVec3; 3]) -> Self {
         let mut pairs = Vec::with_capacity(triangles.len() + triangles.len() / 2);
         let (mut first, mut last) = (u64::MAX, 0);
         for (index, small) in triangles.iter().enumerate() {

@@ -34,11 +34,13 @@ impl Frustum {
     /// outside the film.
     pub fn misses(&self, sight: &Sight, [a, b, c]: [DVec3; 3]) -> bool {
         let centre = (a + b + c) / 3.0;
-        let radius = centre.distance(a).max(centre.distance(b)).max(centre.distance(c));
+        let radius = centre
+            .distance(a)
+            .max(centre.distance(b))
+            .max(centre.distance(c));
         let distance = centre.length();
         let sine = radius / distance * (1.0 + 1e-9);
-        // Not for NaN either.
-        if !(sine < 1.0) {
+        if sine.is_nan() || sine >= 1.0 {
             return false;
         }
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
@@ -46,7 +48,11 @@ impl Frustum {
         let (t, axis) = sight.in_camera(normal);
         let length = axis.length();
         let narrow = t < 0.0;
-        narrow && self.sides.iter().any(|side| side.dot(axis) < -sine * (1.0 + 1e-9) - 1e-9 * length)
+        narrow
+            && self
+                .sides
+                .iter()
+                .any(|side| side.dot(axis) < -sine * (1.0 + 1e-9) - 1e-9 * length)
     }
 
     /// The pixels that a flat triangle can reach: first column and row, last column and row. None where
@@ -107,7 +113,12 @@ fn clip(polygon: &[DVec3], plane: DVec3) -> Vec<DVec3> {
 
 /// Least and greatest x and y: left, top, right, bottom.
 fn bounds(polygon: &[DVec3]) -> Option<[f64; 4]> {
-    let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    let start = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
     let found = polygon.iter().filter(|h| h.z > 0.0).fold(start, |b, h| {
         let (x, y) = (h.x / h.z, h.y / h.z);
         [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)]

@@ -93,7 +93,9 @@ impl<'a> Divider<'a> {
         let [width, height] = self.sight.film().size();
         let near = |x: f64, size: f64| x > -0.5 * size && x < 1.5 * size;
         let pixels = match (image.film_point(), self.sight.slide(image.film)) {
-            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => (u * u + v * v).sqrt(),
+            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => {
+                (u * u + v * v).sqrt()
+            }
             _ => self.density * self.sight.turn(image),
         };
         c.length() * pixels
@@ -117,7 +119,11 @@ impl<'a> Divider<'a> {
         // Not for NaN either.
         (parts > 1.0).then(|| {
             let first = (0.5 * parts).floor() / parts;
-            if comes_first(a.x, b.x) { first } else { 1.0 - first }
+            if comes_first(a.x, b.x) {
+                first
+            } else {
+                1.0 - first
+            }
         })
     }
 
@@ -157,7 +163,10 @@ impl<'a> Divider<'a> {
         if count == 0 || depth == 0 {
             return parts.keep(&corners, self.frustum);
         }
-        if parts.is_full() || self.frustum.misses(self.sight, corners.map(|corner| corner.c)) {
+        if self
+            .frustum
+            .misses(self.sight, corners.map(|corner| corner.c))
+        {
             return;
         }
         // Turned so that the one edge that differs from the others is opposite to the first corner.
@@ -191,6 +200,9 @@ impl<'a> Divider<'a> {
             true => (a, b, at),
             false => (b, a, 1.0 - at),
         };
+        if !parts.count_cut() {
+            return None;
+        }
         let x = a.x + (b.x - a.x) * at;
         let weights = [0, 1].map(|i| a.weights[i] + (b.weights[i] - a.weights[i]) * at);
         self.corner(x, weights, parts)

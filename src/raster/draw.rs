@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{AnyView, Together, View};
+use crate::camera::{Point, Together, View};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
@@ -82,36 +82,24 @@ pub(super) fn film(
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
-    match &scene.camera.view {
-        AnyView::Still(view) => seen(scene, view, painter, progress),
-        AnyView::Moving(view) => seen(scene, view, painter, progress),
-        AnyView::Unaberrated(view) => seen(scene, view, painter, progress),
-        _ => Err(crate::apparent::apart()),
-    }
-}
-
-fn seen<V: View<From = Together>>(
-    scene: &Prepared,
-    view: &V,
-    painter: &impl Painter,
-    progress: &dyn Progress,
-) -> Result<Film> {
+    let view = scene.camera.view.point();
+    let view = view.ok_or_else(crate::apparent::apart)?;
     match &scene.light {
         Light::Constant(light) => lit(scene, view, light, painter, progress),
         Light::TimeResolved(light) => lit(scene, view, light, painter, progress),
     }
 }
 
-fn lit<V: View<From = Together>, R: Radiance>(
+fn lit<R: Radiance>(
     scene: &Prepared,
-    view: &V,
+    view: Point,
     radiance: &R,
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
     let event = scene.camera.shot.event;
     let pipeline = Pipeline {
-        view,
+        view: &view,
         surfaces: Frames::new(&scene.frames, event, scene.ray_index),
         radiance,
         event,
@@ -136,32 +124,34 @@ fn run<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder, P: Paint
     progress: &dyn Progress,
 ) -> Result<Film> {
     let film = Mutex::new(Film::new(layout.clone()));
-    (0..Tile::count(layout.size)).into_par_iter().try_for_each_init(
-        || (Buffers::default(), P::Space::default()),
-        |(buffers, space), index| {
-            let tile = Tile::of_image(layout.size, index);
-            let mut tile_film = TileFilm::new(tile, layout);
-            painter.begin(tile, space);
-            for sample in 0..layout.samples {
-                if progress.is_cancelled() {
-                    return Err(Error::Cancelled);
+    (0..Tile::count(layout.size))
+        .into_par_iter()
+        .try_for_each_init(
+            || (Buffers::default(), P::Space::default()),
+            |(buffers, space), index| {
+                let tile = Tile::of_image(layout.size, index);
+                let mut tile_film = TileFilm::new(tile, layout);
+                painter.begin(tile, space);
+                for sample in 0..layout.samples {
+                    if progress.is_cancelled() {
+                        return Err(Error::Cancelled);
+                    }
+                    pipeline.shoot(tile, sample, buffers);
+                    let film = &mut tile_film;
+                    let mut brush = Brush {
+                        pipeline,
+                        recorder,
+                        buffers,
+                        film,
+                    };
+                    painter.paint(&mut brush, tile, space);
+                    progress.rays_done(tile.pixels() as u64);
                 }
-                pipeline.shoot(tile, sample, buffers);
-                let film = &mut tile_film;
-                let mut brush = Brush {
-                    pipeline,
-                    recorder,
-                    buffers,
-                    film,
-                };
-                painter.paint(&mut brush, tile, space);
-                progress.rays_done(tile.pixels() as u64);
-            }
-            // A poisoned lock means a panic elsewhere, which rayon passes on.
-            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            film.place(&tile_film);
-            Ok(())
-        },
-    )?;
+                // A poisoned lock means a panic elsewhere, which rayon passes on.
+                let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
+                film.place(&tile_film);
+                Ok(())
+            },
+        )?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

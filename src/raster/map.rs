@@ -98,7 +98,12 @@ impl Map {
         let place = self.place(d);
         let nearest = self.index(place.face, place.x, place.y);
         if lookup == Lookup::Nearest {
-            return [(nearest, 1.0), (nearest, 0.0), (nearest, 0.0), (nearest, 0.0)];
+            return [
+                (nearest, 1.0),
+                (nearest, 0.0),
+                (nearest, 0.0),
+                (nearest, 0.0),
+            ];
         }
         let (left, top) = ((place.x - 0.5).floor(), (place.y - 0.5).floor());
         let (x, y) = (place.x - 0.5 - left, place.y - 0.5 - top);

@@ -25,7 +25,13 @@ pub(super) struct Facet {
 impl Facet {
     /// None where the triangle is seen edge-on.
     #[inline]
-    pub fn new(tile: Tile, batch: u32, triangle: u32, small: &Small, film: [DVec3; 3]) -> Option<Self> {
+    pub fn new(
+        tile: Tile,
+        batch: u32,
+        triangle: u32,
+        small: &Small,
+        film: [DVec3; 3],
+    ) -> Option<Self> {
         let [a, b, c] = film;
         let edges = [b.cross(c), c.cross(a), a.cross(b)];
         let determinant = a.dot(edges[0]);

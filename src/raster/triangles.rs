@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, MOST, Parts};
+use super::batch::{Batch, Cuts, Parts};
 use super::bins::Grid;
 use super::cull::Frustum;
 use super::divide::Divider;
@@ -18,9 +18,7 @@ use crate::film::Tile;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::spacetime::{Direction, Displacement, WavelengthRatio};
-use crate::trace::{
-    Found, Pipeline, Radiance, Recorder, RestFrame, Seen, SurfacePoint, Surfaces,
-};
+use crate::trace::{Found, Pipeline, Radiance, Recorder, RestFrame, Seen, SurfacePoint, Surfaces};
 
 /// All triangles of a scene in homogeneous film coordinates.
 #[derive(Debug)]
@@ -50,11 +48,11 @@ impl<'a> Triangles<'a> {
             attributes: raster.attributes,
         };
         let mut batches = Vec::new();
+        let cuts = Cuts::default();
         for frame in 0..scene.frames.len() {
-            batches.extend(triangles.divided(frame as u32, raster, progress)?);
+            batches.extend(triangles.divided(frame as u32, raster, &cuts, progress)?);
         }
-        let count: usize = batches.iter().map(|b| b.triangles.len()).sum();
-        if count > MOST || batches.iter().any(|b| b.is_cut_short) {
+        if cuts.are_too_many() {
             return Err(too_many());
         }
         triangles.batches = batches;
@@ -66,6 +64,7 @@ impl<'a> Triangles<'a> {
         &self,
         frame: u32,
         raster: &Raster,
+        cuts: &Cuts,
         progress: &dyn Progress,
     ) -> Result<Vec<Batch>> {
         let (rest, sight) = (&self.frames[frame as usize], &self.sights[frame as usize]);
@@ -77,13 +76,16 @@ impl<'a> Triangles<'a> {
             if progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let mut parts = Parts::new(frame, sight, raster.attributes);
+            let mut parts = Parts::new(frame, sight, raster.attributes, cuts);
             for slot in k * run..slots.min((k + 1) * run) {
                 divide(rest, &divider, slot, &mut parts);
             }
             Ok(parts.finish(Grid { size: self.size }))
         };
-        (0..slots.div_ceil(run)).into_par_iter().map(batch).collect()
+        (0..slots.div_ceil(run))
+            .into_par_iter()
+            .map(batch)
+            .collect()
     }
 
     /// Where facet `facet` is met at film point (x, y).
@@ -126,7 +128,7 @@ fn too_many() -> Error {
     Error::unsupported(
         "command line",
         "--method",
-        format!("tessellation makes more than {MOST} triangles that may be seen"),
+        format!("triangles would be cut at more than {} points", Cuts::MOST),
         "a longer edge, or more pixels of error",
     )
 }
@@ -208,7 +210,9 @@ impl Painter for Triangles<'_> {
                 let facet = &space.facets[nearest as usize];
                 self.met(facet, space.x[pixel], space.y[pixel])
             });
-            let emitted = met.as_ref().and_then(|m| Some((m.frame, m.at_emission(pipeline)?)));
+            let emitted = met
+                .as_ref()
+                .and_then(|m| Some((m.frame, m.at_emission(pipeline)?)));
             let Some((frame, (point, interpolated))) = emitted else {
                 brush.nothing(pixel);
                 continue;

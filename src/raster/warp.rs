@@ -17,9 +17,7 @@ use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::spacetime::Direction;
 use crate::time_texture::Coverage;
-use crate::trace::{
-    Found, Frames, Observed, Radiance, Rays, Recorder, Scratch, Seen, Surfaces,
-};
+use crate::trace::{Found, Frames, Observed, Radiance, Rays, Recorder, Scratch, Seen, Surfaces};
 
 /// Texels of one batch of rays: part of a row, which is coherent.
 const RUN: u64 = 256;
@@ -38,7 +36,7 @@ impl Warped {
         let moving = scene.frames.iter().find(|f| !f.frame.velocity().is_rest());
         if let Some(frame) = moving {
             let object = frame.patches.first().map_or(0, |p| p.object);
-            return Err(moves(&object.to_string()));
+            return Err(moves(&format!("object {object}")));
         }
         let map = warp.map;
         let event = scene.camera.shot.event;
@@ -74,7 +72,9 @@ fn met(
         from: &from,
     };
     surfaces.nearest(rays, scratch);
-    (0..directions.len()).map(|ray| scratch.found(ray)).collect()
+    (0..directions.len())
+        .map(|ray| scratch.found(ray))
+        .collect()
 }
 
 impl Painter for Warped {

@@ -116,11 +116,7 @@ pub fn forecast(
 }
 
 /// What the centres of all pixels see, row by row within tiles.
-fn samples(
-    prepared: &Prepared,
-    sights: &[Sight],
-    progress: &dyn Progress,
-) -> Result<Vec<Sample>> {
+fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Result<Vec<Sample>> {
     let size = prepared.layout.size;
     let event = prepared.camera.shot.event;
     let surfaces = Frames::new(&prepared.frames, event, prepared.ray_index);
@@ -139,15 +135,18 @@ fn samples(
         };
         surfaces.nearest(rays, scratch);
         progress.rays_done(tile.pixels() as u64);
-        let met = tile.coordinates().enumerate().filter_map(|(ray, (column, row))| {
-            let found = scratch.found(ray)?;
-            let bend = bend(prepared, &sights[found.frame as usize], found)?;
-            Some(Sample {
-                found,
-                pixel: [column, row],
-                bend,
-            })
-        });
+        let met = tile
+            .coordinates()
+            .enumerate()
+            .filter_map(|(ray, (column, row))| {
+                let found = scratch.found(ray)?;
+                let bend = bend(prepared, &sights[found.frame as usize], found)?;
+                Some(Sample {
+                    found,
+                    pixel: [column, row],
+                    bend,
+                })
+            });
         Ok(met.collect::<Vec<_>>())
     };
     let tiles = (0..Tile::count(size))
@@ -202,7 +201,9 @@ impl Needed {
         let patch = rest.patch(worst.found.hit.triangle);
         let longest_edge = longest_edge(prepared, worst.found.frame, object);
         let edge_length = Some((pixels / worst.bend).sqrt()).filter(|l| l.is_finite());
-        let parts = (longest_edge / edge_length.unwrap_or(f64::INFINITY)).ceil().max(1.0);
+        let parts = (longest_edge / edge_length.unwrap_or(f64::INFINITY))
+            .ceil()
+            .max(1.0);
         Some(Needed {
             object,
             name: scene.objects[object as usize].name.clone(),
@@ -226,7 +227,11 @@ fn longest_edge(prepared: &Prepared, frame: u32, object: u32) -> f64 {
     let rest = &prepared.frames[frame as usize];
     let square = |slot: u32| {
         let [a, b, c] = rest.bvh.corners(slot);
-        let edges = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
+        let edges = [
+            a.distance_squared(b),
+            b.distance_squared(c),
+            c.distance_squared(a),
+        ];
         edges.into_iter().fold(0.0, f64::max)
     };
     let slots = (0..rest.bvh.len() as u32).into_par_iter();

@@ -8,7 +8,11 @@ use crate::plan::count;
 impl fmt::Display for Forecast {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let scene = self.scene.escape_debug();
-        writeln!(f, "{scene}: edges for an error of at most {} pixels", self.pixels)?;
+        writeln!(
+            f,
+            "{scene}: edges for an error of at most {} pixels",
+            self.pixels
+        )?;
         if self.objects.is_empty() {
             return writeln!(f, "  the picture shows no object");
         }
@@ -23,7 +27,11 @@ impl fmt::Display for Forecast {
             object.row(f, width)?;
         }
         match self.finest() {
-            Some(length) => writeln!(f, "  for all of them: --method raster:uniform={}", short(length)),
+            Some(length) => writeln!(
+                f,
+                "  for all of them: --method raster:uniform={}",
+                short(length)
+            ),
             None => writeln!(f, "  no edge is bent: --method raster:none"),
         }
     }

@@ -157,7 +157,12 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// The surface point, and ω_rest/ω_world of the light that comes from it.
     #[inline]
-    pub(crate) fn point(&self, found: Found, d: Direction<World>, from: V::From) -> (SurfacePoint<'_>, f64) {
+    pub(crate) fn point(
+        &self,
+        found: Found,
+        d: Direction<World>,
+        from: V::From,
+    ) -> (SurfacePoint<'_>, f64) {
         let rest = self.surfaces.rest(found.frame);
         let (local, rho) = self.surfaces.local(found.frame, d, from);
         let point = SurfacePoint {
@@ -204,7 +209,12 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
 
     /// What is recorded of a surface point seen with wavelength ratio `w`.
     #[inline]
-    pub(crate) fn observe(&self, point: &SurfacePoint, w: WavelengthRatio, weight: f64) -> Observed {
+    pub(crate) fn observe(
+        &self,
+        point: &SurfacePoint,
+        w: WavelengthRatio,
+        weight: f64,
+    ) -> Observed {
         if point.patch.black_back && !point.hit.front {
             return Observed {
                 radiance: [0.0; 3],

@@ -4,6 +4,7 @@ mod builtin;
 mod frames;
 mod info;
 mod interrupt;
+mod methods;
 mod overlay;
 mod panels;
 mod plan;
@@ -12,6 +13,7 @@ mod refused;
 mod render;
 mod resume;
 mod sheet;
+mod tessellation;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -41,7 +41,6 @@ fn with_the_edges_that_are_foretold_errors_are_at_most_as_allowed_and_not_much_l
                     .filter(|(_, o)| **o == f64::from(object.object));
                 let worst = greatest(&own.map(|(error, _)| error).collect::<Vec<_>>());
                 let part = worst / pixels;
-                eprintln!("PART {index} {} {pixels}: {part}", object.name);
                 assert!(
                     part <= 1.0 && part > LEAST,
                     "scene {index}, {}: {part} of {pixels}",
@@ -62,7 +61,6 @@ fn adaptive_tessellation_keeps_what_it_is_told_and_not_much_more() {
                 &film(&stage, &format!("raster:adaptive={pixels}")),
             ));
             let part = worst / pixels;
-            eprintln!("PARTA {index} {pixels}: {part}");
             assert!(
                 part <= 1.0 && part > LEAST,
                 "scene {index}: {part} of {pixels}"

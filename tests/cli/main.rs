@@ -5,6 +5,7 @@ mod export;
 mod frames;
 mod info;
 mod interrupt;
+mod methods;
 mod overlay;
 mod panels;
 mod pixel;
@@ -15,6 +16,7 @@ mod render;
 mod resume;
 mod selftest;
 mod sheet;
+mod tessellation;
 
 use std::fs;
 use std::path::{Path, PathBuf};

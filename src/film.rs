@@ -142,10 +142,9 @@ impl TileFilm {
         }
     }
 
-    /// Notes a sample that met nothing.
-    #[inline]
-    pub fn add_unmet(&mut self) {
-        self.unmet += 1;
+    /// Notes samples that met nothing.
+    pub fn add_unmet(&mut self, samples: u64) {
+        self.unmet += samples;
     }
 
     /// Adds how much of one sample's radiance is known.
@@ -154,6 +153,15 @@ impl TileFilm {
         self.coverage += coverage;
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
+        }
+    }
+
+    /// Notes one sample, in each of `pixels`, whose radiance is fully known.
+    pub fn add_held(&mut self, pixels: &[u32]) {
+        // Counted rather than added up: exact, however many.
+        self.coverage.held += pixels.len() as f64;
+        if !self.held.is_empty() {
+            pixels.iter().for_each(|p| self.held[*p as usize] += 1.0);
         }
     }
 

@@ -72,5 +72,6 @@ pub mod time_texture;
 pub mod tonemap;
 pub mod trace;
 pub mod units;
+mod vectors;
 
 pub use error::{Error, Result};

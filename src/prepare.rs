@@ -3,6 +3,7 @@
 mod geometry;
 mod light;
 
+use crate::accel::Method;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::film::Layout;
@@ -29,6 +30,8 @@ pub struct Prepared {
     pub sampler: Sampler,
     /// The film.
     pub layout: Layout,
+    /// How rays are traced.
+    pub method: Method,
     /// What was odd in the files, but no error.
     pub warnings: Vec<String>,
 }
@@ -82,6 +85,10 @@ impl Prepared {
             background: scene.background,
             sampler,
             layout: plan.film.clone(),
+            method: Method {
+                precision: plan.precision,
+                ..Method::default()
+            },
             warnings,
         })
     }

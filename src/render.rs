@@ -9,13 +9,27 @@ use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
 use crate::progress::Progress;
-use crate::trace::{self, AovRecorder, NoAovs, Pipeline, Radiance, Recorder, Surfaces};
+use crate::trace::{
+    self, AovRecorder, Meter, NoAovs, Pipeline, Radiance, Recorder, Stats, Surfaces, Unmetered,
+};
 
 /// Renders a prepared scene on rayon's current thread pool.
 ///
 /// # Errors
 /// [`Error::Cancelled`] when `progress` says so.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
+    Ok(metered::<Unmetered>(scene, progress)?.0)
+}
+
+/// The same picture, and what it has cost.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(Film, Stats)> {
+    metered(scene, progress)
+}
+
+fn metered<M: Meter>(scene: &Prepared, progress: &dyn Progress) -> Result<(Film, M)> {
     match &scene.camera.view {
         AnyView::Still(view) => scene.seen(view, progress),
         AnyView::Moving(view) => scene.seen(view, progress),
@@ -29,7 +43,7 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
 
 // Each step fixes one type of the pipeline; every combination is compiled for itself.
 impl Prepared {
-    fn seen<V: View>(&self, view: &V, progress: &dyn Progress) -> Result<Film> {
+    fn seen<V: View, M: Meter>(&self, view: &V, progress: &dyn Progress) -> Result<(Film, M)> {
         let (event, index) = (self.camera.shot.event, self.ray_index);
         match self.frames.as_slice() {
             [rest] if rest.frame.velocity().is_rest() => {
@@ -40,25 +54,25 @@ impl Prepared {
         }
     }
 
-    fn met<V: View, S: Surfaces>(
+    fn met<V: View, S: Surfaces, M: Meter>(
         &self,
         view: &V,
         surfaces: S,
         progress: &dyn Progress,
-    ) -> Result<Film> {
+    ) -> Result<(Film, M)> {
         match &self.light {
             Light::Constant(light) => self.lit(view, surfaces, light, progress),
             Light::TimeResolved(light) => self.lit(view, surfaces, light, progress),
         }
     }
 
-    fn lit<V: View, S: Surfaces, R: Radiance>(
+    fn lit<V: View, S: Surfaces, R: Radiance, M: Meter>(
         &self,
         view: &V,
         surfaces: S,
         radiance: &R,
         progress: &dyn Progress,
-    ) -> Result<Film> {
+    ) -> Result<(Film, M)> {
         let pipeline = Pipeline {
             view,
             surfaces,
@@ -67,6 +81,7 @@ impl Prepared {
             index: self.ray_index,
             background: self.background,
             sampler: self.sampler,
+            method: self.method,
         };
         if self.layout.channels.is_empty() {
             run(&pipeline, &NoAovs, &self.layout, progress)
@@ -79,30 +94,31 @@ impl Prepared {
     }
 }
 
-fn run<V: View, S: Surfaces, R: Radiance, A: Recorder>(
+fn run<V: View, S: Surfaces, R: Radiance, A: Recorder, M: Meter>(
     pipeline: &Pipeline<'_, V, S, R>,
     recorder: &A,
     layout: &Layout,
     progress: &dyn Progress,
-) -> Result<Film> {
-    let film = Mutex::new(Film::new(layout.clone()));
+) -> Result<(Film, M)> {
+    let finished = Mutex::new((Film::new(layout.clone()), M::default()));
     (0..Tile::count(layout.size))
         .into_par_iter()
         .try_for_each_init(trace::Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
+            let mut meter = M::default();
             for sample in 0..layout.samples {
                 if progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
-                pipeline.sample(tile, sample, recorder, buffers, &mut tile_film);
+                pipeline.sample(tile, sample, recorder, buffers, &mut tile_film, &mut meter);
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
-            film.lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .place(&tile_film);
+            let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+            finished.0.place(&tile_film);
+            finished.1.merge(meter);
             Ok(())
         })?;
-    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+    Ok(finished.into_inner().unwrap_or_else(PoisonError::into_inner))
 }

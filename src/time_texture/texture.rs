@@ -71,6 +71,15 @@ impl TimeTexture {
         &self.axis
     }
 
+    pub(super) fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    /// What turns a stored value into radiance per metre of ct.
+    pub(super) fn factor(&self) -> f64 {
+        self.factor
+    }
+
     /// Width and height, texels: the size of the image of a [`Capture`].
     pub fn size(&self) -> [usize; 2] {
         [self.cube.shape[1], self.cube.shape[0]]

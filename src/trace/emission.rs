@@ -5,9 +5,11 @@
 
 use glam::{DVec2, DVec3};
 
+use super::light::Light;
+use super::run::Run;
 use super::surfaces::{Patch, RestFrame, Surfaces};
 use crate::accel::Hit;
-use crate::camera::Apart;
+use crate::camera::{Apart, Departure};
 use crate::spacetime::{Direction, Event, NullRay, Quantity, Rest, World};
 use crate::time_texture::{Coverage, Sampled};
 
@@ -107,8 +109,8 @@ pub trait Radiance: Sync {
     /// Whether coverage can be other than full.
     const HAS_GAPS: bool;
 
-    /// What leaves `point` towards the camera.
-    fn emission<S: Surfaces>(&self, surfaces: &S, point: &SurfacePoint) -> Emission;
+    /// What leaves the points of `run` towards the camera, in place of what `light` holds.
+    fn emit<D: Departure, S: Surfaces>(&self, run: &Run<D, S>, light: &mut Light);
 }
 
 impl Emission {

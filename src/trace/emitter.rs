@@ -1,14 +1,17 @@
 //! Emitters: base colours, which need no time, and time-resolved sources.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::emission::{Emission, Radiance, Response, SurfacePoint};
+use super::light::{Detail, Light};
+use super::run::Run;
 use super::surfaces::{Surfaces, shadow_ray};
+use crate::camera::Departure;
 use crate::image::Texture;
 use crate::mesh::Wrap;
 use crate::scene::model::Pulse;
 use crate::spacetime::Quantity;
-use crate::time_texture::{Capture, Sampled, SurfacePoint as CapturePoint, TimeTexture};
+use crate::time_texture::{BATCH, Capture, Sampled, SurfacePoint as CapturePoint, TimeTexture};
 
 /// Time-independent radiance: a factor and a texture.
 #[derive(Debug, Clone)]
@@ -89,6 +92,15 @@ pub enum EmissionClock {
 }
 
 impl EmissionClock {
+    /// At member `k` of `run`, whose hit is at `s`.
+    #[inline(always)]
+    fn time_of<D: Departure, S: Surfaces>(self, run: &Run<D, S>, k: usize, s: f64) -> f64 {
+        match self {
+            EmissionClock::World => run.world_time(k, s),
+            EmissionClock::Object => run.object_time(k, s),
+        }
+    }
+
     #[inline]
     fn time(self, point: &SurfacePoint) -> f64 {
         match self {
@@ -112,55 +124,114 @@ impl BaseColours {
     }
 }
 
+impl BaseColours {
+    /// What colour `index` emits at the points of `run`.
+    fn fill<D: Departure, S: Surfaces>(&self, index: usize, run: &Run<D, S>, light: &mut Light) {
+        match self.colours[index].texture {
+            None => light
+                .radiance
+                .resize(run.members.len(), self.colours[index].factor),
+            Some(_) => light
+                .radiance
+                .extend(run.points().map(|point| self.radiance(index, &point))),
+        }
+    }
+}
+
 impl Radiance for BaseColours {
     const HAS_GAPS: bool = false;
 
-    #[inline]
-    fn emission<S: Surfaces>(&self, _: &S, point: &SurfacePoint) -> Emission {
-        Emission::full(
-            self.radiance(point.patch.emitter as usize, point),
-            self.response,
-        )
+    fn emit<D: Departure, S: Surfaces>(&self, run: &Run<D, S>, light: &mut Light) {
+        light.start(self.response);
+        self.fill(run.patch.emitter as usize, run, light);
     }
 }
 
 impl Radiance for TimeResolved {
     const HAS_GAPS: bool = true;
 
-    fn emission<S: Surfaces>(&self, surfaces: &S, point: &SurfacePoint) -> Emission {
-        let (emitter, response) = &self.emitters[point.patch.emitter as usize];
+    fn emit<D: Departure, S: Surfaces>(&self, run: &Run<D, S>, light: &mut Light) {
+        let (emitter, response) = &self.emitters[run.patch.emitter as usize];
+        light.start(*response);
         match emitter {
-            Emitter::Base(colour) => Emission::full(self.base.radiance(*colour, point), *response),
+            Emitter::Base(colour) => self.base.fill(*colour, run, light),
             Emitter::Uv { cube, set, clock } => {
-                let uv = point.uv(*set).unwrap_or(DVec2::NAN);
-                Emission::stored(
-                    self.cubes[*cube].sample_uv(uv, clock.time(point)),
-                    *response,
-                )
+                look_up(&self.cubes[*cube], *set, *clock, run, light);
             }
             Emitter::Capture {
                 cube,
                 capture,
                 clock,
-            } => Emission::stored(
-                self.captured(*cube, *capture, clock.time(point), point),
-                *response,
-            ),
+            } => {
+                for point in run.points() {
+                    let t = clock.time(&point);
+                    let sampled = self.captured(*cube, *capture, t, &point);
+                    light.push(Emission::stored(sampled, *response));
+                }
+            }
             Emitter::Pulses { albedo, pulses } => {
-                let albedo = self.base.radiance(*albedo, point);
-                let (irradiance, wavelength_scale) = self.irradiance(surfaces, pulses, point);
-                let radiance =
-                    std::array::from_fn(|c| albedo[c] * irradiance[c] / std::f64::consts::PI);
-                Emission {
-                    wavelength_scale,
-                    ..Emission::full(radiance, *response)
+                for point in run.points() {
+                    let albedo = self.base.radiance(*albedo, &point);
+                    light.push(self.reflected(run.traced.surfaces, albedo, pulses, &point));
                 }
             }
         }
     }
 }
 
+/// What `texture` holds at the points of `run`.
+fn look_up<D: Departure, S: Surfaces>(
+    texture: &TimeTexture,
+    set: usize,
+    clock: EmissionClock,
+    run: &Run<D, S>,
+    light: &mut Light,
+) {
+    let mut begin = 0;
+    while begin < run.members.len() {
+        let count = (run.members.len() - begin).min(BATCH);
+        for at in 0..count {
+            let Some(hit) = run.hit(begin + at) else {
+                continue;
+            };
+            let uv = run.uv(set, &hit);
+            light.lookups.u[at] = uv.x;
+            light.lookups.v[at] = uv.y;
+            light.lookups.t[at] = clock.time_of(run, begin + at, hit.s);
+        }
+        texture.sample_each(&mut light.lookups, count);
+        light
+            .radiance
+            .extend_from_slice(&light.lookups.radiance[..count]);
+        let details = light.lookups.others.iter().map(|(at, sampled)| Detail {
+            at: begin + at,
+            unscaled: sampled.unscaled,
+            coverage: sampled.coverage,
+            wavelength_scale: 1.0,
+        });
+        light.details.extend(details);
+        begin += count;
+    }
+}
+
 impl TimeResolved {
+    /// The light of pulses that `point` reflects.
+    fn reflected<S: Surfaces>(
+        &self,
+        surfaces: &S,
+        albedo: [f64; 3],
+        pulses: &[usize],
+        point: &SurfacePoint,
+    ) -> Emission {
+        let (_, response) = &self.emitters[point.patch.emitter as usize];
+        let (irradiance, wavelength_scale) = self.irradiance(surfaces, pulses, point);
+        let radiance = std::array::from_fn(|c| albedo[c] * irradiance[c] / std::f64::consts::PI);
+        Emission {
+            wavelength_scale,
+            ..Emission::full(radiance, *response)
+        }
+    }
+
     /// What the capture camera recorded of `point`, as far as it saw it. The capture camera rests in
     /// the point's frame, and so does all that can stand between them.
     fn captured(&self, cube: usize, capture: usize, t: f64, point: &SurfacePoint) -> Sampled {

@@ -7,8 +7,9 @@
 
 use glam::DVec3;
 
+use super::stats::{Meter, Stage};
 use super::{Scratch, SurfacePoint};
-use crate::accel::{Bvh, Hit, Ray};
+use crate::accel::{Bvh, Hit, Method, Ray};
 use crate::camera::Departure;
 use crate::mesh::Mesh;
 use crate::spacetime::{
@@ -51,8 +52,16 @@ impl RestFrame {
     /// The patch that triangle `triangle` belongs to.
     #[inline]
     pub fn patch(&self, triangle: u32) -> &Patch {
+        self.patch_and_end(triangle).0
+    }
+
+    /// The same, and the first triangle after it.
+    #[inline]
+    pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
         let after = self.patches.partition_point(|p| p.first <= triangle);
-        &self.patches[after.saturating_sub(1)]
+        let after = after.max(1);
+        let end = self.patches.get(after).map_or(u32::MAX, |next| next.first);
+        (&self.patches[after - 1], end)
     }
 }
 
@@ -68,24 +77,31 @@ pub struct Found {
 /// Rays of one batch: look directions in the world, and where each leaves.
 #[derive(Debug, Clone, Copy)]
 pub struct Rays<'a, D> {
-    /// Look directions.
-    pub directions: &'a [Direction<World>],
+    /// Look directions, unit vectors of the world.
+    pub directions: &'a [DVec3],
     /// Where each leaves, relative to the event of the shot.
     pub from: &'a [D],
+    /// How they are traced.
+    pub method: Method,
 }
 
 /// The nearest surfaces along rays of a camera, and occlusion between any events.
 pub trait Surfaces: Sync {
     /// Makes `scratch` hold the nearest hit along each of `rays`.
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M);
 
     /// The rest frame of index `frame`.
     fn rest(&self, frame: u32) -> &RestFrame;
 
-    /// The ray from `from` along `d` in the coordinates of rest frame `frame`, and ω_rest/ω_world of its
-    /// light.
-    fn local<D: Departure>(&self, frame: u32, d: Direction<World>, from: D)
-    -> (NullRay<Rest>, f64);
+    /// Ray `ray` of `rays`, whose nearest hits are in `scratch`, in the coordinates of rest frame `frame`, in
+    /// which it has met something, and ω_rest/ω_world of its light.
+    fn local<D: Departure>(
+        &self,
+        frame: u32,
+        ray: usize,
+        rays: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64);
 
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
@@ -141,7 +157,7 @@ fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
 
 /// `origin` moved by where a ray leaves; bit for bit the same where all leave together.
 #[inline(always)]
-pub(super) fn leaving<D: Departure>(
+fn leaving<D: Departure>(
     origin: Event<Rest>,
     from: D,
     displacement: impl FnOnce(Displacement<World>) -> Displacement<Rest>,
@@ -154,25 +170,21 @@ pub(super) fn leaving<D: Departure>(
 
 /// The index of the medium along a ray.
 #[inline(always)]
-fn index_along<D: Departure>(index: f64, from: D) -> f64 {
+pub(super) fn index_along<D: Departure>(index: f64, from: D) -> f64 {
     match D::TOGETHER {
         true => index,
         false => index * from.into().delay,
     }
 }
 
-/// World coordinates are those of a frame at rest in the world, but for its origin.
-fn unboosted(d: Displacement<World>) -> Displacement<Rest> {
-    Displacement::new(d.ct, d.x)
-}
-
 impl Surfaces for Still<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
-        let directions = rays.directions.iter().map(|d| d.unit());
-        scratch.local.extend(directions);
-        scratch.leave(self.origin, rays.from, unboosted);
-        scratch.meet(0, &self.rest.bvh, self.origin.x);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        let Still { rest, origin, .. } = self;
+        scratch.start(rays.directions.len(), 1);
+        scratch.leave(rest.frame.frame_from_world(), *origin, rays.from);
+        meter.lap(Stage::Boosts);
+        scratch.meet_along(0, &rest.bvh, rays.method, origin.x, rays.directions);
+        meter.lap(Stage::Visibility);
     }
 
     #[inline]
@@ -180,11 +192,18 @@ impl Surfaces for Still<'_> {
         self.rest
     }
 
-    #[inline]
-    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
+    #[inline(always)]
+    fn local<D: Departure>(
+        &self,
+        _: u32,
+        ray: usize,
+        rays: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64) {
+        let index = index_along(self.index, rays.from[ray]);
         let local = NullRay {
-            origin: leaving(self.origin, from, unboosted),
-            tangent: Displacement::new(-index_along(self.index, from), d.unit()),
+            origin: scratch.left(ray, self.origin),
+            tangent: Displacement::new(-index, rays.directions[ray]),
         };
         (local, 1.0)
     }
@@ -217,16 +236,18 @@ impl<'a> Moving<'a> {
     }
 
     /// Meets `rays` with this frame, which has index `frame`.
-    #[inline]
-    fn meet<D: Departure>(&self, frame: u32, rays: Rays<D>, scratch: &mut Scratch) {
-        let tangents = rays.directions.iter().zip(rays.from).map(|(d, from)| {
-            let index = index_along(self.index, *from);
-            self.boost().tangent(index, *d).x
-        });
-        scratch.local.clear();
-        scratch.local.extend(tangents);
-        scratch.leave(self.origin, rays.from, |d| self.boost().displacement(d));
-        scratch.meet(frame, &self.rest.bvh, self.origin.x);
+    fn meet<D: Departure, M: Meter>(
+        &self,
+        frame: u32,
+        rays: Rays<D>,
+        scratch: &mut Scratch,
+        meter: &mut M,
+    ) {
+        scratch.carry(self.boost(), self.index, rays);
+        scratch.leave(self.boost(), self.origin, rays.from);
+        meter.lap(Stage::Boosts);
+        scratch.meet(frame, &self.rest.bvh, rays.method, self.origin.x);
+        meter.lap(Stage::Visibility);
     }
 
     #[inline]
@@ -251,9 +272,9 @@ impl<'a> Moving<'a> {
 }
 
 impl Surfaces for Moving<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
-        self.meet(0, rays, scratch);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        scratch.start(rays.directions.len(), 1);
+        self.meet(0, rays, scratch, meter);
     }
 
     #[inline]
@@ -261,9 +282,15 @@ impl Surfaces for Moving<'_> {
         self.rest
     }
 
-    #[inline]
-    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
-        self.ray(d, from)
+    #[inline(always)]
+    fn local<D: Departure>(
+        &self,
+        _: u32,
+        ray: usize,
+        _: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64) {
+        scratch.carried(ray, self.origin)
     }
 
     #[inline]
@@ -293,10 +320,10 @@ impl<'a> Frames<'a> {
 }
 
 impl Surfaces for Frames<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        scratch.start(rays.directions.len(), self.0.len());
         for (k, frame) in self.0.iter().enumerate() {
-            frame.meet(k as u32, rays, scratch);
+            frame.meet(k as u32, rays, scratch, meter);
         }
     }
 
@@ -309,10 +336,12 @@ impl Surfaces for Frames<'_> {
     fn local<D: Departure>(
         &self,
         frame: u32,
-        d: Direction<World>,
-        from: D,
+        ray: usize,
+        rays: &Rays<D>,
+        _: &Scratch,
     ) -> (NullRay<Rest>, f64) {
-        self.0[frame as usize].ray(d, from)
+        let d = Direction::from_unit(rays.directions[ray]);
+        self.0[frame as usize].ray(d, rays.from[ray])
     }
 
     #[inline]

@@ -17,7 +17,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray};
 
 use common::{Peer, grid, meshes};
 
@@ -155,9 +155,9 @@ fn trace_batches(bvh: &Bvh, method: Method, camera: &Camera) -> usize {
     let mut count = 0;
     for tile in camera.directions.chunks(TILE * TILE) {
         hits = [None; TILE * TILE];
-        bvh.closest_by(method, camera.origin, tile, &mut hits[..tile.len()], |_| {
-            count += 1
-        });
+        let from = Origins::Shared(camera.origin);
+        let entries = &mut hits[..tile.len()];
+        bvh.closest_by(method, from, tile, entries, &mut NoTally, |_| count += 1);
         std::hint::black_box(&hits);
     }
     count

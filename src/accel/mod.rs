@@ -20,7 +20,10 @@ mod build;
 mod exact;
 mod packet;
 mod query;
+mod rays;
+mod single;
 mod slab;
+mod tally;
 mod traverse;
 mod triangle;
 mod wide;
@@ -28,48 +31,12 @@ mod wide;
 use glam::DVec3;
 
 pub use packet::{Kernel, Method, Precision};
+pub use rays::{Facing, Hit, Origins, Ray, Segment};
+pub use tally::{Counts, NoTally, Tally, Work};
 
-use query::{Any, Closest, Probe, Tag};
-use slab::{Lattice, Node, Slabs, exponent, power_of_two};
-use traverse::{Query, USUAL_DEPTH, Waiting, traverse};
+use query::Tag;
+use slab::{Lattice, Node, exponent, power_of_two};
 use wide::Wide;
-
-/// A ray origin + s · direction, s > `s_min`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// Metres, rest frame.
-    pub origin: DVec3,
-    /// Metres per unit of s; any length. s is measured in it as it is.
-    pub direction: DVec3,
-    /// Hits at this parameter or before don't count.
-    pub s_min: f64,
-}
-
-/// Where a ray meets a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// The ray's parameter.
-    pub s: f64,
-    /// Barycentric weight of the triangle's second corner.
-    pub u: f64,
-    /// Barycentric weight of its third corner.
-    pub v: f64,
-    /// The triangle's id: its index when the tree was built.
-    pub triangle: u32,
-    /// Its place in the tree, for [`Bvh::corners`].
-    pub slot: u32,
-    /// Whether the ray meets the front: the side from which the corners run counter-clockwise.
-    pub front: bool,
-}
-
-/// Which sides of a triangle are there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Facing {
-    /// Both.
-    TwoSided,
-    /// The front only: rays pass through from behind.
-    FrontOnly,
-}
 
 /// A tree over triangles at rest.
 #[derive(Debug, Clone)]
@@ -156,136 +123,12 @@ impl Bvh {
         let scale = power_of_two(-exponent(size).clamp(-900, 900));
         (e1 * scale).cross(e2 * scale).normalize_or_zero()
     }
-
-    /// The first hit with `ray.s_min` < s < `s_max`.
-    pub fn closest(&self, ray: &Ray, s_max: f64) -> Option<Hit> {
-        let probe = Probe::new(ray)?;
-        self.with_stack(|stack| self.closest_of(&probe, s_max, stack))
-    }
-
-    /// For each direction from `origin` the first hit with s > 0 that is nearer than the entry of
-    /// `hits`, which it replaces.
-    pub fn closest_many(&self, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
-        self.closest_each(origin, directions, hits, |_| ());
-    }
-
-    /// The same, and `replaced` is told the indices of the entries that are replaced.
-    #[inline]
-    pub fn closest_each(
-        &self,
-        origin: DVec3,
-        directions: &[DVec3],
-        hits: &mut [Option<Hit>],
-        replaced: impl FnMut(usize),
-    ) {
-        self.closest_by(Method::default(), origin, directions, hits, replaced);
-    }
-
-    /// The same, ray by ray.
-    fn closest_singly(
-        &self,
-        origin: DVec3,
-        directions: &[DVec3],
-        hits: &mut [Option<Hit>],
-        replaced: impl FnMut(usize),
-    ) {
-        let rays = directions.iter().map(|&direction| (origin, direction));
-        self.closest_along(rays, hits, replaced);
-    }
-
-    /// The same for rays with an origin of their own each.
-    #[inline]
-    pub fn closest_from_each(
-        &self,
-        origins: &[DVec3],
-        directions: &[DVec3],
-        hits: &mut [Option<Hit>],
-        replaced: impl FnMut(usize),
-    ) {
-        let rays = origins.iter().copied().zip(directions.iter().copied());
-        self.closest_along(rays, hits, replaced);
-    }
-
-    #[inline(always)]
-    fn closest_along(
-        &self,
-        rays: impl Iterator<Item = (DVec3, DVec3)>,
-        hits: &mut [Option<Hit>],
-        mut replaced: impl FnMut(usize),
-    ) {
-        self.with_stack(|stack| {
-            for (i, ((origin, direction), entry)) in rays.zip(hits).enumerate() {
-                let ray = Ray {
-                    origin,
-                    direction,
-                    s_min: 0.0,
-                };
-                let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
-                let probe = Probe::new(&ray);
-                if let Some(hit) = probe.and_then(|p| self.closest_of(&p, s_max, stack)) {
-                    *entry = Some(hit);
-                    replaced(i);
-                }
-            }
-        })
-    }
-
-    /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
-    pub fn any(&self, ray: &Ray, s_max: f64, skip: Option<u32>) -> bool {
-        let Some(probe) = Probe::new(ray) else {
-            return false;
-        };
-        let mut query = Any {
-            bvh: self,
-            line: &probe.line,
-            s_min: probe.s_min,
-            s_max: s_max * probe.per_unit,
-            skip,
-            found: false,
-        };
-        self.with_stack(|stack| self.run(&probe, stack, &mut query));
-        query.found
-    }
-
-    #[inline(always)]
-    fn closest_of(&self, probe: &Probe, s_max: f64, stack: &mut [Waiting]) -> Option<Hit> {
-        let mut query = Closest {
-            bvh: self,
-            line: &probe.line,
-            s_min: probe.s_min,
-            s: s_max * probe.per_unit,
-            found: None,
-        };
-        self.run(probe, stack, &mut query);
-        let (crossing, slot) = query.found?;
-        Some(probe.hit(self, &crossing, slot))
-    }
-
-    #[inline(always)]
-    fn run(&self, probe: &Probe, stack: &mut [Waiting], query: &mut impl Query) {
-        if self.is_empty() {
-            return;
-        }
-        if let Some(slabs) = Slabs::new(&self.lattice, &probe.line, probe.s_min) {
-            traverse(&self.nodes, &slabs, stack, query);
-        }
-    }
-
-    /// A stack as deep as the tree; on the heap only if the tree is deeper than trees are.
-    #[inline(always)]
-    fn with_stack<T>(&self, run: impl FnOnce(&mut [Waiting]) -> T) -> T {
-        const NONE: Waiting = (slab::Link::ROOT, 0.0);
-        if self.depth <= USUAL_DEPTH {
-            run(&mut [NONE; USUAL_DEPTH])
-        } else {
-            run(&mut vec![NONE; self.depth])
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::traverse::USUAL_DEPTH;
 
     #[test]
     fn a_tree_deeper_than_the_usual_stack_is_walked_with_a_longer_one() {

@@ -3,7 +3,7 @@
 use super::slab::{exponent, power_of_two};
 use super::traverse::Query;
 use super::triangle::{Crossing, Line};
-use super::{Bvh, Facing, Hit, Ray};
+use super::{Bvh, Facing, Hit, Ray, Tally, Work};
 use glam::DVec3;
 
 /// A ray with a direction of usual size: s of the ray is `unit` times s of the line.
@@ -60,6 +60,7 @@ impl Probe {
         bvh: &Bvh,
         rival: Option<(Crossing, u32)>,
         slot: u32,
+        tally: &mut impl Tally,
     ) -> Option<(Crossing, u32)> {
         let mut query = Closest {
             bvh,
@@ -67,6 +68,7 @@ impl Probe {
             s_min: self.s_min,
             s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
             found: rival,
+            tally,
         };
         let at = slot as usize;
         let found = query.consider(slot, &bvh.corners[at], bvh.tags[at]);
@@ -111,15 +113,16 @@ impl Tag {
 }
 
 /// The nearest hit so far.
-pub(super) struct Closest<'a> {
+pub(super) struct Closest<'a, T> {
     pub bvh: &'a Bvh,
     pub line: &'a Line,
     pub s_min: f64,
     pub s: f64,
     pub found: Option<(Crossing, u32)>,
+    pub tally: &'a mut T,
 }
 
-impl Closest<'_> {
+impl<T: Tally> Closest<'_, T> {
     /// Nearer, or as near with a smaller id.
     #[inline(always)]
     fn improves(&self, s: f64, tag: Tag) -> bool {
@@ -129,7 +132,7 @@ impl Closest<'_> {
     /// Takes over the triangle in `slot` if it comes first.
     #[inline(always)]
     fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
-        if let Some(crossing) = self.line.meet(corners)
+        if let Some(crossing) = self.line.meet(corners, self.tally)
             && crossing.s > self.s_min
             && self.improves(crossing.s, tag)
             && tag.shows(crossing.front)
@@ -148,11 +151,12 @@ impl Closest<'_> {
     }
 }
 
-impl Query for Closest<'_> {
+impl<T: Tally> Query for Closest<'_, T> {
     #[inline(always)]
     fn leaf(&mut self, slot: usize) -> bool {
         let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
         for (i, (corners, &tag)) in triangles.enumerate() {
+            self.tally.add(Work::Triangles, 1);
             self.consider((slot + i) as u32, corners, tag);
             if tag.is_last() {
                 break;
@@ -162,27 +166,34 @@ impl Query for Closest<'_> {
     }
 
     #[inline(always)]
+    fn node(&mut self) {
+        self.tally.add(Work::Nodes, 1);
+    }
+
+    #[inline(always)]
     fn limit(&self) -> f64 {
         self.s
     }
 }
 
 /// Whether there is a hit at all.
-pub(super) struct Any<'a> {
+pub(super) struct Any<'a, T> {
     pub bvh: &'a Bvh,
     pub line: &'a Line,
     pub s_min: f64,
     pub s_max: f64,
     pub skip: Option<u32>,
     pub found: bool,
+    pub tally: &'a mut T,
 }
 
-impl Query for Any<'_> {
+impl<T: Tally> Query for Any<'_, T> {
     #[inline(always)]
     fn leaf(&mut self, slot: usize) -> bool {
         let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
         for (corners, &tag) in triangles {
-            if let Some(crossing) = self.line.meet(corners)
+            self.tally.add(Work::Triangles, 1);
+            if let Some(crossing) = self.line.meet(corners, self.tally)
                 && crossing.s > self.s_min
                 && crossing.s < self.s_max
                 && tag.shows(crossing.front)
@@ -196,6 +207,11 @@ impl Query for Any<'_> {
             }
         }
         false
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.tally.add(Work::Nodes, 1);
     }
 
     #[inline(always)]

@@ -9,6 +9,9 @@ pub(super) trait Query {
     /// Looks at the triangles of the leaf that starts at `slot`; true ends the traversal.
     fn leaf(&mut self, slot: usize) -> bool;
 
+    /// Is told of each node that is looked at.
+    fn node(&mut self);
+
     /// The ray's parameter up to which boxes are of interest.
     fn limit(&self) -> f64;
 }
@@ -55,6 +58,7 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
                 range = ray.range(limit);
             }
         } else {
+            query.node();
             let node = &nodes[link.index()];
             let clip = node.clip::<X, Y, Z>(ray, range);
             let [first, second] = node.links;

@@ -23,7 +23,7 @@
 
 use glam::DVec3;
 
-use super::exact;
+use super::{Tally, Work, exact};
 
 /// 20 ε.
 const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
@@ -50,7 +50,7 @@ pub(super) struct Crossing {
 impl Line {
     /// Where the line meets the triangle; edges and corners belong to it.
     #[inline(always)]
-    pub fn meet(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
+    pub fn meet(&self, corners: &[DVec3; 3], tally: &mut impl Tally) -> Option<Crossing> {
         let d = self.direction;
         let a = corners[0] - self.origin;
         let e1 = corners[1] - corners[0];
@@ -82,6 +82,7 @@ impl Line {
                 front: delta < 0.0,
             });
         }
+        tally.add(Work::Exact, 1);
         self.meet_exactly(corners)
     }
 

@@ -94,7 +94,7 @@ fn an_empty_mesh_is_a_mesh() {
     assert!(bvh.is_empty() && bvh.bounds().is_none());
     assert!(closest(&bvh, DVec3::ZERO, DVec3::X).is_none());
     let mut hits = [None; 2];
-    bvh.closest_many(DVec3::ZERO, &[DVec3::X, DVec3::Y], &mut hits);
+    bvh.closest_each(DVec3::ZERO, &[DVec3::X, DVec3::Y], &mut hits, |_| ());
     assert_eq!(hits, [None; 2]);
 }
 
@@ -135,16 +135,16 @@ fn a_batch_replaces_only_farther_hits() {
     let origin = random.vector() * 0.1;
     let directions: Vec<DVec3> = (0..100).map(|_| random.direction()).collect();
     let mut hits = vec![None; directions.len()];
-    near.closest_many(origin, &directions, &mut hits);
+    near.closest_each(origin, &directions, &mut hits, |_| ());
     for (&d, hit) in directions.iter().zip(&hits) {
         assert_eq!(*hit, closest(&near, origin, d));
     }
     let before = hits.clone();
-    far.closest_many(origin, &directions, &mut hits);
+    far.closest_each(origin, &directions, &mut hits, |_| ());
     assert_eq!(hits, before);
     let mut outward = vec![None; directions.len()];
-    far.closest_many(origin, &directions, &mut outward);
-    near.closest_many(origin, &directions, &mut outward);
+    far.closest_each(origin, &directions, &mut outward, |_| ());
+    near.closest_each(origin, &directions, &mut outward, |_| ());
     assert_eq!(outward, before);
 }
 

@@ -1,7 +1,7 @@
 //! Packets against single rays: the same hits, bit for bit, with every kernel.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, NoTally, Origins};
 
 use crate::common::*;
 
@@ -9,7 +9,9 @@ use crate::common::*;
 fn compare(bvh: &Bvh, origin: DVec3, directions: &[DVec3], before: &[Option<Hit>]) -> usize {
     let trace = |kernel| {
         let (mut hits, mut replaced) = (before.to_vec(), Vec::new());
-        bvh.closest_by(certified(kernel), origin, directions, &mut hits, |i| {
+        let from = Origins::Shared(origin);
+        let method = certified(kernel);
+        bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |i| {
             replaced.push(i)
         });
         replaced.sort_unstable();
@@ -196,9 +198,10 @@ fn hits_known_before_are_replaced_as_by_single_rays() {
         let mut hits = vec![None; directions.len()];
         near.closest_by(
             certified(Kernel::Scalar),
-            origin,
+            Origins::Shared(origin),
             &directions,
             &mut hits,
+            &mut NoTally,
             |_| (),
         );
         compare(&far, origin, &directions, &hits);

@@ -1,6 +1,6 @@
 //! Packets by the million: closed meshes, and what f32 alone makes of them.
 
-use nullray::accel::{Hit, Kernel, Method, Precision};
+use nullray::accel::{Hit, Kernel, Method, NoTally, Origins, Precision};
 
 use glam::DVec3;
 
@@ -27,7 +27,14 @@ fn watertight(rays: usize) {
         let directions = tile(&mut random, axis, 16, 0.001, 0.5);
         let mut hits = vec![None; 256];
         let kernel = Kernel::ALL[i % 3];
-        bvh.closest_by(certified(kernel), origin, &directions, &mut hits, |_| ());
+        bvh.closest_by(
+            certified(kernel),
+            Origins::Shared(origin),
+            &directions,
+            &mut hits,
+            &mut NoTally,
+            |_| (),
+        );
         let inside = |hit: &Option<Hit>| hit.is_some_and(|hit| !hit.front);
         assert!(
             hits.iter().all(inside),
@@ -49,9 +56,10 @@ fn fast_results_are_those_of_f32() {
                 let mut hits = vec![None; directions.len()];
                 bvh.closest_by(
                     Method { kernel, precision },
-                    origin,
+                    Origins::Shared(origin),
                     &directions,
                     &mut hits,
+                    &mut NoTally,
                     |_| (),
                 );
                 hits

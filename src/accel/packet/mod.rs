@@ -25,7 +25,7 @@ pub use method::{Kernel, Method, Precision};
 use super::query::Probe;
 use super::slab::{Link, power_of_two};
 use super::wide::WIDTH;
-use super::{Bvh, Hit, Ray};
+use super::{Bvh, Hit, NoTally, Origins, Ray, Segment, Tally, Work};
 use block::{Block, NONE};
 use finish::Numbers;
 use tile::Tile;
@@ -56,22 +56,28 @@ struct Workspace {
 }
 
 impl Bvh {
-    /// For each direction from `origin` the first hit with s > 0 that is nearer than the entry of
-    /// `hits`, which it replaces; `replaced` is told the indices of those entries.
+    /// For each direction the first hit with s > 0 that is nearer than the entry of `hits`, which it
+    /// replaces; `replaced` is told the indices of those entries. `tally` is told the work.
     ///
-    /// Fastest where the directions are those of a tile of pixels, row by row.
+    /// Fastest where the directions are those of a tile of pixels, row by row, and the origins one or
+    /// near one another. There are as many rays as the shortest of the slices has entries.
     pub fn closest_by(
         &self,
         method: Method,
-        origin: DVec3,
+        from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
         mut replaced: impl FnMut(usize),
     ) {
-        let count = directions.len().min(hits.len());
+        let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
+        tally.add(Work::Rays, count);
+        let Origins::Shared(origin) = from else {
+            return self.closest_singly(from, directions, hits, tally, replaced);
+        };
         if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets(origin) {
-            return self.closest_singly(origin, directions, hits, replaced);
+            return self.closest_singly(from, directions, hits, tally, replaced);
         }
         let batch = Batch { origin, directions };
         let mut space = Workspace {
@@ -83,16 +89,66 @@ impl Bvh {
         self.with_wide_stack(|stack| {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut space.block);
-                self.walk(method, batch, hits, &mut space, stack);
+                self.walk(method, batch, hits, &mut space, stack, tally);
                 match space.outcome {
                     Outcome::Missed => {}
                     Outcome::Met => {
-                        space.replace(self, method.precision, batch, hits, &mut replaced)
+                        let precision = method.precision;
+                        space.replace(self, precision, batch, hits, tally, &mut replaced)
                     }
-                    Outcome::Apart => space.block.trace_singly(self, batch, hits, &mut replaced),
+                    Outcome::Apart => {
+                        space
+                            .block
+                            .trace_singly(self, batch, hits, tally, &mut replaced)
+                    }
                 }
             }
         });
+    }
+
+    /// For each segment whether something blocks it. `tally` is told the work.
+    ///
+    /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
+    /// point in common or nearly so.
+    pub fn any_by(
+        &self,
+        method: Method,
+        segments: &[Segment],
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let _ = method;
+        let count = segments.len().min(blocked.len());
+        tally.add(Work::Rays, count);
+        self.any_singly(&segments[..count], &mut blocked[..count], tally);
+    }
+
+    /// [`Bvh::closest_by`] with the method of this processor, from one point.
+    #[inline]
+    pub fn closest_each(
+        &self,
+        origin: DVec3,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        replaced: impl FnMut(usize),
+    ) {
+        let from = Origins::Shared(origin);
+        let method = Method::default();
+        self.closest_by(method, from, directions, hits, &mut NoTally, replaced);
+    }
+
+    /// [`Bvh::closest_by`] with the method of this processor, from a point for each.
+    #[inline]
+    pub fn closest_from_each(
+        &self,
+        origins: &[DVec3],
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        replaced: impl FnMut(usize),
+    ) {
+        let from = Origins::Each(origins);
+        let method = Method::default();
+        self.closest_by(method, from, directions, hits, &mut NoTally, replaced);
     }
 
     /// Whether the bounds of packets hold for rays from `origin`.
@@ -113,6 +169,7 @@ impl Bvh {
         hits: &[Option<Hit>],
         space: &mut Workspace,
         stack: &mut [Waiting],
+        tally: &mut impl Tally,
     ) {
         space.outcome = Outcome::Apart;
         if space.block.count < FEW {
@@ -120,19 +177,21 @@ impl Bvh {
         }
         let bvh = self;
         match method.precision {
-            Precision::Certified => method.kernel.run(Walk::<true> {
+            Precision::Certified => method.kernel.run(Walk::<_, true> {
                 bvh,
                 batch,
                 hits,
                 space,
                 stack,
+                tally,
             }),
-            Precision::Fast => method.kernel.run(Walk::<false> {
+            Precision::Fast => method.kernel.run(Walk::<_, false> {
                 bvh,
                 batch,
                 hits,
                 space,
                 stack,
+                tally,
             }),
         }
     }
@@ -157,6 +216,7 @@ impl Workspace {
         precision: Precision,
         batch: Batch,
         hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
         replaced: &mut impl FnMut(usize),
     ) {
         let block = &self.block;
@@ -168,7 +228,7 @@ impl Workspace {
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
             let is_replaced = if certified && !self.numbers.has(lane) {
-                replace_singly(bvh, batch, ray, block.slots[lane], entry)
+                replace_singly(bvh, batch, ray, block.slots[lane], entry, tally)
             } else {
                 let numbers = match certified {
                     true => self.numbers.of(lane),
@@ -209,9 +269,16 @@ fn replace(
 
 /// The same for a ray that single rays are to work out.
 #[cold]
-fn replace_singly(bvh: &Bvh, batch: Batch, ray: usize, slot: u32, entry: &mut Option<Hit>) -> bool {
+fn replace_singly(
+    bvh: &Bvh,
+    batch: Batch,
+    ray: usize,
+    slot: u32,
+    entry: &mut Option<Hit>,
+    tally: &mut impl Tally,
+) -> bool {
     let hit = Probe::new(&batch.ray(ray)).and_then(|probe| {
-        let crossing = probe.line.meet(&bvh.corners[slot as usize])?;
+        let crossing = probe.line.meet(&bvh.corners[slot as usize], tally)?;
         Some(probe.hit(bvh, &crossing, slot))
     });
     let nearer = hit.filter(|hit| comes_before(hit.s, entry));
@@ -247,13 +314,15 @@ impl Block {
         bvh: &Bvh,
         batch: Batch,
         hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
         replaced: &mut impl FnMut(usize),
     ) {
         for &ray in &self.order[..self.count] {
             let ray = ray as usize;
             let direction = &batch.directions[ray..=ray];
             let hit = &mut hits[ray..=ray];
-            bvh.closest_singly(batch.origin, direction, hit, |_| replaced(ray));
+            let from = Origins::Shared(batch.origin);
+            bvh.closest_singly(from, direction, hit, tally, |_| replaced(ray));
         }
     }
 

@@ -8,13 +8,13 @@ use super::{Batch, FRONT, Workspace};
 use crate::accel::query::Probe;
 use crate::accel::slab::Link;
 use crate::accel::wide::WIDTH;
-use crate::accel::{Bvh, Hit};
+use crate::accel::{Bvh, Hit, Tally, Work};
 
 /// A child to visit later, and where the block enters its box at the earliest.
 pub(super) type Waiting = (f32, Link);
 
 /// A block to lead through the tree.
-pub(super) struct Walk<'a, const CERTIFIED: bool> {
+pub(super) struct Walk<'a, T, const CERTIFIED: bool> {
     pub bvh: &'a Bvh,
     pub batch: Batch<'a>,
     /// What was met before.
@@ -22,6 +22,7 @@ pub(super) struct Walk<'a, const CERTIFIED: bool> {
     pub space: &'a mut Workspace,
     /// As many entries as can wait.
     pub stack: &'a mut [Waiting],
+    pub tally: &'a mut T,
 }
 
 /// What became of a block.
@@ -35,7 +36,7 @@ pub(super) enum Outcome {
     Met,
 }
 
-impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
+impl<T: Tally, const CERTIFIED: bool> Task for Walk<'_, T, CERTIFIED> {
     #[inline(always)]
     fn run<K: Simd>(mut self, k: K) {
         let lattice = &self.bvh.lattice;
@@ -63,7 +64,7 @@ impl<const CERTIFIED: bool> Task for Walk<'_, CERTIFIED> {
     }
 }
 
-impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
+impl<T: Tally, const CERTIFIED: bool> Walk<'_, T, CERTIFIED> {
     #[inline(always)]
     fn descend<K: Simd>(&mut self, k: K, slabs: &Slabs<K::Children>, at: &Viewpoint) {
         let mut limit = self.space.block.limit(k);
@@ -81,6 +82,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
                 }
                 continue;
             }
+            self.tally.add(Work::Nodes, 1);
             let node = &self.bvh.wide[link.index()];
             let mut entries = [0.0; WIDTH];
             let mut met = slabs.meet(node, limit, &mut entries);
@@ -112,6 +114,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         let triangles = bvh.corners[first..].iter().zip(&bvh.tags[first..]);
         let mut changed = false;
         for (i, (corners, tag)) in triangles.enumerate() {
+            self.tally.add(Work::Triangles, 1);
             let slot = (first + i) as u32;
             let facet = Facet::new::<CERTIFIED>(at, corners);
             if !facet.certain {
@@ -280,6 +283,7 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
         if lane >= self.space.block.count {
             return false;
         }
+        self.tally.add(Work::Doubts, 1);
         let ray = self.space.block.order[lane] as usize;
         let Some(probe) = Probe::new(&self.batch.ray(ray)) else {
             return false;
@@ -288,10 +292,10 @@ impl<const CERTIFIED: bool> Walk<'_, CERTIFIED> {
             NONE => None,
             rival => probe
                 .line
-                .meet(&self.bvh.corners[rival as usize])
+                .meet(&self.bvh.corners[rival as usize], self.tally)
                 .map(|c| (c, rival)),
         };
-        let Some((crossing, slot)) = probe.nearer(self.bvh, rival, slot) else {
+        let Some((crossing, slot)) = probe.nearer(self.bvh, rival, slot, self.tally) else {
             return false;
         };
         self.space.block.set(lane, slot, crossing.s * probe.unit);

@@ -1,0 +1,79 @@
+//! Rays, and what they meet.
+
+use glam::DVec3;
+
+/// A ray origin + s · direction, s > `s_min`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Metres, rest frame.
+    pub origin: DVec3,
+    /// Metres per unit of s; any length. s is measured in it as it is.
+    pub direction: DVec3,
+    /// Hits at this parameter or before don't count.
+    pub s_min: f64,
+}
+
+/// Where the rays of a batch start, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Origins<'a> {
+    /// All in one point.
+    Shared(DVec3),
+    /// Each in its own.
+    Each(&'a [DVec3]),
+}
+
+/// What may stand between two points: a ray up to `s_max`, without one triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// From `ray.s_min` on, which doesn't count.
+    pub ray: Ray,
+    /// Hits at this parameter or beyond don't count.
+    pub s_max: f64,
+    /// The id of a triangle that doesn't count: the one it leaves.
+    pub skip: Option<u32>,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter.
+    pub s: f64,
+    /// Barycentric weight of the triangle's second corner.
+    pub u: f64,
+    /// Barycentric weight of its third corner.
+    pub v: f64,
+    /// The triangle's id: its index when the tree was built.
+    pub triangle: u32,
+    /// Its place in the tree, for [`Bvh::corners`](super::Bvh::corners).
+    pub slot: u32,
+    /// Whether the ray meets the front: the side from which the corners run counter-clockwise.
+    pub front: bool,
+}
+
+/// Which sides of a triangle are there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// Both.
+    TwoSided,
+    /// The front only: rays pass through from behind.
+    FrontOnly,
+}
+
+impl Origins<'_> {
+    /// Of `count` rays those that have an origin.
+    pub(super) fn limit(&self, count: usize) -> usize {
+        match self {
+            Origins::Shared(_) => count,
+            Origins::Each(origins) => count.min(origins.len()),
+        }
+    }
+
+    /// Where ray `ray` starts.
+    #[inline(always)]
+    pub(super) fn of(&self, ray: usize) -> DVec3 {
+        match self {
+            Origins::Shared(origin) => *origin,
+            Origins::Each(origins) => origins[ray],
+        }
+    }
+}

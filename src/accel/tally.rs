@@ -1,0 +1,84 @@
+//! How much work rays are: counted where somebody asks, absent from the code where nobody does.
+
+use std::ops::AddAssign;
+
+/// What is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// Rays that were asked for.
+    Rays,
+    /// Nodes looked at, once per block of rays or single ray.
+    Nodes,
+    /// Triangles looked at, once per block of rays or single ray.
+    Triangles,
+    /// Pairs of ray and triangle that f32 left to f64.
+    Doubts,
+    /// Pairs of ray and triangle that f64 left to exact arithmetic.
+    Exact,
+    /// Rays traced one by one.
+    Singles,
+}
+
+/// Is told how much work there was.
+pub trait Tally {
+    /// So much more of it.
+    fn add(&mut self, work: Work, times: usize);
+}
+
+/// Counts nothing and costs nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct NoTally;
+
+impl Tally for NoTally {
+    #[inline(always)]
+    fn add(&mut self, _: Work, _: usize) {}
+}
+
+/// All the work there was: see [`Work`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// [`Work::Rays`].
+    pub rays: u64,
+    /// [`Work::Nodes`].
+    pub nodes: u64,
+    /// [`Work::Triangles`].
+    pub triangles: u64,
+    /// [`Work::Doubts`].
+    pub doubts: u64,
+    /// [`Work::Exact`].
+    pub exact: u64,
+    /// [`Work::Singles`].
+    pub singles: u64,
+}
+
+impl Tally for Counts {
+    #[inline(always)]
+    fn add(&mut self, work: Work, times: usize) {
+        *self.of_mut(work) += times as u64;
+    }
+}
+
+impl Counts {
+    #[inline(always)]
+    fn of_mut(&mut self, work: Work) -> &mut u64 {
+        match work {
+            Work::Rays => &mut self.rays,
+            Work::Nodes => &mut self.nodes,
+            Work::Triangles => &mut self.triangles,
+            Work::Doubts => &mut self.doubts,
+            Work::Exact => &mut self.exact,
+            Work::Singles => &mut self.singles,
+        }
+    }
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Counts) {
+        self.rays += other.rays;
+        self.nodes += other.nodes;
+        self.triangles += other.triangles;
+        self.doubts += other.doubts;
+        self.exact += other.exact;
+        self.singles += other.singles;
+    }
+}

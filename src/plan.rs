@@ -189,6 +189,7 @@ impl Plan {
             objects,
             cubes,
             film: layout,
+            precision: request.precision,
             rays,
             memory,
             memory_limit: request.memory_limit,

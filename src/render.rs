@@ -120,5 +120,7 @@ fn run<V: View, S: Surfaces, R: Radiance, A: Recorder, M: Meter>(
             finished.1.merge(meter);
             Ok(())
         })?;
-    Ok(finished.into_inner().unwrap_or_else(PoisonError::into_inner))
+    Ok(finished
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner))
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use nullray::accel::Precision;
 use nullray::aov::Aov;
 use nullray::overlay::Parts;
 use nullray::scene::Overrides;
@@ -94,6 +95,10 @@ pub struct Changes {
     /// Change a key of the scene file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
+    /// What visibility is worth: "certified" (as exact arithmetic says), or "fast" for previews (f32: rays along
+    /// edges may slip through, near depths be mistaken).
+    #[arg(long, value_name = "certified|fast", default_value = "certified", value_parser = values::precision)]
+    pub precision: Precision,
     /// The most memory that the scene may take.
     #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = values::bytes)]
     pub max_memory: u64,
@@ -294,6 +299,7 @@ impl Changes {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.max_memory,
+            precision: self.precision,
         }
     }
 }

@@ -207,7 +207,15 @@ impl<F: Filter<N>, const N: usize> Loop for Plan<'_, F, N> {
             places,
             ..
         } = self.lookups;
-        place::<F, N>(self.texture.cube().shape, &self.timeline, u, v, t, self.count, places);
+        place::<F, N>(
+            self.texture.cube().shape,
+            &self.timeline,
+            u,
+            v,
+            t,
+            self.count,
+            places,
+        );
         let factor = self.texture.factor();
         match (&self.texture.cube().samples, self.texture.cube().shape[3]) {
             (Samples::F16(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
@@ -445,13 +453,20 @@ mod tests {
             TimeFilter::Cubic,
             TimeFilter::CubicMeans,
         ];
-        for (filter, samples) in filters.into_iter().flat_map(|f| cubes().into_iter().map(move |c| (f, c))) {
+        for (filter, samples) in filters
+            .into_iter()
+            .flat_map(|f| cubes().into_iter().map(move |c| (f, c)))
+        {
             let texture = texture(samples, filter);
             let mut lookups = Lookups::default();
             for i in 0..BATCH {
                 let x = i as f64;
                 lookups.u[i] = 0.5 + 0.53 * libm::sin(x);
-                lookups.v[i] = if i == 77 { f64::NAN } else { 0.5 + 0.51 * libm::cos(1.7 * x) };
+                lookups.v[i] = if i == 77 {
+                    f64::NAN
+                } else {
+                    0.5 + 0.51 * libm::cos(1.7 * x)
+                };
                 lookups.t[i] = 0.645 + libm::sin(2.9 * x);
             }
             texture.sample_each(&mut lookups, BATCH);
@@ -460,20 +475,39 @@ mod tests {
                 let single = texture.sample_uv(uv, lookups.t[i]);
                 let other = lookups.others.iter().find(|(at, _)| *at == i);
                 let bits = |rgb: [f64; 3]| rgb.map(f64::to_bits);
-                assert_eq!(bits(lookups.radiance[i]), bits(single.radiance), "{filter:?} {i}");
+                assert_eq!(
+                    bits(lookups.radiance[i]),
+                    bits(single.radiance),
+                    "{filter:?} {i}"
+                );
                 match other {
                     Some((_, sampled)) => assert_eq!(*sampled, single),
                     None => assert_eq!(single.coverage, crate::time_texture::Coverage::HELD),
                 }
             }
             let plain = BATCH - lookups.others.len();
-            assert!((40..200).contains(&plain), "{filter:?}: {plain} plain lookups");
+            assert!(
+                (40..200).contains(&plain),
+                "{filter:?}: {plain} plain lookups"
+            );
         }
     }
 
     #[test]
     fn integers_are_found_below_numbers_of_both_signs() {
-        for x in [-3.5, -3.0, -0.1, 0.0, 0.4, 0.5, 0.6, 1.0, 1.5, 2.5, 1e9 + 0.7] {
+        for x in [
+            -3.5,
+            -3.0,
+            -0.1,
+            0.0,
+            0.4,
+            0.5,
+            0.6,
+            1.0,
+            1.5,
+            2.5,
+            1e9 + 0.7,
+        ] {
             assert_eq!(floor(x), f64::floor(x), "{x}");
         }
         assert_eq!(integer(4_503_599_627_370_495.0), 4_503_599_627_370_495);

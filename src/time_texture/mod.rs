@@ -35,4 +35,4 @@ pub use capture::{Capture, SeenPoint, SurfacePoint};
 pub use coverage::Coverage;
 pub use cube::{Cube, CubeError, Samples};
 pub use lookups::{BATCH, Lookups};
-pub use texture::{Sampled, TimeTexture};
+pub use texture::{Located, Sampled, TimeTexture};

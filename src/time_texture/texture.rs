@@ -25,6 +25,27 @@ pub struct Sampled {
     pub coverage: Coverage,
 }
 
+/// Where a point lies in the image of a capture camera, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Located {
+    /// On it, and these pixels saw the surface around the point.
+    #[allow(private_interfaces)]
+    Seen([f64; 2], [Tap; 4]),
+    /// On it, where no pixel saw the surface.
+    Unseen([f64; 2]),
+    /// Outside it.
+    Beside([f64; 2]),
+    /// Behind the pinhole.
+    Behind,
+}
+
+impl Located {
+    /// Whether it remains to be asked if the scene blocks the line to the camera.
+    pub fn is_seen(&self) -> bool {
+        matches!(self, Located::Seen(..))
+    }
+}
+
 /// A cube on its time axis, ready for lookups from any thread.
 #[derive(Debug, Clone)]
 pub struct TimeTexture {
@@ -123,21 +144,50 @@ impl TimeTexture {
         t: f64,
         occluded: impl FnOnce(DVec3, DVec3) -> bool,
     ) -> Sampled {
+        let located = self.locate(capture, point);
+        let occluded = located.is_seen() && occluded(point.position, capture.eye());
+        self.sample_located(capture, &located, t, occluded)
+    }
+
+    /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
+    #[inline]
+    pub fn locate(&self, capture: &Capture, point: &SurfacePoint) -> Located {
         let Some(place) = capture.project(point.position) else {
-            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                Sampled::default()
-            });
+            return Located::Behind;
         };
         if !self.on_image(place) {
-            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                self.sample_anything(capture, place, t)
-            });
+            return Located::Beside(place);
         }
-        let seen = self.taps_on(capture, place, point);
-        match seen.filter(|_| !occluded(point.position, capture.eye())) {
-            Some(taps) => self.sample_pixels(capture, &taps, t),
-            None => self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
-                self.sample_anything(capture, place, t)
+        match self.taps_on(capture, place, point) {
+            Some(taps) => Located::Seen(place, taps),
+            None => Located::Unseen(place),
+        }
+    }
+
+    /// Radiance of a point that was located, as [`TimeTexture::sample_capture`]. `occluded` counts where the
+    /// point [is seen](Located::is_seen).
+    #[inline]
+    pub fn sample_located(
+        &self,
+        capture: &Capture,
+        located: &Located,
+        t: f64,
+        occluded: bool,
+    ) -> Sampled {
+        match located {
+            Located::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
+            Located::Seen(place, _) | Located::Unseen(place) => {
+                self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
+                    self.sample_anything(capture, *place, t)
+                })
+            }
+            Located::Beside(place) => {
+                self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                    self.sample_anything(capture, *place, t)
+                })
+            }
+            Located::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                Sampled::default()
             }),
         }
     }

@@ -59,13 +59,13 @@ impl Developer {
             let stretch = self.runs[at];
             let rest = traced.surfaces.rest(stretch.frame);
             let run = Run {
-                traced: *traced,
+                traced,
                 members: &self.met[stretch.begin..stretch.end],
                 patch: rest.patch(stretch.triangle),
                 rest,
                 frame: stretch.frame,
             };
-            radiance.emit(&run, &mut self.light);
+            radiance.emit(&run, &mut self.light, meter);
             meter.lap(Stage::Radiance);
             self.ratios.clear();
             let ratio = |k: usize| ratios[run.members[k] as usize] * run.local(k).1;
@@ -76,7 +76,13 @@ impl Developer {
                     *factor *= traced.rays.from[*ray as usize].into().weight;
                 }
             }
-            colour_in(&self.light, &self.ratios, &mut self.factors, run.members, film);
+            colour_in(
+                &self.light,
+                &self.ratios,
+                &mut self.factors,
+                run.members,
+                film,
+            );
             if has_gaps {
                 cover(&self.light.details, run.members, film);
             }

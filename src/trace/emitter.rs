@@ -1,17 +1,17 @@
 //! Emitters: base colours, which need no time, and time-resolved sources.
 
-use glam::DVec3;
-
 use super::emission::{Emission, Radiance, Response, SurfacePoint};
 use super::light::{Detail, Light};
 use super::run::Run;
+use super::stats::{Counter, Meter};
 use super::surfaces::{Surfaces, shadow_ray};
+use crate::accel::Segment;
 use crate::camera::Departure;
 use crate::image::Texture;
 use crate::mesh::Wrap;
 use crate::scene::model::Pulse;
 use crate::spacetime::Quantity;
-use crate::time_texture::{BATCH, Capture, Sampled, SurfacePoint as CapturePoint, TimeTexture};
+use crate::time_texture::{BATCH, Capture, SurfacePoint as CapturePoint, TimeTexture};
 
 /// Time-independent radiance: a factor and a texture.
 #[derive(Debug, Clone)]
@@ -111,7 +111,7 @@ impl EmissionClock {
 }
 
 impl BaseColours {
-    fn radiance(&self, index: usize, point: &SurfacePoint) -> [f64; 3] {
+    pub(super) fn radiance(&self, index: usize, point: &SurfacePoint) -> [f64; 3] {
         let base = &self.colours[index];
         let Some((texture, set, wrap)) = base.texture else {
             return base.factor;
@@ -141,7 +141,12 @@ impl BaseColours {
 impl Radiance for BaseColours {
     const HAS_GAPS: bool = false;
 
-    fn emit<D: Departure, S: Surfaces>(&self, run: &Run<D, S>, light: &mut Light) {
+    fn emit<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        run: &Run<D, S>,
+        light: &mut Light,
+        _: &mut M,
+    ) {
         light.start(self.response);
         self.fill(run.patch.emitter as usize, run, light);
     }
@@ -150,42 +155,37 @@ impl Radiance for BaseColours {
 impl Radiance for TimeResolved {
     const HAS_GAPS: bool = true;
 
-    fn emit<D: Departure, S: Surfaces>(&self, run: &Run<D, S>, light: &mut Light) {
+    fn emit<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        run: &Run<D, S>,
+        light: &mut Light,
+        meter: &mut M,
+    ) {
         let (emitter, response) = &self.emitters[run.patch.emitter as usize];
         light.start(*response);
         match emitter {
             Emitter::Base(colour) => self.base.fill(*colour, run, light),
             Emitter::Uv { cube, set, clock } => {
-                look_up(&self.cubes[*cube], *set, *clock, run, light);
+                look_up(&self.cubes[*cube], *set, *clock, run, light, meter);
             }
             Emitter::Capture {
                 cube,
                 capture,
                 clock,
-            } => {
-                for point in run.points() {
-                    let t = clock.time(&point);
-                    let sampled = self.captured(*cube, *capture, t, &point);
-                    light.push(Emission::stored(sampled, *response));
-                }
-            }
-            Emitter::Pulses { albedo, pulses } => {
-                for point in run.points() {
-                    let albedo = self.base.radiance(*albedo, &point);
-                    light.push(self.reflected(run.traced.surfaces, albedo, pulses, &point));
-                }
-            }
+            } => self.capture(*cube, *capture, *clock, run, light, meter),
+            Emitter::Pulses { albedo, pulses } => self.reflect(run, *albedo, pulses, light, meter),
         }
     }
 }
 
 /// What `texture` holds at the points of `run`.
-fn look_up<D: Departure, S: Surfaces>(
+fn look_up<D: Departure, S: Surfaces, M: Meter>(
     texture: &TimeTexture,
     set: usize,
     clock: EmissionClock,
     run: &Run<D, S>,
     light: &mut Light,
+    meter: &mut M,
 ) {
     let mut begin = 0;
     while begin < run.members.len() {
@@ -210,39 +210,58 @@ fn look_up<D: Departure, S: Surfaces>(
             wavelength_scale: 1.0,
         });
         light.details.extend(details);
+        if M::ON {
+            let bytes = light.lookups.bytes_read(texture, count);
+            meter.count(Counter::TextureBytes, bytes);
+        }
         begin += count;
     }
 }
 
 impl TimeResolved {
-    /// The light of pulses that `point` reflects.
-    fn reflected<S: Surfaces>(
+    /// What the capture camera recorded of the points of `run`, as far as it saw them. The capture camera rests
+    /// in the points' frame, and so does all that can stand between them.
+    fn capture<D: Departure, S: Surfaces, M: Meter>(
         &self,
-        surfaces: &S,
-        albedo: [f64; 3],
-        pulses: &[usize],
-        point: &SurfacePoint,
-    ) -> Emission {
-        let (_, response) = &self.emitters[point.patch.emitter as usize];
-        let (irradiance, wavelength_scale) = self.irradiance(surfaces, pulses, point);
-        let radiance = std::array::from_fn(|c| albedo[c] * irradiance[c] / std::f64::consts::PI);
-        Emission {
-            wavelength_scale,
-            ..Emission::full(radiance, *response)
+        cube: usize,
+        capture: usize,
+        clock: EmissionClock,
+        run: &Run<D, S>,
+        light: &mut Light,
+        meter: &mut M,
+    ) {
+        let (texture, capture) = (&self.cubes[cube], &self.captures[capture]);
+        light.located.clear();
+        light.segments.clear();
+        for point in run.points() {
+            let captured = CapturePoint {
+                position: point.rest_event().x,
+                normal: point.facing_normal(),
+            };
+            let located = texture.locate(capture, &captured);
+            if located.is_seen() {
+                let from = captured.position;
+                light.segments.push(Segment {
+                    ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
+                    s_max: 1.0,
+                    skip: Some(point.hit.triangle),
+                });
+            }
+            light.located.push((located, clock.time(&point)));
         }
-    }
-
-    /// What the capture camera recorded of `point`, as far as it saw it. The capture camera rests in
-    /// the point's frame, and so does all that can stand between them.
-    fn captured(&self, cube: usize, capture: usize, t: f64, point: &SurfacePoint) -> Sampled {
-        let captured = CapturePoint {
-            position: point.rest_event().x,
-            normal: point.facing_normal(),
-        };
-        let occluded = |from: DVec3, eye: DVec3| {
-            let ray = shadow_ray(point.local.origin.x, from, eye - from);
-            point.rest.bvh.any(&ray, 1.0, Some(point.hit.triangle))
-        };
-        self.cubes[cube].sample_capture(&self.captures[capture], &captured, t, occluded)
+        light.blocked.clear();
+        light.blocked.resize(light.segments.len(), false);
+        let (method, tally) = (run.traced.rays.method, meter.occlusion());
+        run.rest
+            .bvh
+            .any_by(method, &light.segments, &mut light.blocked, tally);
+        let mut asked = 0;
+        for at in 0..light.located.len() {
+            let (located, t) = light.located[at];
+            let blocked = located.is_seen() && light.blocked[asked];
+            asked += usize::from(located.is_seen());
+            let sampled = texture.sample_located(capture, &located, t, blocked);
+            light.push(Emission::stored(sampled, light.response));
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! The radiance of a run of points, before the observer's factors.
 
-use crate::time_texture::{Coverage, Lookups};
-
 use super::emission::{Colouring, Emission, Response};
+use super::pulse::{Incident, Irradiance};
+use super::surfaces::Questions;
+use crate::accel::Segment;
+use crate::time_texture::{Coverage, Located, Lookups};
 
 /// What leaves the points of a run towards the camera, point by point.
 #[derive(Debug)]
@@ -13,11 +15,17 @@ pub struct Light {
     pub radiance: Vec<[f64; 3]>,
     /// What is to be said of points beyond that, in their order.
     pub details: Vec<Detail>,
-    /// Bytes of time-resolved data that were read.
-    pub bytes: u64,
-    /// Rays that were asked for occlusion.
-    pub occlusion_rays: u64,
     pub(super) lookups: Box<Lookups>,
+    /// What may stand in the way of light.
+    pub(super) questions: Questions,
+    pub(super) segments: Vec<Segment>,
+    pub(super) blocked: Vec<bool>,
+    /// Of one pulse, by the point that it may fall on.
+    pub(super) arriving: Vec<(usize, Incident)>,
+    /// Of all pulses, by point.
+    pub(super) incident: Vec<Irradiance>,
+    /// Where points lie in the image of a capture camera, with their times.
+    pub(super) located: Vec<(Located, f64)>,
 }
 
 /// A point whose radiance is not fully known, or has another wavelength than the response says.
@@ -42,9 +50,13 @@ impl Default for Light {
             },
             radiance: Vec::new(),
             details: Vec::new(),
-            bytes: 0,
-            occlusion_rays: 0,
             lookups: Box::default(),
+            questions: Questions::default(),
+            segments: Vec::new(),
+            blocked: Vec::new(),
+            arriving: Vec::new(),
+            incident: Vec::new(),
+            located: Vec::new(),
         }
     }
 }

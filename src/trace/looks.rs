@@ -103,9 +103,22 @@ struct Sights<'a, V: View> {
 impl<V: View> Loop for Sights<'_, V> {
     #[inline(always)]
     fn run(self) {
-        film_points(self.pixels, self.offsets[0], self.offsets[1], self.x, self.y);
+        film_points(
+            self.pixels,
+            self.offsets[0],
+            self.offsets[1],
+            self.x,
+            self.y,
+        );
         let film = [&*self.x, &*self.y];
-        look(self.view, film, self.moments, self.directions, self.ratios, self.from);
+        look(
+            self.view,
+            film,
+            self.moments,
+            self.directions,
+            self.ratios,
+            self.from,
+        );
     }
 }
 

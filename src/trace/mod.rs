@@ -26,7 +26,9 @@ pub use record::{AovRecorder, NoAovs, Recorder, Seen};
 pub use run::{Run, Traced};
 pub use scratch::Scratch;
 pub use stats::{Counter, Meter, Stage, Stats, Unmetered};
-pub use surfaces::{Found, Frames, Moving, Patch, Rays, RestFrame, Still, Surfaces};
+pub use surfaces::{
+    Found, Frames, Moving, Patch, Question, Questions, Rays, RestFrame, Still, Surfaces,
+};
 
 use crate::accel::Method;
 use crate::camera::{Departure, View};
@@ -105,7 +107,14 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
             event: self.event,
             index: self.index,
         };
-        developer.develop(self.radiance, &traced, self.background, &looks.ratios, film, meter);
+        developer.develop(
+            self.radiance,
+            &traced,
+            self.background,
+            &looks.ratios,
+            film,
+            meter,
+        );
         if A::RECORDS {
             self.record(looks, &traced, recorder, film);
         }

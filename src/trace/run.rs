@@ -10,7 +10,7 @@ use crate::camera::{Apart, Departure};
 use crate::spacetime::{Direction, Event, NullRay, Rest, World};
 
 /// Rays of a batch with what they have met.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Traced<'a, D, S> {
     /// What there is to meet.
     pub surfaces: &'a S,
@@ -25,10 +25,10 @@ pub struct Traced<'a, D, S> {
 }
 
 /// Points of one patch.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Run<'a, D, S> {
     /// The batch.
-    pub traced: Traced<'a, D, S>,
+    pub traced: &'a Traced<'a, D, S>,
     /// Which of its rays meet them.
     pub members: &'a [u32],
     /// The patch.
@@ -87,12 +87,11 @@ impl<'a, D: Departure, S: Surfaces> Run<'a, D, S> {
 
     /// The points, in order.
     #[inline(always)]
-    pub(super) fn points(&self) -> impl Iterator<Item = SurfacePoint<'a>> {
-        let run = *self;
-        run.members.iter().filter_map(move |&ray| {
-            let hit = run.traced.scratch.hits()[ray as usize]?;
-            let point = run.traced.point(ray as usize, hit, run.frame, run.patch);
-            Some(point.0)
+    pub(super) fn points(&self) -> impl Iterator<Item = SurfacePoint<'a>> + use<'a, D, S> {
+        let (traced, frame, patch) = (self.traced, self.frame, self.patch);
+        self.members.iter().filter_map(move |&ray| {
+            let hit = traced.scratch.hits()[ray as usize]?;
+            Some(traced.point(ray as usize, hit, frame, patch).0)
         })
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::surfaces::{Found, Rays, index_along};
-use crate::accel::{Bvh, Hit, Method};
+use crate::accel::{Bvh, Hit, Origins, Tally};
 use crate::camera::Departure;
 use crate::spacetime::{Boost, Displacement, Event, NullRay, Rest, Tangents, World};
 use crate::vectors::{Loop, widest};
@@ -84,14 +84,15 @@ impl Scratch {
         });
     }
 
-    /// Takes over what the rays along `directions` meet in `frame`, where it is nearer.
-    pub(super) fn meet_along(
+    /// Takes over what `rays` meet in `frame`, where it is nearer: along `directions`, or as they were carried.
+    pub(super) fn meet<D>(
         &mut self,
         frame: u32,
         bvh: &Bvh,
-        method: Method,
+        rays: &Rays<D>,
         origin: DVec3,
-        directions: &[DVec3],
+        directions: Option<&[DVec3]>,
+        tally: &mut impl Tally,
     ) {
         let (hits, frames) = (&mut self.hits, &mut self.frames);
         let replaced = |ray: usize| {
@@ -99,17 +100,12 @@ impl Scratch {
                 *known = frame;
             }
         };
-        match self.origins.as_slice() {
-            [] => bvh.closest_by(method, origin, directions, hits, replaced),
-            origins => bvh.closest_from_each(origins, directions, hits, replaced),
-        }
-    }
-
-    /// The same for the rays that were carried into it.
-    pub(super) fn meet(&mut self, frame: u32, bvh: &Bvh, method: Method, origin: DVec3) {
-        let local = std::mem::take(&mut self.local);
-        self.meet_along(frame, bvh, method, origin, &local);
-        self.local = local;
+        let origins = match self.origins.as_slice() {
+            [] => Origins::Shared(origin),
+            origins => Origins::Each(origins),
+        };
+        let directions = directions.unwrap_or(&self.local);
+        bvh.closest_by(rays.method, origins, directions, hits, tally, replaced);
     }
 
     /// Ray `ray` as it was carried into the frame that was met last, and ω_rest/ω_world of its light.

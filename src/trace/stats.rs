@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use crate::accel::{Counts, NoTally, Tally};
+
 /// The stages of a batch, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -53,8 +55,6 @@ pub enum Counter {
     Rays,
     /// Those that met a surface.
     Hits,
-    /// Rays that asked whether something stands between two events.
-    Occlusion,
     /// Bytes of time-resolved data that lookups in batches have read.
     TextureBytes,
 }
@@ -63,6 +63,12 @@ pub enum Counter {
 pub trait Meter: Default + Send {
     /// Whether anything is noted.
     const ON: bool;
+    /// Counts the work of rays.
+    type Tally: Tally;
+    /// The work of rays from the camera.
+    fn visibility(&mut self) -> &mut Self::Tally;
+    /// The work of rays that ask whether something stands between two events.
+    fn occlusion(&mut self) -> &mut Self::Tally;
     /// A batch begins.
     fn start(&mut self);
     /// What was done since the last call, or the start, belongs to `stage`.
@@ -75,10 +81,19 @@ pub trait Meter: Default + Send {
 
 /// Notes nothing.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Unmetered;
+pub struct Unmetered(NoTally);
 
 impl Meter for Unmetered {
     const ON: bool = false;
+    type Tally = NoTally;
+    #[inline(always)]
+    fn visibility(&mut self) -> &mut NoTally {
+        &mut self.0
+    }
+    #[inline(always)]
+    fn occlusion(&mut self) -> &mut NoTally {
+        &mut self.0
+    }
     #[inline(always)]
     fn start(&mut self) {}
     #[inline(always)]
@@ -96,8 +111,10 @@ pub struct Stats {
     pub rays: u64,
     /// Those that met a surface.
     pub hits: u64,
-    /// Rays that asked whether something stands between two events: shadows, capture cameras.
-    pub occlusion_rays: u64,
+    /// The work of rays from the camera, once per rest frame.
+    pub visibility: Counts,
+    /// The work of rays towards pulses and capture cameras.
+    pub occlusion: Counts,
     /// Bytes of time-resolved data that were read.
     pub texture_bytes: u64,
     /// Processor time by [`Stage::ALL`], seconds.
@@ -114,6 +131,15 @@ impl Stats {
 
 impl Meter for Stats {
     const ON: bool = true;
+    type Tally = Counts;
+
+    fn visibility(&mut self) -> &mut Counts {
+        &mut self.visibility
+    }
+
+    fn occlusion(&mut self) -> &mut Counts {
+        &mut self.occlusion
+    }
 
     fn start(&mut self) {
         self.last = Some(Instant::now());
@@ -130,7 +156,6 @@ impl Meter for Stats {
         let sum = match counter {
             Counter::Rays => &mut self.rays,
             Counter::Hits => &mut self.hits,
-            Counter::Occlusion => &mut self.occlusion_rays,
             Counter::TextureBytes => &mut self.texture_bytes,
         };
         *sum += more;
@@ -139,7 +164,8 @@ impl Meter for Stats {
     fn merge(&mut self, other: Self) {
         self.rays += other.rays;
         self.hits += other.hits;
-        self.occlusion_rays += other.occlusion_rays;
+        self.visibility += other.visibility;
+        self.occlusion += other.occlusion;
         self.texture_bytes += other.texture_bytes;
         for (sum, more) in self.seconds.iter_mut().zip(other.seconds) {
             *sum += more;

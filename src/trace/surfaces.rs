@@ -9,8 +9,8 @@ use glam::DVec3;
 
 use super::stats::{Meter, Stage};
 use super::{Scratch, SurfacePoint};
-use crate::accel::{Bvh, Hit, Method, Ray};
-use crate::camera::Departure;
+use crate::accel::{Bvh, Hit, Method, Ray, Segment, Tally};
+use crate::camera::{Apart, Departure};
 use crate::mesh::Mesh;
 use crate::spacetime::{
     Boost, Direction, Displacement, Event, InertialFrame, NullRay, Rest, World,
@@ -106,15 +106,93 @@ pub trait Surfaces: Sync {
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
 
-    /// Whether anything but the triangle of `point` itself is met from there along `d` in a medium of
-    /// index `index`, within s < `distance`.
-    fn occluded(
+    /// Answers `questions`, in which `index` is that of the medium.
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool;
+        method: Method,
+        tally: &mut impl Tally,
+    );
+}
+
+/// Whether anything stands between points of surfaces and events in the past, for many of them.
+#[derive(Debug, Default)]
+pub struct Questions {
+    /// What is asked.
+    pub asked: Vec<Question>,
+    /// The answers, in the same order.
+    pub blocked: Vec<bool>,
+    segments: Vec<Segment>,
+    open: Vec<usize>,
+    answers: Vec<bool>,
+}
+
+/// Whether anything but the triangle of a point itself is met from there along `d`, within s < `distance`.
+#[derive(Debug, Clone, Copy)]
+pub struct Question {
+    /// The point's rest frame.
+    pub frame: u32,
+    /// Its hit.
+    pub hit: Hit,
+    /// The ray that shows the point, in the world and in its rest frame.
+    pub seen: NullRay<World>,
+    /// The same in the rest frame.
+    pub local: NullRay<Rest>,
+    /// Where that ray leaves.
+    pub from: Apart,
+    /// The direction to look for what stands in between.
+    pub d: Direction<World>,
+    /// Metres of the world.
+    pub distance: f64,
+}
+
+impl Question {
+    /// From `point` along `d`.
+    pub(super) fn new(point: &SurfacePoint, d: Direction<World>, distance: f64) -> Self {
+        Question {
+            frame: point.frame,
+            hit: point.hit,
+            seen: point.ray,
+            local: point.local,
+            from: point.from,
+            d,
+            distance,
+        }
+    }
+}
+
+impl Questions {
+    /// Forgets the last ones.
+    pub(super) fn clear(&mut self) {
+        self.asked.clear();
+        self.blocked.clear();
+    }
+
+    /// Asks `bvh` for those that are not blocked yet, by the segments that `segment` makes of them.
+    fn ask(
+        &mut self,
+        bvh: &Bvh,
+        method: Method,
+        tally: &mut impl Tally,
+        segment: impl Fn(&Question) -> Segment,
+    ) {
+        self.blocked.resize(self.asked.len(), false);
+        self.segments.clear();
+        self.open.clear();
+        for (k, question) in self.asked.iter().enumerate() {
+            if !self.blocked[k] {
+                self.open.push(k);
+                self.segments.push(segment(question));
+            }
+        }
+        self.answers.clear();
+        self.answers.resize(self.open.len(), false);
+        bvh.any_by(method, &self.segments, &mut self.answers, tally);
+        for (k, answer) in self.open.iter().zip(&self.answers) {
+            self.blocked[*k] = *answer;
+        }
+    }
 }
 
 /// One rest frame, at rest in the world.
@@ -183,7 +261,15 @@ impl Surfaces for Still<'_> {
         scratch.start(rays.directions.len(), 1);
         scratch.leave(rest.frame.frame_from_world(), *origin, rays.from);
         meter.lap(Stage::Boosts);
-        scratch.meet_along(0, &rest.bvh, rays.method, origin.x, rays.directions);
+        let directions = Some(rays.directions);
+        scratch.meet(
+            0,
+            &rest.bvh,
+            &rays,
+            origin.x,
+            directions,
+            meter.visibility(),
+        );
         meter.lap(Stage::Visibility);
     }
 
@@ -213,11 +299,12 @@ impl Surfaces for Still<'_> {
         (Direction::from_unit(d.unit()), 1.0)
     }
 
-    fn occluded(&self, point: &SurfacePoint, d: Direction<World>, _: f64, distance: f64) -> bool {
-        let from = point.rest_event().x;
-        let ray = shadow_ray(point.local.origin.x, from, d.unit());
-        let skip = Some(point.hit.triangle);
-        self.rest.bvh.any(&ray, distance, skip)
+    fn occlude(&self, questions: &mut Questions, _: f64, method: Method, tally: &mut impl Tally) {
+        questions.ask(&self.rest.bvh, method, tally, |q| Segment {
+            ray: shadow_ray(q.local.origin.x, q.local.at(q.hit.s).x, q.d.unit()),
+            s_max: q.distance,
+            skip: Some(q.hit.triangle),
+        });
     }
 }
 
@@ -246,7 +333,8 @@ impl<'a> Moving<'a> {
         scratch.carry(self.boost(), self.index, rays);
         scratch.leave(self.boost(), self.origin, rays.from);
         meter.lap(Stage::Boosts);
-        scratch.meet(frame, &self.rest.bvh, rays.method, self.origin.x);
+        let (bvh, origin) = (&self.rest.bvh, self.origin.x);
+        scratch.meet(frame, bvh, &rays, origin, None, meter.visibility());
         meter.lap(Stage::Visibility);
     }
 
@@ -258,16 +346,20 @@ impl<'a> Moving<'a> {
         (NullRay { origin, tangent }, ratio)
     }
 
-    fn shadows(
+    /// `question` about a point seen along `seen` in this frame.
+    fn segment(
         &self,
-        seen: NullRay<Rest>,
-        s: f64,
-        direction: DVec3,
-        distance: f64,
+        question: &Question,
+        seen: &NullRay<Rest>,
+        index: f64,
         skip: Option<u32>,
-    ) -> bool {
-        let ray = shadow_ray(seen.origin.x, seen.at(s).x, direction);
-        self.rest.bvh.any(&ray, distance, skip)
+    ) -> Segment {
+        let direction = self.boost().tangent(index, question.d).x;
+        Segment {
+            ray: shadow_ray(seen.origin.x, seen.at(question.hit.s).x, direction),
+            s_max: question.distance,
+            skip,
+        }
     }
 }
 
@@ -298,16 +390,16 @@ impl Surfaces for Moving<'_> {
         self.boost().direction(d)
     }
 
-    fn occluded(
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool {
-        let direction = self.boost().tangent(index, d).x;
-        let skip = Some(point.hit.triangle);
-        self.shadows(point.local, point.hit.s, direction, distance, skip)
+        method: Method,
+        tally: &mut impl Tally,
+    ) {
+        questions.ask(&self.rest.bvh, method, tally, |q| {
+            self.segment(q, &q.local, index, Some(q.hit.triangle))
+        });
     }
 }
 
@@ -349,19 +441,21 @@ impl Surfaces for Frames<'_> {
         self.0[frame as usize].boost().direction(d)
     }
 
-    fn occluded(
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool {
-        self.0.iter().enumerate().any(|(k, frame)| {
-            let skip = (k as u32 == point.frame).then_some(point.hit.triangle);
-            let (seen, _) = frame.ray(point.seen_along(), point.from);
-            let direction = frame.boost().tangent(index, d).x;
-            frame.shadows(seen, point.hit.s, direction, distance, skip)
-        })
+        method: Method,
+        tally: &mut impl Tally,
+    ) {
+        for (k, frame) in self.0.iter().enumerate() {
+            questions.ask(&frame.rest.bvh, method, tally, |q| {
+                let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
+                let d = Direction::from_unit(q.seen.tangent.x);
+                let (seen, _) = frame.ray(d, q.from);
+                frame.segment(q, &seen, index, skip)
+            });
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use robust::{Coord, orient2d};
 
 use super::query::Tag;
 use super::slab::{Lattice, Link, Node, power_of_two};
-use super::wide::collapse;
+use super::wide::{Pairs, WideTree};
 use super::{Bvh, Facing};
 
 /// Chosen by measuring with `benches/visibility.rs`: small leaves, since the f64 test of a triangle
@@ -54,20 +54,24 @@ impl Bvh {
             .iter()
             .map(|&id| Tag::new(id, facing(id)))
             .collect::<Vec<_>>();
-        let (wide, wide_depth) = collapse(&layout.nodes);
         let mut bvh = Bvh {
             corners,
             tags,
             nodes: layout.nodes,
             depth: layout.depth,
-            wide,
-            wide_depth,
+            wide: WideTree::default(),
             lattice,
             bounds: (lo, hi),
         };
         for &slot in &layout.last_of_leaf {
             bvh.tags[slot as usize].end_leaf();
         }
+        bvh.wide = WideTree::collapsed(Pairs {
+            nodes: &bvh.nodes,
+            corners: &bvh.corners,
+            tags: &bvh.tags,
+            lattice: &bvh.lattice,
+        });
         bvh
     }
 }

@@ -18,6 +18,7 @@
 
 mod build;
 mod exact;
+mod pack;
 mod packet;
 mod query;
 mod rays;
@@ -34,9 +35,10 @@ pub use packet::{Kernel, Method, Precision};
 pub use rays::{Facing, Hit, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};
 
+use pack::Pack;
 use query::Tag;
 use slab::{Lattice, Node, exponent, power_of_two};
-use wide::Wide;
+use wide::{Wide, WideTree};
 
 /// A tree over triangles at rest.
 #[derive(Debug, Clone)]
@@ -49,9 +51,7 @@ pub struct Bvh {
     /// Levels of nodes.
     depth: usize,
     /// The same tree for packets.
-    wide: Vec<Wide>,
-    /// Its levels.
-    wide_depth: usize,
+    wide: WideTree,
     lattice: Lattice,
     bounds: (DVec3, DVec3),
 }
@@ -66,8 +66,7 @@ impl Bvh {
             tags: Vec::new(),
             nodes: Vec::new(),
             depth: 0,
-            wide: Vec::new(),
-            wide_depth: 0,
+            wide: WideTree::default(),
             lattice: Lattice::new(DVec3::ZERO, DVec3::ZERO),
             bounds: (DVec3::ZERO, DVec3::ZERO),
         }
@@ -89,7 +88,8 @@ impl Bvh {
             + self.corners.capacity() * size_of::<[DVec3; 3]>()
             + self.tags.capacity() * size_of::<Tag>()
             + self.nodes.capacity() * size_of::<Node>()
-            + self.wide.capacity() * size_of::<Wide>()
+            + self.wide.nodes.capacity() * size_of::<Wide>()
+            + self.wide.packs.capacity() * size_of::<Pack>()
     }
 
     /// An upper estimate of [`Bvh::bytes`] for so many triangles.

@@ -3,7 +3,7 @@
 use super::slab::{exponent, power_of_two};
 use super::traverse::Query;
 use super::triangle::{Crossing, Line};
-use super::{Bvh, Facing, Hit, Ray, Tally, Work};
+use super::{Bvh, Facing, Hit, Ray, Segment, Tally, Work};
 use glam::DVec3;
 
 /// A ray with a direction of usual size: s of the ray is `unit` times s of the line.
@@ -178,31 +178,55 @@ impl<T: Tally> Query for Closest<'_, T> {
 
 /// Whether there is a hit at all.
 pub(super) struct Any<'a, T> {
-    pub bvh: &'a Bvh,
-    pub line: &'a Line,
-    pub s_min: f64,
-    pub s_max: f64,
-    pub skip: Option<u32>,
+    bvh: &'a Bvh,
+    line: &'a Line,
+    s_min: f64,
+    s_max: f64,
+    skip: Option<u32>,
     pub found: bool,
-    pub tally: &'a mut T,
+    tally: &'a mut T,
+}
+
+impl<'a, T: Tally> Any<'a, T> {
+    /// Whether anything blocks `segment`, of which `probe` is made.
+    #[inline(always)]
+    pub fn new(bvh: &'a Bvh, probe: &'a Probe, segment: &Segment, tally: &'a mut T) -> Self {
+        Any {
+            bvh,
+            line: &probe.line,
+            s_min: probe.s_min,
+            s_max: segment.s_max * probe.per_unit,
+            skip: segment.skip,
+            found: false,
+            tally,
+        }
+    }
+
+    /// Whether the triangle in `slot` does.
+    #[inline(always)]
+    pub fn meet(&mut self, slot: usize) -> bool {
+        let tag = self.bvh.tags[slot];
+        if let Some(crossing) = self.line.meet(&self.bvh.corners[slot], self.tally)
+            && crossing.s > self.s_min
+            && crossing.s < self.s_max
+            && tag.shows(crossing.front)
+            && Some(tag.id()) != self.skip
+        {
+            self.found = true;
+        }
+        self.found
+    }
 }
 
 impl<T: Tally> Query for Any<'_, T> {
     #[inline(always)]
     fn leaf(&mut self, slot: usize) -> bool {
-        let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
-        for (corners, &tag) in triangles {
+        for at in slot..self.bvh.tags.len() {
             self.tally.add(Work::Triangles, 1);
-            if let Some(crossing) = self.line.meet(corners, self.tally)
-                && crossing.s > self.s_min
-                && crossing.s < self.s_max
-                && tag.shows(crossing.front)
-                && Some(tag.id()) != self.skip
-            {
-                self.found = true;
+            if self.meet(at) {
                 return true;
             }
-            if tag.is_last() {
+            if self.bvh.tags[at].is_last() {
                 break;
             }
         }

@@ -69,15 +69,7 @@ impl Bvh {
         let Some(probe) = Probe::new(&segment.ray) else {
             return false;
         };
-        let mut query = Any {
-            bvh: self,
-            line: &probe.line,
-            s_min: probe.s_min,
-            s_max: segment.s_max * probe.per_unit,
-            skip: segment.skip,
-            found: false,
-            tally,
-        };
+        let mut query = Any::new(self, &probe, segment, tally);
         self.run(&probe, stack, &mut query);
         query.found
     }

@@ -173,6 +173,12 @@ impl Lattice {
         }
     }
 
+    /// Where `point` is in the frame.
+    #[inline(always)]
+    pub fn place(&self, point: DVec3) -> DVec3 {
+        (point - self.centre) * self.scale
+    }
+
     /// The f32 box around `corners`: each bound moves outward by at least half an f32 ulp more than
     /// conversion to the nearest can move it inward, which covers the roundings of f64 before.
     pub fn bounds(&self, [a, b, c]: &[DVec3; 3]) -> ([f32; 3], [f32; 3]) {
@@ -215,7 +221,7 @@ impl Slabs {
     #[inline(always)]
     pub fn new(lattice: &Lattice, line: &Line, s_min: f64) -> Option<Slabs> {
         let d = line.direction;
-        let origin = (line.origin - lattice.centre) * lattice.scale;
+        let origin = lattice.place(line.origin);
         let inverse = [d.x, d.y, d.z].map(|d| 1.0 / greater(d.abs(), FLAT));
         let distance = greater(greater(origin.x.abs(), origin.y.abs()), origin.z.abs());
         let (enter, leave) = root_interval(lattice, origin, d, inverse);

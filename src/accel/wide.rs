@@ -1,12 +1,16 @@
-//! The tree of packets: nodes of up to eight children, collapsed from the pairs of [`slab`](super::slab).
+//! The tree of packets: nodes of up to eight children, and packs of up to eight triangles.
 //!
-//! The boxes are those of the pairs, bit for bit, and so are the leaves. Of a node's inner children the
-//! one with the largest surface is replaced by its own two until there are eight: rays that meet the
-//! node meet that one most probably (Wald, Benthin, Boulos, RT 2008).
+//! Both are collapsed from the pairs of [`slab`](super::slab), and the boxes are those of the pairs, bit
+//! for bit. What holds no more than eight triangles becomes a pack. Of a node's other children the one
+//! with the largest surface is replaced by its own two until there are eight: rays that meet the node
+//! meet that one most probably (Wald, Benthin, Boulos, RT 2008).
 
-use super::slab::{Link, Node};
+use super::pack::Pack;
+use super::query::Tag;
+use super::slab::{Lattice, Link, Node};
+use glam::DVec3;
 
-/// Children of a node.
+/// Children of a node, and triangles of a pack.
 pub(super) const WIDTH: usize = 8;
 
 /// Up to eight child boxes, and where the children are.
@@ -15,7 +19,7 @@ pub(super) const WIDTH: usize = 8;
 pub(super) struct Wide {
     /// Per axis: lo and hi of the children. Where there is no child, lo = ∞ and hi = −∞.
     pub planes: [[[f32; WIDTH]; 2]; 3],
-    /// What the children are: [`Link::inner`] counts wide nodes here.
+    /// What the children are: [`Link::inner`] counts wide nodes here, [`Link::leaf`] packs.
     pub links: [Link; WIDTH],
 }
 
@@ -28,11 +32,8 @@ pub(super) struct Child {
 }
 
 impl Child {
-    /// A quarter of the surface, or nothing for leaves, which can't be replaced.
+    /// A quarter of the surface.
     fn weight(&self) -> f32 {
-        if self.link.is_leaf() {
-            return -1.0;
-        }
         let [x, y, z] = std::array::from_fn(|axis| self.hi[axis] - self.lo[axis]);
         x * y + y * z + z * x
     }
@@ -53,44 +54,111 @@ impl Wide {
     }
 }
 
-/// The wide nodes above the leaves of `nodes`, and how many levels they have.
-pub(super) fn collapse(nodes: &[Node]) -> (Vec<Wide>, usize) {
-    let mut wide = Vec::with_capacity(nodes.len() / 4 + 1);
-    let mut depth = 0;
-    let mut pending = Vec::new();
-    if !nodes.is_empty() {
-        wide.push(Wide::NOTHING);
-        pending.push((0, 0, 1));
-    }
-    while let Some((source, target, level)) = pending.pop() {
-        depth = depth.max(level);
-        for (at, child) in descendants(nodes, source).iter().enumerate() {
-            let mut link = child.link;
-            if !link.is_leaf() {
-                pending.push((link.index(), wide.len(), level + 1));
-                link = Link::inner(wide.len());
-                wide.push(Wide::NOTHING);
-            }
-            wide[target].set_child(at, child, link);
-        }
-    }
-    wide.shrink_to_fit();
-    (wide, depth)
+/// The tree of packets.
+#[derive(Debug, Clone, Default)]
+pub(super) struct WideTree {
+    pub nodes: Vec<Wide>,
+    pub packs: Vec<Pack>,
+    /// Levels of nodes.
+    pub depth: usize,
 }
 
-/// At most eight boxes that hold all that is below `node`.
-fn descendants(nodes: &[Node], node: usize) -> Vec<Child> {
-    let mut children: Vec<Child> = nodes[node].children().collect();
-    while children.len() < WIDTH {
-        let by_weight =
-            |(_, x): &(usize, &Child), (_, y): &(usize, &Child)| x.weight().total_cmp(&y.weight());
-        let largest = children.iter().enumerate().max_by(by_weight);
-        let Some((at, child)) = largest.filter(|(_, child)| !child.link.is_leaf()) else {
-            break;
+/// What the tree of pairs holds.
+#[derive(Clone, Copy)]
+pub(super) struct Pairs<'a> {
+    pub nodes: &'a [Node],
+    pub corners: &'a [[DVec3; 3]],
+    pub tags: &'a [Tag],
+    pub lattice: &'a Lattice,
+}
+
+impl WideTree {
+    /// The tree over what `pairs` hold.
+    pub fn collapsed(pairs: Pairs) -> WideTree {
+        let ranges = pairs.ranges();
+        let mut tree = WideTree {
+            nodes: Vec::with_capacity(pairs.nodes.len() / 16 + 1),
+            packs: Vec::with_capacity(pairs.corners.len() / 5 + 1),
+            depth: 0,
         };
-        let pair = nodes[child.link.index()].children();
-        children.swap_remove(at);
-        children.extend(pair);
+        let mut pending = Vec::new();
+        if !pairs.nodes.is_empty() {
+            tree.nodes.push(Wide::NOTHING);
+            pending.push((0, 0, 1));
+        }
+        while let Some((source, target, level)) = pending.pop() {
+            tree.depth = tree.depth.max(level);
+            for (at, child) in pairs.descendants(&ranges, source).iter().enumerate() {
+                let (first, count) = pairs.range(&ranges, child.link);
+                let link = if count <= WIDTH {
+                    tree.packs.push(pairs.pack(first, count));
+                    Link::leaf(tree.packs.len() - 1)
+                } else {
+                    pending.push((child.link.index(), tree.nodes.len(), level + 1));
+                    tree.nodes.push(Wide::NOTHING);
+                    Link::inner(tree.nodes.len() - 1)
+                };
+                tree.nodes[target].set_child(at, child, link);
+            }
+        }
+        tree.nodes.shrink_to_fit();
+        tree.packs.shrink_to_fit();
+        tree
     }
-    children
+}
+
+impl Pairs<'_> {
+    /// Per node its first slot and how many there are: depth-first, they follow one another.
+    fn ranges(&self) -> Vec<(u32, u32)> {
+        let mut ranges = vec![(0, 0); self.nodes.len()];
+        for node in (0..self.nodes.len()).rev() {
+            let (mut first, mut end) = (u32::MAX, 0);
+            for child in self.nodes[node].children() {
+                let (slot, count) = self.range(&ranges, child.link);
+                first = first.min(slot as u32);
+                end = end.max((slot + count) as u32);
+            }
+            ranges[node] = (first, end.saturating_sub(first));
+        }
+        ranges
+    }
+
+    /// The first slot below `link`, and how many there are.
+    fn range(&self, ranges: &[(u32, u32)], link: Link) -> (usize, usize) {
+        if link.is_leaf() {
+            let first = link.index();
+            let last = self.tags[first..].iter().position(|tag| tag.is_last());
+            (first, last.map_or(1, |last| last + 1))
+        } else {
+            let (first, count) = ranges[link.index()];
+            (first as usize, count as usize)
+        }
+    }
+
+    /// At most eight boxes that hold all that is below `node`.
+    fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Vec<Child> {
+        let mut children: Vec<Child> = self.nodes[node].children().collect();
+        while children.len() < WIDTH {
+            let splits = |child: &Child| self.range(ranges, child.link).1 > WIDTH;
+            let inner = children.iter().enumerate().filter(|(_, c)| splits(c));
+            let largest = inner.max_by(|(_, x), (_, y)| x.weight().total_cmp(&y.weight()));
+            let Some((at, child)) = largest else {
+                break;
+            };
+            let pair = self.nodes[child.link.index()].children();
+            children.swap_remove(at);
+            children.extend(pair);
+        }
+        children
+    }
+
+    fn pack(&self, first: usize, count: usize) -> Pack {
+        let slots = first..first + count;
+        let corners = &self.corners[slots.clone()];
+        let mut pack = Pack::new(self.lattice, corners, first as u32);
+        for (at, tag) in self.tags[slots].iter().enumerate() {
+            pack.front_only |= u32::from(!tag.shows(false)) << at;
+        }
+        pack
+    }
 }

@@ -1,4 +1,4 @@
-//! Blocks: up to 64 rays with one origin that go nearly the same way.
+//! Blocks: up to 64 rays from one point, or from points near one another, that go nearly the same way.
 //!
 //! **Parameter.** Directions of a block are scaled by one power of two, that of its first ray, so that
 //! |d|∞ is about 1; τ is measured in them and in the tree's unit.
@@ -9,6 +9,9 @@
 //! latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis with both signs a box ahead of
 //! or behind the origin has an earliest entry, but no exit.
 //!
+//! Rays with origins of their own have them in a box: planes below are taken relative to its upper end, planes above
+//! relative to its lower end, so that entries are the earliest and exits the latest over the box.
+//!
 //! **Roundings.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused
 //! operations, plane·i are off by 2⁻²⁴ of their own sizes, and |plane| ≤ 1; what remains is relative to the
 //! result. So planes below take o + 2⁻²²(1 + |o|), planes above o − 2⁻²²(1 + |o|), and the interval of 1/d,
@@ -18,9 +21,12 @@
 
 use glam::DVec3;
 
+use super::FAR;
+use super::bundle::Bundle;
 use super::simd::Simd;
 use crate::accel::Hit;
 use crate::accel::slab::{Lattice, exponent, power_of_two};
+use crate::accel::triangle::{greater, norm1};
 
 /// Rays of a block.
 pub(super) const RAYS: usize = 64;
@@ -36,6 +42,10 @@ const COHERENT: f32 = 0.75;
 pub(super) struct Block {
     /// Directions, axis by axis.
     pub directions: [[f32; RAYS]; 3],
+    /// Where rays start relative to the view's point, and δ × d, axis by axis: see
+    /// [`facets`](super::facets). Only of rays with origins of their own.
+    pub offsets: [[f32; RAYS]; 3],
+    pub moments: [[f32; RAYS]; 3],
     /// Bounds of τ of the nearest hit.
     pub near: [f32; RAYS],
     pub far: [f32; RAYS],
@@ -67,15 +77,36 @@ pub(super) struct Axis {
     pub far_offset: [f32; 2],
 }
 
-/// The axes, and D.
+/// All axes.
 pub(super) struct Beam {
     pub axes: [Axis; 3],
-    pub reach: f64,
+}
+
+/// What is known of all rays of a block, in the frame of the boxes.
+pub(super) struct View {
+    /// A point near which the rays pass.
+    pub point: DVec3,
+    /// Per axis least and greatest direction.
+    pub directions: [[f32; 2]; 3],
+    /// The same of moments about the point.
+    pub moments: [[f32; 2]; 3],
+    /// How far from the point rays start, per axis.
+    pub offsets: [f32; 3],
+    /// |d|∞ at most.
+    pub reach: f32,
+    /// |moment|∞ at most.
+    pub turn: f32,
+    /// No ray's origin is farther from the point, in sum over the axes.
+    pub farthest: f32,
+    /// Whether rays are traced from their ends.
+    pub reversed: bool,
 }
 
 impl Block {
     pub const EMPTY: Block = Block {
         directions: [[0.0; RAYS]; 3],
+        offsets: [[0.0; RAYS]; 3],
+        moments: [[0.0; RAYS]; 3],
         near: [0.0; RAYS],
         far: [0.0; RAYS],
         weights: [[0.0; RAYS]; 2],
@@ -86,36 +117,105 @@ impl Block {
         tau_from_s: 1.0,
     };
 
-    /// Takes the directions of the rays in `order`; false if they don't go together.
+    /// Takes over the rays in `order`; none if they don't go together.
     #[inline(always)]
-    pub fn aim<K: Simd>(
-        &mut self,
-        k: K,
-        lattice: &Lattice,
-        directions: &[DVec3],
-    ) -> Option<[[f32; 2]; 3]> {
-        let first = directions[self.order[0] as usize].abs().max_element();
+    pub fn aim<K: Simd, B: Bundle>(&mut self, k: K, lattice: &Lattice, rays: B) -> Option<View> {
+        let first = rays.direction(self.order[0] as usize).abs().max_element();
         if !(power_of_two(-500)..power_of_two(500)).contains(&first) {
             return None;
         }
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = lattice.scale * power_of_two(exponent(first));
+        self.turn_to(k, rays, unit);
+        let directions = self.extent(k)?;
+        let mut view = View {
+            point: DVec3::ZERO,
+            directions,
+            moments: [[0.0; 2]; 3],
+            offsets: [0.0; 3],
+            reach: greatest(&directions) * 1.001,
+            turn: 0.0,
+            farthest: 0.0,
+            reversed: rays.is_reversed(),
+        };
+        match rays.shared_origin() {
+            Some(origin) => view.point = lattice.place(origin),
+            None => self.stand(k, lattice, rays, unit, &mut view)?,
+        }
+        Some(view)
+    }
+
+    /// Takes over directions.
+    #[inline(always)]
+    fn turn_to<K: Simd, B: Bundle>(&mut self, k: K, rays: B, unit: f64) {
         let [xs, ys, zs] = &mut self.directions;
-        if self.in_fours {
-            let mut first = 0;
-            while first < RAYS {
-                let ray = self.order[first] as usize;
-                let (x, y, z) = (&mut xs[first..], &mut ys[first..], &mut zs[first..]);
-                k.store_vectors(&directions[ray..ray + 4], unit, x, y, z);
-                first += 4;
+        match rays.directions() {
+            Some(directions) if self.in_fours => {
+                let mut first = 0;
+                while first < RAYS {
+                    let ray = self.order[first] as usize;
+                    let (x, y, z) = (&mut xs[first..], &mut ys[first..], &mut zs[first..]);
+                    k.store_vectors(&directions[ray..ray + 4], unit, x, y, z);
+                    first += 4;
+                }
             }
-        } else {
-            for (lane, &ray) in self.order.iter().enumerate() {
-                let d = directions[ray as usize] * unit;
-                (xs[lane], ys[lane], zs[lane]) = (d.x as f32, d.y as f32, d.z as f32);
+            _ => {
+                for (lane, &ray) in self.order.iter().enumerate() {
+                    let d = rays.direction(ray as usize) * unit;
+                    (xs[lane], ys[lane], zs[lane]) = (d.x as f32, d.y as f32, d.z as f32);
+                }
             }
         }
-        self.extent(k)
+    }
+
+    /// Takes over where rays start: about the middle of the box of all.
+    #[inline(always)]
+    fn stand<K: Simd, B: Bundle>(
+        &mut self,
+        k: K,
+        lattice: &Lattice,
+        rays: B,
+        unit: f64,
+        view: &mut View,
+    ) -> Option<()> {
+        let start = rays.start(self.order[0] as usize);
+        let (mut lo, mut hi, mut farthest) = (start, start, 0.0f64);
+        for &ray in &self.order {
+            let start = rays.start(ray as usize);
+            (lo, hi) = (lo.min(start), hi.max(start));
+        }
+        let point = lo * 0.5 + hi * 0.5;
+        view.point = lattice.place(point);
+        // In this form also for NaN.
+        if !(view.point.abs().max_element() <= FAR) {
+            return None;
+        }
+        let mut broken = 0.0;
+        for (lane, &ray) in self.order.iter().enumerate() {
+            let ray = ray as usize;
+            let offset = (rays.start(ray) - point) * lattice.scale;
+            let moment = offset.cross(rays.direction(ray) * unit);
+            let origin = (rays.origin(ray) - point) * lattice.scale;
+            let distance = norm1(origin);
+            farthest = greater(farthest, distance);
+            broken += (distance + norm1(offset) + norm1(moment)) * 0.0;
+            let mut axis = 0;
+            while axis < 3 {
+                self.offsets[axis][lane] = offset[axis] as f32;
+                self.moments[axis][lane] = moment[axis] as f32;
+                axis += 1;
+            }
+        }
+        view.moments = interval(k, &self.moments);
+        view.turn = greatest(&view.moments) * 1.001;
+        let offsets = interval(k, &self.offsets);
+        let mut axis = 0;
+        while axis < 3 {
+            view.offsets[axis] = greater32(-offsets[axis][0], offsets[axis][1]) * 1.001;
+            axis += 1;
+        }
+        view.farthest = farthest as f32 * 1.001;
+        (broken == 0.0 && farthest <= 2.0 * FAR).then_some(())
     }
 
     /// Least and greatest direction along each axis; none if they don't go together.
@@ -208,31 +308,63 @@ fn upper(tau: f64) -> f32 {
     (tau * (1.0 + power_of_two(-22))) as f32
 }
 
-impl Beam {
-    /// Rays from `origin` (in the tree's frame) with directions within `extent`.
-    #[inline(always)]
-    pub fn new(origin: DVec3, extent: &[[f32; 2]; 3]) -> Beam {
-        let mut reach = 0.0f32;
-        for d in extent.as_flattened() {
-            reach = if d.abs() > reach { d.abs() } else { reach };
+/// Least and greatest along each axis.
+#[inline(always)]
+fn interval<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> [[f32; 2]; 3] {
+    let mut intervals = [[0.0; 2]; 3];
+    let mut axis = 0;
+    while axis < 3 {
+        let mut least = k.load(&vectors[axis]);
+        let mut most = least;
+        let mut first = K::LANES;
+        while first < RAYS {
+            let x = k.load(&vectors[axis][first..]);
+            (least, most) = (k.min(least, x), k.max(most, x));
+            first += K::LANES;
         }
+        intervals[axis] = [k.smallest(least), k.greatest(most)];
+        axis += 1;
+    }
+    intervals
+}
+
+/// The greatest modulus.
+#[inline(always)]
+fn greatest(intervals: &[[f32; 2]; 3]) -> f32 {
+    let mut most = 0.0f32;
+    for x in intervals.as_flattened() {
+        most = greater32(most, x.abs());
+    }
+    most
+}
+
+#[inline(always)]
+fn greater32(x: f32, y: f32) -> f32 {
+    if x > y { x } else { y }
+}
+
+impl Beam {
+    /// The rays of `view`.
+    #[inline(always)]
+    pub fn new(view: &View) -> Beam {
         Beam {
-            axes: [
-                Axis::new(origin.x, extent[0]),
-                Axis::new(origin.y, extent[1]),
-                Axis::new(origin.z, extent[2]),
-            ],
-            reach: f64::from(reach) * 1.001,
+            axes: [Axis::of(view, 0), Axis::of(view, 1), Axis::of(view, 2)],
         }
     }
 }
 
 impl Axis {
     #[inline(always)]
-    fn new(origin: f64, [least, greatest]: [f32; 2]) -> Axis {
+    fn of(view: &View, axis: usize) -> Axis {
+        let offset = f64::from(view.offsets[axis]);
+        Axis::new(view.point[axis], offset, view.directions[axis])
+    }
+
+    #[inline(always)]
+    fn new(origin: f64, offset: f64, [least, greatest]: [f32; 2]) -> Axis {
         const WIDER: f32 = 1.0 + power_of_two(-21) as f32;
         const NARROWER: f32 = 1.0 - power_of_two(-21) as f32;
-        let margin = (1.0 + origin.abs()) * power_of_two(-22);
+        let margin = offset + (1.0 + origin.abs() + offset) * power_of_two(-22);
         // For planes below and above.
         let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
         let straddles = least < 0.0 && greatest > 0.0;

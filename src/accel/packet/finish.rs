@@ -6,8 +6,8 @@
 
 use glam::DVec3;
 
-use super::Batch;
 use super::block::{Block, NONE, RAYS};
+use super::bundle::Bundle;
 use crate::accel::Bvh;
 use crate::accel::triangle::{GRAZING, Line, greater, lesser, norm1};
 
@@ -34,8 +34,7 @@ impl Numbers {
 
     /// Works out all hits of `block`.
     #[inline(always)]
-    pub fn fill(&mut self, bvh: &Bvh, batch: Batch, block: &Block) {
-        let Batch { origin, directions } = batch;
+    pub fn fill<B: Bundle>(&mut self, bvh: &Bvh, rays: B, block: &Block) {
         let mut first = 0;
         while first < RAYS {
             let mut met = None;
@@ -47,13 +46,13 @@ impl Numbers {
                 }
             }
             if let Some(slot) = met {
-                let mut group = Group::aimed(directions, &block.order[first..first + GROUP]);
+                let mut group = Group::aimed(rays, &block.order[first..first + GROUP]);
                 if same {
                     group.spread(&bvh.corners[slot as usize]);
                 } else {
                     group.collect(bvh, &block.slots[first..first + GROUP], slot);
                 }
-                self.meet(&group, origin, first);
+                self.meet::<B>(&group, first);
             }
             first += GROUP;
         }
@@ -74,14 +73,14 @@ impl Numbers {
 
     /// Where the lines meet the triangles.
     #[inline(always)]
-    fn meet(&mut self, group: &Group, origin: DVec3, first: usize) {
+    fn meet<B: Bundle>(&mut self, group: &Group, first: usize) {
         let end = first + GROUP;
         let (s, u) = (&mut self.s[first..end], &mut self.u[first..end]);
         let (v, deltas) = (&mut self.v[first..end], &mut self.delta[first..end]);
         for i in 0..GROUP {
             let d = group.direction(i);
             let (c0, c1, c2) = (group.corner(0, i), group.corner(3, i), group.corner(6, i));
-            let a = c0 - origin;
+            let a = c0 - group.origin(if B::OWN { i } else { 0 });
             let e1 = c1 - c0;
             let e2 = c2 - c0;
             let n = e1.cross(e2);
@@ -108,6 +107,7 @@ impl Numbers {
 #[repr(C, align(64))]
 struct Group {
     directions: [[f64; GROUP]; 3],
+    origins: [[f64; GROUP]; 3],
     /// s of the ray is so many times s of the line.
     unit: [f64; GROUP],
     /// Coordinates of the first corner, of the second and of the third.
@@ -117,18 +117,26 @@ struct Group {
 impl Group {
     /// Rays with directions of usual size; `Probe` scales them likewise.
     #[inline(always)]
-    fn aimed(directions: &[DVec3], order: &[u32]) -> Group {
+    fn aimed<B: Bundle>(rays: B, order: &[u32]) -> Group {
         let mut group = Group {
             directions: [[0.0; GROUP]; 3],
+            origins: [[0.0; GROUP]; 3],
             unit: [0.0; GROUP],
             corners: [[0.0; GROUP]; 9],
         };
         let order = &order[..GROUP];
         for i in 0..GROUP {
-            let d = directions[order[i] as usize];
+            let d = rays.direction(order[i] as usize);
             group.directions[0][i] = d.x;
             group.directions[1][i] = d.y;
             group.directions[2][i] = d.z;
+        }
+        let places = if B::OWN { GROUP } else { 1 };
+        for i in 0..places {
+            let origin = rays.origin(order[i] as usize);
+            group.origins[0][i] = origin.x;
+            group.origins[1][i] = origin.y;
+            group.origins[2][i] = origin.z;
         }
         let [x, y, z] = &mut group.directions;
         for i in 0..GROUP {
@@ -176,6 +184,12 @@ impl Group {
     #[inline(always)]
     fn direction(&self, i: usize) -> DVec3 {
         let [x, y, z] = &self.directions;
+        DVec3::new(x[i], y[i], z[i])
+    }
+
+    #[inline(always)]
+    fn origin(&self, i: usize) -> DVec3 {
+        let [x, y, z] = &self.origins;
         DVec3::new(x[i], y[i], z[i])
     }
 

@@ -1,16 +1,20 @@
-//! Rays that share their origin, in blocks of 64 and packets of as many as the processor has lanes.
+//! Rays that go nearly the same way, in blocks of 64 and packets of as many as the processor has lanes.
 //!
-//! A block goes down the tree as one (`block`: the interval test); at the leaves packets of its rays are
-//! tested against triangles in f32 (`facet`: the bounds). What the bounds leave open is decided by the
-//! f64 test of single rays, and the numbers of every hit are worked out by its operations (`finish`):
-//! which triangle is met, and s, u and v, are those of single rays, bit for bit, with every kernel.
+//! A block goes down the tree as one (`block`: the interval test); at the leaves it is seen which of eight triangles
+//! may be met, and packets of its rays are tested against those in f32 (`facets`: the bounds). What the bounds leave
+//! open is decided by the f64 test of single rays, and the numbers of every hit are worked out by its operations
+//! (`finish`): which triangle is met, and s, u and v, are those of single rays, bit for bit, with every kernel.
 //!
-//! Rays that don't go together, and origins more than 2¹⁰ scene sizes away, are traced singly.
+//! Rays may share their origin or have their own; the farther those are from one another, the less a block passes
+//! over. Rays that don't go together, and origins more than 2¹⁰ scene sizes away, are traced singly.
 
 mod block;
-mod facet;
+mod blocked;
+mod bundle;
+mod facets;
 mod finish;
 mod method;
+mod nearest;
 // The kernels' intrinsics, and nothing else.
 #[allow(unsafe_code)]
 mod simd;
@@ -25,11 +29,14 @@ pub use method::{Kernel, Method, Precision};
 use super::query::Probe;
 use super::slab::{Link, power_of_two};
 use super::wide::WIDTH;
-use super::{Bvh, Hit, NoTally, Origins, Ray, Segment, Tally, Work};
+use super::{Bvh, Hit, NoTally, Origins, Segment, Tally, Work};
 use block::{Block, NONE};
+use blocked::Blocked;
+use bundle::{Bundle, Pencil, Sheaf, ray_of};
 use finish::Numbers;
+use nearest::Nearest;
 use tile::Tile;
-use walk::{Outcome, Waiting, Walk};
+use walk::{Outcome, Waiting};
 
 /// Origins farther than this many scene sizes are left to single rays, which rebase them.
 const FAR: f64 = power_of_two(10);
@@ -39,14 +46,6 @@ const USUAL_STACK: usize = 256;
 const FEW: usize = 8;
 /// Marks slots whose front was met, where nobody certifies it.
 const FRONT: u32 = 1 << 31;
-
-/// Rays from one origin.
-#[derive(Clone, Copy)]
-struct Batch<'a> {
-    /// Metres.
-    origin: DVec3,
-    directions: &'a [DVec3],
-}
 
 /// What is reused from block to block.
 struct Workspace {
@@ -68,48 +67,36 @@ impl Bvh {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        mut replaced: impl FnMut(usize),
+        replaced: impl FnMut(usize),
     ) {
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
-        let Origins::Shared(origin) = from else {
-            return self.closest_singly(from, directions, hits, tally, replaced);
-        };
-        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets(origin) {
+        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
             return self.closest_singly(from, directions, hits, tally, replaced);
         }
-        let batch = Batch { origin, directions };
-        let mut space = Workspace {
-            block: Block::EMPTY,
-            numbers: Numbers::NONE,
-            outcome: Outcome::Missed,
-        };
-        let tile = Tile::of(directions);
-        self.with_wide_stack(|stack| {
-            for at in 0..tile.blocks() {
-                tile.select(at, &mut space.block);
-                self.walk(method, batch, hits, &mut space, stack, tally);
-                match space.outcome {
-                    Outcome::Missed => {}
-                    Outcome::Met => {
-                        let precision = method.precision;
-                        space.replace(self, precision, batch, hits, tally, &mut replaced)
-                    }
-                    Outcome::Apart => {
-                        space
-                            .block
-                            .trace_singly(self, batch, hits, tally, &mut replaced)
-                    }
-                }
+        match from {
+            Origins::Shared(origin) if self.is_far(origin) => {
+                self.closest_singly(from, directions, hits, tally, replaced);
             }
-        });
+            Origins::Shared(origin) => {
+                let rays = Pencil { origin, directions };
+                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+            }
+            Origins::Each(origins) => {
+                let rays = Sheaf {
+                    origins,
+                    directions,
+                };
+                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+            }
+        }
     }
 
     /// For each segment whether something blocks it. `tally` is told the work.
     ///
     /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
-    /// point in common or nearly so.
+    /// point in common or nearly so. Results are certified, whatever `method` says.
     pub fn any_by(
         &self,
         method: Method,
@@ -117,10 +104,37 @@ impl Bvh {
         blocked: &mut [bool],
         tally: &mut impl Tally,
     ) {
-        let _ = method;
         let count = segments.len().min(blocked.len());
+        let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
         tally.add(Work::Rays, count);
-        self.any_singly(&segments[..count], &mut blocked[..count], tally);
+        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
+            return self.any_singly(segments, blocked, tally);
+        }
+        blocked.fill(false);
+        let mut space = Workspace::new();
+        let tile = Tile::of_count(count);
+        self.with_wide_stack(|stack| {
+            for at in 0..tile.blocks() {
+                tile.select(at, &mut space.block);
+                space.outcome = Outcome::Apart;
+                if space.block.count >= FEW {
+                    method.kernel.run(Blocked {
+                        bvh: self,
+                        segments,
+                        blocked,
+                        space: &mut space,
+                        stack,
+                        tally,
+                    });
+                }
+                if space.outcome == Outcome::Apart {
+                    for &ray in &space.block.order[..space.block.count] {
+                        let ray = ray as usize;
+                        self.any_singly(&segments[ray..=ray], &mut blocked[ray..=ray], tally);
+                    }
+                }
+            }
+        });
     }
 
     /// [`Bvh::closest_by`] with the method of this processor, from one point.
@@ -151,21 +165,54 @@ impl Bvh {
         self.closest_by(method, from, directions, hits, &mut NoTally, replaced);
     }
 
-    /// Whether the bounds of packets hold for rays from `origin`.
-    fn suits_packets(&self, origin: DVec3) -> bool {
-        let distance = (origin - self.lattice.centre).abs().max_element() * self.lattice.scale;
+    fn closest_of_tile(
+        &self,
+        method: Method,
+        rays: impl Bundle,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        mut replaced: impl FnMut(usize),
+    ) {
+        let mut space = Workspace::new();
+        let tile = Tile::of(directions);
+        self.with_wide_stack(|stack| {
+            for at in 0..tile.blocks() {
+                tile.select(at, &mut space.block);
+                self.walk(method, rays, hits, &mut space, stack, tally);
+                match space.outcome {
+                    Outcome::Missed => {}
+                    Outcome::Met => {
+                        let precision = method.precision;
+                        space.replace(self, precision, rays, hits, tally, &mut replaced)
+                    }
+                    Outcome::Apart => {
+                        space
+                            .block
+                            .trace_singly(self, rays, hits, tally, &mut replaced)
+                    }
+                }
+            }
+        });
+    }
+
+    /// Whether the bounds of packets hold in this tree.
+    fn suits_packets(&self) -> bool {
         let usual = power_of_two(-300)..power_of_two(300);
-        !self.wide.is_empty()
-            && usual.contains(&self.lattice.scale)
-            && origin.is_finite()
-            && distance <= FAR
+        !self.wide.nodes.is_empty() && usual.contains(&self.lattice.scale)
+    }
+
+    /// Whether single rays are to be asked from `origin`; also for NaN.
+    fn is_far(&self, origin: DVec3) -> bool {
+        let distance = self.lattice.place(origin).abs().max_element();
+        !(origin.is_finite() && distance <= FAR)
     }
 
     /// Leads the block's rays through the tree.
     fn walk(
         &self,
         method: Method,
-        batch: Batch,
+        rays: impl Bundle,
         hits: &[Option<Hit>],
         space: &mut Workspace,
         stack: &mut [Waiting],
@@ -177,17 +224,17 @@ impl Bvh {
         }
         let bvh = self;
         match method.precision {
-            Precision::Certified => method.kernel.run(Walk::<_, true> {
+            Precision::Certified => method.kernel.run(Nearest::<_, _, true> {
                 bvh,
-                batch,
+                rays,
                 hits,
                 space,
                 stack,
                 tally,
             }),
-            Precision::Fast => method.kernel.run(Walk::<_, false> {
+            Precision::Fast => method.kernel.run(Nearest::<_, _, false> {
                 bvh,
-                batch,
+                rays,
                 hits,
                 space,
                 stack,
@@ -198,7 +245,7 @@ impl Bvh {
 
     fn with_wide_stack(&self, run: impl FnOnce(&mut [Waiting])) {
         const NOBODY: Waiting = (0.0, Link::ROOT);
-        let most = self.wide_depth * WIDTH + 1;
+        let most = self.wide.depth * WIDTH + 1;
         if most <= USUAL_STACK {
             run(&mut [NOBODY; USUAL_STACK])
         } else {
@@ -208,13 +255,21 @@ impl Bvh {
 }
 
 impl Workspace {
+    fn new() -> Workspace {
+        Workspace {
+            block: Block::EMPTY,
+            numbers: Numbers::NONE,
+            outcome: Outcome::Missed,
+        }
+    }
+
     /// Puts what the block has met into `hits`.
     #[inline]
     fn replace(
         &self,
         bvh: &Bvh,
         precision: Precision,
-        batch: Batch,
+        rays: impl Bundle,
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
         replaced: &mut impl FnMut(usize),
@@ -228,7 +283,7 @@ impl Workspace {
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
             let is_replaced = if certified && !self.numbers.has(lane) {
-                replace_singly(bvh, batch, ray, block.slots[lane], entry, tally)
+                replace_singly(bvh, rays, ray, block.slots[lane], entry, tally)
             } else {
                 let numbers = match certified {
                     true => self.numbers.of(lane),
@@ -271,13 +326,13 @@ fn replace(
 #[cold]
 fn replace_singly(
     bvh: &Bvh,
-    batch: Batch,
+    rays: impl Bundle,
     ray: usize,
     slot: u32,
     entry: &mut Option<Hit>,
     tally: &mut impl Tally,
 ) -> bool {
-    let hit = Probe::new(&batch.ray(ray)).and_then(|probe| {
+    let hit = Probe::new(&ray_of(rays, ray)).and_then(|probe| {
         let crossing = probe.line.meet(&bvh.corners[slot as usize], tally)?;
         Some(probe.hit(bvh, &crossing, slot))
     });
@@ -296,33 +351,22 @@ fn comes_before(s: f64, entry: &Option<Hit>) -> bool {
     }
 }
 
-impl Batch<'_> {
-    fn ray(&self, ray: usize) -> Ray {
-        Ray {
-            origin: self.origin,
-            direction: self.directions[ray],
-            s_min: 0.0,
-        }
-    }
-}
-
 impl Block {
     /// For rays that don't go together.
     #[cold]
     fn trace_singly(
         &self,
         bvh: &Bvh,
-        batch: Batch,
+        rays: impl Bundle,
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
         replaced: &mut impl FnMut(usize),
     ) {
         for &ray in &self.order[..self.count] {
             let ray = ray as usize;
-            let direction = &batch.directions[ray..=ray];
+            let from = Origins::Shared(rays.origin(ray));
             let hit = &mut hits[ray..=ray];
-            let from = Origins::Shared(batch.origin);
-            bvh.closest_singly(from, direction, hit, tally, |_| replaced(ray));
+            bvh.closest_singly(from, &[rays.direction(ray)], hit, tally, |_| replaced(ray));
         }
     }
 

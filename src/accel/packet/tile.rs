@@ -36,21 +36,31 @@ const fn places(width: usize) -> [u32; RAYS] {
     places
 }
 
-const USUAL_PLACES: [u32; RAYS] = places(16);
+/// Pixels of an image's tile, and of its side.
+const FULL: usize = SIDES * SIDES;
+const SIDES: usize = 16;
+const USUAL_PLACES: [u32; RAYS] = places(SIDES);
 
 impl Tile {
     /// Rows are where directions jump back.
     pub fn of(directions: &[DVec3]) -> Tile {
-        let count = directions.len();
-        let width = match count {
-            256 => 16,
-            _ => row_length(directions),
-        };
+        match directions.len() {
+            FULL => Tile::of_count(FULL),
+            count => Tile::new(row_length(directions), count),
+        }
+    }
+
+    /// 16 × 16 rays, or in a row.
+    pub fn of_count(count: usize) -> Tile {
+        Tile::new(if count == FULL { SIDES } else { 0 }, count)
+    }
+
+    fn new(width: usize, count: usize) -> Tile {
         Tile {
             width,
             count,
             places: match width {
-                16 => USUAL_PLACES,
+                SIDES => USUAL_PLACES,
                 width => places(width),
             },
         }

@@ -62,12 +62,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch(self, corners: &[DVec3; 3]) {
-        let first: *const i8 = std::ptr::from_ref(corners).cast();
-        // SAFETY: prefetching reads nothing, and both ends of `corners` are in it.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<[DVec3; 3]>() - 1));
+    fn prefetch<T>(self, what: &T) {
+        let first: *const i8 = std::ptr::from_ref(what).cast();
+        let mut at = 0;
+        while at < size_of::<T>() {
+            // SAFETY: prefetching reads nothing, and `at` is within `what`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            at += 64;
         }
     }
 
@@ -184,6 +185,24 @@ impl Simd for Avx2 {
     fn mul_add(self, x: __m256, y: __m256, z: __m256) -> __m256 {
         // SAFETY: as `splat`.
         unsafe { _mm256_fmadd_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, x: __m256, y: __m256, z: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_fmsub_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn abs(self, x: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
+    }
+
+    #[inline(always)]
+    fn flip(self, x: __m256, by: __m256) -> __m256 {
+        // SAFETY: as `splat`.
+        unsafe { _mm256_xor_ps(x, _mm256_and_ps(by, _mm256_set1_ps(-0.0))) }
     }
 
     #[inline(always)]

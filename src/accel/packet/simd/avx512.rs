@@ -49,12 +49,13 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch(self, corners: &[DVec3; 3]) {
-        let first: *const i8 = std::ptr::from_ref(corners).cast();
-        // SAFETY: prefetching reads nothing, and both ends of `corners` are in it.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<[DVec3; 3]>() - 1));
+    fn prefetch<T>(self, what: &T) {
+        let first: *const i8 = std::ptr::from_ref(what).cast();
+        let mut at = 0;
+        while at < size_of::<T>() {
+            // SAFETY: prefetching reads nothing, and `at` is within `what`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            at += 64;
         }
     }
 
@@ -156,6 +157,24 @@ impl Simd for Avx512 {
     fn mul_add(self, x: __m512, y: __m512, z: __m512) -> __m512 {
         // SAFETY: as `splat`.
         unsafe { _mm512_fmadd_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, x: __m512, y: __m512, z: __m512) -> __m512 {
+        // SAFETY: as `splat`.
+        unsafe { _mm512_fmsub_ps(x, y, z) }
+    }
+
+    #[inline(always)]
+    fn abs(self, x: __m512) -> __m512 {
+        // SAFETY: as `splat`.
+        unsafe { _mm512_abs_ps(x) }
+    }
+
+    #[inline(always)]
+    fn flip(self, x: __m512, by: __m512) -> __m512 {
+        // SAFETY: as `splat`.
+        unsafe { _mm512_xor_ps(x, _mm512_and_ps(by, _mm512_set1_ps(-0.0))) }
     }
 
     #[inline(always)]

@@ -40,8 +40,8 @@ pub(super) trait Simd: Copy {
     /// Runs `task`, compiled for these instructions.
     fn run(self, task: impl Task);
 
-    /// Says that a triangle will be read soon.
-    fn prefetch(self, corners: &[DVec3; 3]);
+    /// Says that this will be read soon.
+    fn prefetch<T>(self, what: &T);
     /// `x` in all lanes.
     fn splat(self, x: f32) -> Self::F;
     /// Each of `x` in all lanes.
@@ -89,6 +89,12 @@ pub(super) trait Simd: Copy {
     fn div(self, x: Self::F, y: Self::F) -> Self::F;
     /// x · y + z, with one rounding or two.
     fn mul_add(self, x: Self::F, y: Self::F, z: Self::F) -> Self::F;
+    /// x · y − z, with one rounding or two.
+    fn mul_sub(self, x: Self::F, y: Self::F, z: Self::F) -> Self::F;
+    /// |x|.
+    fn abs(self, x: Self::F) -> Self::F;
+    /// x, with the other sign where `by` has a minus.
+    fn flip(self, x: Self::F, by: Self::F) -> Self::F;
     /// The smaller, or y where one is NaN.
     fn min(self, x: Self::F, y: Self::F) -> Self::F;
     /// The greater, or y where one is NaN.

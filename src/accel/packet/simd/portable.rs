@@ -36,7 +36,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn prefetch(self, _: &[DVec3; 3]) {}
+    fn prefetch<T>(self, _: &T) {}
 
     #[inline(always)]
     fn splat(self, x: f32) -> Lanes {
@@ -116,6 +116,24 @@ impl Simd for Portable {
     #[inline(always)]
     fn mul_add(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
         std::array::from_fn(|i| x[i] * y[i] + z[i])
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
+        std::array::from_fn(|i| x[i] * y[i] - z[i])
+    }
+
+    #[inline(always)]
+    fn abs(self, x: Lanes) -> Lanes {
+        x.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn flip(self, x: Lanes, by: Lanes) -> Lanes {
+        const SIGN: u32 = 1 << 31;
+        each(x, by, |x, by| {
+            f32::from_bits(x.to_bits() ^ (by.to_bits() & SIGN))
+        })
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use crate::accel::Precision;
 use crate::aov::Aov;
 use crate::image::{Channel, Samples};
 use crate::time_texture::Coverage;
@@ -71,6 +72,8 @@ pub struct Layout {
     pub samples: u32,
     /// Whether the one sample of each pixel is at its centre.
     pub pixel_centers: bool,
+    /// What visibility is worth.
+    pub precision: Precision,
     /// Auxiliary channels.
     pub channels: Vec<Aov>,
     /// Whether radiance can be missing, so that coverage has to be summed.
@@ -274,6 +277,11 @@ impl Film {
     /// Whether the one sample of each pixel is at its centre.
     pub fn is_centred(&self) -> bool {
         self.layout.pixel_centers
+    }
+
+    /// What the visibility in it is worth.
+    pub fn precision(&self) -> Precision {
+        self.layout.precision
     }
 
     /// Columns and rows.

@@ -68,8 +68,6 @@ pub struct Plan {
     pub time_resolved: bool,
     /// Film: size, samples per pixel, channels.
     pub film: Layout,
-    /// What visibility is worth.
-    pub precision: Precision,
     /// Rays that will be traced.
     pub rays: Rays,
     /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
@@ -189,7 +187,6 @@ impl Plan {
             objects,
             cubes,
             film: layout,
-            precision: request.precision,
             rays,
             memory,
             memory_limit: request.memory_limit,
@@ -228,6 +225,7 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
             scene.samples_per_pixel
         },
         pixel_centers: request.pixel_centers,
+        precision: request.precision,
         channels: request.aovs.clone(),
         has_gaps: covers_itself(scene) || is_time_resolved(scene, objects),
     }

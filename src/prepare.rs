@@ -34,6 +34,8 @@ pub struct Prepared {
     pub method: Method,
     /// What was odd in the files, but no error.
     pub warnings: Vec<String>,
+    /// How long the trees took to build, seconds.
+    pub built_in: f64,
 }
 
 /// Radiance of surfaces: constant, or varying with time.
@@ -54,6 +56,7 @@ impl Prepared {
         let camera = Camera::new(scene)?;
         let mut light = light::Builder::new(scene, plan);
         let mut warnings = Vec::new();
+        let mut built_in = 0.0;
         let mut frames = Vec::with_capacity(plan.frames.len());
         for planned in &plan.frames {
             stop_if_cancelled(progress)?;
@@ -63,6 +66,7 @@ impl Prepared {
                 planned,
                 &mut light,
                 &mut warnings,
+                &mut built_in,
             )?);
         }
         stop_if_cancelled(progress)?;
@@ -86,10 +90,11 @@ impl Prepared {
             sampler,
             layout: plan.film.clone(),
             method: Method {
-                precision: plan.precision,
+                precision: plan.film.precision,
                 ..Method::default()
             },
             warnings,
+            built_in,
         })
     }
 

@@ -4,13 +4,13 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{AnyView, View};
+use crate::camera::{AnyView, Departure};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
 use crate::progress::Progress;
 use crate::trace::{
-    self, AovRecorder, Meter, NoAovs, Pipeline, Radiance, Recorder, Stats, Surfaces, Unmetered,
+    self, Aim, AovRecorder, Meter, NoAovs, Pipeline, Radiance, Recorder, Stats, Surfaces, Unmetered,
 };
 
 /// Renders a prepared scene on rayon's current thread pool.
@@ -43,7 +43,11 @@ fn metered<M: Meter>(scene: &Prepared, progress: &dyn Progress) -> Result<(Film,
 
 // Each step fixes one type of the pipeline; every combination is compiled for itself.
 impl Prepared {
-    fn seen<V: View, M: Meter>(&self, view: &V, progress: &dyn Progress) -> Result<(Film, M)> {
+    fn seen<D: Departure, M: Meter>(
+        &self,
+        view: &dyn Aim<D>,
+        progress: &dyn Progress,
+    ) -> Result<(Film, M)> {
         let (event, index) = (self.camera.shot.event, self.ray_index);
         match self.frames.as_slice() {
             [rest] if rest.frame.velocity().is_rest() => {
@@ -54,9 +58,9 @@ impl Prepared {
         }
     }
 
-    fn met<V: View, S: Surfaces, M: Meter>(
+    fn met<D: Departure, S: Surfaces, M: Meter>(
         &self,
-        view: &V,
+        view: &dyn Aim<D>,
         surfaces: S,
         progress: &dyn Progress,
     ) -> Result<(Film, M)> {
@@ -66,9 +70,9 @@ impl Prepared {
         }
     }
 
-    fn lit<V: View, S: Surfaces, R: Radiance, M: Meter>(
+    fn lit<D: Departure, S: Surfaces, R: Radiance, M: Meter>(
         &self,
-        view: &V,
+        view: &dyn Aim<D>,
         surfaces: S,
         radiance: &R,
         progress: &dyn Progress,
@@ -94,8 +98,8 @@ impl Prepared {
     }
 }
 
-fn run<V: View, S: Surfaces, R: Radiance, A: Recorder, M: Meter>(
-    pipeline: &Pipeline<'_, V, S, R>,
+fn run<D: Departure, S: Surfaces, R: Radiance, A: Recorder, M: Meter>(
+    pipeline: &Pipeline<'_, D, S, R>,
     recorder: &A,
     layout: &Layout,
     progress: &dyn Progress,

@@ -65,14 +65,10 @@ impl Sampler {
             return;
         }
         let (i, j) = (index % self.columns, index / self.columns);
-        // Integer divisions, which vectors don't have.
         for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
-            (*x, *y) = (0.0, 0.0);
-            if self.columns * self.rows > 1 {
-                let pixel = hash(*pixel);
-                *x = sub_cell(j, self.rows, pixel);
-                *y = sub_cell(i, self.columns, pixel.rotate_left(31));
-            }
+            let pixel = hash(*pixel);
+            *x = sub_cell(j, self.rows, pixel);
+            *y = sub_cell(i, self.columns, pixel.rotate_left(31));
         }
         let [width, height] = self.cell;
         widest(Jitter {
@@ -187,8 +183,10 @@ fn permuted(k: u32, n: u32, seed: u32) -> u32 {
 
 /// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
-    if n == 1 {
-        return 0.0;
+    if n.is_power_of_two() {
+        // The same without divisions: the odd strides are the coprime ones.
+        let stride = (1 + ((seed >> 32) & u64::from(n - 1))) | 1;
+        return ((u64::from(k) * stride + seed) & u64::from(n - 1)) as f64;
     }
     let shift = (seed % n as u64) as u32;
     let stride = (1 + (seed >> 32) % n as u64) as u32;

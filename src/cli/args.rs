@@ -186,6 +186,12 @@ pub struct RenderArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+    /// At the end print what it has cost: rays, node visits, triangle tests, fall-backs, bytes, times.
+    #[arg(long, conflicts_with = "quiet")]
+    pub stats: bool,
+    /// At the end write what it has cost as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub stats_json: Option<PathBuf>,
     #[command(flatten)]
     pub frames: FrameArguments,
 }

@@ -20,6 +20,7 @@ mod reference;
 mod remarks;
 mod render;
 mod sheet;
+mod stats;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;

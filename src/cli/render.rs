@@ -7,7 +7,7 @@ use nullray::film::Film;
 use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
 use nullray::scene::model::Scene;
-use nullray::{Error, Result};
+use nullray::{Error, Result, render};
 
 use super::args::RenderArguments;
 use super::failure::refused;
@@ -15,6 +15,7 @@ use super::frames::{self, Frames};
 use super::output::{Outputs, check_all, suffixed};
 use super::panels::{self, named_after};
 use super::progress::Bar;
+use super::stats::{Account, Preparation};
 use super::{builtin, inputs, interrupt, overlay, print, remarks};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
@@ -23,18 +24,37 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     let outputs = outputs(arguments, &scene);
     let frames = Frames::of(&arguments.frames, &scene)?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
+    let wanted = arguments.stats || arguments.stats_json.is_some();
+    let mut account = wanted.then(Account::default);
     in_pool(arguments.threads, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
             let request = request(arguments, &outputs);
-            frames::run(arguments, &scene, &frames, &request, &outputs)
+            let account = account.as_mut();
+            frames::run(arguments, &scene, &frames, &request, &outputs, account)
         }
-        None if of_panels => all_panels(arguments, &scene, &outputs),
+        None if of_panels => all_panels(arguments, &scene, &outputs, account.as_mut()),
         None => {
             let request = request(arguments, &outputs);
-            one(&scene, &request, &outputs, arguments.quiet)
+            one(
+                &scene,
+                &request,
+                &outputs,
+                arguments.quiet,
+                account.as_mut(),
+            )
         }
-    })
+    })?;
+    account.map_or(Ok(()), |account| settle(arguments, &account))
+}
+
+/// Says and writes what it has cost, as far as that is wanted.
+fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
+    if arguments.stats {
+        print(&account.table())?;
+    }
+    let file = arguments.stats_json.as_deref();
+    file.map_or(Ok(()), |path| account.write(path))
 }
 
 fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {
@@ -53,7 +73,12 @@ fn panels_and_frames() -> Error {
 }
 
 /// Renders the panels that are asked for.
-fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> Result<()> {
+fn all_panels(
+    arguments: &RenderArguments,
+    whole: &Scene,
+    outputs: &Outputs,
+    mut account: Option<&mut Account>,
+) -> Result<()> {
     let path = arguments.scene.scene.as_deref();
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
@@ -77,17 +102,24 @@ fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> 
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     for (request, scene, outputs) in &jobs {
-        one(scene, request, outputs, arguments.quiet)?;
+        let account = account.as_deref_mut();
+        one(scene, request, outputs, arguments.quiet, account)?;
     }
     Ok(())
 }
 
-/// Renders one scene to its outputs; says what was written unless `quiet`.
-pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> Result<()> {
+/// Renders one scene to its outputs; says what was written unless `quiet`, and notes the cost on `account`.
+pub fn one(
+    scene: &Scene,
+    request: &Request,
+    outputs: &Outputs,
+    quiet: bool,
+    account: Option<&mut Account>,
+) -> Result<()> {
     let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
-    let rendered = film(scene, &plan, quiet)?;
+    let rendered = film(scene, &plan, quiet, account)?;
     outputs.write(scene, &rendered.film, &mut say)?;
     rendered.remark(&plan, &mut say)?;
     overlay::write(outputs, scene, rendered, quiet)
@@ -119,13 +151,24 @@ impl Rendered {
 }
 
 /// Loads, builds and renders, with a progress bar unless `quiet`.
-pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
+pub fn film(
+    scene: &Scene,
+    plan: &Plan,
+    quiet: bool,
+    mut account: Option<&mut Account>,
+) -> Result<Rendered> {
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, plan, &bar)?;
     let prepared_in = start.elapsed().as_secs_f64();
     bar.start();
-    let film = nullray::render::render(&prepared, &bar)?;
+    if let Some(account) = account.as_deref_mut() {
+        account.prepared(Preparation {
+            seconds: prepared_in,
+            built_in: prepared.built_in,
+        });
+    }
+    let film = picture(&prepared, &bar, account)?;
     drop(bar);
     interrupt::check()?;
     Ok(Rendered {
@@ -135,6 +178,17 @@ pub fn film(scene: &Scene, plan: &Plan, quiet: bool) -> Result<Rendered> {
         warnings: std::mem::take(&mut prepared.warnings),
         prepared,
     })
+}
+
+/// Takes the picture of what is prepared, and notes its cost on `account`.
+pub fn picture(prepared: &Prepared, bar: &Bar, account: Option<&mut Account>) -> Result<Film> {
+    let Some(account) = account else {
+        return render::render(prepared, bar);
+    };
+    let start = Instant::now();
+    let (film, stats) = render::render_with_stats(prepared, bar)?;
+    account.picture(stats, start.elapsed().as_secs_f64());
+    Ok(film)
 }
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.

@@ -32,8 +32,8 @@ pub struct Lookups {
     pub v: [f64; BATCH],
     /// Times, metres of ct.
     pub t: [f64; BATCH],
-    /// Radiance where the data hold all of it.
-    pub radiance: [[f64; 3]; BATCH],
+    /// Radiance where the data hold all of it, and a fourth lane that means nothing.
+    pub radiance: [[f64; 4]; BATCH],
     /// Lookups that are not so plain.
     pub others: Vec<(usize, Sampled)>,
     places: Places,
@@ -58,7 +58,7 @@ impl Default for Lookups {
             u: [0.0; BATCH],
             v: [0.0; BATCH],
             t: [0.0; BATCH],
-            radiance: [[0.0; 3]; BATCH],
+            radiance: [[0.0; 4]; BATCH],
             others: Vec::new(),
             places: Places {
                 origins: [[0; BATCH]; 4],
@@ -110,7 +110,7 @@ impl TimeTexture {
             if !lookups.places.plain[at] {
                 let uv = DVec2::new(lookups.u[at], lookups.v[at]);
                 let sampled = self.sample_uv(uv, lookups.t[at]);
-                lookups.radiance[at] = sampled.radiance;
+                lookups.radiance[at] = rgb_and_nothing(sampled.radiance);
                 lookups.others.push((at, sampled));
             }
         }
@@ -284,7 +284,7 @@ fn read<S: Sample, const C: usize, const N: usize>(
     places: &Places,
     count: usize,
     factor: f64,
-    radiance: &mut [[f64; 3]; BATCH],
+    radiance: &mut [[f64; 4]; BATCH],
 ) {
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
@@ -365,8 +365,8 @@ fn sum<S: Sample, const C: usize, const N: usize>(
     places: &Places,
     at: usize,
     factor: f64,
-) -> [f64; 3] {
-    // Four lanes: with three channels the fourth holds what belongs to others, and is dropped.
+) -> [f64; 4] {
+    // Four lanes, which fill a vector: with three channels the fourth sums what belongs to others.
     let values = &values[..4 * N * C + 1];
     let mut sum = [0.0; 4];
     let mut tap = 0;
@@ -392,11 +392,19 @@ fn sum<S: Sample, const C: usize, const N: usize>(
         }
         tap += 1;
     }
-    if C == 3 {
-        [sum[0] * factor, sum[1] * factor, sum[2] * factor]
-    } else {
-        [sum[0] * factor; 3]
+    if C != 3 {
+        sum = [sum[0]; 4];
     }
+    let mut c = 0;
+    while c < 4 {
+        sum[c] *= factor;
+        c += 1;
+    }
+    sum
+}
+
+fn rgb_and_nothing([r, g, b]: [f64; 3]) -> [f64; 4] {
+    [r, g, b, 0.0]
 }
 
 #[cfg(test)]
@@ -475,11 +483,8 @@ mod tests {
                 let single = texture.sample_uv(uv, lookups.t[i]);
                 let other = lookups.others.iter().find(|(at, _)| *at == i);
                 let bits = |rgb: [f64; 3]| rgb.map(f64::to_bits);
-                assert_eq!(
-                    bits(lookups.radiance[i]),
-                    bits(single.radiance),
-                    "{filter:?} {i}"
-                );
+                let [r, g, b, _] = lookups.radiance[i];
+                assert_eq!(bits([r, g, b]), bits(single.radiance), "{filter:?} {i}");
                 match other {
                     Some((_, sampled)) => assert_eq!(*sampled, single),
                     None => assert_eq!(single.coverage, crate::time_texture::Coverage::HELD),

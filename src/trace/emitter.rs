@@ -200,9 +200,10 @@ fn look_up<D: Departure, S: Surfaces, M: Meter>(
             light.lookups.t[at] = clock.time_of(run, begin + at, hit.s);
         }
         texture.sample_each(&mut light.lookups, count);
+        let radiance = light.lookups.radiance[..count].iter();
         light
             .radiance
-            .extend_from_slice(&light.lookups.radiance[..count]);
+            .extend(radiance.map(|[r, g, b, _]| [*r, *g, *b]));
         let details = light.lookups.others.iter().map(|(at, sampled)| Detail {
             at: begin + at,
             unscaled: sampled.unscaled,

@@ -42,14 +42,7 @@ impl<D: Departure> Looks<D> {
         [self.offsets[0][ray], self.offsets[1][ray]]
     }
 
-    /// Looks through sample `index` of every pixel of `tile`.
-    pub(super) fn aim<V: View<From = D>>(
-        &mut self,
-        view: &V,
-        sampler: &Sampler,
-        tile: Tile,
-        index: u32,
-    ) {
+    fn aim<V: View<From = D>>(&mut self, view: &V, sampler: &Sampler, tile: Tile, index: u32) {
         self.resize(tile.pixels());
         for (pixel, (column, row)) in self.pixels.iter_mut().zip(tile.coordinates()) {
             *pixel = pixel_key(column, row);
@@ -84,6 +77,18 @@ impl<D: Departure> Looks<D> {
         self.directions.resize(count, DVec3::ZERO);
         self.ratios.resize(count, 0.0);
         self.from.resize(count, D::HERE);
+    }
+}
+
+/// A view of whatever kind, asked for a batch of looks at a time.
+pub trait Aim<D>: Sync {
+    /// Looks through sample `index` of every pixel of `tile`.
+    fn aim(&self, looks: &mut Looks<D>, sampler: &Sampler, tile: Tile, index: u32);
+}
+
+impl<D: Departure, V: View<From = D>> Aim<D> for V {
+    fn aim(&self, looks: &mut Looks<D>, sampler: &Sampler, tile: Tile, index: u32) {
+        looks.aim(self, sampler, tile, index);
     }
 }
 

@@ -1,9 +1,18 @@
 //! One sample: event → null ray → nearest hit over all rest frames → retarded event → radiance × factor.
 //!
-//! A [`Pipeline`] is put together from the plan: which [`View`], which [`Surfaces`], which
-//! [`Radiance`] and which recorder of auxiliary channels. Each combination is compiled for itself, so
-//! that a scene pays nothing for what it does not need. Rays go in batches: one sample of every pixel
-//! of a tile, which share the camera's event and are coherent.
+//! A [`Pipeline`] is put together from the plan: which [`View`](crate::camera::View), which [`Surfaces`], which
+//! [`Radiance`] and which recorder of auxiliary channels. Each combination of those beyond the view, which
+//! is asked once per batch, is compiled for itself, so that a scene pays nothing for what it does not need.
+//!
+//! Rays go in batches: one sample of every pixel of a tile, which share the camera's event and are
+//! coherent. Each stage goes over the whole batch, in plain loops for the widest vectors:
+//!
+//! ```text
+//! looks → scratch (boosts, nearest hits) → develop: runs of points of one patch
+//!                                          → emit (lookups, shadows, all of a run together) → factors → film
+//! ```
+//!
+//! Buffers are kept from batch to batch: nothing is allocated for a ray.
 
 mod develop;
 mod emission;
@@ -21,7 +30,7 @@ pub use develop::Developer;
 pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
 pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use light::{Detail, Light};
-pub use looks::Looks;
+pub use looks::{Aim, Looks};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
 pub use run::{Run, Traced};
 pub use scratch::Scratch;
@@ -31,16 +40,15 @@ pub use surfaces::{
 };
 
 use crate::accel::Method;
-use crate::camera::{Departure, View};
+use crate::camera::Departure;
 use crate::film::{Tile, TileFilm};
 use crate::sampler::Sampler;
 use crate::spacetime::{Direction, Event, WavelengthRatio, World};
 
-/// Everything that turns film points into radiance.
-#[derive(Debug)]
-pub struct Pipeline<'a, V, S, R> {
+/// Everything that turns film points into radiance; rays leave as `D` says.
+pub struct Pipeline<'a, D, S, R> {
     /// Film point → world direction and W.
-    pub view: &'a V,
+    pub view: &'a dyn Aim<D>,
     /// Ray → nearest hit.
     pub surfaces: S,
     /// Hit → emitted radiance.
@@ -75,14 +83,14 @@ impl<D> Default for Buffers<D> {
     }
 }
 
-impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
+impl<D: Departure, S: Surfaces, R: Radiance> Pipeline<'_, D, S, R> {
     /// Renders sample `index` of every pixel of `tile`.
     pub fn sample<A: Recorder, M: Meter>(
         &self,
         tile: Tile,
         index: u32,
         recorder: &A,
-        buffers: &mut Buffers<V::From>,
+        buffers: &mut Buffers<D>,
         film: &mut TileFilm,
         meter: &mut M,
     ) {
@@ -92,7 +100,7 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
             scratch,
             developer,
         } = buffers;
-        looks.aim(self.view, &self.sampler, tile, index);
+        self.view.aim(looks, &self.sampler, tile, index);
         meter.lap(Stage::Looks);
         let rays = Rays {
             directions: &looks.directions,
@@ -125,13 +133,13 @@ impl<V: View, S: Surfaces, R: Radiance> Pipeline<'_, V, S, R> {
     /// Records auxiliary channels.
     fn record<A: Recorder>(
         &self,
-        looks: &Looks<V::From>,
-        traced: &Traced<V::From, S>,
+        looks: &Looks<D>,
+        traced: &Traced<D, S>,
         recorder: &A,
         film: &mut TileFilm,
     ) {
         for (ray, ratio) in looks.ratios.iter().enumerate() {
-            let sees = V::From::TOGETHER || looks.from[ray].into().sees();
+            let sees = D::TOGETHER || looks.from[ray].into().sees();
             let found = traced.scratch.found(ray).filter(|_| sees);
             let seen = found.map(|Found { hit, frame }| {
                 let patch = self.surfaces.rest(frame).patch(hit.triangle);

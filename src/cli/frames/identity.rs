@@ -64,6 +64,7 @@ impl Identity {
             parts.add(aov.name().as_bytes());
         }
         parts.add(&[u8::from(request.pixel_centers)]);
+        parts.add(request.precision.name().as_bytes());
         parts.add(&inputs.0);
         Identity {
             common: parts.finish(),

@@ -17,7 +17,7 @@ use super::frames::Identity;
 use super::metadata::metadata;
 use super::{inputs, interrupt};
 
-pub use check::{check_all, check_page};
+pub use check::{check_all, check_page, check_statistics};
 pub use names::{numbered, suffixed};
 pub use picture::{Picture, picture};
 

@@ -12,7 +12,7 @@ use nullray::{Error, Result, render};
 use super::args::RenderArguments;
 use super::failure::refused;
 use super::frames::{self, Frames};
-use super::output::{Outputs, check_all, suffixed};
+use super::output::{Outputs, check_all, check_statistics, suffixed, will_write};
 use super::panels::{self, named_after};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
@@ -24,6 +24,10 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     let outputs = outputs(arguments, &scene);
     let frames = Frames::of(&arguments.frames, &scene)?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
+    if let Some(path) = &arguments.stats_json {
+        let plan = Plan::new(&scene, &request(arguments, &outputs))?;
+        check_statistics(path, &inputs::of(&scene, &plan))?;
+    }
     let wanted = arguments.stats || arguments.stats_json.is_some();
     let mut account = wanted.then(Account::default);
     in_pool(arguments.threads, || match frames {
@@ -53,8 +57,15 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
     if arguments.stats {
         print(&account.table())?;
     }
-    let file = arguments.stats_json.as_deref();
-    file.map_or(Ok(()), |path| account.write(path))
+    let Some(path) = &arguments.stats_json else {
+        return Ok(());
+    };
+    will_write(path);
+    account.write(path)?;
+    match arguments.quiet {
+        true => Ok(()),
+        false => print(&format!("wrote {}\n", path.display())),
+    }
 }
 
 fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {

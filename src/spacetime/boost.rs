@@ -163,15 +163,17 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// For camera → world the ratio is W = γ(1 − β·d′) = λ′/λ of a world-static source.
     #[inline(always)]
     pub fn direction(&self, d: Direction<From>) -> (Direction<To>, f64) {
+        // Read ahead of the question, so that loops over directions read it once.
+        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Direction::from_unit(d.unit()), 1.0);
         }
-        let parts = Parts::of(d.unit(), self.n);
-        let back = self.down * parts.one_plus;
-        let ahead = self.up * parts.one_minus;
+        let parts = Parts::of(d.unit(), n);
+        let back = down * parts.one_plus;
+        let ahead = up * parts.one_minus;
         let ratio = 0.5 * (back + ahead);
         // One division for the three components: half an eps more in their common length.
-        let unit = (parts.across + self.n * (0.5 * (back - ahead))) * (1.0 / ratio);
+        let unit = (parts.across + n * (0.5 * (back - ahead))) * (1.0 / ratio);
         (Direction::from_unit(unit), ratio)
     }
 
@@ -186,11 +188,12 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// [`Boost::tangent`] and the ratio of [`Boost::direction`].
     #[inline(always)]
     pub fn tangent_and_ratio(&self, index: f64, d: Direction<From>) -> (Displacement<To>, f64) {
+        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Displacement::new(-index, d.unit()), 1.0);
         }
-        let parts = Parts::of(d.unit(), self.n);
-        let ratio = 0.5 * (self.down * parts.one_plus + self.up * parts.one_minus);
+        let parts = Parts::of(d.unit(), n);
+        let ratio = 0.5 * (down * parts.one_plus + up * parts.one_minus);
         // t + x∥ = −η + c∥ and t − x∥ = −η − c∥, from the stable 1 ∓ c∥. For η ≥ 1 no sign differs.
         let slow = 1.0 - index;
         let (plus, minus) = (slow - parts.one_minus, slow - parts.one_plus);

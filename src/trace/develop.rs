@@ -76,13 +76,7 @@ impl Developer {
                     *factor *= traced.rays.from[*ray as usize].into().weight;
                 }
             }
-            colour_in(
-                &self.light,
-                &self.ratios,
-                &mut self.factors,
-                run.members,
-                film,
-            );
+            colour_in(&self.light, &self.ratios, &self.factors, run.members, film);
             if has_gaps {
                 cover(&self.light.details, run.members, film);
             }
@@ -190,13 +184,10 @@ impl Loop for Powers<'_> {
 }
 
 /// Adds the light of a run, times `factors`, to the pixels of its members.
-fn colour_in(
-    light: &Light,
-    ratios: &[f64],
-    factors: &mut [f64],
-    members: &[u32],
-    film: &mut TileFilm,
-) {
+fn colour_in(light: &Light, ratios: &[f64], factors: &[f64], members: &[u32], film: &mut TileFilm) {
+    if let (Colouring::Channels, []) = (light.response.colour, light.details.as_slice()) {
+        return expose(&light.radiance, factors, members, film);
+    }
     let mut details = light.details.iter().peekable();
     for (k, ray) in members.iter().enumerate() {
         let mut unscaled = [0.0; 3];
@@ -218,6 +209,13 @@ fn colour_in(
             *ray as usize,
             [r0 + factor * r, g0 + factor * g, b0 + factor * b],
         );
+    }
+}
+
+/// Adds radiance times `factors`, and nothing else.
+fn expose(radiance: &[[f64; 3]], factors: &[f64], members: &[u32], film: &mut TileFilm) {
+    for ((ray, [r, g, b]), factor) in members.iter().zip(radiance).zip(factors) {
+        film.add(*ray as usize, [factor * r, factor * g, factor * b]);
     }
 }
 

@@ -12,6 +12,7 @@ mod refused;
 mod render;
 mod resume;
 mod sheet;
+mod stats;
 
 use std::fs;
 use std::path::{Path, PathBuf};

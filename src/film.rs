@@ -260,10 +260,17 @@ impl Film {
         if let Some(coverage) = self.coverage.get_mut(index) {
             *coverage = tile.coverage;
         }
-        for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
-            let at = row as usize * self.layout.size[0] as usize + column as usize;
-            self.radiance[at] = tile.radiance[pixel].map(|sum| sum * scale);
-            for (channel, aov) in self.layout.channels.iter().enumerate() {
+        let [left, top] = tile.tile.corner.map(|c| c as usize);
+        let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
+        for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
+            let first = (top + row) * width + left;
+            for (mean, sum) in self.radiance[first..].iter_mut().zip(sums) {
+                *mean = sum.map(|sum| sum * scale);
+            }
+        }
+        for (channel, aov) in self.layout.channels.iter().enumerate() {
+            for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
+                let at = row as usize * width + column as usize;
                 self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
             }
         }

@@ -65,7 +65,13 @@ impl Sampler {
             return;
         }
         let (i, j) = (index % self.columns, index / self.columns);
-        for ((pixel, x), y) in pixels.iter().zip(&mut *x).zip(&mut *y) {
+        x.fill(0.0);
+        y.fill(0.0);
+        let cells = match self.samples() {
+            1 => &[],
+            _ => pixels,
+        };
+        for ((pixel, x), y) in cells.iter().zip(&mut *x).zip(&mut *y) {
             let pixel = hash(*pixel);
             *x = sub_cell(j, self.rows, pixel);
             *y = sub_cell(i, self.columns, pixel.rotate_left(31));

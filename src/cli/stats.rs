@@ -122,7 +122,7 @@ impl Account {
 }
 
 fn row(name: &str, text: &str) -> String {
-    format!("  {name:<26}{text}\n")
+    format!("  {name:<30}{text}\n")
 }
 
 fn seconds(seconds: f64) -> String {

@@ -25,11 +25,14 @@ pub struct Sampled {
     pub coverage: Coverage,
 }
 
-/// Where a point lies in the image of a capture camera, pixels.
+/// Where a point lies in the image of a capture camera, and which pixels saw it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Located {
+pub struct Located(Spot);
+
+/// A place in an image, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Spot {
     /// On it, and these pixels saw the surface around the point.
-    #[allow(private_interfaces)]
     Seen([f64; 2], [Tap; 4]),
     /// On it, where no pixel saw the surface.
     Unseen([f64; 2]),
@@ -42,7 +45,7 @@ pub enum Located {
 impl Located {
     /// Whether it remains to be asked if the scene blocks the line to the camera.
     pub fn is_seen(&self) -> bool {
-        matches!(self, Located::Seen(..))
+        matches!(self.0, Spot::Seen(..))
     }
 }
 
@@ -153,15 +156,15 @@ impl TimeTexture {
     #[inline]
     pub fn locate(&self, capture: &Capture, point: &SurfacePoint) -> Located {
         let Some(place) = capture.project(point.position) else {
-            return Located::Behind;
+            return Located(Spot::Behind);
         };
         if !self.on_image(place) {
-            return Located::Beside(place);
+            return Located(Spot::Beside(place));
         }
-        match self.taps_on(capture, place, point) {
-            Some(taps) => Located::Seen(place, taps),
-            None => Located::Unseen(place),
-        }
+        Located(match self.taps_on(capture, place, point) {
+            Some(taps) => Spot::Seen(place, taps),
+            None => Spot::Unseen(place),
+        })
     }
 
     /// Radiance of a point that was located, as [`TimeTexture::sample_capture`]. `occluded` counts where the
@@ -174,19 +177,19 @@ impl TimeTexture {
         t: f64,
         occluded: bool,
     ) -> Sampled {
-        match located {
-            Located::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
-            Located::Seen(place, _) | Located::Unseen(place) => {
+        match &located.0 {
+            Spot::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
+            Spot::Seen(place, _) | Spot::Unseen(place) => {
                 self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
                     self.sample_anything(capture, *place, t)
                 })
             }
-            Located::Beside(place) => {
+            Spot::Beside(place) => {
                 self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
                     self.sample_anything(capture, *place, t)
                 })
             }
-            Located::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+            Spot::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
                 Sampled::default()
             }),
         }

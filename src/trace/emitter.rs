@@ -2,9 +2,10 @@
 
 use super::emission::{Emission, Radiance, Response, SurfacePoint};
 use super::light::{Detail, Light};
+use super::occlusion::shadow_ray;
 use super::run::Run;
 use super::stats::{Counter, Meter};
-use super::surfaces::{Surfaces, shadow_ray};
+use super::surfaces::Surfaces;
 use crate::accel::Segment;
 use crate::camera::Departure;
 use crate::image::Texture;

@@ -1,8 +1,8 @@
 //! The radiance of a run of points, before the observer's factors.
 
 use super::emission::{Colouring, Emission, Response};
+use super::occlusion::Questions;
 use super::pulse::{Incident, Irradiance};
-use super::surfaces::Questions;
 use crate::accel::Segment;
 use crate::time_texture::{Coverage, Located, Lookups};
 

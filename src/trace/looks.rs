@@ -44,8 +44,12 @@ impl<D: Departure> Looks<D> {
 
     fn aim<V: View<From = D>>(&mut self, view: &V, sampler: &Sampler, tile: Tile, index: u32) {
         self.resize(tile.pixels());
-        for (pixel, (column, row)) in self.pixels.iter_mut().zip(tile.coordinates()) {
-            *pixel = pixel_key(column, row);
+        let [left, top] = tile.corner;
+        let rows = self.pixels.chunks_mut(tile.size[0].max(1) as usize);
+        for (row, pixels) in (top..).zip(rows) {
+            for (column, pixel) in (left..).zip(pixels) {
+                *pixel = pixel_key(column, row);
+            }
         }
         let [x, y] = &mut self.offsets;
         sampler.offsets(&self.pixels, index, x, y);

@@ -19,6 +19,7 @@ mod emission;
 mod emitter;
 mod light;
 mod looks;
+mod occlusion;
 mod pulse;
 mod record;
 mod run;
@@ -31,13 +32,12 @@ pub use emission::{Colouring, Emission, Radiance, Response, SurfacePoint};
 pub use emitter::{BaseColour, BaseColours, EmissionClock, Emitter, TimeResolved};
 pub use light::{Detail, Light};
 pub use looks::{Aim, Looks};
+pub use occlusion::{Question, Questions};
 pub use record::{AovRecorder, NoAovs, Recorder, Seen};
 pub use run::{Run, Traced};
 pub use scratch::Scratch;
 pub use stats::{Counter, Meter, Stage, Stats, Unmetered};
-pub use surfaces::{
-    Found, Frames, Moving, Patch, Question, Questions, Rays, RestFrame, Still, Surfaces,
-};
+pub use surfaces::{Found, Frames, Moving, Patch, Rays, RestFrame, Still, Surfaces};
 
 use crate::accel::Method;
 use crate::camera::Departure;

@@ -15,9 +15,10 @@
 use super::emission::{Emission, SurfacePoint};
 use super::emitter::TimeResolved;
 use super::light::Light;
+use super::occlusion::Question;
 use super::run::Run;
 use super::stats::Meter;
-use super::surfaces::{Question, Surfaces};
+use super::surfaces::Surfaces;
 use crate::camera::Departure;
 use crate::scene::model::Pulse;
 use crate::spacetime::{Direction, Event, Quantity, WavelengthRatio, World};

@@ -14,10 +14,10 @@ fn the_table_says_what_was_traced_and_how_long_each_stage_took() {
     let folder = Folder::new();
     let said = folder.ok(&["render", "scene.toml", "--stats"]);
     for part in [
-        "  pictures                  1\n",
-        "  camera rays               3,072\n",
+        "  pictures                      1\n",
+        "  camera rays                   3,072\n",
         // One per rest frame.
-        "  visibility: rays          6,144\n",
+        "  visibility: rays              6,144\n",
         "  shadows: rays ",
         "  visibility: exact fall-backs ",
         "  hits and lookups ",

@@ -97,7 +97,8 @@ pub(super) fn place<F: Filter<N>, const N: usize>(
     let last = bins - 1.0;
     for i in 0..count.min(BATCH) {
         let (u, v, t) = (u[i], v[i], t[i]);
-        let there = (u >= 0.0) & (u <= 1.0) & (v >= 0.0) & (v <= 1.0) & (t >= start) & (t <= end);
+        let on_texture = (0.0..=1.0).contains(&u) & (0.0..=1.0).contains(&v);
+        let there = on_texture & (t >= start) & (t <= end);
         let (left, right, fx) = neighbours(u * width, width - 1.0);
         let (top, bottom, fy) = neighbours(v * height, height - 1.0);
         let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);

@@ -1,7 +1,8 @@
 //! Whole frames through the public interface: scene text → plan → prepared scene → film.
 //!
-//! Every case is rendered several times in turn with obvhs' own f32 traversal of the same mesh along the
-//! same world rays; the best of each counts. One line per case is printed and written as JSON to
+//! Every case is rendered several times in turn with two tracings of the same world rays alone: by this crate's
+//! certified packets, and by obvhs' own f32 traversal. The best of each counts, and the time per stage is that
+//! of one more rendering, with statistics. One line per case is printed and written as JSON to
 //! `target/bench/frame.jsonl`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES` (and
 //! nefertiti, or else the last, at sixteen times its triangles), else generated ones. A first argument that is no flag
 //! selects cases that contain it. `--smoke`, `NULLRAY_BENCH_SMOKE=1` and `cargo test --benches` use
@@ -22,10 +23,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use glam::DVec3;
+use nullray::accel::{Bvh, Kernel};
 use nullray::camera::{AnyView, View};
 use nullray::prepare::Prepared;
 use nullray::progress::{Progress, Silent};
-use nullray::render::render;
+use nullray::render::{render, render_with_stats};
+use nullray::trace::Stage;
 
 use common::{Peer, grid, meshes};
 use scene::{Case, Files, Place};
@@ -107,18 +110,28 @@ impl Bench {
             let text = scene::of_mesh(&files, case, place, self.size.image);
             let prepared = files.prepare(&text);
             let rays = world_directions(&prepared);
-            let peer = || peer.trace(prepared.camera.shot.event.x, &rays);
+            let eye = prepared.camera.shot.event.x;
+            let peer = || peer.trace(eye, &rays);
+            let bare = || trace(&prepared.frames[0].bvh, eye, &rays);
+            let rivals = Some(Rivals {
+                peer: &peer,
+                bare: &bare,
+            });
             let name = format!("{name}/{}", case.name);
             let one = Way::default();
-            self.measure(&name, &prepared, one, Some(&peer));
+            self.measure(&name, &prepared, one, rivals);
             if case.name == scene::HEADLINE {
                 let watched = Way {
                     progress: &Count::default(),
                     ..one
                 };
-                self.measure(&format!("{name}, watched"), &prepared, watched, Some(&peer));
+                self.measure(&format!("{name}, watched"), &prepared, watched, rivals);
                 let two = Way { threads: 2, ..one };
                 self.measure(&format!("{name}, two threads"), &prepared, two, None);
+                let resting = scene::of_mesh(&files, scene::RESTING, place, self.size.image);
+                let resting = files.prepare(&resting);
+                self.measure(&format!("{name}, at rest"), &resting, one, None);
+                self.motion(&name, &resting, &prepared);
                 self.cameras(&name, &prepared, &files, &text);
             }
         }
@@ -129,14 +142,7 @@ impl Bench {
     fn cameras(&mut self, name: &str, point: &Prepared, files: &Files, text: &str) {
         for camera in scene::CAMERAS {
             let other = files.prepare(&camera.in_place(text));
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
-            let pool = pool.build().expect("a thread");
-            let time = |scene| seconds(|| pool.install(|| render(scene, &Silent).is_ok()));
-            let (mut best, mut best_point) = (f64::INFINITY, f64::INFINITY);
-            for _ in 0..self.size.rounds {
-                best_point = best_point.min(time(point));
-                best = best.min(time(&other));
-            }
+            let [best_point, best] = self.in_turn([point, &other]);
             let case = format!("{name}, {}", camera.name);
             let (times, rate) = (
                 best / best_point,
@@ -148,6 +154,32 @@ impl Bench {
             });
             writeln!(self.report, "{line}").expect("report");
         }
+    }
+
+    /// What motion costs: `moving` relative to `resting`, which sees the same.
+    fn motion(&mut self, name: &str, resting: &Prepared, moving: &Prepared) {
+        let [still, moved] = self.in_turn([resting, moving]);
+        let case = format!("{name}, relative to rest");
+        println!("{case:<60} {:.3} times the time at rest", moved / still);
+        let line = serde_json::json!({
+            "case": case, "seconds": moved, "seconds_at_rest": still, "threads": 1,
+            "times_at_rest": moved / still,
+        });
+        writeln!(self.report, "{line}").expect("report");
+    }
+
+    /// The best times of two scenes that are rendered in turn.
+    fn in_turn(&self, scenes: [&Prepared; 2]) -> [f64; 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let pool = pool.build().expect("a thread");
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..2 * self.size.rounds {
+            for (best, scene) in best.iter_mut().zip(scenes) {
+                let time = seconds(|| pool.install(|| render(scene, &Silent).is_ok()));
+                *best = best.min(time);
+            }
+        }
+        best
     }
 
     fn several_velocities(&mut self) {
@@ -165,39 +197,72 @@ impl Bench {
         self.only.as_ref().is_none_or(|only| name.contains(only))
     }
 
-    /// Renders `scene` in a way and lets `peer` trace its rays in turn.
+    /// Renders `scene` in a way, in turn with its `rivals`.
     fn measure(
         &mut self,
         case: &str,
         scene: &Prepared,
         Way { threads, progress }: Way,
-        peer: Option<&dyn Fn() -> usize>,
+        rivals: Option<Rivals>,
     ) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().expect("threads");
-        let (mut best, mut best_peer) = (f64::INFINITY, f64::INFINITY);
+        let (mut best, mut best_peer, mut best_bare) =
+            (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         for _ in 0..self.size.rounds {
             best = best.min(seconds(|| pool.install(|| render(scene, progress).is_ok())));
-            if let Some(peer) = peer {
+            if let Some(Rivals { peer, bare }) = rivals {
+                best_bare = best_bare.min(seconds(bare));
                 best_peer = best_peer.min(seconds(peer));
             }
         }
+        let counted = pool.install(|| render_with_stats(scene, progress));
+        let (_, stats) = counted.expect("a film");
         let [width, height] = scene.layout.size.map(u64::from);
         let rays = width * height * scene.layout.samples as u64;
         let rate = rays as f64 / best / 1e6;
-        let peer_rate = peer.map(|_| (width * height) as f64 / best_peer / 1e6);
-        let ratio = peer_rate.map(|peer| rate / peer);
+        let rate_of = |time: f64| rivals.map(|_| (width * height) as f64 / time / 1e6);
+        let (peer, bare) = (rate_of(best_peer), rate_of(best_bare));
         print!("{case:<46} {rate:6.2} Mrays/s");
-        if let (Some(peer), Some(ratio)) = (peer_rate, ratio) {
-            print!("   obvhs {peer:6.2}   ratio {ratio:.2}");
+        if let (Some(peer), Some(bare)) = (peer, bare) {
+            print!("   of bare visibility ({bare:6.2}) {:.2}", rate / bare);
+            print!("   of obvhs ({peer:6.2}) {:.2}", rate / peer);
         }
         println!();
+        let per_ray = |stage: &Stage| 1e9 * stats.seconds[*stage as usize] / rays as f64;
+        let stages = Stage::ALL.map(|s| format!("{} {:.1}", s.name(), per_ray(&s)));
+        println!("    ns per ray: {}", stages.join(", "));
+        let stages: Vec<f64> = Stage::ALL.iter().map(per_ray).collect();
         let line = serde_json::json!({
-            "case": case, "rays": rays, "seconds": best, "mrays_per_s": rate, "threads": threads,
-            "obvhs_mrays_per_s": peer_rate, "ratio": ratio,
+            "case": case, "precision": "certified", "kernel": format!("{:?}", Kernel::best()).to_lowercase(),
+            "threads": threads, "rays": rays, "hits": stats.hits, "seconds": best, "mrays_per_s": rate,
+            "visibility_mrays_per_s": bare, "of_visibility": bare.map(|bare| rate / bare),
+            "obvhs_mrays_per_s": peer, "ratio": peer.map(|peer| rate / peer),
+            "stages": Stage::ALL, "stage_ns_per_ray": stages, "texture_bytes": stats.texture_bytes,
+            "node_visits": stats.visibility.nodes, "triangle_tests": stats.visibility.triangles,
+            "f64_fallbacks": stats.visibility.doubts, "exact_fallbacks": stats.visibility.exact,
+            "occlusion_rays": stats.occlusion.rays,
         });
         writeln!(self.report, "{line}").expect("report");
     }
+}
+
+/// Tracings of the rays of a picture, and nothing else.
+#[derive(Clone, Copy)]
+struct Rivals<'a> {
+    peer: &'a dyn Fn() -> usize,
+    bare: &'a dyn Fn() -> usize,
+}
+
+/// Certified visibility alone, tile by tile; how many rays hit.
+fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> usize {
+    let mut count = 0;
+    for tile in directions.chunks(TILE * TILE) {
+        let mut hits = [None; TILE * TILE];
+        bvh.closest_each(origin, tile, &mut hits[..tile.len()], |_| count += 1);
+        std::hint::black_box(&hits);
+    }
+    count
 }
 
 /// How a scene is rendered.
@@ -239,9 +304,11 @@ fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
     begin.elapsed().as_secs_f64()
 }
 
-/// The world look directions through all pixel centres, in tiles of 8 × 8.
+/// Pixels of a tile's side, as in images.
+const TILE: usize = 16;
+
+/// The world look directions through all pixel centres, tile by tile.
 fn world_directions(scene: &Prepared) -> Vec<DVec3> {
-    const TILE: usize = 8;
     let look = |(y, x): (usize, usize)| {
         let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
         match &scene.camera.view {

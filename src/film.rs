@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use crate::accel::Precision;
 use crate::aov::Aov;
 use crate::image::{Channel, Samples};
 use crate::time_texture::Coverage;
@@ -81,6 +82,8 @@ pub struct Layout {
     pub samples: u32,
     /// Whether the one sample of each pixel is at its centre.
     pub pixel_centers: bool,
+    /// What visibility is worth.
+    pub precision: Precision,
     /// Auxiliary channels.
     pub channels: Vec<Aov>,
     /// Whether radiance can be missing, so that coverage has to be summed.
@@ -152,10 +155,9 @@ impl TileFilm {
         }
     }
 
-    /// Notes a sample that met nothing.
-    #[inline]
-    pub fn add_unmet(&mut self) {
-        self.unmet += 1;
+    /// Notes samples that met nothing.
+    pub fn add_unmet(&mut self, samples: u64) {
+        self.unmet += samples;
     }
 
     /// Adds how much of one sample's radiance is known.
@@ -164,6 +166,15 @@ impl TileFilm {
         self.coverage += coverage;
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
+        }
+    }
+
+    /// Notes one sample, in each of `pixels`, whose radiance is fully known.
+    pub fn add_held(&mut self, pixels: &[u32]) {
+        // Counted rather than added up: exact, however many.
+        self.coverage.held += pixels.len() as f64;
+        if !self.held.is_empty() {
+            pixels.iter().for_each(|p| self.held[*p as usize] += 1.0);
         }
     }
 
@@ -259,10 +270,17 @@ impl Film {
         if let Some(coverage) = self.coverage.get_mut(index) {
             *coverage = tile.coverage;
         }
-        for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
-            let at = row as usize * self.layout.size[0] as usize + column as usize;
-            self.radiance[at] = tile.radiance[pixel].map(|sum| sum * scale);
-            for (channel, aov) in self.layout.channels.iter().enumerate() {
+        let [left, top] = tile.tile.corner.map(|c| c as usize);
+        let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
+        for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
+            let first = (top + row) * width + left;
+            for (mean, sum) in self.radiance[first..].iter_mut().zip(sums) {
+                *mean = sum.map(|sum| sum * scale);
+            }
+        }
+        for (channel, aov) in self.layout.channels.iter().enumerate() {
+            for (pixel, (column, row)) in tile.tile.coordinates().enumerate() {
+                let at = row as usize * width + column as usize;
                 self.aovs[channel][at] = tile.aov(channel, *aov, pixel, samples);
             }
         }
@@ -276,6 +294,11 @@ impl Film {
     /// Whether the one sample of each pixel is at its centre.
     pub fn is_centred(&self) -> bool {
         self.layout.pixel_centers
+    }
+
+    /// What the visibility in it is worth.
+    pub fn precision(&self) -> Precision {
+        self.layout.precision
     }
 
     /// Columns and rows.

@@ -81,5 +81,6 @@ pub mod time_texture;
 pub mod tonemap;
 pub mod trace;
 pub mod units;
+mod vectors;
 
 pub use error::{Error, Result};

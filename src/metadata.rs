@@ -35,6 +35,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         ("medium_index", scene.medium_index.to_string()),
         ("samples_per_pixel", film.samples().to_string()),
         ("pixel_centers", film.is_centred().to_string()),
+        ("precision", film.precision().name().into()),
         ("radiance_quantity", scene.quantity.to_string()),
         (
             "camera_clock_zero_event",

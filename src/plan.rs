@@ -14,6 +14,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use crate::accel::Precision;
 use crate::aov::Aov;
 use crate::camera::{self, Camera};
 use crate::error::{Error, Result};
@@ -35,6 +36,8 @@ pub struct Request {
     pub pixel_centers: bool,
     /// The most memory that the scene may take, bytes. Default: 16 GiB.
     pub memory_limit: u64,
+    /// What visibility is worth. Default: certified.
+    pub precision: Precision,
 }
 
 impl Default for Request {
@@ -43,6 +46,7 @@ impl Default for Request {
             aovs: Vec::new(),
             pixel_centers: false,
             memory_limit: 16 << 30,
+            precision: Precision::Certified,
         }
     }
 }
@@ -221,6 +225,7 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
             scene.samples_per_pixel
         },
         pixel_centers: request.pixel_centers,
+        precision: request.precision,
         channels: request.aovs.clone(),
         has_gaps: covers_itself(scene) || is_time_resolved(scene, objects),
     }

@@ -6,6 +6,7 @@ mod light;
 pub use geometry::object_mesh;
 pub(crate) use light::scaling;
 
+use crate::accel::Method;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::film::Layout;
@@ -32,8 +33,12 @@ pub struct Prepared {
     pub sampler: Sampler,
     /// The film.
     pub layout: Layout,
+    /// How rays are traced.
+    pub method: Method,
     /// What was odd in the files, but no error.
     pub warnings: Vec<String>,
+    /// How long the trees took to build, seconds.
+    pub built_in: f64,
 }
 
 /// Radiance of surfaces: constant, or varying with time.
@@ -54,6 +59,7 @@ impl Prepared {
         let camera = Camera::new(scene)?;
         let mut light = light::Builder::new(scene, plan);
         let mut warnings = Vec::new();
+        let mut built_in = 0.0;
         let mut frames = Vec::with_capacity(plan.frames.len());
         for planned in &plan.frames {
             stop_if_cancelled(progress)?;
@@ -63,6 +69,7 @@ impl Prepared {
                 planned,
                 &mut light,
                 &mut warnings,
+                &mut built_in,
             )?);
         }
         stop_if_cancelled(progress)?;
@@ -85,7 +92,12 @@ impl Prepared {
             background: scene.background,
             sampler,
             layout: plan.film.clone(),
+            method: Method {
+                precision: plan.film.precision,
+                ..Method::default()
+            },
             warnings,
+            built_in,
         })
     }
 

@@ -5,6 +5,8 @@
 //! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
 //! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
 
+use crate::vectors::{Loop, widest};
+
 /// The sample positions of every pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampler {
@@ -49,21 +51,82 @@ impl Sampler {
     }
 
     /// The offset of sample `index` in pixel `(column, row)`, each in [0, 1).
-    #[inline]
     pub fn offset(&self, column: u32, row: u32, index: u32) -> [f64; 2] {
+        let (mut x, mut y) = ([0.0], [0.0]);
+        self.offsets(&[pixel_key(column, row)], index, &mut x, &mut y);
+        [x[0], y[0]]
+    }
+
+    /// The same in many pixels, by their [`pixel_key`]s.
+    pub fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
         if self.centred {
-            return [0.5, 0.5];
+            x.fill(0.5);
+            y.fill(0.5);
+            return;
         }
-        let pixel = hash(column as u64 | ((row as u64) << 32));
         let (i, j) = (index % self.columns, index / self.columns);
-        let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let x = sub_cell(j, self.rows, pixel) + unit(noise as u32);
-        let y = sub_cell(i, self.columns, pixel.rotate_left(31)) + unit((noise >> 32) as u32);
+        x.fill(0.0);
+        y.fill(0.0);
+        let cells = match self.samples() {
+            1 => &[],
+            _ => pixels,
+        };
+        for ((pixel, x), y) in cells.iter().zip(&mut *x).zip(&mut *y) {
+            let pixel = hash(*pixel);
+            *x = sub_cell(j, self.rows, pixel);
+            *y = sub_cell(i, self.columns, pixel.rotate_left(31));
+        }
         let [width, height] = self.cell;
-        [
-            (i as f64 + x * height) * width,
-            (j as f64 + y * width) * height,
-        ]
+        widest(Jitter {
+            pixels,
+            salt: (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15),
+            cell: [i as f64, j as f64],
+            size: [width, height],
+            x,
+            y,
+        });
+    }
+}
+
+/// What a pixel's random numbers come from.
+#[inline(always)]
+pub fn pixel_key(column: u32, row: u32) -> u64 {
+    column as u64 | ((row as u64) << 32)
+}
+
+/// Random places in the sub-cells that `x` and `y` name, as offsets in the pixel.
+struct Jitter<'a> {
+    pixels: &'a [u64],
+    salt: u64,
+    cell: [f64; 2],
+    size: [f64; 2],
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl Loop for Jitter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        jitter(self.pixels, self.salt, self.cell, self.size, self.x, self.y);
+    }
+}
+
+#[inline(always)]
+fn jitter(
+    pixels: &[u64],
+    salt: u64,
+    [i, j]: [f64; 2],
+    [width, height]: [f64; 2],
+    x: &mut [f64],
+    y: &mut [f64],
+) {
+    let count = pixels.len();
+    let (x, y) = (&mut x[..count], &mut y[..count]);
+    for k in 0..count {
+        let noise = hash(hash(pixels[k]) ^ salt);
+        let (in_x, in_y) = (x[k] + unit(noise as u32), y[k] + unit((noise >> 32) as u32));
+        x[k] = (i + in_x * height) * width;
+        y[k] = (j + in_y * width) * height;
     }
 }
 
@@ -81,7 +144,7 @@ impl Sampler {
             return 0.5;
         }
         let (a, b) = (self.columns, self.rows);
-        let pixel = hash(!(column as u64 | ((row as u64) << 32)));
+        let pixel = hash(!pixel_key(column, row));
         let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let (i, j) = (index % a, index / a);
         let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
@@ -126,8 +189,10 @@ fn permuted(k: u32, n: u32, seed: u32) -> u32 {
 
 /// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
 fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
-    if n == 1 {
-        return 0.0;
+    if n.is_power_of_two() {
+        // The same without divisions: the odd strides are the coprime ones.
+        let stride = (1 + ((seed >> 32) & u64::from(n - 1))) | 1;
+        return ((u64::from(k) * stride + seed) & u64::from(n - 1)) as f64;
     }
     let shift = (seed % n as u64) as u32;
     let stride = (1 + (seed >> 32) % n as u64) as u32;
@@ -143,11 +208,13 @@ fn coprime(mut a: u32, mut b: u32) -> bool {
 }
 
 /// A number in [0, 1) from 32 random bits.
+#[inline(always)]
 fn unit(bits: u32) -> f64 {
     bits as f64 * (1.0 / 4_294_967_296.0)
 }
 
 /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+#[inline(always)]
 fn hash(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

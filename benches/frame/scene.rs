@@ -47,6 +47,16 @@ pub enum Light {
 /// The one that the others are compared with.
 pub const HEADLINE: &str = "0.9c, cubic in time";
 
+/// The same seen by a camera at rest.
+pub const RESTING: &Case = &Case {
+    name: "at rest, cubic in time",
+    moving: false,
+    light: Light::Uv {
+        filter: "cubic",
+        line: false,
+    },
+};
+
 const fn cube(name: &'static str, filter: &'static str, line: bool) -> Case {
     Case {
         name,

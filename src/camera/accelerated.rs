@@ -107,6 +107,27 @@ impl Accelerated {
         })
     }
 
+    /// What a camera without a sensor sees: its velocity and place at the moment are all that counts.
+    #[inline]
+    fn look_from_point(&self, x: f64, y: f64, moment: f64) -> Option<Look<Apart>> {
+        let time = self.time + moment * self.exposure.duration;
+        let (event, velocity) = self.line.place(time)?;
+        let seen = self.film.direction(x, y);
+        let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(seen);
+        Some(Look {
+            d: match self.aberration {
+                true => d,
+                false => Direction::from_unit(seen.unit()),
+            },
+            ratio,
+            from: Apart {
+                displacement: event - self.event,
+                delay: 1.0,
+                weight: self.exposure.weight,
+            },
+        })
+    }
+
     /// What the element at film point `(x, y)` sees.
     #[inline]
     fn sight(&self, camera: &Placed, x: f64, y: f64) -> Option<Sight> {
@@ -225,6 +246,9 @@ impl View for Accelerated {
 
     #[inline]
     fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+        if self.sensor.is_none() {
+            return self.look_from_point(x, y, moment).unwrap_or_else(nothing);
+        }
         let later;
         let camera = match &self.instant {
             Some(placed) => placed,

@@ -6,6 +6,8 @@ use crate::spacetime::{Displacement, World};
 pub trait Departure: Copy + Send + Sync + Into<Apart> + 'static {
     /// Whether all rays leave the event of the shot, alike in everything else too.
     const TOGETHER: bool;
+    /// At the event of the shot.
+    const HERE: Self;
 }
 
 /// All rays leave the event of the shot.
@@ -40,10 +42,12 @@ impl Apart {
 
 impl Departure for Together {
     const TOGETHER: bool = true;
+    const HERE: Together = Together;
 }
 
 impl Departure for Apart {
     const TOGETHER: bool = false;
+    const HERE: Apart = Apart::NOWHERE_ELSE;
 }
 
 impl From<Together> for Apart {

@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use nullray::accel::Precision;
 use nullray::aov::Aov;
 use nullray::overlay::Parts;
 use nullray::raster::Method;
@@ -33,7 +34,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to pictures.
     #[command(after_help = help::RENDER, after_long_help = help::render_long())]
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
@@ -114,6 +115,10 @@ pub struct Changes {
     /// Change a key of the scene file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
+    /// What visibility is worth: "certified" (as exact arithmetic says), or "fast" for previews (f32: rays along
+    /// edges may slip through, near depths be mistaken).
+    #[arg(long, value_name = "certified|fast", default_value = "certified", value_parser = values::precision)]
+    pub precision: Precision,
     /// The most memory that the scene may take.
     #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = values::bytes)]
     pub max_memory: u64,
@@ -200,6 +205,12 @@ pub struct RenderArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+    /// At the end print what it has cost: rays, node visits, triangle tests, fall-backs, bytes, times.
+    #[arg(long, conflicts_with = "quiet")]
+    pub stats: bool,
+    /// At the end write what it has cost as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub stats_json: Option<PathBuf>,
     #[command(flatten)]
     pub frames: FrameArguments,
 }
@@ -475,6 +486,7 @@ impl Changes {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.max_memory,
+            precision: self.precision,
         }
     }
 }

@@ -51,7 +51,13 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         aovs: outputs.needs(),
         ..Default::default()
     };
-    render::one(&builtin::load(None, overrides)?, &request, &outputs, false)
+    render::one(
+        &builtin::load(None, overrides)?,
+        &request,
+        &outputs,
+        false,
+        None,
+    )
 }
 
 /// Writes the built-in scene and its files into `directory`, except for those that are there already.

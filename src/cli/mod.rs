@@ -22,6 +22,7 @@ mod remarks;
 mod render;
 mod selftest;
 mod sheet;
+mod stats;
 mod study;
 mod tessellation;
 

@@ -18,7 +18,7 @@ use nullray::scene::model::{Scene, Show};
 use super::frames::Identity;
 use super::{inputs, interrupt};
 
-pub use check::{check_all, check_page};
+pub use check::{check_all, check_page, check_statistics};
 pub use names::{numbered, suffixed};
 pub use picture::{Picture, picture};
 

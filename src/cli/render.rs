@@ -8,14 +8,15 @@ use nullray::plan::{Plan, Request};
 use nullray::prepare::Prepared;
 use nullray::raster::{self, Method};
 use nullray::scene::model::Scene;
-use nullray::{Error, Result};
+use nullray::{Error, Result, render};
 
 use super::args::RenderArguments;
 use super::failure::refused;
 use super::frames::{self, Frames};
-use super::output::{Outputs, check_all, suffixed};
+use super::output::{Outputs, check_all, check_statistics, suffixed, will_write};
 use super::panels::{self, named_after};
 use super::progress::Bar;
+use super::stats::{Account, Preparation};
 use super::{builtin, inputs, interrupt, overlay, print, remarks};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
@@ -24,18 +25,55 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     let outputs = outputs(arguments, &scene);
     let frames = Frames::of(&arguments.frames, &scene)?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
+    if let Some(path) = &arguments.stats_json {
+        let plan = Plan::new(&scene, &request(arguments, &outputs))?;
+        check_statistics(path, &inputs::of(&scene, &plan))?;
+    }
+    let wanted = arguments.stats || arguments.stats_json.is_some();
+    if wanted && arguments.method != Method::Trace {
+        return Err(refused(
+            "--stats",
+            "counts what the ray tracer does",
+            "leave out --method, or --stats",
+        ));
+    }
+    let mut account = wanted.then(Account::default);
     in_pool(arguments.threads, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
             let request = request(arguments, &outputs);
-            frames::run(arguments, &scene, &frames, &request, &outputs)
+            let account = account.as_mut();
+            frames::run(arguments, &scene, &frames, &request, &outputs, account)
         }
-        None if of_panels => all_panels(arguments, &scene, &outputs),
+        None if of_panels => all_panels(arguments, &scene, &outputs, account.as_mut()),
         None => {
             let request = request(arguments, &outputs);
-            one(&scene, &request, &outputs, arguments.quiet)
+            one(
+                &scene,
+                &request,
+                &outputs,
+                arguments.quiet,
+                account.as_mut(),
+            )
         }
-    })
+    })?;
+    account.map_or(Ok(()), |account| settle(arguments, &account))
+}
+
+/// Says and writes what it has cost, as far as that is wanted.
+fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
+    if arguments.stats {
+        print(&account.table())?;
+    }
+    let Some(path) = &arguments.stats_json else {
+        return Ok(());
+    };
+    will_write(path);
+    account.write(path)?;
+    match arguments.quiet {
+        true => Ok(()),
+        false => print(&format!("wrote {}\n", path.display())),
+    }
 }
 
 fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {
@@ -54,7 +92,12 @@ fn panels_and_frames() -> Error {
 }
 
 /// Renders the panels that are asked for.
-fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> Result<()> {
+fn all_panels(
+    arguments: &RenderArguments,
+    whole: &Scene,
+    outputs: &Outputs,
+    mut account: Option<&mut Account>,
+) -> Result<()> {
     let path = arguments.scene.scene.as_deref();
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
@@ -78,18 +121,25 @@ fn all_panels(arguments: &RenderArguments, whole: &Scene, outputs: &Outputs) -> 
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     for (request, scene, outputs) in &jobs {
-        one(scene, request, outputs, arguments.quiet)?;
+        let account = account.as_deref_mut();
+        one(scene, request, outputs, arguments.quiet, account)?;
     }
     Ok(())
 }
 
-/// Renders one scene to its outputs; says what was written unless `quiet`.
-pub fn one(scene: &Scene, request: &Request, outputs: &Outputs, quiet: bool) -> Result<()> {
+/// Renders one scene to its outputs; says what was written unless `quiet`, and notes the cost on `account`.
+pub fn one(
+    scene: &Scene,
+    request: &Request,
+    outputs: &Outputs,
+    quiet: bool,
+    account: Option<&mut Account>,
+) -> Result<()> {
     let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
-    let mut rendered = film(scene, &plan, &outputs.method, quiet)?;
+    let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     outputs.write(scene, &rendered.film, &mut say)?;
     rendered.remark(&plan, &mut say)?;
     let Rendered { film, prepared, .. } = &mut rendered;
@@ -122,13 +172,25 @@ impl Rendered {
 }
 
 /// Loads, builds and renders, with a progress bar unless `quiet`.
-pub fn film(scene: &Scene, plan: &Plan, method: &Method, quiet: bool) -> Result<Rendered> {
+pub fn film(
+    scene: &Scene,
+    plan: &Plan,
+    method: &Method,
+    quiet: bool,
+    mut account: Option<&mut Account>,
+) -> Result<Rendered> {
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, plan, &bar)?;
     let prepared_in = start.elapsed().as_secs_f64();
     bar.start();
-    let film = raster::render(&prepared, method, &bar)?;
+    if let Some(account) = account.as_deref_mut() {
+        account.prepared(Preparation {
+            seconds: prepared_in,
+            built_in: prepared.built_in,
+        });
+    }
+    let film = picture(&prepared, method, &bar, account)?;
     drop(bar);
     interrupt::check()?;
     Ok(Rendered {
@@ -138,6 +200,22 @@ pub fn film(scene: &Scene, plan: &Plan, method: &Method, quiet: bool) -> Result<
         warnings: std::mem::take(&mut prepared.warnings),
         prepared,
     })
+}
+
+/// Takes the picture of what is prepared, and notes what the ray tracer's cost on `account`.
+pub fn picture(
+    prepared: &Prepared,
+    method: &Method,
+    bar: &Bar,
+    account: Option<&mut Account>,
+) -> Result<Film> {
+    let (Method::Trace, Some(account)) = (method, account) else {
+        return raster::render(prepared, method, bar);
+    };
+    let start = Instant::now();
+    let (film, stats) = render::render_with_stats(prepared, bar)?;
+    account.picture(stats, start.elapsed().as_secs_f64());
+    Ok(film)
 }
 
 /// Runs `work` on a pool of `threads` threads, or on the default one.

@@ -171,7 +171,7 @@ fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file:
 impl Part {
     fn render(&self, quiet: bool, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
-        let rendered = render::film(&self.scene, &plan, &Method::Trace, quiet)?;
+        let rendered = render::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         self.outputs.write(&self.scene, &rendered.film, say)?;
         rendered.remark(&plan, say)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;

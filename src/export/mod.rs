@@ -21,6 +21,7 @@ use std::path::Path;
 pub use bundle::*;
 pub use reference::channels as reference_channels;
 
+use crate::accel::Precision;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::image::{npz, write_atomically};
@@ -96,6 +97,7 @@ pub fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
     let request = Request {
         aovs: reference::channels(),
         pixel_centers: true,
+        precision: Precision::Certified,
         memory_limit: options.memory_limit,
     };
     Plan::new(scene, &request)

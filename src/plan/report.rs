@@ -3,6 +3,7 @@
 use std::fmt::{self, Formatter, Write};
 
 use super::{Plan, PlannedFrame, PlannedObject};
+use crate::accel::Precision;
 use crate::camera::Kind;
 
 /// The most entries of a list that are shown one by one.
@@ -107,6 +108,9 @@ impl Plan {
         }
         if rays.capture > 0 {
             let _ = write!(text, ", {} from capture cameras", count(rays.capture));
+        }
+        if self.film.precision == Precision::Fast {
+            text += "; fast: in f32, for previews";
         }
         row(f, "rays", &text)?;
         let memory = &self.memory;

@@ -1,5 +1,7 @@
 //! Rest frames: the triangles of all objects at rest in one, and the BVH over them.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
 use super::light::Builder;
@@ -13,13 +15,14 @@ use crate::shapes;
 use crate::spacetime::{Event, InertialFrame, Rest};
 use crate::trace::{Patch, RestFrame};
 
-/// Loads the objects of `planned` and builds their BVH.
+/// Loads the objects of `planned` and builds their BVH, whose seconds `built_in` is told.
 pub(super) fn frame(
     scene: &Scene,
     plan: &Plan,
     planned: &PlannedFrame,
     light: &mut Builder,
     warnings: &mut Vec<String>,
+    built_in: &mut f64,
 ) -> Result<RestFrame> {
     let first = &scene.objects[planned.objects[0]];
     let frame = InertialFrame::new(first.velocity, first.origin);
@@ -53,7 +56,9 @@ pub(super) fn frame(
             Facing::TwoSided
         }
     };
+    let begin = Instant::now();
     let bvh = Bvh::build(triangles, facing);
+    *built_in += begin.elapsed().as_secs_f64();
     Ok(RestFrame {
         frame,
         bvh,

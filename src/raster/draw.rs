@@ -4,14 +4,18 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{Point, Together, View};
+use super::bundle::Bundle;
+use crate::accel::Method;
+use crate::camera::Together;
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
 use crate::progress::Progress;
-use crate::spacetime::{Direction, WavelengthRatio, World};
+use crate::sampler::Sampler;
+use crate::spacetime::{Direction, Event, World};
 use crate::trace::{
-    AovRecorder, Buffers, Frames, NoAovs, Pipeline, Radiance, Recorder, Seen, Surfaces,
+    Aim, AovRecorder, Developer, Frames, Looks, NoAovs, Radiance, Rays, Recorder, Scratch,
+    Surfaces, Traced, Unmetered,
 };
 
 /// Finds out what samples see.
@@ -22,58 +26,62 @@ pub(super) trait Painter: Sync {
     /// Gets ready for `tile`.
     fn begin(&self, tile: Tile, space: &mut Self::Space);
 
-    /// Adds one sample of every pixel of `tile`, whose looks are in `buffers`.
-    fn paint<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder>(
-        &self,
-        brush: &mut Brush<'_, V, S, R, A>,
-        tile: Tile,
-        space: &mut Self::Space,
-    );
+    /// Fills `bundle` with what one sample of every pixel of `tile` sees.
+    fn paint(&self, eye: &Eye, tile: Tile, space: &mut Self::Space, bundle: &mut Bundle);
 }
 
-/// What a painter paints with: one sample of each pixel of a tile.
-pub(super) struct Brush<'a, V, S, R, A> {
-    pub pipeline: &'a Pipeline<'a, V, S, R>,
-    pub recorder: &'a A,
-    pub buffers: &'a mut Buffers<Together>,
-    pub film: &'a mut TileFilm,
+/// One sample of each pixel of a tile: how it looks at the scene.
+pub(super) struct Eye<'a> {
+    pub looks: &'a Looks<Together>,
+    surfaces: &'a Frames<'a>,
+    /// World time that light takes per metre; 0 where retardation is turned off.
+    pub index: f64,
 }
 
-impl<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder> Brush<'_, V, S, R, A> {
+impl Eye<'_> {
     /// The look direction of a pixel's sample.
     #[inline]
     pub fn direction(&self, pixel: usize) -> Direction<World> {
-        self.buffers.directions[pixel]
+        Direction::from_unit(self.looks.directions[pixel])
     }
 
-    /// The observed wavelength over the emitted one of what a pixel's sample sees in a rest frame.
+    /// The W that a ray along `d` must have for a source at rest in the world, so that what it meets in rest
+    /// frame `frame` is seen with the wavelength that the pixel's own direction gives.
     #[inline]
-    pub fn ratio(&self, pixel: usize, frame: u32) -> WavelengthRatio {
-        let (_, rho) = self.pipeline.surfaces.turned(frame, self.direction(pixel));
-        WavelengthRatio(self.buffers.ratios[pixel] * rho)
+    pub fn ratio(&self, pixel: usize, frame: u32, d: Direction<World>) -> f64 {
+        let (_, rho) = self.surfaces.turned(frame, self.direction(pixel));
+        self.ratio_of(self.looks.ratios[pixel] * rho, frame, d)
     }
 
-    /// The sample sees nothing.
-    pub fn nothing(&mut self, pixel: usize) {
-        let unmet = self.pipeline.unmet(1.0);
-        self.pipeline.expose(pixel, unmet, self.film);
-        self.film.add_unmet();
-        self.record(pixel, None);
+    /// The same where what is met is seen with wavelength ratio `w`.
+    #[inline]
+    pub fn ratio_of(&self, w: f64, frame: u32, d: Direction<World>) -> f64 {
+        let (_, rho) = self.surfaces.turned(frame, d);
+        w / rho
     }
+}
 
-    /// The sample sees a point, and its radiance.
-    pub fn something(&mut self, pixel: usize, seen: &Seen) {
-        let observed = self.pipeline.observe(&seen.point, seen.w, 1.0);
-        self.pipeline.expose(pixel, observed, self.film);
-        self.record(pixel, Some(seen));
-    }
+/// A scene, and who sees it.
+struct Stage<'a, R> {
+    view: &'a dyn Aim<Together>,
+    surfaces: Frames<'a>,
+    radiance: &'a R,
+    event: Event<World>,
+    index: f64,
+    background: [f64; 3],
+    sampler: Sampler,
+    method: Method,
+}
 
-    /// Records the channels of a sample that sees `seen`.
-    pub fn record(&mut self, pixel: usize, seen: Option<&Seen>) {
-        let offset = self.buffers.offsets[pixel];
-        let d = self.direction(pixel);
-        self.recorder.record(pixel, offset, d, seen, self.film);
-    }
+/// Buffers of one thread.
+#[derive(Default)]
+struct Buffers<T> {
+    looks: Looks<Together>,
+    bundle: Bundle,
+    sums: Vec<[f64; 3]>,
+    scratch: Scratch,
+    developer: Developer,
+    space: T,
 }
 
 /// The film of `scene` as `painter` paints it.
@@ -82,42 +90,43 @@ pub(super) fn film(
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
-    let view = scene.camera.view.point();
-    let view = view.ok_or_else(crate::apparent::apart)?;
     match &scene.light {
-        Light::Constant(light) => lit(scene, view, light, painter, progress),
-        Light::TimeResolved(light) => lit(scene, view, light, painter, progress),
+        Light::Constant(light) => lit(scene, light, painter, progress),
+        Light::TimeResolved(light) => lit(scene, light, painter, progress),
     }
 }
 
 fn lit<R: Radiance>(
     scene: &Prepared,
-    view: Point,
     radiance: &R,
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
+    let view = scene.camera.view.point();
+    let view = view.ok_or_else(crate::apparent::apart)?;
     let event = scene.camera.shot.event;
-    let pipeline = Pipeline {
+    let stage = Stage {
         view: &view,
-        surfaces: Frames::new(&scene.frames, event, scene.ray_index),
+        // The index is that of each ray.
+        surfaces: Frames::new(&scene.frames, event, 1.0),
         radiance,
         event,
         index: scene.ray_index,
         background: scene.background,
         sampler: scene.sampler,
+        method: scene.method,
     };
     if scene.layout.channels.is_empty() {
-        return run(&pipeline, &NoAovs, &scene.layout, painter, progress);
+        return run(&stage, &NoAovs, &scene.layout, painter, progress);
     }
     let recorder = AovRecorder {
         channels: scene.layout.channels.clone(),
     };
-    run(&pipeline, &recorder, &scene.layout, painter, progress)
+    run(&stage, &recorder, &scene.layout, painter, progress)
 }
 
-fn run<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder, P: Painter>(
-    pipeline: &Pipeline<'_, V, S, R>,
+fn run<R: Radiance, A: Recorder, P: Painter>(
+    stage: &Stage<R>,
     recorder: &A,
     layout: &Layout,
     painter: &P,
@@ -126,32 +135,79 @@ fn run<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder, P: Paint
     let film = Mutex::new(Film::new(layout.clone()));
     (0..Tile::count(layout.size))
         .into_par_iter()
-        .try_for_each_init(
-            || (Buffers::default(), P::Space::default()),
-            |(buffers, space), index| {
-                let tile = Tile::of_image(layout.size, index);
-                let mut tile_film = TileFilm::new(tile, layout);
-                painter.begin(tile, space);
-                for sample in 0..layout.samples {
-                    if progress.is_cancelled() {
-                        return Err(Error::Cancelled);
-                    }
-                    pipeline.shoot(tile, sample, buffers);
-                    let film = &mut tile_film;
-                    let mut brush = Brush {
-                        pipeline,
-                        recorder,
-                        buffers,
-                        film,
-                    };
-                    painter.paint(&mut brush, tile, space);
-                    progress.rays_done(tile.pixels() as u64);
+        .try_for_each_init(Buffers::<P::Space>::default, |buffers, index| {
+            let tile = Tile::of_image(layout.size, index);
+            let mut tile_film = TileFilm::new(tile, layout);
+            painter.begin(tile, &mut buffers.space);
+            for sample in 0..layout.samples {
+                if progress.is_cancelled() {
+                    return Err(Error::Cancelled);
                 }
-                // A poisoned lock means a panic elsewhere, which rayon passes on.
-                let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-                film.place(&tile_film);
-                Ok(())
-            },
-        )?;
+                let Buffers { looks, bundle, .. } = buffers;
+                stage.view.aim(looks, &stage.sampler, tile, sample);
+                let eye = Eye {
+                    looks,
+                    surfaces: &stage.surfaces,
+                    index: stage.index,
+                };
+                bundle.clear();
+                painter.paint(&eye, tile, &mut buffers.space, bundle);
+                stage.develop(buffers, recorder, &mut tile_film);
+                progress.rays_done(tile.pixels() as u64);
+            }
+            // A poisoned lock means a panic elsewhere, which rayon passes on.
+            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
+            film.place(&tile_film);
+            Ok(())
+        })?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+impl<R: Radiance> Stage<'_, R> {
+    /// Adds what the rays of the bundle have met to `film`.
+    fn develop<T, A: Recorder>(&self, buffers: &mut Buffers<T>, recorder: &A, film: &mut TileFilm) {
+        let Buffers {
+            looks,
+            bundle,
+            sums,
+            scratch,
+            developer,
+            ..
+        } = buffers;
+        let firsts = bundle.firsts.iter();
+        let unmet = firsts.filter(|ray| bundle.found[**ray as usize].is_none());
+        film.add_unmet(unmet.count() as u64);
+        scratch.hold(&bundle.found);
+        let traced = Traced {
+            surfaces: &self.surfaces,
+            rays: Rays {
+                directions: &bundle.directions,
+                from: &bundle.from,
+                method: self.method,
+            },
+            scratch,
+            event: self.event,
+            index: 1.0,
+        };
+        let (background, ratios) = (self.background, &bundle.ratios);
+        let mut blend = bundle.blend(sums, film);
+        let meter = &mut Unmetered::default();
+        developer.develop(
+            self.radiance,
+            &traced,
+            background,
+            ratios,
+            &mut blend,
+            meter,
+        );
+        blend.finish();
+        if !A::RECORDS {
+            return;
+        }
+        for (pixel, &ray) in bundle.firsts.iter().enumerate() {
+            let seen = traced.seen(ray as usize, ratios[ray as usize]);
+            let d = Direction::from_unit(looks.directions[pixel]);
+            recorder.record(pixel, looks.offset(pixel), d, seen.as_ref(), film);
+        }
+    }
 }

@@ -34,6 +34,7 @@
 
 mod batch;
 mod bins;
+mod bundle;
 mod cull;
 mod divide;
 mod draw;

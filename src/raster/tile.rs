@@ -96,10 +96,11 @@ impl Space {
     }
 
     /// Finds the nearest facet at the samples with these offsets in their pixels.
-    pub fn cover(&mut self, tile: Tile, offsets: &[[f64; 2]]) {
+    pub fn cover(&mut self, tile: Tile, offset: impl Fn(usize) -> [f64; 2]) {
         self.x.clear();
         self.y.clear();
-        for ((column, row), offset) in tile.coordinates().zip(offsets) {
+        for (pixel, (column, row)) in tile.coordinates().enumerate() {
+            let offset = offset(pixel);
             self.x.push(column as f64 + offset[0]);
             self.y.push(row as f64 + offset[1]);
         }

@@ -5,20 +5,20 @@ use rayon::prelude::*;
 
 use super::batch::{Batch, Cuts, Parts};
 use super::bins::Grid;
+use super::bundle::{Bundle, Seeing};
 use super::cull::Frustum;
 use super::divide::Divider;
-use super::draw::{Brush, Painter};
+use super::draw::{Eye, Painter};
 use super::tile::{Facet, NOTHING, Space};
 use super::{Attributes, Raster};
 use crate::accel::{Facing, Hit};
 use crate::apparent::{Observer, Sight};
-use crate::camera::{Together, View};
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
-use crate::spacetime::{Direction, Displacement, WavelengthRatio};
-use crate::trace::{Found, Pipeline, Radiance, Recorder, RestFrame, Seen, SurfacePoint, Surfaces};
+use crate::spacetime::{Direction, Displacement};
+use crate::trace::{Found, RestFrame};
 
 /// All triangles of a scene in homogeneous film coordinates.
 #[derive(Debug)]
@@ -164,28 +164,31 @@ struct Met<'a> {
 }
 
 impl Met<'_> {
-    /// The point at its own event of emission, or at the one that is interpolated; W too, where it is.
+    /// The ray that meets the point at its own event of emission, or at the one that is interpolated.
     #[inline]
-    fn at_emission<'p, V: View<From = Together>, S: Surfaces, R: Radiance>(
-        &self,
-        pipeline: &'p Pipeline<'_, V, S, R>,
-    ) -> Option<(SurfacePoint<'p>, Option<f64>)> {
+    fn at_emission(&self, eye: &Eye, pixel: usize) -> Option<Seeing> {
         let found = |s: f64| Found {
             hit: Hit { s, ..self.hit },
             frame: self.frame,
         };
-        let Some([time, ratio]) = self.attributes else {
+        let Some([time, w]) = self.attributes else {
             let image = self.sight.image(self.x)?;
-            let (point, _) = pipeline.point(found(image.s), image.d, Together);
-            return Some((point, None));
+            return Some(Seeing {
+                d: image.d.unit(),
+                delay: eye.index,
+                ratio: eye.ratio(pixel, self.frame, image.d),
+                found: Some(found(image.s)),
+            });
         };
         let local = Displacement::new(time, self.x - self.sight.origin());
         let world = self.rest.frame.world_from_frame().displacement(local);
-        let s = world.x.length();
-        let (mut point, _) = pipeline.point(found(s), Direction::new(world.x)?, Together);
-        point.local.tangent = local * (1.0 / s);
-        point.ray.tangent = world * (1.0 / s);
-        Some((point, Some(ratio)))
+        let (s, d) = (world.x.length(), Direction::new(world.x)?);
+        Some(Seeing {
+            d: d.unit(),
+            delay: -world.ct / s,
+            ratio: eye.ratio_of(w, self.frame, d),
+            found: Some(found(s)),
+        })
     }
 }
 
@@ -196,29 +199,23 @@ impl Painter for Triangles<'_> {
         space.gather(self.size, tile, &self.batches);
     }
 
-    fn paint<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder>(
-        &self,
-        brush: &mut Brush<'_, V, S, R, A>,
-        tile: Tile,
-        space: &mut Space,
-    ) {
-        space.cover(tile, &brush.buffers.offsets);
-        let pipeline = brush.pipeline;
+    fn paint(&self, eye: &Eye, tile: Tile, space: &mut Space, bundle: &mut Bundle) {
+        space.cover(tile, |pixel| eye.looks.offset(pixel));
         for pixel in 0..tile.pixels() {
+            bundle.next_pixel();
             let nearest = space.nearest[pixel];
-            let met = (nearest != NOTHING).then(|| {
+            let seeing = (nearest != NOTHING).then(|| {
                 let facet = &space.facets[nearest as usize];
-                self.met(facet, space.x[pixel], space.y[pixel])
+                let met = self.met(facet, space.x[pixel], space.y[pixel]);
+                met.at_emission(eye, pixel)
             });
-            let emitted = met
-                .as_ref()
-                .and_then(|m| Some((m.frame, m.at_emission(pipeline)?)));
-            let Some((frame, (point, interpolated))) = emitted else {
-                brush.nothing(pixel);
-                continue;
+            let nothing = Seeing {
+                d: eye.direction(pixel).unit(),
+                delay: eye.index,
+                ratio: 1.0,
+                found: None,
             };
-            let w = interpolated.map_or_else(|| brush.ratio(pixel, frame), WavelengthRatio);
-            brush.something(pixel, &Seen { point, w });
+            bundle.add(seeing.flatten().unwrap_or(nothing), 1.0);
         }
     }
 }

@@ -8,16 +8,17 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::draw::{Brush, Painter};
+use super::bundle::{Bundle, Seeing};
+use super::draw::{Eye, Painter};
 use super::{Lookup, Map, Warp, moves};
-use crate::camera::{Together, View};
+use crate::accel::Method;
+use crate::camera::Together;
 use crate::error::{Error, Result};
 use crate::film::Tile;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::spacetime::Direction;
-use crate::time_texture::Coverage;
-use crate::trace::{Found, Frames, Observed, Radiance, Rays, Recorder, Scratch, Seen, Surfaces};
+use crate::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
 
 /// Texels of one batch of rays: part of a row, which is coherent.
 const RUN: u64 = 256;
@@ -49,7 +50,8 @@ impl Warped {
                     return Err(Error::Cancelled);
                 }
                 let texels = run * RUN..map.texels().min((run + 1) * RUN);
-                Ok(met(&surfaces, texels.map(|t| map.direction(t)), scratch))
+                let directions = texels.map(|t| map.direction(t));
+                Ok(met(&surfaces, directions, scene.method, scratch))
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Warped {
@@ -63,15 +65,17 @@ impl Warped {
 fn met(
     surfaces: &Frames,
     directions: impl Iterator<Item = DVec3>,
+    method: Method,
     scratch: &mut Scratch,
 ) -> Vec<Option<Found>> {
-    let directions: Vec<_> = directions.map(Direction::from_unit).collect();
+    let directions: Vec<_> = directions.collect();
     let from = vec![Together; directions.len()];
     let rays = Rays {
         directions: &directions,
         from: &from,
+        method,
     };
-    surfaces.nearest(rays, scratch);
+    surfaces.nearest(rays, scratch, &mut Unmetered::default());
     (0..directions.len())
         .map(|ray| scratch.found(ray))
         .collect()
@@ -82,34 +86,13 @@ impl Painter for Warped {
 
     fn begin(&self, _: Tile, (): &mut ()) {}
 
-    fn paint<V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder>(
-        &self,
-        brush: &mut Brush<'_, V, S, R, A>,
-        tile: Tile,
-        (): &mut (),
-    ) {
+    fn paint(&self, eye: &Eye, tile: Tile, (): &mut (), bundle: &mut Bundle) {
         for pixel in 0..tile.pixels() {
-            let taps = self.map.taps(self.lookup, brush.direction(pixel).unit());
-            let mut sum = Observed {
-                radiance: [0.0; 3],
-                coverage: Coverage::NONE,
-            };
+            bundle.next_pixel();
+            let taps = self.map.taps(self.lookup, eye.direction(pixel).unit());
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
-                let observed = match self.seen(brush, pixel, texel) {
-                    Some(seen) => brush.pipeline.observe(&seen.point, seen.w, 1.0),
-                    None => brush.pipeline.unmet(1.0),
-                };
-                for (sum, value) in sum.radiance.iter_mut().zip(observed.radiance) {
-                    *sum += value * part;
-                }
-                sum.coverage += observed.coverage * part;
+                bundle.add(self.seen(eye, pixel, texel), part);
             }
-            brush.pipeline.expose(pixel, sum, brush.film);
-            let nearest = self.seen(brush, pixel, taps[0].0);
-            if nearest.is_none() {
-                brush.film.add_unmet();
-            }
-            brush.record(pixel, nearest.as_ref());
         }
     }
 }
@@ -117,16 +100,14 @@ impl Painter for Warped {
 impl Warped {
     /// What a texel shows to a pixel's sample.
     #[inline]
-    fn seen<'p, V: View<From = Together>, S: Surfaces, R: Radiance, A: Recorder>(
-        &self,
-        brush: &Brush<'p, V, S, R, A>,
-        pixel: usize,
-        texel: u32,
-    ) -> Option<Seen<'p>> {
-        let found = self.texels[texel as usize]?;
+    fn seen(&self, eye: &Eye, pixel: usize, texel: u32) -> Seeing {
+        let found = self.texels[texel as usize];
         let d = Direction::from_unit(self.map.direction(texel.into()));
-        let (point, _) = brush.pipeline.point(found, d, Together);
-        let w = brush.ratio(pixel, found.frame);
-        Some(Seen { point, w })
+        Seeing {
+            d: d.unit(),
+            delay: eye.index,
+            ratio: found.map_or(1.0, |found| eye.ratio(pixel, found.frame, d)),
+            found,
+        }
     }
 }

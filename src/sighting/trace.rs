@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{Lamp, Met, Reception, Sighting};
+use crate::accel::Precision;
 use crate::aov::Aov;
 use crate::camera::{Apart, Look, Pinhole, rotation_matrix};
 use crate::error::{Error, Result};
@@ -47,6 +48,7 @@ pub fn trace(
     let request = Request {
         aovs: CHANNELS.to_vec(),
         pixel_centers: true,
+        precision: Precision::Certified,
         memory_limit,
     };
     let mut plan = Plan::new(scene, &request)?;

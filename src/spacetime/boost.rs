@@ -124,7 +124,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     }
 
     /// Whether the frames are at rest relative to each other.
-    #[inline]
+    #[inline(always)]
     fn is_identity(&self) -> bool {
         self.sinh == 0.0
     }
@@ -133,6 +133,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     ///
     /// Each component is right to a few eps (1 + φ) times the sum of its terms' absolute values, at
     /// most γ (|Δct| + |Δx|).
+    #[inline(always)]
     pub fn displacement(&self, d: Displacement<From>) -> Displacement<To> {
         if self.is_identity() {
             return Displacement::new(d.ct, d.x);
@@ -149,7 +150,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     }
 
     /// The boosted displacement with `plus` = t + x∥, `minus` = t − x∥ and `across` = x⊥.
-    #[inline]
+    #[inline(always)]
     fn light_cone(&self, plus: f64, minus: f64, across: DVec3) -> Displacement<To> {
         let plus = 0.5 * self.up * plus;
         let minus = 0.5 * self.down * minus;
@@ -160,40 +161,72 @@ impl<To: Frame, From: Frame> Boost<To, From> {
     /// of the frequencies that the two frames see in that light.
     ///
     /// For camera → world the ratio is W = γ(1 − β·d′) = λ′/λ of a world-static source.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self, d: Direction<From>) -> (Direction<To>, f64) {
+        // Read ahead of the question, so that loops over directions read it once.
+        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Direction::from_unit(d.unit()), 1.0);
         }
-        let parts = Parts::of(d.unit(), self.n);
-        let back = self.down * parts.one_plus;
-        let ahead = self.up * parts.one_minus;
+        let parts = Parts::of(d.unit(), n);
+        let back = down * parts.one_plus;
+        let ahead = up * parts.one_minus;
         let ratio = 0.5 * (back + ahead);
         // One division for the three components: half an eps more in their common length.
-        let unit = (parts.across + self.n * (0.5 * (back - ahead))) * (1.0 / ratio);
+        let unit = (parts.across + n * (0.5 * (back - ahead))) * (1.0 / ratio);
         (Direction::from_unit(unit), ratio)
     }
 
     /// The tangent (−η, d) of a light path in `To`, with the same parameter.
     ///
     /// In vacuum (η = 1) it is ω (−1, d) of [`Boost::direction`], with ω the ratio, to the same digits.
-    #[inline]
+    #[inline(always)]
     pub fn tangent(&self, index: f64, d: Direction<From>) -> Displacement<To> {
         self.tangent_and_ratio(index, d).0
     }
 
     /// [`Boost::tangent`] and the ratio of [`Boost::direction`].
-    #[inline]
+    #[inline(always)]
     pub fn tangent_and_ratio(&self, index: f64, d: Direction<From>) -> (Displacement<To>, f64) {
+        let Boost { n, up, down, .. } = *self;
         if self.is_identity() {
             return (Displacement::new(-index, d.unit()), 1.0);
         }
-        let parts = Parts::of(d.unit(), self.n);
-        let ratio = 0.5 * (self.down * parts.one_plus + self.up * parts.one_minus);
+        let parts = Parts::of(d.unit(), n);
+        let ratio = 0.5 * (down * parts.one_plus + up * parts.one_minus);
         // t + x∥ = −η + c∥ and t − x∥ = −η − c∥, from the stable 1 ∓ c∥. For η ≥ 1 no sign differs.
         let slow = 1.0 - index;
         let (plus, minus) = (slow - parts.one_minus, slow - parts.one_plus);
         (self.light_cone(plus, minus, parts.across), ratio)
+    }
+}
+
+/// Tangents of many light paths, in arrays: what [`Boost::tangent_and_ratio`] says of each.
+#[derive(Debug)]
+pub(crate) struct Tangents<'a> {
+    /// Spatial parts.
+    pub space: &'a mut [DVec3],
+    /// Temporal parts.
+    pub time: &'a mut [f64],
+    /// ω_To/ω_From of light from there.
+    pub ratio: &'a mut [f64],
+}
+
+impl<To: Frame, From: Frame> Boost<To, From> {
+    /// Boosts light paths along the unit vectors `directions` in media of index `index`; all slices are of one
+    /// length. A plain loop, for [`widest`](crate::vectors::widest).
+    #[inline(always)]
+    pub(crate) fn tangents(&self, index: &[f64], directions: &[DVec3], to: Tangents) {
+        let count = directions.len();
+        let (index, space) = (&index[..count], &mut to.space[..count]);
+        let (time, ratio) = (&mut to.time[..count], &mut to.ratio[..count]);
+        for i in 0..count {
+            let d = Direction::<From>::from_unit(directions[i]);
+            let (tangent, ratio_of_one) = self.tangent_and_ratio(index[i], d);
+            space[i] = tangent.x;
+            time[i] = tangent.ct;
+            ratio[i] = ratio_of_one;
+        }
     }
 }
 
@@ -209,7 +242,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The parts of `d`, none of them by the difference of nearly equal numbers.
-    #[inline]
+    #[inline(always)]
     pub fn of(d: DVec3, n: DVec3) -> Self {
         let along = n.dot(d);
         // d − n and d + n have the same d⊥ as d; the shorter of them has less else to take away.

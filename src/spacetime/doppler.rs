@@ -87,6 +87,18 @@ impl Quantity {
         1.0 / power(w.0, self.exponent())
     }
 
+    /// [`Quantity::radiance_factor`] in place of each wavelength ratio. A plain loop, for
+    /// [`widest`](crate::vectors::widest).
+    #[inline(always)]
+    pub(crate) fn radiance_factors(self, ratios: &mut [f64]) {
+        match self.exponent() {
+            5 => factors::<5>(ratios),
+            4 => factors::<4>(ratios),
+            3 => factors::<3>(ratios),
+            _ => factors::<2>(ratios),
+        }
+    }
+
     /// Irradiance on a surface in its own frame for an irradiance of 1 (per area across the light)
     /// in the source's, `w` the ratio of wavelengths surface / source.
     #[inline]
@@ -101,8 +113,15 @@ impl Quantity {
     }
 }
 
+#[inline(always)]
+fn factors<const P: u32>(ratios: &mut [f64]) {
+    for w in ratios {
+        *w = 1.0 / power(*w, P);
+    }
+}
+
 /// xⁿ by multiplications in a fixed order: the same bits on every machine.
-#[inline]
+#[inline(always)]
 fn power(x: f64, n: u32) -> f64 {
     (1..n).fold(if n == 0 { 1.0 } else { x }, |p, _| p * x)
 }

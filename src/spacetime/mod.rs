@@ -19,6 +19,7 @@ mod ray;
 mod velocity;
 pub mod worldline;
 
+pub(crate) use boost::Tangents;
 pub use boost::{Boost, InertialFrame};
 pub use doppler::{Quantity, WavelengthRatio};
 pub use event::{Camera, Direction, Displacement, Event, Frame, Rest, World};

@@ -40,7 +40,7 @@ use crate::film::Tile;
 use crate::prepare::Prepared;
 use crate::progress::Progress;
 use crate::scene::model::Scene;
-use crate::trace::{Found, Frames, Rays, Scratch, Surfaces};
+use crate::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
 
 /// What tessellation a picture needs.
 #[derive(Debug, Clone, Serialize)]
@@ -159,14 +159,15 @@ fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Re
         }
         let tile = Tile::of_image(size, index);
         let centre = |(column, row): (u32, u32)| [column, row].map(|p| f64::from(p) + 0.5);
-        let look = |[x, y]: [f64; 2]| prepared.camera.view.look(x, y, 0.0).d;
+        let look = |[x, y]: [f64; 2]| prepared.camera.view.look(x, y, 0.0).d.unit();
         let directions: Vec<_> = tile.coordinates().map(centre).map(look).collect();
         let from = vec![Together; directions.len()];
         let rays = Rays {
             directions: &directions,
             from: &from,
+            method: prepared.method,
         };
-        surfaces.nearest(rays, scratch);
+        surfaces.nearest(rays, scratch, &mut Unmetered::default());
         progress.rays_done(tile.pixels() as u64);
         let met = tile
             .coordinates()

@@ -117,11 +117,11 @@ pub(super) struct Moment {
 /// A time axis with its number of bins and its ends' policies.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Timeline {
-    start: f64,
-    end: f64,
-    bins_per_metre: f64,
+    pub start: f64,
+    pub end: f64,
+    pub bins_per_metre: f64,
     bins: usize,
-    filter: TimeFilter,
+    pub filter: TimeFilter,
     before: Fill,
     after: Fill,
 }
@@ -239,8 +239,8 @@ fn split(x: f64) -> (i64, f64) {
     (floor, x - floor as f64)
 }
 
-#[inline]
-fn catmull_rom(f: f64) -> [f64; 4] {
+#[inline(always)]
+pub(super) fn catmull_rom(f: f64) -> [f64; 4] {
     [
         0.5 * f * ((2.0 - f) * f - 1.0),
         0.5 * ((3.0 * f - 5.0) * f * f + 2.0),
@@ -250,8 +250,8 @@ fn catmull_rom(f: f64) -> [f64; 4] {
 }
 
 /// Weights on a_k − (a_{k−1} − 2a_k + a_{k+1})/24, as weights on a: one bin more on each side.
-#[inline]
-fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
+#[inline(always)]
+pub(super) fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
     let spread = |before: f64, own: f64, after: f64| (26.0 * own - before - after) / 24.0;
     [
         spread(0.0, 0.0, p),

@@ -16,7 +16,8 @@
 //! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `axis` knows time, `bilinear` texels, `capture` cameras; `reader` alone touches samples. All that
+//! `axis` knows time, `bilinear` texels, `capture` cameras; `reader` alone touches samples, and `lookups`
+//! those of many lookups at a time. All that
 //! `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
 //! integral over prefix sums) is another producer of such runs.
 
@@ -25,6 +26,7 @@ mod bilinear;
 mod capture;
 mod coverage;
 mod cube;
+mod lookups;
 mod reader;
 mod texture;
 
@@ -32,4 +34,5 @@ pub use axis::TimeAxis;
 pub use capture::{Capture, SeenPoint, SurfacePoint};
 pub use coverage::Coverage;
 pub use cube::{Cube, CubeError, Samples};
-pub use texture::{Sampled, TimeTexture};
+pub use lookups::{BATCH, Lookups};
+pub use texture::{Located, Sampled, TimeTexture};

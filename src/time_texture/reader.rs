@@ -6,33 +6,51 @@ use super::bilinear::Tap;
 use super::{Cube, Samples};
 
 /// A stored number.
-trait Sample: Copy {
+pub(super) trait Sample: Copy {
+    /// 0.
+    const ZERO: Self;
+    /// Holds it exactly, and is calculated with faster.
+    type Wide: Copy + Into<f64>;
+    /// The same number.
+    fn wide(self) -> Self::Wide;
     /// Exact in f64.
-    fn value(self) -> f64;
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.wide().into()
+    }
 }
 
 impl Sample for half::f16 {
-    /// For finite numbers, as all samples are: the exponent and mantissa bits stand in an f64 that is
-    /// too small by the difference of the exponents' biases, 1023 − 15.
-    #[inline]
-    fn value(self) -> f64 {
-        const BIAS: f64 = f64::from_bits((1023 + 1023 - 15) << 52);
-        let bits = u64::from(self.to_bits());
-        let magnitude = f64::from_bits((bits & 0x7fff) << 42) * BIAS;
-        f64::from_bits(magnitude.to_bits() | (bits & 0x8000) << 48)
+    const ZERO: Self = half::f16::ZERO;
+    type Wide = f32;
+
+    /// For finite numbers, as all samples are: the exponent and mantissa bits stand in an f32 that is
+    /// too small by the difference of the exponents' biases, 127 − 15.
+    #[inline(always)]
+    fn wide(self) -> f32 {
+        const BIAS: f32 = f32::from_bits((127 + 127 - 15) << 23);
+        let bits = u32::from(self.to_bits());
+        let magnitude = f32::from_bits((bits & 0x7fff) << 13) * BIAS;
+        f32::from_bits(magnitude.to_bits() | (bits & 0x8000) << 16)
     }
 }
 
 impl Sample for f32 {
-    #[inline]
-    fn value(self) -> f64 {
-        f64::from(self)
+    const ZERO: Self = 0.0;
+    type Wide = f32;
+
+    #[inline(always)]
+    fn wide(self) -> f32 {
+        self
     }
 }
 
 impl Sample for f64 {
-    #[inline]
-    fn value(self) -> f64 {
+    const ZERO: Self = 0.0;
+    type Wide = f64;
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
         self
     }
 }

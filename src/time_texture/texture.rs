@@ -25,6 +25,30 @@ pub struct Sampled {
     pub coverage: Coverage,
 }
 
+/// Where a point lies in the image of a capture camera, and which pixels saw it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Located(Spot);
+
+/// A place in an image, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Spot {
+    /// On it, and these pixels saw the surface around the point.
+    Seen([f64; 2], [Tap; 4]),
+    /// On it, where no pixel saw the surface.
+    Unseen([f64; 2]),
+    /// Outside it.
+    Beside([f64; 2]),
+    /// Behind the pinhole.
+    Behind,
+}
+
+impl Located {
+    /// Whether it remains to be asked if the scene blocks the line to the camera.
+    pub fn is_seen(&self) -> bool {
+        matches!(self.0, Spot::Seen(..))
+    }
+}
+
 /// A cube on its time axis, ready for lookups from any thread.
 #[derive(Debug, Clone)]
 pub struct TimeTexture {
@@ -71,6 +95,15 @@ impl TimeTexture {
         &self.axis
     }
 
+    pub(super) fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    /// What turns a stored value into radiance per metre of ct.
+    pub(super) fn factor(&self) -> f64 {
+        self.factor
+    }
+
     /// Width and height, texels: the size of the image of a [`Capture`].
     pub fn size(&self) -> [usize; 2] {
         [self.cube.shape[1], self.cube.shape[0]]
@@ -114,21 +147,50 @@ impl TimeTexture {
         t: f64,
         occluded: impl FnOnce(DVec3, DVec3) -> bool,
     ) -> Sampled {
+        let located = self.locate(capture, point);
+        let occluded = located.is_seen() && occluded(point.position, capture.eye());
+        self.sample_located(capture, &located, t, occluded)
+    }
+
+    /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
+    #[inline]
+    pub fn locate(&self, capture: &Capture, point: &SurfacePoint) -> Located {
         let Some(place) = capture.project(point.position) else {
-            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                Sampled::default()
-            });
+            return Located(Spot::Behind);
         };
         if !self.on_image(place) {
-            return self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                self.sample_anything(capture, place, t)
-            });
+            return Located(Spot::Beside(place));
         }
-        let seen = self.taps_on(capture, place, point);
-        match seen.filter(|_| !occluded(point.position, capture.eye())) {
-            Some(taps) => self.sample_pixels(capture, &taps, t),
-            None => self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
-                self.sample_anything(capture, place, t)
+        Located(match self.taps_on(capture, place, point) {
+            Some(taps) => Spot::Seen(place, taps),
+            None => Spot::Unseen(place),
+        })
+    }
+
+    /// Radiance of a point that was located, as [`TimeTexture::sample_capture`]. `occluded` counts where the
+    /// point [is seen](Located::is_seen).
+    #[inline]
+    pub fn sample_located(
+        &self,
+        capture: &Capture,
+        located: &Located,
+        t: f64,
+        occluded: bool,
+    ) -> Sampled {
+        match &located.0 {
+            Spot::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
+            Spot::Seen(place, _) | Spot::Unseen(place) => {
+                self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
+                    self.sample_anything(capture, *place, t)
+                })
+            }
+            Spot::Beside(place) => {
+                self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                    self.sample_anything(capture, *place, t)
+                })
+            }
+            Spot::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
+                Sampled::default()
             }),
         }
     }

@@ -5,10 +5,13 @@
 
 use glam::{DVec2, DVec3};
 
+use super::light::Light;
+use super::run::Run;
+use super::stats::Meter;
 use super::surfaces::{Patch, RestFrame, Surfaces};
 use crate::accel::Hit;
-use crate::camera::Apart;
-use crate::spacetime::{Direction, Event, NullRay, Quantity, Rest, World};
+use crate::camera::{Apart, Departure};
+use crate::spacetime::{Event, NullRay, Quantity, Rest, World};
 use crate::time_texture::{Coverage, Sampled};
 
 /// A point of a surface at the event at which its light leaves for the camera.
@@ -41,11 +44,6 @@ impl SurfacePoint<'_> {
     #[inline]
     pub fn rest_event(&self) -> Event<Rest> {
         self.local.at(self.hit.s)
-    }
-
-    /// The look direction of the camera's ray.
-    pub(super) fn seen_along(&self) -> Direction<World> {
-        Direction::from_unit(self.ray.tangent.x)
     }
 
     /// Index of the triangle in its object.
@@ -107,8 +105,13 @@ pub trait Radiance: Sync {
     /// Whether coverage can be other than full.
     const HAS_GAPS: bool;
 
-    /// What leaves `point` towards the camera.
-    fn emission<S: Surfaces>(&self, surfaces: &S, point: &SurfacePoint) -> Emission;
+    /// What leaves the points of `run` towards the camera, in place of what `light` holds.
+    fn emit<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        run: &Run<D, S>,
+        light: &mut Light,
+        meter: &mut M,
+    );
 }
 
 impl Emission {

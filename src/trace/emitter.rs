@@ -1,14 +1,18 @@
 //! Emitters: base colours, which need no time, and time-resolved sources.
 
-use glam::{DVec2, DVec3};
-
 use super::emission::{Emission, Radiance, Response, SurfacePoint};
-use super::surfaces::{Surfaces, shadow_ray};
+use super::light::{Detail, Light};
+use super::occlusion::shadow_ray;
+use super::run::Run;
+use super::stats::{Counter, Meter};
+use super::surfaces::Surfaces;
+use crate::accel::Segment;
+use crate::camera::Departure;
 use crate::image::Texture;
 use crate::mesh::Wrap;
 use crate::scene::model::Pulse;
 use crate::spacetime::Quantity;
-use crate::time_texture::{Capture, Sampled, SurfacePoint as CapturePoint, TimeTexture};
+use crate::time_texture::{BATCH, Capture, SurfacePoint as CapturePoint, TimeTexture};
 
 /// Time-independent radiance: a factor and a texture.
 #[derive(Debug, Clone)]
@@ -89,6 +93,15 @@ pub enum EmissionClock {
 }
 
 impl EmissionClock {
+    /// At member `k` of `run`, whose hit is at `s`.
+    #[inline(always)]
+    fn time_of<D: Departure, S: Surfaces>(self, run: &Run<D, S>, k: usize, s: f64) -> f64 {
+        match self {
+            EmissionClock::World => run.world_time(k, s),
+            EmissionClock::Object => run.object_time(k, s),
+        }
+    }
+
     #[inline]
     fn time(self, point: &SurfacePoint) -> f64 {
         match self {
@@ -99,7 +112,7 @@ impl EmissionClock {
 }
 
 impl BaseColours {
-    fn radiance(&self, index: usize, point: &SurfacePoint) -> [f64; 3] {
+    pub(super) fn radiance(&self, index: usize, point: &SurfacePoint) -> [f64; 3] {
         let base = &self.colours[index];
         let Some((texture, set, wrap)) = base.texture else {
             return base.factor;
@@ -112,66 +125,145 @@ impl BaseColours {
     }
 }
 
+impl BaseColours {
+    /// What colour `index` emits at the points of `run`.
+    fn fill<D: Departure, S: Surfaces>(&self, index: usize, run: &Run<D, S>, light: &mut Light) {
+        match self.colours[index].texture {
+            None => light
+                .radiance
+                .resize(run.members.len(), self.colours[index].factor),
+            Some(_) => light
+                .radiance
+                .extend(run.points().map(|point| self.radiance(index, &point))),
+        }
+    }
+}
+
 impl Radiance for BaseColours {
     const HAS_GAPS: bool = false;
 
-    #[inline]
-    fn emission<S: Surfaces>(&self, _: &S, point: &SurfacePoint) -> Emission {
-        Emission::full(
-            self.radiance(point.patch.emitter as usize, point),
-            self.response,
-        )
+    fn emit<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        run: &Run<D, S>,
+        light: &mut Light,
+        _: &mut M,
+    ) {
+        light.start(self.response);
+        self.fill(run.patch.emitter as usize, run, light);
     }
 }
 
 impl Radiance for TimeResolved {
     const HAS_GAPS: bool = true;
 
-    fn emission<S: Surfaces>(&self, surfaces: &S, point: &SurfacePoint) -> Emission {
-        let (emitter, response) = &self.emitters[point.patch.emitter as usize];
+    fn emit<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        run: &Run<D, S>,
+        light: &mut Light,
+        meter: &mut M,
+    ) {
+        let (emitter, response) = &self.emitters[run.patch.emitter as usize];
+        light.start(*response);
         match emitter {
-            Emitter::Base(colour) => Emission::full(self.base.radiance(*colour, point), *response),
+            Emitter::Base(colour) => self.base.fill(*colour, run, light),
             Emitter::Uv { cube, set, clock } => {
-                let uv = point.uv(*set).unwrap_or(DVec2::NAN);
-                Emission::stored(
-                    self.cubes[*cube].sample_uv(uv, clock.time(point)),
-                    *response,
-                )
+                look_up(&self.cubes[*cube], *set, *clock, run, light, meter);
             }
             Emitter::Capture {
                 cube,
                 capture,
                 clock,
-            } => Emission::stored(
-                self.captured(*cube, *capture, clock.time(point), point),
-                *response,
-            ),
-            Emitter::Pulses { albedo, pulses } => {
-                let albedo = self.base.radiance(*albedo, point);
-                let (irradiance, wavelength_scale) = self.irradiance(surfaces, pulses, point);
-                let radiance =
-                    std::array::from_fn(|c| albedo[c] * irradiance[c] / std::f64::consts::PI);
-                Emission {
-                    wavelength_scale,
-                    ..Emission::full(radiance, *response)
-                }
-            }
+            } => self.capture(*cube, *capture, *clock, run, light, meter),
+            Emitter::Pulses { albedo, pulses } => self.reflect(run, *albedo, pulses, light, meter),
         }
     }
 }
 
+/// What `texture` holds at the points of `run`.
+fn look_up<D: Departure, S: Surfaces, M: Meter>(
+    texture: &TimeTexture,
+    set: usize,
+    clock: EmissionClock,
+    run: &Run<D, S>,
+    light: &mut Light,
+    meter: &mut M,
+) {
+    let mut begin = 0;
+    while begin < run.members.len() {
+        let count = (run.members.len() - begin).min(BATCH);
+        for at in 0..count {
+            let Some(hit) = run.hit(begin + at) else {
+                continue;
+            };
+            let uv = run.uv(set, &hit);
+            light.lookups.u[at] = uv.x;
+            light.lookups.v[at] = uv.y;
+            light.lookups.t[at] = clock.time_of(run, begin + at, hit.s);
+        }
+        texture.sample_each(&mut light.lookups, count);
+        let radiance = light.lookups.radiance[..count].iter();
+        light
+            .radiance
+            .extend(radiance.map(|[r, g, b, _]| [*r, *g, *b]));
+        let details = light.lookups.others.iter().map(|(at, sampled)| Detail {
+            at: begin + at,
+            unscaled: sampled.unscaled,
+            coverage: sampled.coverage,
+            wavelength_scale: 1.0,
+        });
+        light.details.extend(details);
+        if M::ON {
+            let bytes = light.lookups.bytes_read(texture, count);
+            meter.count(Counter::TextureBytes, bytes);
+        }
+        begin += count;
+    }
+}
+
 impl TimeResolved {
-    /// What the capture camera recorded of `point`, as far as it saw it. The capture camera rests in
-    /// the point's frame, and so does all that can stand between them.
-    fn captured(&self, cube: usize, capture: usize, t: f64, point: &SurfacePoint) -> Sampled {
-        let captured = CapturePoint {
-            position: point.rest_event().x,
-            normal: point.facing_normal(),
-        };
-        let occluded = |from: DVec3, eye: DVec3| {
-            let ray = shadow_ray(point.local.origin.x, from, eye - from);
-            point.rest.bvh.any(&ray, 1.0, Some(point.hit.triangle))
-        };
-        self.cubes[cube].sample_capture(&self.captures[capture], &captured, t, occluded)
+    /// What the capture camera recorded of the points of `run`, as far as it saw them. The capture camera rests
+    /// in the points' frame, and so does all that can stand between them.
+    fn capture<D: Departure, S: Surfaces, M: Meter>(
+        &self,
+        cube: usize,
+        capture: usize,
+        clock: EmissionClock,
+        run: &Run<D, S>,
+        light: &mut Light,
+        meter: &mut M,
+    ) {
+        let (texture, capture) = (&self.cubes[cube], &self.captures[capture]);
+        light.located.clear();
+        light.segments.clear();
+        for point in run.points() {
+            let captured = CapturePoint {
+                position: point.rest_event().x,
+                normal: point.facing_normal(),
+            };
+            let located = texture.locate(capture, &captured);
+            if located.is_seen() {
+                let from = captured.position;
+                light.segments.push(Segment {
+                    ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
+                    s_max: 1.0,
+                    skip: Some(point.hit.triangle),
+                });
+            }
+            light.located.push((located, clock.time(&point)));
+        }
+        light.blocked.clear();
+        light.blocked.resize(light.segments.len(), false);
+        let (method, tally) = (run.traced.rays.method, meter.occlusion());
+        run.rest
+            .bvh
+            .any_by(method, &light.segments, &mut light.blocked, tally);
+        let mut asked = 0;
+        for at in 0..light.located.len() {
+            let (located, t) = light.located[at];
+            let blocked = located.is_seen() && light.blocked[asked];
+            asked += usize::from(located.is_seen());
+            let sampled = texture.sample_located(capture, &located, t, blocked);
+            light.push(Emission::stored(sampled, light.response));
+        }
     }
 }

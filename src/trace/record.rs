@@ -16,6 +16,9 @@ pub struct Seen<'a> {
 
 /// Records auxiliary channels of one sample.
 pub trait Recorder: Sync {
+    /// Whether anything is recorded.
+    const RECORDS: bool;
+
     /// Records what the sample at `offset` in `pixel` has seen along `d`.
     fn record(
         &self,
@@ -32,6 +35,8 @@ pub trait Recorder: Sync {
 pub struct NoAovs;
 
 impl Recorder for NoAovs {
+    const RECORDS: bool = false;
+
     #[inline]
     fn record(
         &self,
@@ -52,6 +57,8 @@ pub struct AovRecorder {
 }
 
 impl Recorder for AovRecorder {
+    const RECORDS: bool = true;
+
     fn record(
         &self,
         pixel: usize,

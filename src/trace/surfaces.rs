@@ -7,8 +7,10 @@
 
 use glam::DVec3;
 
-use super::{Scratch, SurfacePoint};
-use crate::accel::{Bvh, Hit, Ray};
+use super::Scratch;
+use super::occlusion::{Question, Questions, shadow_ray};
+use super::stats::{Meter, Stage};
+use crate::accel::{Bvh, Hit, Method, Segment, Tally};
 use crate::camera::Departure;
 use crate::mesh::Mesh;
 use crate::spacetime::{
@@ -51,8 +53,16 @@ impl RestFrame {
     /// The patch that triangle `triangle` belongs to.
     #[inline]
     pub fn patch(&self, triangle: u32) -> &Patch {
+        self.patch_and_end(triangle).0
+    }
+
+    /// The same, and the first triangle after it.
+    #[inline]
+    pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
         let after = self.patches.partition_point(|p| p.first <= triangle);
-        &self.patches[after.saturating_sub(1)]
+        let after = after.max(1);
+        let end = self.patches.get(after).map_or(u32::MAX, |next| next.first);
+        (&self.patches[after - 1], end)
     }
 }
 
@@ -68,37 +78,43 @@ pub struct Found {
 /// Rays of one batch: look directions in the world, and where each leaves.
 #[derive(Debug, Clone, Copy)]
 pub struct Rays<'a, D> {
-    /// Look directions.
-    pub directions: &'a [Direction<World>],
+    /// Look directions, unit vectors of the world.
+    pub directions: &'a [DVec3],
     /// Where each leaves, relative to the event of the shot.
     pub from: &'a [D],
+    /// How they are traced.
+    pub method: Method,
 }
 
 /// The nearest surfaces along rays of a camera, and occlusion between any events.
 pub trait Surfaces: Sync {
     /// Makes `scratch` hold the nearest hit along each of `rays`.
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M);
 
     /// The rest frame of index `frame`.
     fn rest(&self, frame: u32) -> &RestFrame;
 
-    /// The ray from `from` along `d` in the coordinates of rest frame `frame`, and ω_rest/ω_world of its
-    /// light.
-    fn local<D: Departure>(&self, frame: u32, d: Direction<World>, from: D)
-    -> (NullRay<Rest>, f64);
+    /// Ray `ray` of `rays`, whose nearest hits are in `scratch`, in the coordinates of rest frame `frame`, in
+    /// which it has met something, and ω_rest/ω_world of its light.
+    fn local<D: Departure>(
+        &self,
+        frame: u32,
+        ray: usize,
+        rays: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64);
 
     /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
 
-    /// Whether anything but the triangle of `point` itself is met from there along `d` in a medium of
-    /// index `index`, within s < `distance`.
-    fn occluded(
+    /// Answers `questions`, in which `index` is that of the medium.
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool;
+        method: Method,
+        tally: &mut impl Tally,
+    );
 }
 
 /// One rest frame, at rest in the world.
@@ -141,7 +157,7 @@ fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
 
 /// `origin` moved by where a ray leaves; bit for bit the same where all leave together.
 #[inline(always)]
-pub(super) fn leaving<D: Departure>(
+fn leaving<D: Departure>(
     origin: Event<Rest>,
     from: D,
     displacement: impl FnOnce(Displacement<World>) -> Displacement<Rest>,
@@ -154,25 +170,29 @@ pub(super) fn leaving<D: Departure>(
 
 /// The index of the medium along a ray.
 #[inline(always)]
-fn index_along<D: Departure>(index: f64, from: D) -> f64 {
+pub(super) fn index_along<D: Departure>(index: f64, from: D) -> f64 {
     match D::TOGETHER {
         true => index,
         false => index * from.into().delay,
     }
 }
 
-/// World coordinates are those of a frame at rest in the world, but for its origin.
-fn unboosted(d: Displacement<World>) -> Displacement<Rest> {
-    Displacement::new(d.ct, d.x)
-}
-
 impl Surfaces for Still<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
-        let directions = rays.directions.iter().map(|d| d.unit());
-        scratch.local.extend(directions);
-        scratch.leave(self.origin, rays.from, unboosted);
-        scratch.meet(0, &self.rest.bvh, self.origin.x);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        let Still { rest, origin, .. } = self;
+        scratch.start(rays.directions.len(), 1);
+        scratch.leave(rest.frame.frame_from_world(), *origin, rays.from);
+        meter.lap(Stage::Boosts);
+        let directions = Some(rays.directions);
+        scratch.meet(
+            0,
+            &rest.bvh,
+            &rays,
+            origin.x,
+            directions,
+            meter.visibility(),
+        );
+        meter.lap(Stage::Visibility);
     }
 
     #[inline]
@@ -180,11 +200,18 @@ impl Surfaces for Still<'_> {
         self.rest
     }
 
-    #[inline]
-    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
+    #[inline(always)]
+    fn local<D: Departure>(
+        &self,
+        _: u32,
+        ray: usize,
+        rays: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64) {
+        let index = index_along(self.index, rays.from[ray]);
         let local = NullRay {
-            origin: leaving(self.origin, from, unboosted),
-            tangent: Displacement::new(-index_along(self.index, from), d.unit()),
+            origin: scratch.left(ray, self.origin),
+            tangent: Displacement::new(-index, rays.directions[ray]),
         };
         (local, 1.0)
     }
@@ -194,11 +221,12 @@ impl Surfaces for Still<'_> {
         (Direction::from_unit(d.unit()), 1.0)
     }
 
-    fn occluded(&self, point: &SurfacePoint, d: Direction<World>, _: f64, distance: f64) -> bool {
-        let from = point.rest_event().x;
-        let ray = shadow_ray(point.local.origin.x, from, d.unit());
-        let skip = Some(point.hit.triangle);
-        self.rest.bvh.any(&ray, distance, skip)
+    fn occlude(&self, questions: &mut Questions, _: f64, method: Method, tally: &mut impl Tally) {
+        questions.ask(&self.rest.bvh, method, tally, |q| Segment {
+            ray: shadow_ray(q.local.origin.x, q.local.at(q.hit.s).x, q.d.unit()),
+            s_max: q.distance,
+            skip: Some(q.hit.triangle),
+        });
     }
 }
 
@@ -217,16 +245,19 @@ impl<'a> Moving<'a> {
     }
 
     /// Meets `rays` with this frame, which has index `frame`.
-    #[inline]
-    fn meet<D: Departure>(&self, frame: u32, rays: Rays<D>, scratch: &mut Scratch) {
-        let tangents = rays.directions.iter().zip(rays.from).map(|(d, from)| {
-            let index = index_along(self.index, *from);
-            self.boost().tangent(index, *d).x
-        });
-        scratch.local.clear();
-        scratch.local.extend(tangents);
-        scratch.leave(self.origin, rays.from, |d| self.boost().displacement(d));
-        scratch.meet(frame, &self.rest.bvh, self.origin.x);
+    fn meet<D: Departure, M: Meter>(
+        &self,
+        frame: u32,
+        rays: Rays<D>,
+        scratch: &mut Scratch,
+        meter: &mut M,
+    ) {
+        scratch.carry(self.boost(), self.index, rays);
+        scratch.leave(self.boost(), self.origin, rays.from);
+        meter.lap(Stage::Boosts);
+        let (bvh, origin) = (&self.rest.bvh, self.origin.x);
+        scratch.meet(frame, bvh, &rays, origin, None, meter.visibility());
+        meter.lap(Stage::Visibility);
     }
 
     #[inline]
@@ -237,23 +268,27 @@ impl<'a> Moving<'a> {
         (NullRay { origin, tangent }, ratio)
     }
 
-    fn shadows(
+    /// `question` about a point seen along `seen` in this frame.
+    fn segment(
         &self,
-        seen: NullRay<Rest>,
-        s: f64,
-        direction: DVec3,
-        distance: f64,
+        question: &Question,
+        seen: &NullRay<Rest>,
+        index: f64,
         skip: Option<u32>,
-    ) -> bool {
-        let ray = shadow_ray(seen.origin.x, seen.at(s).x, direction);
-        self.rest.bvh.any(&ray, distance, skip)
+    ) -> Segment {
+        let direction = self.boost().tangent(index, question.d).x;
+        Segment {
+            ray: shadow_ray(seen.origin.x, seen.at(question.hit.s).x, direction),
+            s_max: question.distance,
+            skip,
+        }
     }
 }
 
 impl Surfaces for Moving<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
-        self.meet(0, rays, scratch);
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        scratch.start(rays.directions.len(), 1);
+        self.meet(0, rays, scratch, meter);
     }
 
     #[inline]
@@ -261,9 +296,15 @@ impl Surfaces for Moving<'_> {
         self.rest
     }
 
-    #[inline]
-    fn local<D: Departure>(&self, _: u32, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
-        self.ray(d, from)
+    #[inline(always)]
+    fn local<D: Departure>(
+        &self,
+        _: u32,
+        ray: usize,
+        _: &Rays<D>,
+        scratch: &Scratch,
+    ) -> (NullRay<Rest>, f64) {
+        scratch.carried(ray, self.origin)
     }
 
     #[inline]
@@ -271,16 +312,16 @@ impl Surfaces for Moving<'_> {
         self.boost().direction(d)
     }
 
-    fn occluded(
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool {
-        let direction = self.boost().tangent(index, d).x;
-        let skip = Some(point.hit.triangle);
-        self.shadows(point.local, point.hit.s, direction, distance, skip)
+        method: Method,
+        tally: &mut impl Tally,
+    ) {
+        questions.ask(&self.rest.bvh, method, tally, |q| {
+            self.segment(q, &q.local, index, Some(q.hit.triangle))
+        });
     }
 }
 
@@ -293,10 +334,10 @@ impl<'a> Frames<'a> {
 }
 
 impl Surfaces for Frames<'_> {
-    fn nearest<D: Departure>(&self, rays: Rays<D>, scratch: &mut Scratch) {
-        scratch.start(rays.directions.len());
+    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
+        scratch.start(rays.directions.len(), self.0.len());
         for (k, frame) in self.0.iter().enumerate() {
-            frame.meet(k as u32, rays, scratch);
+            frame.meet(k as u32, rays, scratch, meter);
         }
     }
 
@@ -309,10 +350,12 @@ impl Surfaces for Frames<'_> {
     fn local<D: Departure>(
         &self,
         frame: u32,
-        d: Direction<World>,
-        from: D,
+        ray: usize,
+        rays: &Rays<D>,
+        _: &Scratch,
     ) -> (NullRay<Rest>, f64) {
-        self.0[frame as usize].ray(d, from)
+        let d = Direction::from_unit(rays.directions[ray]);
+        self.0[frame as usize].ray(d, rays.from[ray])
     }
 
     #[inline]
@@ -320,33 +363,20 @@ impl Surfaces for Frames<'_> {
         self.0[frame as usize].boost().direction(d)
     }
 
-    fn occluded(
+    fn occlude(
         &self,
-        point: &SurfacePoint,
-        d: Direction<World>,
+        questions: &mut Questions,
         index: f64,
-        distance: f64,
-    ) -> bool {
-        self.0.iter().enumerate().any(|(k, frame)| {
-            let skip = (k as u32 == point.frame).then_some(point.hit.triangle);
-            let (seen, _) = frame.ray(point.seen_along(), point.from);
-            let direction = frame.boost().tangent(index, d).x;
-            frame.shadows(seen, point.hit.s, direction, distance, skip)
-        })
-    }
-}
-
-/// A ray along `direction` from the point `from` of a surface that was seen from `camera`.
-///
-/// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
-/// the edge of a triangle the ray could meet the neighbour right there; what is nearer than 2⁻⁴² of the
-/// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
-pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
-    const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
-    let size = camera.abs().max_element() + from.abs().max_element();
-    Ray {
-        origin: from,
-        direction,
-        s_min: CLEARANCE * size / direction.length(),
+        method: Method,
+        tally: &mut impl Tally,
+    ) {
+        for (k, frame) in self.0.iter().enumerate() {
+            questions.ask(&frame.rest.bvh, method, tally, |q| {
+                let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
+                let d = Direction::from_unit(q.seen.tangent.x);
+                let (seen, _) = frame.ray(d, q.from);
+                frame.segment(q, &seen, index, skip)
+            });
+        }
     }
 }

@@ -16,6 +16,7 @@ mod render;
 mod resume;
 mod selftest;
 mod sheet;
+mod stats;
 mod tessellation;
 
 use std::fs;

@@ -2,6 +2,7 @@
 
 mod channels;
 mod clocks;
+mod costs;
 mod coverage;
 mod determinism;
 mod doppler;

@@ -1,5 +1,7 @@
 //! How packets are traced: instructions and precision.
 
+use serde::{Serialize, Serializer};
+
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
 use super::simd::{Portable, Simd, Task};
@@ -34,6 +36,25 @@ pub enum Precision {
     /// All in f32, for previews: rays along an edge may miss both its triangles, and near depths may
     /// be mistaken. With [`Kernel::Scalar`] and for rays that don't go together as certified.
     Fast,
+}
+
+impl Precision {
+    /// Both, the default first.
+    pub const ALL: [Precision; 2] = [Precision::Certified, Precision::Fast];
+
+    /// The name in options, plans and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Precision::Certified => "certified",
+            Precision::Fast => "fast",
+        }
+    }
+}
+
+impl Serialize for Precision {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Default for Method {

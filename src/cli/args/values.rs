@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use nullray::accel::Precision;
 use nullray::aov;
 use nullray::study;
 use nullray::units::Percentage;
@@ -85,6 +86,12 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 
 pub(super) fn aovs(text: &str) -> Result<AovList, String> {
     aov::parse(text).map(AovList)
+}
+
+/// What visibility is worth.
+pub(super) fn precision(text: &str) -> Result<Precision, String> {
+    let known = Precision::ALL.into_iter().find(|p| p.name() == text);
+    known.ok_or_else(|| "write certified, or fast".into())
 }
 
 /// A percentage; a bare number is one too.

@@ -66,6 +66,7 @@ impl Identity {
         }
         parts.add(&[u8::from(request.pixel_centers)]);
         parts.add(outputs.method.to_string().as_bytes());
+        parts.add(request.precision.name().as_bytes());
         parts.add(&inputs.0);
         Identity {
             common: parts.finish(),

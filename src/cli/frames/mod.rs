@@ -17,7 +17,8 @@ use nullray::{Result, plan};
 use super::args::RenderArguments;
 use super::output::{Kind, Outputs, check_all, numbered};
 use super::progress::Bar;
-use super::{builtin, inputs, interrupt, overlay, print, remarks};
+use super::stats::{Account, Preparation};
+use super::{builtin, inputs, interrupt, overlay, print, remarks, render};
 
 pub use identity::Identity;
 pub use range::Frames;
@@ -29,6 +30,7 @@ pub fn run(
     frames: &Frames,
     request: &Request,
     outputs: &Outputs,
+    account: Option<&mut Account>,
 ) -> Result<()> {
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
@@ -49,6 +51,7 @@ pub fn run(
         inputs: identity::Inputs::read(read.get(1..).unwrap_or_default()),
         prepared: None,
         done: Done::default(),
+        account,
     };
     sequence.say(&flicker(scene, outputs))?;
     // A sequence that goes beyond the camera's motion is not begun.
@@ -73,6 +76,7 @@ struct Sequence<'a> {
     /// None until the first frame that is not there.
     prepared: Option<Prepared>,
     done: Done,
+    account: Option<&'a mut Account>,
 }
 
 /// What was done so far.
@@ -132,13 +136,28 @@ impl Sequence<'_> {
         let start = Instant::now();
         let prepared = match &mut self.prepared {
             Some(prepared) => prepared,
-            none => none.insert(Prepared::new(scene, &self.plan, &bar)?),
+            none => {
+                let prepared = none.insert(Prepared::new(scene, &self.plan, &bar)?);
+                let preparation = Preparation {
+                    seconds: start.elapsed().as_secs_f64(),
+                    built_in: prepared.built_in,
+                };
+                self.done.prepared_in += preparation.seconds;
+                if let Some(account) = self.account.as_deref_mut() {
+                    account.prepared(preparation);
+                }
+                prepared
+            }
         };
-        self.done.prepared_in += start.elapsed().as_secs_f64();
         let start = Instant::now();
         bar.start();
         prepared.retake(scene)?;
-        let film = nullray::raster::render(prepared, &self.outputs.method, &bar)?;
+        let film = render::picture(
+            prepared,
+            &self.outputs.method,
+            &bar,
+            self.account.as_deref_mut(),
+        )?;
         drop(bar);
         interrupt::check()?;
         self.done.rendered_in += start.elapsed().as_secs_f64();

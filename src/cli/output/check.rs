@@ -37,6 +37,25 @@ pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Re
     Ok(())
 }
 
+/// Refuses to write what a rendering has cost over one of the files that are `read`, or into nothing.
+pub fn check_statistics(path: &Path, read: &[PathBuf]) -> Result<()> {
+    let option = format!("--stats-json {}", path.display());
+    let mut names = Names {
+        read: read.iter().map(|path| inputs::identity(path)).collect(),
+        written: HashSet::new(),
+        directories: HashSet::new(),
+    };
+    names.check(&option, path)?;
+    match extension(path).as_str() {
+        "json" => Ok(()),
+        _ => Err(refused(
+            option,
+            "statistics are written as JSON",
+            "end its name in .json",
+        )),
+    }
+}
+
 /// Refuses a name that the pages of `count` scenes cannot have.
 pub fn check_page(output: &Path, count: usize) -> Result<()> {
     let option = format!("-o {}", output.display());

@@ -99,6 +99,16 @@ impl Arcs {
         hyperbola::after(begin, elapsed)
     }
 
+    /// Event and velocity of the state at a proper time.
+    pub fn place(&self, proper_time: f64) -> Option<(Event<World>, Velocity)> {
+        let begin = &self.arcs[self.index(proper_time)].begin;
+        let elapsed = proper_time - begin.proper_time;
+        if elapsed == 0.0 {
+            return Some((begin.event, begin.velocity));
+        }
+        hyperbola::place_after(begin, elapsed)
+    }
+
     /// The one frame in which it rests for ever.
     pub fn frame(&self) -> Option<InertialFrame<Camera>> {
         let inertial = self.arcs.iter().all(|arc| arc.begin.thrust.is_none());

@@ -17,7 +17,7 @@ use glam::DVec3;
 use super::rounding::{length_error, product, quotient};
 use super::state::State;
 use crate::spacetime::event::unit_and_length;
-use crate::spacetime::{Camera, Displacement, Velocity, World};
+use crate::spacetime::{Camera, Displacement, Event, Velocity, World};
 
 /// |gτ| below which a few terms of the series are exact to rounding.
 pub(super) const SMALL: f64 = 1e-5;
@@ -85,17 +85,21 @@ fn sinh_and_rise(phi: f64, delta: f64) -> (f64, f64) {
 /// The state after proper time `elapsed` of the acceleration of `start`, constant in its comoving axes
 /// (carried along without rotation); none where the rapidity is above [`crate::spacetime::MAX_RAPIDITY`].
 pub(super) fn after(start: &State, elapsed: f64) -> Option<State> {
+    let (event, velocity) = place_after(start, elapsed)?;
+    let (phi, _) = start.thrust.rapidity(elapsed);
+    let acceleration = turned(start, phi);
+    let proper_time = start.proper_time + elapsed;
+    Some(State::new(proper_time, event, velocity, acceleration))
+}
+
+/// Event and velocity of [`after`] alone.
+pub(super) fn place_after(start: &State, elapsed: f64) -> Option<(Event<World>, Velocity)> {
     let Thrust { n, .. } = start.thrust;
     let (phi, _) = start.thrust.rapidity(elapsed);
     let gained = Velocity::along(n, phi).ok()?;
     // In the start's frame the world moves with the opposite velocity.
     let velocity = gained.relative_to(-start.velocity).ok()?;
-    Some(State::new(
-        start.proper_time + elapsed,
-        start.event + way(start, elapsed),
-        velocity,
-        turned(start, phi),
-    ))
+    Some((start.event + way(start, elapsed), velocity))
 }
 
 /// The way from `start` during proper time `elapsed` of its acceleration.

@@ -21,9 +21,9 @@
 
 use glam::DVec3;
 
-use super::FAR;
 use super::bundle::Bundle;
 use super::simd::Simd;
+use super::{FAR, is_far};
 use crate::accel::Hit;
 use crate::accel::slab::{Lattice, exponent, power_of_two};
 use crate::accel::triangle::{greater, lesser, norm1};
@@ -183,8 +183,7 @@ impl Block {
         self.gather(k, rays, &mut starts, &mut directions);
         let point = centre(&starts);
         view.point = lattice.place(point);
-        // In this form also for NaN.
-        if !(view.point.abs().max_element() <= FAR) {
+        if is_far(view.point) {
             return None;
         }
         let mut axis = 0;

@@ -24,6 +24,7 @@ use crate::accel::{Bvh, Segment, Tally, Work};
 /// 2⁻⁴⁰ of a triangle's distance, which is below 2¹².
 const RELATIVE: f64 = power_of_two(-20);
 const ABSOLUTE: f64 = power_of_two(-24);
+const MOST: f64 = f32::MAX as f64;
 
 /// A block of segments to lead through the tree.
 pub(super) struct Blocked<'a, T> {
@@ -124,11 +125,13 @@ fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
         } else {
             (ray.s_min, *s_max)
         };
-        let (from, to) = (from * block.tau_from_s, to * block.tau_from_s);
         // In this form also for NaN.
-        broken |= !(ray.s_min >= 0.0 && ray.s_min < f64::INFINITY && *s_max > f64::NEG_INFINITY);
+        let is_usual = ray.s_min >= 0.0 && ray.s_min < f64::INFINITY && *s_max > f64::NEG_INFINITY;
+        broken |= !is_usual;
+        let from = lesser(from * block.tau_from_s, MOST);
+        let to = greater(lesser(to * block.tau_from_s, MOST), -MOST);
         block.near[lane] = (from * (1.0 - RELATIVE) - ABSOLUTE) as f32;
-        let far = lesser(to + to.abs() * RELATIVE + ABSOLUTE, f64::from(f32::MAX));
+        let far = lesser(to + to.abs() * RELATIVE + ABSOLUTE, MOST);
         block.far[lane] = far as f32;
         limit = greater(limit, far);
     }

@@ -170,8 +170,8 @@ impl Group {
             }
         }
         let places = if B::OWN { GROUP } else { 1 };
-        for i in 0..places {
-            let origin = rays.origin(order[i] as usize);
+        for (i, &ray) in order.iter().enumerate().take(places) {
+            let origin = rays.origin(ray as usize);
             group.origins[0][i] = origin.x;
             group.origins[1][i] = origin.y;
             group.origins[2][i] = origin.z;

@@ -76,7 +76,7 @@ impl Bvh {
             return self.closest_singly(from, directions, hits, tally, replaced);
         }
         match from {
-            Origins::Shared(origin) if self.is_far(origin) => {
+            Origins::Shared(origin) if is_far(self.lattice.place(origin)) => {
                 self.closest_singly(from, directions, hits, tally, replaced);
             }
             Origins::Shared(origin) => {
@@ -202,12 +202,6 @@ impl Bvh {
         !self.wide.nodes.is_empty() && usual.contains(&self.lattice.scale)
     }
 
-    /// Whether single rays are to be asked from `origin`; also for NaN.
-    fn is_far(&self, origin: DVec3) -> bool {
-        let distance = self.lattice.place(origin).abs().max_element();
-        !(origin.is_finite() && distance <= FAR)
-    }
-
     /// Leads the block's rays through the tree.
     fn walk(
         &self,
@@ -296,6 +290,13 @@ impl Workspace {
             }
         }
     }
+}
+
+/// Whether single rays are to be asked from here, in the frame of the boxes; also for NaN.
+#[inline(always)]
+fn is_far(place: DVec3) -> bool {
+    let near = place.abs().cmple(DVec3::splat(FAR));
+    !near.all()
 }
 
 /// Replaces `entry` by a hit with these s, u, v and front if it comes before.

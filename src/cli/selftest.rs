@@ -140,6 +140,7 @@ fn heading() -> String {
 
 fn verdict(checks: usize, failed: usize) -> String {
     match failed {
+        0 if checks == 1 => "the check holds\n".into(),
         0 => format!("all {checks} checks hold\n"),
         n => format!(
             "{n} of {checks} checks FAIL: results of this machine or this build are not to be trusted\n"

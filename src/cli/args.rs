@@ -442,9 +442,12 @@ pub struct InfoArguments {
 
 #[derive(Debug, Args)]
 pub struct SelftestArguments {
-    /// 10⁸ rays and a mesh of 10⁷ triangles: a few minutes, 3 GB of memory.
+    /// 10⁸ rays and a mesh of 10⁷ triangles: some minutes, 3 GB of memory.
     #[arg(long)]
     pub thorough: bool,
+    /// Run this check; all without it. Repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub check: Vec<String>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,

@@ -11,10 +11,11 @@ use serde_json::{Value, json};
 use super::args::SelftestArguments;
 use super::failure::Done;
 use super::progress::Bar;
-use super::{print, render};
+use super::{failure, print, render};
 
 /// Runs every check, says what each has found, and whether all hold.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
+    let checks = chosen(&arguments.check)?;
     render::in_pool(arguments.threads, || {
         let effort = match arguments.thorough {
             true => Effort::Thorough,
@@ -24,7 +25,7 @@ pub fn run(arguments: &SelftestArguments) -> Result<Done> {
             print(&heading())?;
         }
         let mut lines = Vec::new();
-        for check in selftest::checks() {
+        for check in checks {
             let line = Line::of(check, effort)?;
             if !arguments.json {
                 print(&line.to_string())?;
@@ -41,6 +42,20 @@ pub fn run(arguments: &SelftestArguments) -> Result<Done> {
             _ => Done::OutOfBounds,
         })
     })
+}
+
+/// The checks of these names, or all.
+fn chosen(names: &[String]) -> Result<Vec<Check>> {
+    let checks = selftest::checks();
+    let is_known = |name: &&String| checks.iter().any(|check| check.name == **name);
+    if let Some(unknown) = names.iter().find(|name| !is_known(name)) {
+        let known: Vec<&str> = checks.iter().map(|check| check.name).collect();
+        let what = format!("there is no check \"{unknown}\"");
+        let help = format!("there are: {}", known.join(", "));
+        return Err(failure::refused("--check", what, &help));
+    }
+    let is_chosen = |check: &Check| names.is_empty() || names.iter().any(|n| n == check.name);
+    Ok(checks.into_iter().filter(is_chosen).collect())
 }
 
 /// What a check has found, and how long that took.
@@ -122,6 +137,7 @@ fn heading() -> String {
 
 fn verdict(checks: usize, failed: usize) -> String {
     match failed {
+        0 if checks == 1 => "the check holds\n".into(),
         0 => format!("all {checks} checks hold\n"),
         n => format!(
             "{n} of {checks} checks FAIL: results of this machine or this build are not to be trusted\n"

@@ -20,6 +20,24 @@ fn the_self_test_holds_and_says_every_check_once() {
 }
 
 #[test]
+fn checks_are_chosen_by_name_and_an_unknown_one_is_refused_with_those_there_are() {
+    let said = Folder::empty().ok(&["selftest", "--check", "horizon", "--check", "events"]);
+    assert!(said.ends_with("all 2 checks hold\n"), "{said}");
+    let run = Folder::empty().run(&["selftest", "--check", "horizons"]);
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(
+        run.message().contains("there is no check \"horizons\""),
+        "{}",
+        run.stderr
+    );
+    assert!(
+        run.message().contains("aberration, wavelength"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
 fn as_json_it_is_one_value_that_tells_bounds_and_worst_errors() {
     let said = Folder::empty().ok(&["selftest", "--json", "--threads", "1"]);
     let report: Value = serde_json::from_str(&said).unwrap();

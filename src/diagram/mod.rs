@@ -13,7 +13,8 @@
 //!
 //! and one unit of them is √((1 + β²)/(1 − β²)) units long on the page: the events of one interval from the
 //! origin are on hyperbolae, (ct)² − x² = τ² (Minkowski 1908). What is not in the plane of the diagram is
-//! projected onto it.
+//! projected onto it. [`Series`] draws what changes from picture to picture: a boost, a sweep of what is
+//! simultaneous.
 //!
 //! In 2+1 dimensions it shows two directions of space, y going into the page at an angle and half as long
 //! (oblique projection). A light cone is then |Δ(x, y)| = |Δct|, and what is simultaneous in a frame a plane,

@@ -34,7 +34,7 @@ pub fn write(
 /// The frames as one file that says where it is from.
 ///
 /// # Errors
-/// As [`write`], and keys that PNG does not hold.
+/// As [`write()`], and keys that PNG does not hold.
 pub fn write_with(
     count: u32,
     frames: impl IntoIterator<Item = Result<Raster>>,

@@ -28,7 +28,7 @@ pub fn write(drawing: &Drawing) -> Result<Vec<u8>> {
 /// The drawing as a PDF file that says, in its document information, where it is from.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<Vec<u8>> {
     let marks = marks(drawing)?;
     let mut page = Page::new(drawing.height);

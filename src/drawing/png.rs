@@ -65,7 +65,7 @@ pub fn write(raster: &Raster) -> Result<Vec<u8>> {
 /// The picture as a PNG file that says, in its text chunks, where it is from.
 ///
 /// # Errors
-/// As [`write`], and keys that PNG does not hold.
+/// As [`write()`], and keys that PNG does not hold.
 pub fn write_with(raster: &Raster, origin: &Origin) -> Result<Vec<u8>> {
     let opaque = raster.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     let mut bytes = Vec::new();

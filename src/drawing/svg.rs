@@ -21,7 +21,7 @@ pub fn write(drawing: &Drawing) -> Result<String> {
 /// The drawing as an SVG file that says, in `<metadata>`, where it is from: a line for each key.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<String> {
     let marks = marks(drawing)?;
     let mut svg = Svg::default();

@@ -1,6 +1,7 @@
 //! The program as its users meet it: what it prints, writes, refuses, and with which exit code.
 
 mod builtin;
+mod diagram;
 mod export;
 mod frames;
 mod info;

@@ -38,14 +38,67 @@ fn overlays_that_cannot_be_drawn_are_refused() {
             &["--overlay-parts", "\"moon\"", "isochrones, outlines"],
         ),
         ("--overlay-parts beta", &["--overlay"]),
-        (
-            "--overlay a.svg --frames 0..2",
-            &["--overlay", "cannot be used with"],
-        ),
     ];
     for (options, parts) in cases {
         let mut arguments = vec!["render", "scene.toml"];
         arguments.extend(options.split(' '));
         refused(&folder, &arguments, parts);
     }
+}
+
+#[test]
+fn an_overlay_says_where_it_is_from() {
+    let folder = Folder::new();
+    let command = "render scene.toml -q -o a.png --overlay b.png --overlay c.svg --overlay d.pdf";
+    folder.ok(&command.split(' ').collect::<Vec<_>>());
+    for name in ["b.png", "c.svg", "d.pdf"] {
+        let file = folder.read(name);
+        for key in ["scene_sha256", "scene_text", "camera_rapidity"] {
+            let found = file.windows(key.len()).any(|w| w == key.as_bytes());
+            assert!(found, "{name}: {key}");
+        }
+    }
+}
+
+#[test]
+fn overlays_of_a_sequence_are_numbered_and_not_drawn_again() {
+    let folder = Folder::new();
+    let command = "render scene.toml --white 1 -o a.png --overlay b-##.svg --overlay c.png --overlay d.pdf \
+                   --frames 0..2 --interval 1m";
+    let command: Vec<&str> = command.split_whitespace().collect();
+    folder.ok(&command);
+    let names = [
+        "a-0000.png",
+        "a-0001.png",
+        "b-00.svg",
+        "b-01.svg",
+        "c-0000.png",
+        "c-0001.png",
+        "d-0000.pdf",
+        "d-0001.pdf",
+        "scene.toml",
+    ];
+    assert_eq!(folder.names(), names);
+    assert_ne!(folder.read("b-00.svg"), folder.read("b-01.svg"));
+    assert!(folder.ok(&command).contains("0 rendered, 2 there already"));
+    folder.write("b-01.svg", "<svg>");
+    let again = folder.ok(&command);
+    assert!(again.contains("1 rendered, 1 there already"), "{again}");
+}
+
+#[test]
+fn the_overlay_of_a_frame_is_that_of_its_moment() {
+    let folder = Folder::new();
+    let frames =
+        "render scene.toml -q --white 1 -o a.png --overlay b.png --frames 1..2 --interval 1m";
+    folder.ok(&frames.split(' ').collect::<Vec<_>>());
+    let one = "render scene.toml -q --white 1 --time 1m -o a.png --overlay c.png";
+    folder.ok(&one.split(' ').collect::<Vec<_>>());
+    let pixels = |name| {
+        image::open(folder.path(name))
+            .unwrap()
+            .into_rgb8()
+            .into_raw()
+    };
+    assert_eq!(pixels("b-0001.png"), pixels("c.png"));
 }

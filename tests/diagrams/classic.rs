@@ -45,19 +45,39 @@ fn every_file_is_drawn_in_every_format() {
     }
 }
 
+#[track_caller]
+fn check_labels(drawing: &Drawing, name: &str) {
+    let texts = texts(&drawing.items);
+    for (i, a) in texts.iter().enumerate() {
+        for b in texts.iter().skip(i + 1) {
+            let (p, q) = (a.bounds().unwrap(), b.bounds().unwrap());
+            let apart = (0..2).any(|k| p.max[k] <= q.min[k] || q.max[k] <= p.min[k]);
+            assert!(apart, "{name}: {} on {}", a.text.text(), b.text.text());
+        }
+    }
+}
+
 #[test]
 fn no_label_is_on_another() {
     for file in files() {
-        let drawing = drawn(&file);
-        let texts = texts(&drawing.items);
-        for (i, a) in texts.iter().enumerate() {
-            for b in texts.iter().skip(i + 1) {
-                let (p, q) = (a.bounds().unwrap(), b.bounds().unwrap());
-                let apart = (0..2).any(|k| p.max[k] <= q.min[k] || q.max[k] <= p.min[k]);
-                assert!(apart, "{file:?}: {} on {}", a.text.text(), b.text.text());
-            }
-        }
+        check_labels(&drawn(&file), &file.display().to_string());
     }
+}
+
+#[test]
+fn no_label_is_on_another_while_the_diagram_moves() {
+    let mut moving = 0;
+    for file in files() {
+        let model = load_diagram(&file, &Default::default()).unwrap();
+        let Some(series) = nullray::diagram::Series::new(&model) else {
+            continue;
+        };
+        for (k, drawing) in series.enumerate() {
+            check_labels(&drawing.unwrap(), &format!("{}, {k}", file.display()));
+        }
+        moving += 1;
+    }
+    assert!(moving >= 2, "{moving}");
 }
 
 #[test]

@@ -172,3 +172,49 @@ fn the_camera_of_a_scene_has_its_world_line_and_its_light() {
     near(panel.signals[0].ends[0], -1.0, 9.0);
     assert_eq!(panel.world_lines.len(), 2);
 }
+
+#[test]
+fn a_circle_from_the_side_is_a_cosine() {
+    // R = 1, T = 8, farthest at [0, 2]: x = 1 + cos(π ct/4); γ² = 1/(1 − (π/4)²).
+    let panel = panel(
+        "ct = [0, 8]\nworldline = [{ name = \"w\", at = [0, 2], circle = { radius = 1, period = 8 } }]\n",
+    );
+    let points = &panel.world_lines[0].curve.points;
+    assert!(points.len() > 20);
+    for p in points {
+        let x = 1.0 + (std::f64::consts::FRAC_PI_4 * p.ct).cos();
+        near(*p, p.ct, x);
+    }
+}
+
+#[test]
+fn automatic_limits_hold_a_revolution() {
+    let panel =
+        panel("worldline = [{ name = \"w\", at = [0, 2], circle = { radius = 1, period = 8 } }]\n");
+    let limits = panel.limits;
+    assert!(
+        limits.x[0] < 0.0 && limits.x[1] > 2.0 && limits.ct[1] > 8.0,
+        "{limits:?}"
+    );
+}
+
+#[test]
+fn a_constant_profile_is_a_hyperbola_until_its_end() {
+    // x = cosh τ − 1 for a proper acceleration of 1, from rest.
+    let panel = panel("ct = [-1, 9]\nworldline = [{ name = \"w\", profile = [[0, 1], [2, 1]] }]\n");
+    let points = &panel.world_lines[0].curve.points;
+    let (first, last) = (points[0], points[points.len() - 1]);
+    near(first, 0.0, 0.0);
+    near(last, 2f64.sinh(), 2f64.cosh() - 1.0);
+}
+
+#[test]
+fn a_line_of_equal_place_ends_where_it_meets_its_world_line() {
+    // In S' (β = 0.6) at rest from the origin: x = 0.6 ct meets x = 1 + 0.1 ct at ct = 2.
+    let panel = panel(
+        "ct = [-1, 4]\nx = [-1, 4]\nframe = [{ name = \"S'\", velocity = 0.6 }]\n\
+         worldline = [{ name = \"w\", at = [0, 1], velocity = 0.1 }]\n\
+         place = [{ frame = \"S'\", event = [0, 0], to = \"w\" }]\n",
+    );
+    near(panel.slices[0].ends[1], 2.0, 1.2);
+}

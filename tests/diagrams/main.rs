@@ -3,7 +3,9 @@
 mod axes;
 mod classic;
 mod lines;
+mod palette;
 mod refused;
+mod series;
 mod solid;
 
 use std::path::Path;

@@ -171,3 +171,84 @@ fn an_empty_diagram_is_refused() {
         "worldline",
     );
 }
+
+#[test]
+fn an_animation_in_which_nothing_changes_is_refused() {
+    check(
+        "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 9 }\n",
+        "diagram.animation",
+        "nothing changes",
+        "boost_to",
+    );
+}
+
+#[test]
+fn a_boost_to_an_unknown_frame_is_refused() {
+    check(
+        "frame = [{ name = \"out\", velocity = 0.5 }]\nanimation = { boost_to = \"uot\" }\n",
+        "diagram.animation.boost_to",
+        "no frame \"uot\"",
+        "\"out\"",
+    );
+}
+
+#[test]
+fn a_boost_to_the_frame_of_the_view_is_refused() {
+    check(
+        "frame = [{ name = \"out\", velocity = 0.5 }]\nanimation = { boost_to = \"world\" }\n",
+        "diagram.animation.boost_to",
+        "in this frame already",
+        "another frame",
+    );
+}
+
+#[test]
+fn several_views_are_not_boosted() {
+    check(
+        "view = [\"world\", \"out\"]\nframe = [{ name = \"out\", velocity = 0.5 }]\n\
+         animation = { boost_to = \"out\" }\n",
+        "diagram.animation.boost_to",
+        "several views",
+        "one frame",
+    );
+}
+
+#[test]
+fn one_picture_is_no_animation() {
+    check(
+        "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 1, now = { from = 0, to = 1 } }\n",
+        "diagram.animation.frames",
+        "1 pictures are no animation",
+        "2 to 10000",
+    );
+}
+
+#[test]
+fn a_circle_faster_than_light_is_refused() {
+    check(
+        "worldline = [{ name = \"w\", circle = { radius = 1, period = 6 } }]\n",
+        "diagram.worldline[0].circle.period",
+        "1.047",
+        "longer period",
+    );
+}
+
+#[test]
+fn two_ways_to_accelerate_are_refused() {
+    check(
+        "worldline = [{ name = \"w\", acceleration = 1, profile = [[0, 0], [1, 1]] }]\n",
+        "diagram.worldline[0].profile",
+        "said twice",
+        "in one way",
+    );
+}
+
+#[test]
+fn a_place_that_a_world_line_never_reaches_is_refused() {
+    check(
+        "worldline = [{ name = \"w\", at = [0, 1] }]\nplace = [{ event = [0, 0], to = \"w\" }]\n",
+        "diagram.place[0].to",
+        "never at that place",
+        "",
+    );
+}

@@ -15,8 +15,13 @@ fn golden(name: &str) -> PathBuf {
     PathBuf::from(folder).join(format!("{name}.png"))
 }
 
-fn picture(drawing: &nullray::drawing::Drawing) -> Raster {
-    render(drawing, 2.0).unwrap()
+/// All pictures: samples at twice the points, and the classic diagrams small.
+fn pictures() -> Vec<(String, Raster)> {
+    let samples = samples::all().into_iter();
+    let samples = samples.map(|(name, drawing)| (name.to_string(), render(&drawing, 2.0).unwrap()));
+    let classics = samples::classics().into_iter();
+    let classics = classics.map(|(name, drawing)| (name, render(&drawing, 0.6).unwrap()));
+    samples.chain(classics).collect()
 }
 
 /// expected | difference | actual, where a failed test leaves them.
@@ -46,16 +51,15 @@ fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
 
 #[test]
 fn samples_look_as_they_did() {
-    for (name, drawing) in samples::all() {
-        let expected = image::open(golden(name)).unwrap().into_rgba8();
-        let actual = picture(&drawing);
+    for (name, actual) in pictures() {
+        let expected = image::open(golden(&name)).unwrap().into_rgba8();
         assert_eq!(expected.dimensions(), (actual.width, actual.height));
         let pairs = expected.iter().zip(&actual.rgba);
         let off: Vec<u8> = pairs.map(|(a, b)| a.abs_diff(*b)).collect();
         let most = *off.iter().max().unwrap();
         let mean = off.iter().map(|o| f64::from(*o)).sum::<f64>() / off.len() as f64;
         if most > MOST || mean > MEAN {
-            let strip = strip(name, expected.as_raw(), &actual);
+            let strip = strip(&name, expected.as_raw(), &actual);
             panic!(
                 "{name} is off by {most}, {mean} on the average: see {}",
                 strip.display()
@@ -68,7 +72,7 @@ fn samples_look_as_they_did() {
 #[test]
 #[ignore = "replaces the pictures that the other test compares with"]
 fn write_the_pictures() {
-    for (name, drawing) in samples::all() {
-        std::fs::write(golden(name), write(&picture(&drawing)).unwrap()).unwrap();
+    for (name, picture) in pictures() {
+        std::fs::write(golden(&name), write(&picture).unwrap()).unwrap();
     }
 }

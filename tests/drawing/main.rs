@@ -6,6 +6,7 @@ mod canvas;
 mod files;
 mod geometry;
 mod golden;
+mod independent;
 mod pdf_reader;
 mod pictures;
 mod refusals;

@@ -195,3 +195,26 @@ fn lines() -> Vec<Item> {
         Item::stroked(area, Stroke::new(Colour::BLACK, 0.5)),
     ]
 }
+
+/// The diagrams of `scenes/diagrams`, by name.
+pub fn classics() -> Vec<(String, Drawing)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/diagrams");
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let drawn = files.iter().map(|file| {
+        let model = nullray::scene::load_diagram(file, &Default::default()).unwrap();
+        let layout = nullray::diagram::layout(&model);
+        let drawing = nullray::diagram::draw(&layout, &model.style).unwrap();
+        let name = file.file_stem().unwrap().to_str().unwrap();
+        (name.to_string(), drawing)
+    });
+    drawn.collect()
+}
+
+/// Samples and classics.
+pub fn both() -> Vec<(String, Drawing)> {
+    let samples = all().into_iter();
+    let samples = samples.map(|(name, drawing)| (name.to_string(), drawing));
+    samples.chain(classics()).collect()
+}

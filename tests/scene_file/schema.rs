@@ -135,3 +135,22 @@ fn sensor_rotation_and_shutter_of_the_reference_scene_are_accepted() {
     let camera = camera(&format!("eye = [0, 1, 5]\nlook_at = [0, 1, 0]\n{tables}"));
     assert!(camera.sensor.is_some() && camera.rotation.is_some() && camera.shutter.is_some());
 }
+
+#[test]
+fn the_diagram_of_the_reference_scene_is_accepted() {
+    let lines = REFERENCE.lines().skip_while(|line| *line != "# [diagram]");
+    let table: Vec<&str> = lines.filter_map(|line| line.strip_prefix("# ")).collect();
+    // One view, as a boost asks for.
+    let table = table.join("\n").replace("[\"world\", \"S'\"]", "\"world\"");
+    let text = format!("{REFERENCE}\n{table}\n");
+    let parse = nullray::scene::parse_diagram;
+    let diagram = parse(&text, "reference", "".as_ref(), &Default::default());
+    let diagram = diagram.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(diagram.lines.len(), 8);
+    assert_eq!(diagram.events.len(), 6);
+    assert!(
+        diagram
+            .animation
+            .is_some_and(|a| a.boost.is_some() && a.sweep.is_some())
+    );
+}

@@ -28,6 +28,7 @@
 
 pub mod diagnose;
 mod errors;
+mod finite;
 pub mod flip;
 mod matching;
 mod picture;
@@ -200,11 +201,13 @@ fn sums(pair: [&Layers; 2], names: &[String], region: &Region) -> Vec<(Sums, [u6
             r.row(y, &mut row_r);
             c.row(y, &mut row_c);
             let chosen = (!region.is_all()).then(|| region.row(y, width));
+            let before = sums.count();
             sums.add_row(y, &row_r, &row_c, chosen.as_deref());
-            let chosen = |x: usize| chosen.as_ref().is_none_or(|chosen| chosen[x]);
-            for (x, (r, c)) in row_r.iter().zip(&row_c).enumerate() {
+            let whole = sums.count() - before == width as u64;
+            let pairs = row_r.iter().zip(&row_c).enumerate();
+            for (x, (r, c)) in pairs.filter(|_| !whole) {
                 let (r, c) = (r.is_finite(), c.is_finite());
-                if r != c && chosen(x) {
+                if r != c && chosen.as_ref().is_none_or(|chosen| chosen[x]) {
                     alone[usize::from(r)] += 1;
                 }
             }

@@ -16,7 +16,7 @@ const BETA: f64 = 0.5;
 fn text(camera: f64, [left, right]: [f64; 2]) -> String {
     format!(
         r#"
-        camera = {{ eye = [0, 0.6, 4], look_at = [0, 0.3, 0], hfov = "60 deg", size = [160, 120], velocity = {{ beta = [{camera}, 0, 0] }} }}
+        camera = {{ eye = [0, 0.6, 4], look_at = [1.5, 0.3, 0], hfov = "60 deg", size = [160, 120], velocity = {{ beta = [{camera}, 0, 0] }} }}
         [[object]]
         name = "floor"
         shape = {{ plane = {{ size = [12, 12] }} }}

@@ -28,7 +28,7 @@ pub(super) fn diagnose(case: &Case) -> Option<Diagnosis> {
         let (x, y) = (libm::log(w), libm::log(c / r));
         (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
         count += 1;
-        wrong += usize::from(w_c.is_some_and(|w_c| !((w_c.at(i) / w - 1.0).abs() <= RIGHT)));
+        wrong += usize::from(w_c.is_some_and(|w_c| (w_c.at(i) / w - 1.0).abs() > RIGHT));
     }
     let spread = (xx / count.max(1) as f64).sqrt();
     if count < FEWEST || spread < SPREAD || wrong * 10 > count {

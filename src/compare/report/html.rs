@@ -119,8 +119,8 @@ fn reduced(image: &RgbImage) -> RgbImage {
         let pixels = block([x, y], k, [image.width, image.height]);
         let mut sums = [0u32; 4];
         for i in pixels {
-            for c in 0..3 {
-                sums[c] += u32::from(image.rgb[3 * i + c]);
+            for (sum, code) in sums.iter_mut().zip(&image.rgb[3 * i..3 * i + 3]) {
+                *sum += u32::from(*code);
             }
             sums[3] += 1;
         }

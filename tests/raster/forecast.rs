@@ -27,7 +27,7 @@ fn foretold(scene: &Scene, pixels: f64) -> Forecast {
 fn with_the_edges_that_are_foretold_errors_are_at_most_as_allowed_and_not_much_less() {
     for (index, scene) in scenes().iter().enumerate() {
         let stage = centred(scene);
-        for pixels in [0.5, 0.1] {
+        for pixels in [0.5, 0.1, 0.02] {
             for object in foretold(scene, pixels).objects {
                 let Some(length) = object.edge_length.filter(|_| object.parts > 1) else {
                     continue;
@@ -41,8 +41,10 @@ fn with_the_edges_that_are_foretold_errors_are_at_most_as_allowed_and_not_much_l
                     .filter(|(_, o)| **o == f64::from(object.object));
                 let worst = greatest(&own.map(|(error, _)| error).collect::<Vec<_>>());
                 let part = worst / pixels;
+                // Few parts are much shorter than they might be.
+                let least = if object.parts < 5 { 0.0 } else { LEAST };
                 assert!(
-                    part <= 1.0 && part > LEAST,
+                    part <= 1.0 && part > least,
                     "scene {index}, {}: {part} of {pixels}",
                     object.name
                 );

@@ -223,11 +223,8 @@ impl Rounds {
 
     /// From the same method with fewer samples.
     fn guess(&self, job: &Job) -> Option<f64> {
-        let fewer = self
-            .jobs
-            .iter()
-            .filter(|other| other.method == job.method && other.samples < job.samples);
-        let last = fewer.last()?;
+        let is_fewer = |other: &&Job| other.method == job.method && other.samples < job.samples;
+        let last = self.jobs.iter().rfind(is_fewer)?;
         // One that was left out leaves out all after it.
         let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
         Some(time * f64::from(job.samples) / f64::from(last.samples))

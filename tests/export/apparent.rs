@@ -124,20 +124,16 @@ fn check(Exported { bundle, .. }: &Exported, allowed: f64) -> Vec<usize> {
         let mix = |x: [f64; 3]| (1.0 - u - v) * x[0] + u * x[1] + v * x[2];
         let p: Vec3 = std::array::from_fn(|axis| mix(corners.map(|c| object.positions[c][axis])));
         let found = apparent(bundle, object, p);
-        for part in 0..4 {
-            near("event", i, event[part][i], found.event[part]);
+        for (channel, value) in event.iter().zip(found.event) {
+            near("event", i, channel[i], value);
         }
         for part in 0..3 {
             near("object_event", i, object_event[part + 1][i], p[part]);
             near("direction", i, direction[part][i], found.direction[part]);
         }
-        for part in 0..2 {
-            near(
-                "uv",
-                i,
-                uv[part][i],
-                mix(corners.map(|c| object.uvs[c][part])),
-            );
+        for (part, channel) in uv.iter().enumerate() {
+            let value = mix(corners.map(|c| object.uvs[c][part]));
+            near("uv", i, channel[i], value);
         }
         near("object_event.ct", i, object_event[0][i], found.object_time);
         near("distance", i, distance[i], found.distance);

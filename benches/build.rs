@@ -73,7 +73,7 @@ fn worth(triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> (f64, f64) {
     let seconds = best_of(2, || {
         for tile in camera.directions.chunks(TILE * TILE) {
             let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-            bvh.closest_many(camera.origin, tile, &mut hits[..tile.len()]);
+            bvh.closest_each(camera.origin, tile, &mut hits[..tile.len()], |_| ());
             std::hint::black_box(&hits);
         }
     });

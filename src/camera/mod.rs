@@ -35,7 +35,7 @@ pub use departure::{Apart, Departure, Together};
 pub use film::Pinhole;
 pub use inertial::Inertial;
 pub use paper::Paper;
-pub use point::{Moving, Still, Unaberrated};
+pub use point::{Moving, Point, Still, Unaberrated};
 pub use shot::{AnyView, Camera, Kind, Shot};
 pub use turning::Turning;
 

@@ -74,3 +74,26 @@ impl View for Unaberrated {
         }
     }
 }
+
+/// Any of them, told apart at each look: for work that is not worth compiling three times.
+#[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)]
+pub enum Point<'a> {
+    Still(&'a Still),
+    Moving(&'a Moving),
+    Unaberrated(&'a Unaberrated),
+}
+
+impl View for Point<'_> {
+    type From = Together;
+    const EXPOSED: bool = false;
+
+    #[inline]
+    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Together> {
+        match self {
+            Point::Still(view) => view.look(x, y, moment),
+            Point::Moving(view) => view.look(x, y, moment),
+            Point::Unaberrated(view) => view.look(x, y, moment),
+        }
+    }
+}

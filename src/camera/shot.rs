@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::turning::rotation_matrix;
 use super::{
-    Accelerated, Apart, Inertial, Look, Moving, Paper, Pinhole, Still, Turning, Unaberrated, View,
+    Accelerated, Apart, Inertial, Look, Moving, Paper, Pinhole, Point, Still, Turning, Unaberrated,
+    View,
 };
 use crate::error::{Error, Result};
 use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
@@ -167,6 +168,19 @@ impl AnyView {
             AnyView::Accelerated(view) => view.look(x, y, moment),
             AnyView::Turning(view) => view.look(x, y, moment),
             AnyView::Paper(view) => view.look(x, y, moment),
+        }
+    }
+
+    /// The view of a camera all of whose rays leave one event; none of others.
+    pub fn point(&self) -> Option<Point<'_>> {
+        match self {
+            AnyView::Still(view) => Some(Point::Still(view)),
+            AnyView::Moving(view) => Some(Point::Moving(view)),
+            AnyView::Unaberrated(view) => Some(Point::Unaberrated(view)),
+            AnyView::Inertial(_)
+            | AnyView::Accelerated(_)
+            | AnyView::Turning(_)
+            | AnyView::Paper(_) => None,
         }
     }
 

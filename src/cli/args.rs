@@ -30,7 +30,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene to pictures.
     #[command(after_help = help::RENDER, after_long_help = help::render_long())]
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),

@@ -1,5 +1,7 @@
 //! Small triangles in homogeneous film coordinates, in batches: one for each run of triangles of a tree.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 
 use super::Attributes;
@@ -8,8 +10,22 @@ use super::cull::Frustum;
 use super::divide::Corner;
 use crate::apparent::{Image, Sight};
 
-/// More small triangles than these in one batch are refused.
-pub(super) const MOST: usize = 1 << 25;
+/// How many points triangles have been cut at so far, in all batches.
+#[derive(Debug, Default)]
+pub(super) struct Cuts(AtomicUsize);
+
+impl Cuts {
+    /// More are refused.
+    pub const MOST: usize = 1 << 24;
+    /// So many are counted at once.
+    const LOT: usize = 1 << 10;
+
+    /// Whether there are more than may be. Once so, it stays so; before, nobody stops for it: that it is so
+    /// in the end does not depend on threads.
+    pub fn are_too_many(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > Cuts::MOST
+    }
+}
 
 /// A corner of small triangles.
 #[derive(Debug, Clone, Copy)]
@@ -42,14 +58,15 @@ pub(super) struct Batch {
     pub attributes: Vec<[f64; 2]>,
     pub triangles: Vec<Small>,
     pub bins: Bins,
-    /// Whether there are more triangles than are kept.
-    pub is_cut_short: bool,
 }
 
 /// A batch while it is filled.
 pub(super) struct Parts<'a> {
     sight: &'a Sight<'a>,
     attributes: Attributes,
+    cuts: &'a Cuts,
+    /// Cuts that are not counted yet.
+    uncounted: usize,
     /// The slot whose triangle is being divided.
     slot: u32,
     /// The first vertex of that triangle.
@@ -59,10 +76,12 @@ pub(super) struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     /// An empty batch of rest frame `frame`.
-    pub fn new(frame: u32, sight: &'a Sight<'a>, attributes: Attributes) -> Self {
+    pub fn new(frame: u32, sight: &'a Sight<'a>, attributes: Attributes, cuts: &'a Cuts) -> Self {
         Parts {
             sight,
             attributes,
+            cuts,
+            uncounted: 0,
             slot: 0,
             first: 0,
             batch: Batch {
@@ -71,7 +90,6 @@ impl<'a> Parts<'a> {
                 attributes: Vec::new(),
                 triangles: Vec::new(),
                 bins: Bins::default(),
-                is_cut_short: false,
             },
         }
     }
@@ -120,16 +138,25 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Whether there are more triangles than are kept.
-    pub fn is_full(&self) -> bool {
-        self.batch.vertices.len() > 2 * MOST || self.batch.triangles.len() > MOST
+    /// Counts a cut; false where there are too many.
+    #[inline]
+    pub fn count_cut(&mut self) -> bool {
+        self.uncounted += 1;
+        if self.uncounted == Cuts::LOT {
+            self.count();
+        }
+        !self.cuts.are_too_many()
+    }
+
+    fn count(&mut self) {
+        self.cuts.0.fetch_add(self.uncounted, Ordering::Relaxed);
+        self.uncounted = 0;
     }
 
     /// The batch, sorted by the tiles of `grid`.
-    pub fn finish(self, grid: Grid) -> Batch {
-        let is_cut_short = self.is_full();
+    pub fn finish(mut self, grid: Grid) -> Batch {
+        self.count();
         let mut batch = self.batch;
-        batch.is_cut_short = is_cut_short;
         batch.bins = Bins::new(grid, &batch.triangles, |small| batch.film(small));
         batch
     }

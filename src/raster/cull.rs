@@ -40,8 +40,7 @@ impl Frustum {
             .max(centre.distance(c));
         let distance = centre.length();
         let sine = radius / distance * (1.0 + 1e-9);
-        // Not for NaN either.
-        if !(sine < 1.0) {
+        if sine.is_nan() || sine >= 1.0 {
             return false;
         }
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();

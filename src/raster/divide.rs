@@ -163,10 +163,9 @@ impl<'a> Divider<'a> {
         if count == 0 || depth == 0 {
             return parts.keep(&corners, self.frustum);
         }
-        if parts.is_full()
-            || self
-                .frustum
-                .misses(self.sight, corners.map(|corner| corner.c))
+        if self
+            .frustum
+            .misses(self.sight, corners.map(|corner| corner.c))
         {
             return;
         }
@@ -201,6 +200,9 @@ impl<'a> Divider<'a> {
             true => (a, b, at),
             false => (b, a, 1.0 - at),
         };
+        if !parts.count_cut() {
+            return None;
+        }
         let x = a.x + (b.x - a.x) * at;
         let weights = [0, 1].map(|i| a.weights[i] + (b.weights[i] - a.weights[i]) * at);
         self.corner(x, weights, parts)

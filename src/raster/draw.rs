@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{AnyView, Together, View};
+use crate::camera::{Point, Together, View};
 use crate::error::{Error, Result};
 use crate::film::{Film, Layout, Tile, TileFilm};
 use crate::prepare::{Light, Prepared};
@@ -82,36 +82,24 @@ pub(super) fn film(
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
-    match &scene.camera.view {
-        AnyView::Still(view) => seen(scene, view, painter, progress),
-        AnyView::Moving(view) => seen(scene, view, painter, progress),
-        AnyView::Unaberrated(view) => seen(scene, view, painter, progress),
-        _ => Err(crate::apparent::apart()),
-    }
-}
-
-fn seen<V: View<From = Together>>(
-    scene: &Prepared,
-    view: &V,
-    painter: &impl Painter,
-    progress: &dyn Progress,
-) -> Result<Film> {
+    let view = scene.camera.view.point();
+    let view = view.ok_or_else(crate::apparent::apart)?;
     match &scene.light {
         Light::Constant(light) => lit(scene, view, light, painter, progress),
         Light::TimeResolved(light) => lit(scene, view, light, painter, progress),
     }
 }
 
-fn lit<V: View<From = Together>, R: Radiance>(
+fn lit<R: Radiance>(
     scene: &Prepared,
-    view: &V,
+    view: Point,
     radiance: &R,
     painter: &impl Painter,
     progress: &dyn Progress,
 ) -> Result<Film> {
     let event = scene.camera.shot.event;
     let pipeline = Pipeline {
-        view,
+        view: &view,
         surfaces: Frames::new(&scene.frames, event, scene.ray_index),
         radiance,
         event,

@@ -2,7 +2,7 @@
 //!
 //! | method | geometry | what is exact |
 //! |---|---|---|
-//! | `raster` | vertices are moved to their apparent positions, flat triangles between them are rasterized ([`tessellate`](self)) | vertices |
+//! | `raster` | vertices are moved to their apparent positions, flat triangles between them are rasterized (`divide`) | vertices |
 //! | `warp` | each look direction is looked up in a picture taken from the same event at rest | geometry, as far as texels are small |
 //!
 //! Radiance, channels, sample positions and film are those of the ray tracer: only geometry and visibility
@@ -58,8 +58,8 @@ use crate::render;
 ///
 /// # Errors
 /// What the method cannot do: rasterizers and warps need a camera all of whose rays leave one event, and
-/// objects slower than light in the medium; warps need objects that rest in the world. More than 2²⁵
-/// triangles after tessellation. [`Error::Cancelled`] when `progress` says so.
+/// objects slower than light in the medium; warps need objects that rest in the world. Triangles cut
+/// at more than 2²⁴ points. [`Error::Cancelled`] when `progress` says so.
 pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Result<Film> {
     match method {
         Method::Trace => render::render(scene, progress),
@@ -91,7 +91,9 @@ impl Method {
         match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
             (Method::Warp(_), Some(frame)) => {
                 let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
-                Err(moves(&object.map_or(String::new(), |o| o.name.clone())))
+                Err(moves(&object.map_or(String::new(), |o| {
+                    format!("object \"{}\"", o.name)
+                })))
             }
             _ => Ok(()),
         }
@@ -102,7 +104,7 @@ fn moves(object: &str) -> Error {
     Error::unsupported(
         "object",
         "velocity",
-        format!("a warped picture shows what rests in the world, and object \"{object}\" moves"),
+        format!("a warped picture shows what rests in the world, and {object} moves"),
         "render it by --method trace or raster, or let the camera move in place of the object",
     )
 }

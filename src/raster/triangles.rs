@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, MOST, Parts};
+use super::batch::{Batch, Cuts, Parts};
 use super::bins::Grid;
 use super::cull::Frustum;
 use super::divide::Divider;
@@ -48,11 +48,11 @@ impl<'a> Triangles<'a> {
             attributes: raster.attributes,
         };
         let mut batches = Vec::new();
+        let cuts = Cuts::default();
         for frame in 0..scene.frames.len() {
-            batches.extend(triangles.divided(frame as u32, raster, progress)?);
+            batches.extend(triangles.divided(frame as u32, raster, &cuts, progress)?);
         }
-        let count: usize = batches.iter().map(|b| b.triangles.len()).sum();
-        if count > MOST || batches.iter().any(|b| b.is_cut_short) {
+        if cuts.are_too_many() {
             return Err(too_many());
         }
         triangles.batches = batches;
@@ -60,7 +60,13 @@ impl<'a> Triangles<'a> {
     }
 
     /// The batches of rest frame `frame`, in the order of its tree.
-    fn divided(&self, frame: u32, raster: &Raster, progress: &dyn Progress) -> Result<Vec<Batch>> {
+    fn divided(
+        &self,
+        frame: u32,
+        raster: &Raster,
+        cuts: &Cuts,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Batch>> {
         let (rest, sight) = (&self.frames[frame as usize], &self.sights[frame as usize]);
         let frustum = Frustum::of(sight);
         let divider = Divider::new(sight, &frustum, raster.tessellation);
@@ -70,7 +76,7 @@ impl<'a> Triangles<'a> {
             if progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let mut parts = Parts::new(frame, sight, raster.attributes);
+            let mut parts = Parts::new(frame, sight, raster.attributes, cuts);
             for slot in k * run..slots.min((k + 1) * run) {
                 divide(rest, &divider, slot, &mut parts);
             }
@@ -122,7 +128,7 @@ fn too_many() -> Error {
     Error::unsupported(
         "command line",
         "--method",
-        format!("tessellation makes more than {MOST} triangles that may be seen"),
+        format!("triangles would be cut at more than {} points", Cuts::MOST),
         "a longer edge, or more pixels of error",
     )
 }

@@ -17,6 +17,13 @@
 //! L = √(6 ε |c| / |v|).
 //! ```
 //!
+//! Slivers need less where they lie along the line of sight. Of a triangle with longest edge along a and
+//! height h over it no piece reaches farther across a than h, so that with q(e) = |c × Ce|²/|c|³ also
+//!
+//! ```text
+//! δ ≤ (√q(a) L + √q(b) h)²/6,      b across a in its plane.
+//! ```
+//!
 //! [`forecast`] looks at the point behind the centre of each pixel, and takes the least L of each object: what
 //! the picture does not show needs no finer triangles. It is what `raster:uniform` takes.
 
@@ -77,17 +84,43 @@ pub struct Worst {
     pub pixel: [u32; 2],
     /// The place on the object, metres in its own coordinates.
     pub place: [f64; 3],
-    /// How far a triangle as it is, with edges like the longest, may be drawn from its place there, pixels.
+    /// How far points may be drawn from their places there, with edges as long as the longest, pixels.
     pub untessellated: f64,
 }
 
-/// Error per square of the edge length, at a pixel.
+/// What a pixel sees.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     found: Found,
     pixel: [u32; 2],
-    /// Pixels per square metre.
-    bend: f64,
+    bend: Bend,
+}
+
+/// How errors there grow with the edge length: √(6 δ) per metre times the square root of |v|.
+#[derive(Debug, Clone, Copy)]
+struct Bend {
+    /// In the direction for which it is largest.
+    most: f64,
+    /// Along the longest edge.
+    along: f64,
+    /// Across it, times the height: pixels to the power of ½.
+    height: f64,
+}
+
+impl Bend {
+    /// The length that edges may have for an error of `pixels`, metres.
+    fn length(self, pixels: f64) -> f64 {
+        let allowed = (6.0 * pixels).sqrt();
+        let sliver = (allowed - self.height) / self.along;
+        // 0/0 is no length.
+        (allowed / self.most).max(if sliver > 0.0 { sliver } else { 0.0 })
+    }
+
+    /// The error with edges of `length` metres, pixels.
+    fn error(self, length: f64) -> f64 {
+        let root = (self.most * length).min(self.along * length + self.height);
+        root * root / 6.0
+    }
 }
 
 /// Foretells which edge lengths keep all that `scene`, prepared as `prepared`, shows within `pixels` of its
@@ -163,13 +196,23 @@ fn place(prepared: &Prepared, found: Found) -> DVec3 {
     a + (b - a) * found.hit.u + (c - a) * found.hit.v
 }
 
-/// |Δ| per square of the edge length in the triangle that was met, pixels per square metre.
-fn bend(prepared: &Prepared, sight: &Sight, found: Found) -> Option<f64> {
+/// How errors grow in the triangle that was met; none behind the camera.
+fn bend(prepared: &Prepared, sight: &Sight, found: Found) -> Option<Bend> {
     let bvh = &prepared.frames[found.frame as usize].bvh;
-    let [a, b, _] = bvh.corners(found.hit.slot);
+    let [p, q, r] = bvh.corners(found.hit.slot);
+    let edges = [q - p, r - q, p - r];
+    let longer = |a: DVec3, b: DVec3| {
+        if b.length_squared() > a.length_squared() {
+            b
+        } else {
+            a
+        }
+    };
+    let longest = edges.into_iter().fold(DVec3::ZERO, longer);
+    let height = edges[0].cross(edges[1]).length() / longest.length();
     let x = place(prepared, found);
     let c = sight.optical(x);
-    let along = (b - a).normalize();
+    let along = longest.normalize();
     let across = bvh.normal(&found.hit).cross(along);
     // c × Ce for unit vectors e of the plane: the largest is the greater eigenvalue of their products.
     let turned = |e: DVec3| c.cross(sight.optical(x + e) - c) / c.length();
@@ -177,7 +220,13 @@ fn bend(prepared: &Prepared, sight: &Sight, found: Found) -> Option<f64> {
     let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
     let greatest = 0.5 * (uu + vv) + (0.25 * (uu - vv) * (uu - vv) + uv * uv).sqrt();
     let [dx, dy] = sight.slide(sight.image_of(c)?.film)?;
-    Some((dx * dx + dy * dy).sqrt() * greatest / (6.0 * c.length())).filter(|b| b.is_finite())
+    let pixels = (dx * dx + dy * dy).sqrt() / c.length();
+    let bend = Bend {
+        most: (pixels * greatest).sqrt(),
+        along: (pixels * uu).sqrt(),
+        height: (pixels * vv).sqrt() * height,
+    };
+    bend.most.is_finite().then_some(bend)
 }
 
 impl Needed {
@@ -196,11 +245,12 @@ impl Needed {
         let mut seen_by = 0;
         let worst = samples.iter().filter(is_of).inspect(|_| seen_by += 1);
         // Of equals the first.
-        let worst = worst.reduce(|worst, s| if s.bend > worst.bend { s } else { worst })?;
+        let length = |s: &Sample| s.bend.length(pixels);
+        let worst = worst.reduce(|worst, s| if length(s) < length(worst) { s } else { worst })?;
         let rest = &prepared.frames[worst.found.frame as usize];
         let patch = rest.patch(worst.found.hit.triangle);
         let longest_edge = longest_edge(prepared, worst.found.frame, object);
-        let edge_length = Some((pixels / worst.bend).sqrt()).filter(|l| l.is_finite());
+        let edge_length = Some(length(worst)).filter(|l| l.is_finite());
         let parts = (longest_edge / edge_length.unwrap_or(f64::INFINITY))
             .ceil()
             .max(1.0);
@@ -216,7 +266,7 @@ impl Needed {
                 triangle: worst.found.hit.triangle - patch.object_first,
                 pixel: worst.pixel,
                 place: (place(prepared, worst.found) - patch.object_origin.x).to_array(),
-                untessellated: worst.bend * longest_edge * longest_edge,
+                untessellated: worst.bend.error(longest_edge),
             },
         })
     }

@@ -5,6 +5,7 @@ mod export;
 mod frames;
 mod info;
 mod interrupt;
+mod methods;
 mod overlay;
 mod panels;
 mod plan;
@@ -13,6 +14,7 @@ mod refused;
 mod render;
 mod resume;
 mod sheet;
+mod tessellation;
 
 use std::fs;
 use std::path::{Path, PathBuf};

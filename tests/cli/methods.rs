@@ -1,0 +1,125 @@
+//! `nullray render --method`.
+
+use nullray::image::{Samples, exr};
+
+use super::refused::refused;
+use super::{Folder, repository};
+
+fn method_of(folder: &Folder, name: &str) -> Option<String> {
+    let layers = exr::read(&folder.path(name)).unwrap();
+    let mut metadata = layers.metadata.into_iter();
+    metadata
+        .find(|(key, _)| key == "method")
+        .map(|(_, value)| value)
+}
+
+#[test]
+fn pictures_say_by_which_method_they_were_made() {
+    let folder = Folder::new();
+    folder.ok(&["render", "scene.toml", "-o", "traced.exr"]);
+    assert_eq!(method_of(&folder, "traced.exr").as_deref(), Some("trace"));
+    let method = "raster:uniform=0.25,attributes=vertex";
+    folder.ok(&[
+        "render",
+        "scene.toml",
+        "--method",
+        method,
+        "-o",
+        "drawn.exr",
+    ]);
+    assert_eq!(method_of(&folder, "drawn.exr").as_deref(), Some(method));
+}
+
+#[test]
+fn all_methods_write_the_same_channels() {
+    let folder = Folder::empty();
+    let scene = repository("scenes/cube/approaching-0.6.toml");
+    let channels = |method: &str| {
+        let arguments = [
+            "render", &scene, "--size", "24x18", "--aovs", "all", "-o", "a.exr", "--method", method,
+        ];
+        folder.ok(&arguments);
+        let layers = exr::read(&folder.path("a.exr")).unwrap();
+        let kind = |samples: &Samples| std::mem::discriminant(samples);
+        let channels = layers
+            .channels
+            .iter()
+            .map(|c| (c.name.clone(), kind(&c.samples)));
+        channels.collect::<Vec<_>>()
+    };
+    let traced = channels("trace");
+    assert_eq!(traced.len(), 27);
+    for method in [
+        "raster:none",
+        "raster:adaptive=1",
+        "warp:cube=32",
+        "warp:panorama=64x32,lookup=nearest",
+    ] {
+        assert_eq!(channels(method), traced, "{method}");
+    }
+}
+
+#[test]
+fn a_frame_made_by_another_method_is_rendered_again() {
+    let folder = Folder::new();
+    let frames = |method: &str| {
+        folder.ok(&[
+            "render",
+            "scene.toml",
+            "--frames",
+            "0..1",
+            "--interval",
+            "1 cm",
+            "--white",
+            "1",
+            "-o",
+            "f-#.png",
+            "--method",
+            method,
+        ])
+    };
+    assert!(frames("trace").contains("1 rendered, 0 there already"));
+    assert!(frames("raster:none").contains("1 rendered, 0 there already"));
+    assert!(frames("raster:none").contains("0 rendered, 1 there already"));
+}
+
+#[test]
+fn what_is_no_method_or_cannot_be_done_by_it_is_refused() {
+    let folder = Folder::new();
+    let cases: &[(&[&str], &[&str])] = &[
+        (
+            &["--method", "magic"],
+            &[
+                "--method",
+                "\"magic\" is not a method",
+                "raster:uniform=0.05",
+            ],
+        ),
+        (
+            &["--method", "raster:uniform=0"],
+            &["edge length in metres"],
+        ),
+        (&["--method", "warp:cube=100000"], &["cube=1024"]),
+        (
+            &["--method", "warp:cube=64"],
+            &["object \"crate\" moves", "--method trace"],
+        ),
+        (
+            &[
+                "--method",
+                "raster:none",
+                "--set",
+                "camera.sensor={focal_length=\"0.1 m\"}",
+            ],
+            &["events of their own", "--method trace"],
+        ),
+        (
+            &["--method", "raster:uniform=0.00001"],
+            &["16777216 points", "longer edge"],
+        ),
+    ];
+    for (arguments, parts) in cases {
+        let all = [&["render", "scene.toml", "-o", "a.png"], *arguments].concat();
+        refused(&folder, &all, parts);
+    }
+}

@@ -1,0 +1,10 @@
+//! Rasterizers and warps against the ray tracer: what they share is the same, what they approximate
+//! converges as it should, and the forecast of their tessellation holds.
+
+mod apparent;
+mod convergence;
+mod forecast;
+mod refusals;
+mod same;
+mod stage;
+mod warp;

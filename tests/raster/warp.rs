@@ -1,0 +1,98 @@
+//! Warps: exact but for the directions between texels.
+
+use nullray::aov::Aov;
+
+use super::stage::{BODIES, camera, centred, errors, film, scene, values};
+
+const FAST: &str = "velocity = { beta = [0.1, -0.3, -0.6] }";
+
+#[test]
+fn errors_of_the_nearest_texel_are_of_first_order() {
+    let stage = centred(&scene(&(camera(FAST) + BODIES)));
+    for kind in ["cube=", "panorama="] {
+        let error = |n: u32| {
+            let map = match kind {
+                "cube=" => format!("{n}"),
+                _ => format!("{}x{}", 4 * n, 2 * n),
+            };
+            let all = errors(
+                &stage,
+                &film(&stage, &format!("warp:{kind}{map},lookup=nearest")),
+            );
+            (all.iter().map(|e| e * e).sum::<f64>() / all.len() as f64).sqrt()
+        };
+        let found = [128, 256, 512].map(error);
+        for pair in found.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((0.85..1.15).contains(&order), "{kind} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_texel_is_off_by_at_most_half_its_diagonal_as_aberration_shows_it() {
+    // At rest, 70° across 120 pixels: 85.7 pixels per radian in the centre, and 2/512 radians per texel at most.
+    let stage = centred(&scene(&(camera("") + BODIES)));
+    let all = errors(&stage, &film(&stage, "warp:cube=512,lookup=nearest"));
+    let worst = all.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let density = 85.7 * (1.0 + 0.7f64.powi(2) * (1.0 + 0.5625));
+    assert!(
+        worst < density * (2.0 / 512.0) * 0.5 * 2f64.sqrt(),
+        "{worst}"
+    );
+    assert!(worst > 0.1, "{worst}");
+}
+
+#[test]
+fn wavelength_ratios_are_exact_and_times_nearly_so() {
+    let stage = centred(&scene(&(camera(FAST) + BODIES)));
+    let (traced, warped) = (film(&stage, "trace"), film(&stage, "warp:cube=1024"));
+    let same = |aov: Aov, tolerance: f64| {
+        let (a, b, object) = (
+            values(&traced, aov),
+            values(&warped, aov),
+            values(&traced, Aov::Object),
+        );
+        let off = (0..a.len())
+            .filter(|i| object[*i] >= 0.0 && ((a[*i] - b[*i]).abs() > tolerance || b[*i].is_nan()));
+        off.count()
+    };
+    let seen = values(&traced, Aov::Object)
+        .iter()
+        .filter(|o| **o >= 0.0)
+        .count();
+    // Outlines move by part of a pixel.
+    assert!(same(Aov::WavelengthRatio, 1e-12) < seen / 200);
+    assert!(same(Aov::EventCt, 0.1) < seen / 200);
+}
+
+#[test]
+fn bilinear_lookup_of_a_smooth_radiance_is_of_second_order() {
+    let lamp = "[[source]]\nname = \"lamp\"\npulse = { position = [1, 2.5, 2], time = \"0 m\", sigma = \"50 m\", intensity = 10, shadows = false }\n";
+    let floor = BODIES.split("[[object]]").nth(1).unwrap();
+    let text = format!("{}[[object]]{floor}{lamp}", camera(FAST));
+    let stage = centred(&scene(&text));
+    let traced = film(&stage, "trace");
+    let object = values(&traced, Aov::Object);
+    // Away from the floor's outline.
+    let inner: Vec<_> = (3 * 120..87 * 120)
+        .filter(|i| (3..117).contains(&(i % 120)))
+        .filter(|i| {
+            (-3i64..=3)
+                .all(|y| (-3i64..=3).all(|x| object[(*i as i64 + 120 * y + x) as usize] >= 0.0))
+        })
+        .collect();
+    assert!(inner.len() > 500);
+    let error = |n: u32| {
+        let warped = film(&stage, &format!("warp:cube={n}"));
+        let off = inner
+            .iter()
+            .map(|i| (traced.radiance()[*i][0] - warped.radiance()[*i][0]).powi(2));
+        (off.sum::<f64>() / inner.len() as f64).sqrt()
+    };
+    let found = [128, 256, 512].map(error);
+    for pair in found.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.6..2.4).contains(&order), "{found:?}");
+    }
+}

@@ -1,5 +1,6 @@
 //! What was typed. One definition makes the parser, the help, the man pages and the completions.
 
+mod compare;
 mod values;
 
 use std::ops::Range;
@@ -15,6 +16,8 @@ use nullray::study;
 use nullray::units::Time;
 
 use super::help;
+
+pub use compare::CompareArguments;
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -40,6 +43,9 @@ pub enum Command {
     /// Write a scene as a bundle for other programs: geometry, camera, sources, reference pictures.
     #[command(after_help = help::EXPORT)]
     Export(ExportArguments),
+    /// Compare a picture with its reference: errors, maps, a report, tolerances.
+    #[command(after_help = help::COMPARE)]
+    Compare(CompareArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),

@@ -3,6 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
+//! | 1 | compared, and not within tolerance |
 //! | 2 | wrong command line, bad input, a file that cannot be read or written |
 //! | 101 | a bug of this program |
 //! | 130 | stopped by Ctrl-C or a signal to end |
@@ -15,14 +16,24 @@ use nullray::{Error, Result};
 
 use super::{complain, interrupt};
 
+const OUT_OF_TOLERANCE: u8 = 1;
 const FAILED: u8 = 2;
 const BUG: u8 = 101;
 
 /// What the last panic said, and where.
 static LAST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
+/// How work that did not fail has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Done {
+    /// As it should.
+    Well,
+    /// With a comparison that is not within its tolerances.
+    OutOfTolerance,
+}
+
 /// Does `work`; reports what went wrong.
-pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
+pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
     show_errors_plainly();
     match caught(work) {
         // What fails while everything is being stopped fails because of that.
@@ -30,7 +41,8 @@ pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
             complain(&interrupt::message());
             ExitCode::from(interrupt::CODE)
         }
-        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
+        Ok(Ok(Done::OutOfTolerance)) => ExitCode::from(OUT_OF_TOLERANCE),
         Ok(Err(error)) => {
             complain(&format!("{:?}\n", miette::Report::new(error)));
             ExitCode::from(FAILED)
@@ -46,7 +58,7 @@ pub fn outcome(work: impl FnOnce() -> Result<()>) -> ExitCode {
 ///
 /// The hook only takes notes: panics of image decoders are caught in the library, which reports them
 /// as broken files, and must not be seen here.
-fn caught(work: impl FnOnce() -> Result<()>) -> Result<Result<()>, String> {
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<Result<T>, String> {
     panic::set_hook(Box::new(|info| {
         let mut last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
         *last = Some(info.to_string());
@@ -86,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_a_short_message_that_asks_for_a_report() {
-        let what = caught(|| panic!("index {} of nothing", 7)).unwrap_err();
+        let what = caught::<()>(|| panic!("index {} of nothing", 7)).unwrap_err();
         assert!(
             what.contains("index 7 of nothing") && what.contains("failure.rs"),
             "{what}"
@@ -99,7 +111,7 @@ mod tests {
     #[test]
     fn an_error_is_not_taken_for_a_panic() {
         assert!(matches!(
-            caught(|| Err(Error::Cancelled)),
+            caught::<()>(|| Err(Error::Cancelled)),
             Ok(Err(Error::Cancelled))
         ));
     }

@@ -73,6 +73,18 @@ shown should have been, in pixels), of emission times, and of radiance against a
 samples. The number of samples is that of --samples, whatever --spp says. On a machine that does other things too, \
 trust ratios rather than times.";
 
+pub const COMPARE: &str = "\
+Examples:
+  nullray compare exact.exr mine.exr --report report.html
+  nullray compare exact.npz mine.npz --bin-width \"5 mm\" --json
+  nullray compare exact.exr mine.exr --tolerance rmse=0.01 --tolerance geometric.p99=0.1
+
+Channels are matched by name. Metrics of --tolerance: bias, mae, rmse, relrmse, mrse, max, p50, p90, p99, p99.9, \
+psnr and ssim (at least) of the light, or of one channel (radiance.R:max); flip, flip.max; wrong_object (pixels); \
+silhouette, silhouette.max; geometric, time, time_bins, w and w_ulp with .mean, .rms, .p50, .p90, .p99 or .max; time.bias, w.bias.
+
+Exit codes: 0 within all tolerances, 1 beyond one, 2 bad input.";
+
 pub const PLAN: &str = "\
 Examples:
   nullray plan scene.toml --size 1920x1080 --aovs event

@@ -2,6 +2,7 @@
 
 mod args;
 mod builtin;
+mod compare;
 mod demo;
 mod diagram;
 mod export;
@@ -30,6 +31,7 @@ use clap::Parser;
 use nullray::{Error, Result};
 
 use args::{Arguments, Command};
+use failure::Done;
 
 /// Parses the command line, does what it says, reports what went wrong.
 pub fn run() -> ExitCode {
@@ -38,8 +40,9 @@ pub fn run() -> ExitCode {
     failure::outcome(|| carry_out(arguments.command))
 }
 
-fn carry_out(command: Option<Command>) -> Result<()> {
-    match command {
+fn carry_out(command: Option<Command>) -> Result<Done> {
+    let done = match command {
+        Some(Command::Compare(compare)) => return compare::run(&compare),
         None => demo::run(),
         Some(Command::Render(render)) => render::run(&render),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
@@ -52,7 +55,8 @@ fn carry_out(command: Option<Command>) -> Result<()> {
         Some(Command::Schema) => reference::schema(),
         Some(Command::Completions { shell }) => reference::completions(shell),
         Some(Command::Man { directory }) => reference::man(directory.as_deref()),
-    }
+    };
+    done.map(|()| Done::Well)
 }
 
 /// Prints `text` on standard output. A reader that has seen enough ("nullray info … | head") is no

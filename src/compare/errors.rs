@@ -159,6 +159,11 @@ impl Sums {
         }
     }
 
+    /// How many samples were compared.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
     /// The largest |r|.
     pub fn largest(&self) -> f64 {
         self.largest

@@ -26,23 +26,30 @@
 //! # }
 //! ```
 
+pub mod diagnose;
 mod errors;
+mod finite;
 pub mod flip;
 mod matching;
 mod picture;
 mod plane;
+mod read;
 mod region;
+pub mod report;
 mod ssim;
 pub mod surface;
+mod tolerance;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use diagnose::{Diagnosis, Kind};
 pub use errors::{Errors, Histogram};
 pub use flip::Flip;
 pub use picture::{Encoding, Picture};
 pub use region::Region;
 pub use surface::SurfaceErrors;
+pub use tolerance::{Breach, Tolerance};
 
 use crate::aov;
 use crate::error::Result;
@@ -62,6 +69,8 @@ pub struct Options {
     pub not_finite: NotFinite,
     /// Channels and groups of them ("event") that are compared; all where it is empty.
     pub channels: Vec<String>,
+    /// Width of a time bin, metres of light path, to which emission times relate.
+    pub bin_width: Option<f64>,
     /// Pixels per degree of visual angle, for ꟻLIP; none to leave ꟻLIP out.
     pub pixels_per_degree: Option<f64>,
     /// Whether a reference that says it is the candidate, and the reverse, is taken as given.
@@ -77,6 +86,7 @@ impl Default for Options {
             region: Region::default(),
             not_finite: NotFinite::Refuse,
             channels: Vec::new(),
+            bin_width: None,
             pixels_per_degree: Some(flip::PIXELS_PER_DEGREE),
             allow_swapped: false,
             maps: false,
@@ -112,6 +122,8 @@ pub struct Comparison {
     pub surface: Option<SurfaceErrors>,
     /// Errors of each channel that holds quantities, in the order of the reference.
     pub channels: Vec<ChannelErrors>,
+    /// What explains most of the errors.
+    pub diagnoses: Vec<Diagnosis>,
     /// What a reader should know of the pictures.
     pub notes: Vec<String>,
     /// Geometric error of each pixel, NaN where there is none; where it was asked for.
@@ -160,7 +172,7 @@ pub fn compare(reference: &Picture, candidate: &Picture, options: &Options) -> R
             map: options.maps,
         }))
     });
-    let (surface, geometric_map) = surface::compare([r, c], region);
+    let (surface, geometric_map) = surface::compare([r, c], region, options.bin_width);
     Ok(Comparison {
         size: [r.width, r.height],
         pixels: (0..size[1]).map(|y| region.count(y, size[0])).sum(),
@@ -169,6 +181,7 @@ pub fn compare(reference: &Picture, candidate: &Picture, options: &Options) -> R
         flip,
         surface,
         channels,
+        diagnoses: diagnose::diagnose([reference, candidate], region, options.bin_width),
         notes: matched.notes,
         geometric_map: geometric_map.filter(|_| options.maps),
     })
@@ -188,11 +201,13 @@ fn sums(pair: [&Layers; 2], names: &[String], region: &Region) -> Vec<(Sums, [u6
             r.row(y, &mut row_r);
             c.row(y, &mut row_c);
             let chosen = (!region.is_all()).then(|| region.row(y, width));
+            let before = sums.count();
             sums.add_row(y, &row_r, &row_c, chosen.as_deref());
-            let chosen = |x: usize| chosen.as_ref().is_none_or(|chosen| chosen[x]);
-            for (x, (r, c)) in row_r.iter().zip(&row_c).enumerate() {
+            let whole = sums.count() - before == width as u64;
+            let pairs = row_r.iter().zip(&row_c).enumerate();
+            for (x, (r, c)) in pairs.filter(|_| !whole) {
                 let (r, c) = (r.is_finite(), c.is_finite());
-                if r != c && chosen(x) {
+                if r != c && chosen.as_ref().is_none_or(|chosen| chosen[x]) {
                     alone[usize::from(r)] += 1;
                 }
             }

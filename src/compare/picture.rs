@@ -29,8 +29,8 @@ pub struct Picture {
 
 /// Who made a picture, by its metadata.
 pub(super) const METHOD: &str = "method";
-/// The value of [`METHOD`] of ray-traced pictures, which need not say it.
-const RAY_TRACED: &str = "nullray";
+/// Values of [`METHOD`] of ray-traced pictures, which need not say it.
+const RAY_TRACED: [&str; 2] = ["nullray", "trace"];
 
 impl Picture {
     /// A picture of linear light.
@@ -54,7 +54,8 @@ impl Picture {
     /// How the picture was made where that was an approximation (`method = "raster:uniform=0.05"`); none for one that
     /// was ray-traced, or says nothing of it.
     pub fn approximation(&self) -> Option<&str> {
-        self.metadata(METHOD).filter(|method| *method != RAY_TRACED)
+        self.metadata(METHOD)
+            .filter(|method| !RAY_TRACED.contains(method))
     }
 
     /// Whether the picture says that this program made it by tracing rays.

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use ::png::{
     BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Limits,
-    SrgbRenderingIntent,
+    SrgbRenderingIntent, Transformations,
 };
 
 use super::file::write_failed;
 use super::layers::{check_metadata, pixel_count};
-use super::{guarded, write_atomically};
+use super::{Channel, Layers, Samples, guarded, write_atomically};
 use crate::error::{Error, Result};
 
 /// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, whole or not at all.
@@ -110,6 +110,87 @@ pub fn inspect(path: &Path) -> Result<PngInfo> {
         Some(Err(error)) => Err(broken(path, &error.to_string())),
         None => Err(broken(path, "its structure contradicts itself")),
     }
+}
+
+/// The most memory that the pixels of a file may take, bytes.
+const PIXEL_MEMORY: usize = 1 << 30;
+
+/// Reads a PNG file as codes in [0, 1].
+///
+/// Channels are `radiance.R`, `radiance.G`, `radiance.B`, three times the same for a grey picture, and `A`
+/// where there is alpha or a transparent colour. 8 and 16 bits are read, fewer are widened, palettes resolved. Texts become metadata
+/// as far as keys and values fit.
+///
+/// # Errors
+/// I/O errors; files that are not PNG or are broken; more than 1 GiB of pixels.
+pub fn read(path: &Path) -> Result<Layers> {
+    let info = inspect(path)?;
+    let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
+    let decoded = guarded(|| decode(BufReader::new(file)));
+    match decoded {
+        Some(Ok((samples, bytes, wide))) => layers(path, info, samples, &bytes, wide),
+        Some(Err(error)) => Err(broken(path, &error.to_string())),
+        None => Err(broken(path, "its structure contradicts itself")),
+    }
+}
+
+/// Samples per pixel, the samples' bytes, and whether each has two.
+fn decode(file: BufReader<File>) -> Result<(usize, Vec<u8>, bool), DecodingError> {
+    let limits = Limits {
+        bytes: PIXEL_MEMORY,
+    };
+    let mut decoder = Decoder::new_with_limits(file, limits);
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info()?;
+    let length = reader.output_buffer_size().filter(|n| *n <= PIXEL_MEMORY);
+    let length = length.ok_or(DecodingError::LimitsExceeded)?;
+    let mut bytes = vec![0; length];
+    let frame = reader.next_frame(&mut bytes)?;
+    bytes.truncate(frame.buffer_size());
+    Ok((
+        frame.color_type.samples(),
+        bytes,
+        frame.bit_depth == BitDepth::Sixteen,
+    ))
+}
+
+fn layers(path: &Path, info: PngInfo, samples: usize, bytes: &[u8], wide: bool) -> Result<Layers> {
+    let pixels = pixel_count(info.width, info.height)?;
+    let size = if wide { 2 } else { 1 };
+    if bytes.len() != pixels * samples * size {
+        return Err(broken(path, "it has fewer pixels than it says"));
+    }
+    let code = |i: usize| match wide {
+        true => f32::from(u16::from_be_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0,
+        false => f32::from(bytes[i]) / 255.0,
+    };
+    let names: &[(&str, usize)] = match samples {
+        1 | 2 => &[
+            ("radiance.R", 0),
+            ("radiance.G", 0),
+            ("radiance.B", 0),
+            ("A", 1),
+        ],
+        _ => &[
+            ("radiance.R", 0),
+            ("radiance.G", 1),
+            ("radiance.B", 2),
+            ("A", 3),
+        ],
+    };
+    let channels = names.iter().filter(|(_, sample)| *sample < samples);
+    let channels = channels.map(|(name, sample)| Channel {
+        name: name.to_string(),
+        samples: Samples::F32((0..pixels).map(|i| code(i * samples + sample)).collect()),
+    });
+    let mut metadata: Vec<(String, String)> = Vec::new();
+    for (key, value) in info.text {
+        let is_new = !metadata.iter().any(|(known, _)| *known == key);
+        if is_new && check_metadata(&key, &value).is_ok() {
+            metadata.push((key, value));
+        }
+    }
+    Layers::new(info.width, info.height, channels.collect(), metadata)
 }
 
 fn broken(path: &Path, what: &str) -> Error {

@@ -17,7 +17,7 @@ mod page;
 mod picture;
 pub(crate) mod range;
 pub(crate) mod ticks;
-mod viridis;
+pub(crate) mod viridis;
 
 use crate::error::{Error, Result};
 use crate::image::RgbImage;

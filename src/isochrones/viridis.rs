@@ -59,7 +59,7 @@ const NODES: [[f64; 3]; 52] = [
 ];
 
 /// The sRGB colour (components in [0, 1]) at `x` in [0, 1], from dark to bright.
-pub(super) fn viridis(x: f64) -> [f64; 3] {
+pub(crate) fn viridis(x: f64) -> [f64; 3] {
     let last = NODES.len() - 1;
     let position = x.clamp(0.0, 1.0) * last as f64;
     // NaN converts to 0.

@@ -2,5 +2,7 @@
 
 mod metrics;
 mod pictures;
+mod planted;
+mod program;
 mod refusals;
 mod surfaces;

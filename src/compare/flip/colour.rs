@@ -91,23 +91,27 @@ pub(super) fn clip(x: f32) -> f32 {
 /// CIELAB of linear RGB in [0, 1], a* and b* scaled after Hunt by L*/100.
 #[inline(always)]
 pub(super) fn hunt_lab(rgb: [f32; 3]) -> [f32; 3] {
-    const DELTA: f32 = 6.0 / 29.0;
-    let f = |t: f32| {
-        let linear = t * (1.0 / (3.0 * DELTA * DELTA)) + 4.0 / 29.0;
-        if t > DELTA * DELTA * DELTA {
-            cube_root(t)
-        } else {
-            linear
-        }
-    };
     let [x, y, z] = apply(&RELATIVE_XYZ, rgb);
-    let (x, y, z) = (f(x), f(y), f(z));
+    let (x, y, z) = (compressed(x), compressed(y), compressed(z));
     let l = 116.0 * y - 16.0;
     [
         l,
         0.01 * l * (500.0 * (x - y)),
         0.01 * l * (200.0 * (y - z)),
     ]
+}
+
+/// CIELAB's cube root, linear near black.
+#[inline(always)]
+fn compressed(t: f32) -> f32 {
+    const DELTA: f32 = 6.0 / 29.0;
+    let linear = t * (1.0 / (3.0 * DELTA * DELTA)) + 4.0 / 29.0;
+    let root = cube_root(t);
+    if t > DELTA * DELTA * DELTA {
+        root
+    } else {
+        linear
+    }
 }
 
 /// The distance HyAB: city-block in lightness, Euclidean in colour.
@@ -173,10 +177,11 @@ mod tests {
                 let error = (f64::from(got) - exact).abs();
                 assert!(error <= units * 6e-8 * exact, "{x}: {got} for {exact}");
             };
+            // 3.8 units of 6e-8 at worst, and 3.2 however often the iteration is repeated.
             close(
                 cube_root(x.max(0.0089)),
                 libm::cbrt(x.max(0.0089).into()),
-                3.0,
+                4.0,
             );
             close(power(x, 0.7), libm::pow(x.into(), f64::from(0.7f32)), 12.0);
             close(power(x, 0.03), libm::pow(x.into(), f64::from(0.03f32)), 4.0);

@@ -74,10 +74,7 @@ fn even(half: &[f64]) -> f64 {
 /// Scaled weights, without those that do not count.
 fn scaled(half: &[f64], factor: f64) -> Vec<f32> {
     let counts = |weight: &f64| weight.abs() > NEGLIGIBLE * half[0].abs();
-    let length = half
-        .iter()
-        .rposition(|w| counts(w))
-        .map_or(1, |last| last + 1);
+    let length = half.iter().rposition(counts).map_or(1, |last| last + 1);
     half[..length].iter().map(|w| (w * factor) as f32).collect()
 }
 

@@ -41,6 +41,8 @@ pub(super) struct Tile<'a> {
     rings: [Ring; 2],
     /// Which pixels of a row are no numbers in one of the pictures.
     unusable: Vec<bool>,
+    /// Where the rows of the rings begin, from the uppermost on.
+    starts: Vec<usize>,
 }
 
 /// Rows of one picture after the horizontal filters.
@@ -83,6 +85,7 @@ impl<'a> Tile<'a> {
             errors: vec![0.0; WIDTH * HEIGHT],
             rings: [ring(), ring()],
             unusable: Vec::new(),
+            starts: Vec::new(),
         }
     }
 
@@ -131,7 +134,10 @@ impl<'a> Tile<'a> {
     /// Computes row `row` of the tile's errors from the rings.
     #[inline(always)]
     fn give(&mut self, row: usize) {
-        let centre = row + self.filters.radius;
+        let size = 2 * self.filters.radius + 1;
+        self.starts.clear();
+        self.starts
+            .extend((row..row + size).map(|row| row % size * WIDTH));
         let [reference, candidate] = &self.rings;
         let errors = &mut self.errors[row * WIDTH..(row + 1) * WIDTH];
         for (x, errors) in (0..WIDTH)
@@ -141,10 +147,12 @@ impl<'a> Tile<'a> {
             if x >= self.size[0] {
                 break;
             }
-            let r = reference.column(x, centre, self.filters);
-            let c = candidate.column(x, centre, self.filters);
+            let r = reference.column(x, &self.starts, self.filters);
+            let c = candidate.column(x, &self.starts, self.filters);
             for lane in 0..LANES {
-                let error = error(r.map(|v| v[lane]), c.map(|v| v[lane]), self.largest);
+                let r = [r[0][lane], r[1][lane], r[2][lane], r[3][lane], r[4][lane]];
+                let c = [c[0][lane], c[1][lane], c[2][lane], c[3][lane], c[4][lane]];
+                let error = error(r, c, self.largest);
                 errors[lane] = if error > errors[lane] {
                     error
                 } else {
@@ -230,10 +238,14 @@ impl Ring {
                 [r[x], g[x], b[x]]
             };
             let shown = match gain {
-                Some(gain) => rgb.map(|c| tone::map(c * gain)),
+                Some(gain) => [
+                    tone::map(rgb[0] * gain),
+                    tone::map(rgb[1] * gain),
+                    tone::map(rgb[2] * gain),
+                ],
                 None => rgb,
             };
-            [r[x], g[x], b[x]] = apply(&OPPONENT, shown.map(clip));
+            [r[x], g[x], b[x]] = apply(&OPPONENT, [clip(shown[0]), clip(shown[1]), clip(shown[2])]);
         }
         let before = first + radius - left;
         for (light, source) in [r, g, b].into_iter().zip(source) {
@@ -266,62 +278,76 @@ impl Ring {
             let row = &mut rows[slot * WIDTH..(slot + 1) * WIDTH];
             for (x, sums) in row.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
                 let centre = x * LANES + filters.radius;
-                *sums = symmetric(
-                    half,
-                    sign,
-                    |i| lanes(source, centre + i),
-                    |i| lanes(source, centre - i),
-                );
+                *sums = along(source, centre, half, sign);
             }
         }
     }
 
-    /// The vertical filters at columns `x` on, about ring row `centre`: Y + 16, Cx, Cz, and the strengths of edge
+    /// The vertical filters at columns `x` on: Y + 16, Cx, Cz, and the strengths of edge
     /// and point, times 116.
     #[inline(always)]
-    fn column(&self, x: usize, centre: usize, filters: &Filters) -> [Lanes; 5] {
-        let size = 2 * filters.radius + 1;
-        let filtered = |kept: usize, half: &[f32], sign: f32| {
-            let at = |row: usize| lanes(&self.rows[kept], row % size * WIDTH + x);
-            symmetric(half, sign, |i| at(centre + i), |i| at(centre - i))
-        };
+    fn column(&self, x: usize, starts: &[usize], filters: &Filters) -> [Lanes; 5] {
         let [sy, sx, sz1, sz2] = &filters.sensitivity;
-        let [cz1, cz2] = [filtered(2, sz1, 1.0), filtered(3, sz2, 1.0)];
+        let (smooth, edge, point) = (&filters.smooth, &filters.edge, &filters.point);
+        let [cz1, cz2] = [
+            self.down(2, sz1, 1.0, x, starts),
+            self.down(3, sz2, 1.0, x, starts),
+        ];
         let [dx, ddx] = [
-            filtered(4, &filters.smooth, 1.0),
-            filtered(5, &filters.smooth, 1.0),
+            self.down(4, smooth, 1.0, x, starts),
+            self.down(5, smooth, 1.0, x, starts),
         ];
         let [dy, ddy] = [
-            filtered(6, &filters.edge, -1.0),
-            filtered(6, &filters.point, 1.0),
+            self.down(6, edge, -1.0, x, starts),
+            self.down(6, point, 1.0, x, starts),
         ];
-        let sum = |a: Lanes, b: Lanes| std::array::from_fn(|i| a[i] + b[i]);
-        let length =
-            |a: Lanes, b: Lanes| std::array::from_fn(|i| (a[i] * a[i] + b[i] * b[i]).sqrt());
-        [
-            filtered(0, sy, 1.0),
-            filtered(1, sx, 1.0),
-            sum(cz1, cz2),
-            length(dx, dy),
-            length(ddx, ddy),
-        ]
+        let mut found = [
+            self.down(0, sy, 1.0, x, starts),
+            self.down(1, sx, 1.0, x, starts),
+            cz1,
+            dx,
+            ddx,
+        ];
+        for lane in 0..LANES {
+            found[2][lane] += cz2[lane];
+            found[3][lane] = (dx[lane] * dx[lane] + dy[lane] * dy[lane]).sqrt();
+            found[4][lane] = (ddx[lane] * ddx[lane] + ddy[lane] * ddy[lane]).sqrt();
+        }
+        found
+    }
+
+    /// One vertical filter at columns `x` on; `starts` says where each row of the ring begins, from the uppermost on.
+    #[inline(always)]
+    fn down(&self, kept: usize, half: &[f32], sign: f32, x: usize, starts: &[usize]) -> Lanes {
+        let (rows, middle) = (&self.rows[kept], starts.len() / 2);
+        let centre = lanes(rows, starts[middle] + x);
+        let mut sums = [0.0; LANES];
+        for lane in 0..LANES {
+            sums[lane] = half[0] * centre[lane];
+        }
+        for (i, weight) in half.iter().enumerate().skip(1) {
+            let after = lanes(rows, starts[middle + i] + x);
+            let before = lanes(rows, starts[middle - i] + x);
+            for lane in 0..LANES {
+                sums[lane] += weight * (after[lane] + sign * before[lane]);
+            }
+        }
+        sums
     }
 }
 
-/// The sum of a filter with the weights `half` on one side and `sign` times these on the other.
+/// The filter with the weights `half` to the right, and `sign` times these to the left, about `centre` and what follows.
 #[inline(always)]
-fn symmetric(
-    half: &[f32],
-    sign: f32,
-    after: impl Fn(usize) -> Lanes,
-    before: impl Fn(usize) -> Lanes,
-) -> Lanes {
-    let middle = after(0);
-    let mut sums: Lanes = std::array::from_fn(|l| half[0] * middle[l]);
+fn along(row: &[f32], centre: usize, half: &[f32], sign: f32) -> Lanes {
+    let middle = lanes(row, centre);
+    let mut sums = [0.0; LANES];
+    for lane in 0..LANES {
+        sums[lane] = half[0] * middle[lane];
+    }
     for (i, weight) in half.iter().enumerate().skip(1) {
-        let (a, b) = (after(i), before(i));
-        for l in 0..LANES {
-            sums[l] += weight * (a[l] + sign * b[l]);
+        let (after, before) = (lanes(row, centre + i), lanes(row, centre - i));
+        for lane in 0..LANES {
+            sums[lane] += weight * (after[lane] + sign * before[lane]);
         }
     }
     sums
@@ -335,8 +361,7 @@ fn lanes(row: &[f32], start: usize) -> Lanes {
 /// ꟻLIP of one pixel from both pictures' Y + 16, Cx, Cz, edge and point.
 #[inline(always)]
 fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
-    let lab = |v: [f32; 5]| hunt_lab(apply(&FROM_OPPONENT, [v[0], v[1], v[2]]).map(clip));
-    let difference = power_of_definition(hyab(lab(r), lab(c)));
+    let difference = power_of_definition(hyab(lab(&r), lab(&c)));
     let large = LARGE_PART * largest;
     let small = difference * (LARGE_ERROR / large);
     let beyond = LARGE_ERROR + (difference - large) / (largest - large) * (1.0 - LARGE_ERROR);
@@ -345,6 +370,13 @@ fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
     let feature = if edge > point { edge } else { point };
     let feature = (feature * (std::f32::consts::FRAC_1_SQRT_2 / 116.0)).sqrt();
     power(colour, 1.0 - feature)
+}
+
+/// CIELAB after Hunt of filtered Y + 16, Cx, Cz.
+#[inline(always)]
+fn lab(v: &[f32; 5]) -> [f32; 3] {
+    let [r, g, b] = apply(&FROM_OPPONENT, [v[0], v[1], v[2]]);
+    hunt_lab([clip(r), clip(g), clip(b)])
 }
 
 #[inline(always)]

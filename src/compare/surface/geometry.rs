@@ -47,6 +47,8 @@ pub struct Field<'a> {
     reference: [Plane<'a>; 3],
     candidate: [Plane<'a>; 3],
     points: [Points<'a>; 2],
+    /// Whether places are those on a triangle, and mean nothing on another one.
+    on_triangles: bool,
     width: usize,
     height: usize,
 }
@@ -60,6 +62,23 @@ impl<'a> Field<'a> {
             reference,
             candidate,
             points: *pair,
+            on_triangles: false,
+            width,
+            height,
+        })
+    }
+
+    /// The same by places on triangles, for pictures of one triangulation: points that slide along their surface
+    /// are seen to do so even where the place is not what the candidate has from its triangles.
+    pub fn on_triangles(pair: &[Points<'a>; 2]) -> Option<Self> {
+        let [r, c] = pair;
+        (r.primitive.is_some() && c.primitive.is_some()).then_some(())?;
+        let [width, height] = r.size();
+        Some(Field {
+            reference: r.barycentric?,
+            candidate: c.barycentric?,
+            points: *pair,
+            on_triangles: true,
             width,
             height,
         })
@@ -67,7 +86,9 @@ impl<'a> Field<'a> {
 
     /// How far, in pixels to the right and down, the candidate's point at pixel `index` belongs from there.
     pub fn displacement(&self, index: usize) -> Option<DVec2> {
-        if !self.points[0].same_object(&self.points[1], index) {
+        let [r, c] = &self.points;
+        let other_triangle = self.on_triangles && r.primitive_at(index) != c.primitive_at(index);
+        if !r.same_object(c, index) || other_triangle {
             return None;
         }
         let wanted = place(&self.candidate, index);
@@ -152,13 +173,14 @@ impl<'a> Field<'a> {
 
     /// Whether the reference shows the same object at both pixels.
     fn same(&self, a: usize, b: usize) -> bool {
-        self.points[0].object_at(a) == self.points[0].object_at(b)
+        let objects = self.points[0].object_at(a) == self.points[0].object_at(b);
+        objects && (!self.on_triangles || self.same_triangle(a, b))
     }
 
     /// Whether the reference is known to show the same triangle at both pixels.
     fn same_triangle(&self, a: usize, b: usize) -> bool {
-        let primitive = self.points[0].primitive;
-        primitive.is_some_and(|primitive| primitive.at(a) == primitive.at(b))
+        let [a, b] = [a, b].map(|i| self.points[0].primitive_at(i));
+        a.is_some() && a == b
     }
 
     fn pixel(&self, index: usize) -> DVec2 {

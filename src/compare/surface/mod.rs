@@ -14,7 +14,7 @@
 
 mod boundary;
 pub mod geometry;
-mod points;
+pub(super) mod points;
 
 use serde::Serialize;
 
@@ -35,6 +35,8 @@ pub struct SurfaceErrors {
     pub geometric: Option<Distribution>,
     /// Emission time, metres of light path.
     pub emission_time: Option<Signed>,
+    /// The same without its sign in bins, where their width is known.
+    pub emission_time_bins: Option<Distribution>,
     /// Observed / emitted wavelength, relative error.
     pub wavelength_ratio: Option<Signed>,
     /// The same in steps of the coarser of the two precisions.
@@ -101,7 +103,11 @@ pub struct Signed {
 pub(super) type Map = Vec<f32>;
 
 /// Surface errors and, for pictures of them, the map of the geometric error.
-pub(super) fn compare(pair: [&Layers; 2], region: &Region) -> (Option<SurfaceErrors>, Option<Map>) {
+pub(super) fn compare(
+    pair: [&Layers; 2],
+    region: &Region,
+    bin_width: Option<f64>,
+) -> (Option<SurfaceErrors>, Option<Map>) {
     let points = pair.map(Points::new);
     let size = points[0].size();
     let map = geometry::map(&points);
@@ -112,6 +118,9 @@ pub(super) fn compare(pair: [&Layers; 2], region: &Region) -> (Option<SurfaceErr
             .as_ref()
             .map(|map| distribution(size, region, &points, |_, i| map[i].into())),
         emission_time: time(&points).map(|of| signed(size, region, &points, of)),
+        emission_time_bins: time(&points).zip(bin_width).map(|(of, width)| {
+            distribution(size, region, &points, move |_, i| of(i).abs() / width)
+        }),
         wavelength_ratio: ratio(pair)
             .map(|[r, c]| signed(size, region, &points, move |i| c.at(i) / r.at(i) - 1.0)),
         wavelength_ratio_ulp: ratio(pair)

@@ -6,6 +6,7 @@ use crate::compare::plane::Plane;
 use crate::image::Layers;
 
 const OBJECT_POINT: [&str; 3] = ["object_event.x", "object_event.y", "object_event.z"];
+const BARYCENTRIC: [&str; 3] = ["barycentric.u", "barycentric.v", "barycentric.v"];
 const WORLD_POINT: [&str; 3] = ["event.x", "event.y", "event.z"];
 
 /// Channels of surface points.
@@ -19,6 +20,8 @@ pub struct Points<'a> {
     material: Option<[Plane<'a>; 3]>,
     /// Places in the world.
     world: Option<[Plane<'a>; 3]>,
+    /// Places on the triangle; the third coordinate adds nothing.
+    pub(super) barycentric: Option<[Plane<'a>; 3]>,
     pub(in crate::compare) time: Option<Plane<'a>>,
 }
 
@@ -33,6 +36,7 @@ impl<'a> Points<'a> {
             primitive: plane("primitive"),
             material: Plane::group(layers, OBJECT_POINT),
             world: Plane::group(layers, WORLD_POINT),
+            barycentric: Plane::group(layers, BARYCENTRIC),
             time: plane("event.ct").or_else(|| plane("object_event.ct")),
         }
     }
@@ -58,6 +62,11 @@ impl<'a> Points<'a> {
         } else {
             id
         })
+    }
+
+    /// The triangle that a pixel shows.
+    pub(in crate::compare) fn primitive_at(&self, index: usize) -> Option<f64> {
+        Some(self.primitive?.at(index))
     }
 
     /// Whether both pictures show one object at this pixel; where neither has the channel, always.

@@ -18,7 +18,7 @@ mod header;
 mod read;
 mod write;
 
-pub use read::read;
+pub use read::{half_channels, read};
 pub use write::write;
 
 /// Before the keys of our attributes, so that none is taken for one of the standard's.

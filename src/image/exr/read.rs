@@ -8,7 +8,7 @@ use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, FlatImage, FlatSamples, Layer, LayerAttributes,
-    ReadChannels, ReadLayers, Text,
+    ReadChannels, ReadLayers, SampleType, Text,
 };
 
 use super::{PREFIX, SIGNED, name_in_memory};
@@ -47,6 +47,21 @@ pub fn read(path: &Path) -> Result<Layers> {
             .from_buffered(file)
     });
     convert(path, settle(path, decoded)?)
+}
+
+/// The names of channels that the file holds in half precision; no pixel is decoded.
+///
+/// # Errors
+/// I/O errors; files that are not EXR or are broken.
+pub fn half_channels(path: &Path) -> Result<Vec<String>> {
+    let mut file = BufReader::new(File::open(path).map_err(Error::io(path, "cannot read"))?);
+    let decoded = guarded(|| MetaData::read_from_buffered(&mut file, false));
+    let headers = settle(path, decoded)?.headers;
+    let channels = headers.iter().flat_map(|header| &header.channels.list);
+    let half = channels.filter(|channel| channel.sample_type == SampleType::F16);
+    Ok(half
+        .map(|channel| name_in_memory(&channel.name.to_string()))
+        .collect())
 }
 
 /// The result of a decoder that may have panicked (none).

@@ -27,7 +27,12 @@ impl Stored<'_> {
     pub fn cube_layout(&mut self) -> Result<(Header, CubeInfo)> {
         let (header, header_bytes) = header::read(self.reader, &self.place)?;
         let info = header.cube(&self.place)?;
-        let expected = header_bytes.saturating_add(info.bytes);
+        self.check_length(header_bytes.saturating_add(info.bytes))?;
+        Ok((header, info))
+    }
+
+    /// Refuses an array that has other than `expected` bytes, its header included.
+    pub fn check_length(&self, expected: u64) -> Result<()> {
         let what = if self.length > self.most {
             format!(
                 "the archive claims {} bytes, more than it can hold",
@@ -44,7 +49,7 @@ impl Stored<'_> {
                 self.length - expected
             )
         } else {
-            return Ok((header, info));
+            return Ok(());
         };
         Err(self.place.invalid("samples", what, WRITE_AGAIN))
     }

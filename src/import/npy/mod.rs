@@ -15,12 +15,14 @@
 mod archive;
 mod header;
 mod literal;
+mod plain;
 mod samples;
 
 use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 pub use header::{Dtype, Header};
+pub use plain::{Numbers, Plain};
 
 use super::file::open_regular;
 use crate::time_texture::Cube;
@@ -69,6 +71,26 @@ pub fn inspect_cube(path: &Path, array: Option<&str>) -> Result<CubeInfo> {
 pub fn load(path: &Path, array: Option<&str>) -> Result<Cube> {
     let (file, _) = open_regular(path)?;
     load_from(BufReader::new(file), path, array)
+}
+
+/// An array of numbers of any shape, or the one named `array` in a `.npz` file (which may be left out where the archive
+/// holds one array only).
+///
+/// # Errors
+/// The file cannot be read; it is truncated or longer than its header says; the array is in Fortran order or
+/// does not hold numbers of at most 32 bits, or f8.
+pub fn load_plain(path: &Path, array: Option<&str>) -> Result<Plain> {
+    let (file, _) = open_regular(path)?;
+    archive::with_array(&mut BufReader::new(file), path, array, plain::read)
+}
+
+/// The text that the array named `array` of a `.npz` file is.
+///
+/// # Errors
+/// The file cannot be read; there is no such array; it is no single text.
+pub fn load_text(path: &Path, array: &str) -> Result<String> {
+    let (file, _) = open_regular(path)?;
+    archive::with_array(&mut BufReader::new(file), path, Some(array), plain::text)
 }
 
 /// As [`load`], from bytes in memory; `name` stands for the file in messages.

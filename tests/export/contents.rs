@@ -6,6 +6,7 @@ use std::path::Path;
 use nullray::aov::TABLE;
 use nullray::export::{Cubes, Options, README, schema};
 use nullray::import::gltf;
+use nullray::scene::model::BadVertices;
 use nullray::{image, metadata};
 
 use super::{Exported, exported, exported_with};
@@ -175,6 +176,7 @@ fn our_own_importer_reads_the_geometry() {
     let want = gltf::Want {
         uvs: true,
         textures: true,
+        bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
         .unwrap()
@@ -192,6 +194,7 @@ fn a_base_colour_that_gltf_cannot_hold_is_in_the_description() {
     let want = gltf::Want {
         uvs: false,
         textures: false,
+        bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
         .unwrap()
@@ -215,6 +218,7 @@ fn textures_go_with_the_geometry() {
     let want = gltf::Want {
         uvs: true,
         textures: true,
+        bad_vertices: BadVertices::Refuse,
     };
     let loaded = gltf::load(&exported.path("geometry/000.glb"), None, want).unwrap();
     assert_eq!(loaded.images[0].bytes, bytes);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Kernel, Method, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Kernel, Method, NoTally, Origins, Precision, Ray};
 use nullray::aov::Aov;
 use nullray::film::Film;
 use nullray::import::gltf::{self, Want};
@@ -37,9 +37,10 @@ fn hits(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> Vec<Option<(u32, f64)
         let mut hits = vec![None; directions.len()];
         bvh.closest_by(
             Method { kernel, precision },
-            origin,
+            Origins::Shared(origin),
             directions,
             &mut hits,
+            &mut NoTally,
             |_| (),
         );
         hits.iter()

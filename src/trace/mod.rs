@@ -21,6 +21,7 @@ mod light;
 mod looks;
 mod occlusion;
 mod pulse;
+mod reach;
 mod record;
 mod run;
 mod scratch;

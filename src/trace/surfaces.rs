@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::Scratch;
 use super::occlusion::{Question, Questions, shadow_ray};
+use super::reach::{Fan, Reach};
 use super::stats::{Meter, Stage};
 use crate::accel::{Bvh, Hit, Method, Segment, Tally};
 use crate::camera::Departure;
@@ -136,7 +137,11 @@ pub struct Moving<'a> {
 
 /// Any number of rest frames.
 #[derive(Debug)]
-pub struct Frames<'a>(Vec<Moving<'a>>);
+pub struct Frames<'a> {
+    frames: Vec<Moving<'a>>,
+    /// Where each is seen, as far as that is known.
+    reaches: Vec<Option<Reach>>,
+}
 
 impl<'a> Still<'a> {
     /// `rest` seen from `camera` in a medium of index `index`.
@@ -329,21 +334,32 @@ impl<'a> Frames<'a> {
     /// `rests` seen from `camera` in a medium of index `index`.
     pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
         let frame = |rest| Moving::new(rest, camera, index);
-        Frames(rests.iter().map(frame).collect())
+        let frames: Vec<_> = rests.iter().map(frame).collect();
+        let reach = |frame: &Moving| Reach::of(frame.rest, frame.origin, index);
+        Frames {
+            reaches: frames.iter().map(reach).collect(),
+            frames,
+        }
     }
 }
 
 impl Surfaces for Frames<'_> {
     fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
-        scratch.start(rays.directions.len(), self.0.len());
-        for (k, frame) in self.0.iter().enumerate() {
-            frame.meet(k as u32, rays, scratch, meter);
+        scratch.start(rays.directions.len(), self.frames.len());
+        let fan = D::TOGETHER.then(|| Fan::of(rays.directions));
+        for (k, (frame, reach)) in self.frames.iter().zip(&self.reaches).enumerate() {
+            let missed = fan
+                .zip(*reach)
+                .is_some_and(|(fan, reach)| reach.misses(&fan));
+            if !missed {
+                frame.meet(k as u32, rays, scratch, meter);
+            }
         }
     }
 
     #[inline]
     fn rest(&self, frame: u32) -> &RestFrame {
-        self.0[frame as usize].rest
+        self.frames[frame as usize].rest
     }
 
     #[inline]
@@ -355,12 +371,12 @@ impl Surfaces for Frames<'_> {
         _: &Scratch,
     ) -> (NullRay<Rest>, f64) {
         let d = Direction::from_unit(rays.directions[ray]);
-        self.0[frame as usize].ray(d, rays.from[ray])
+        self.frames[frame as usize].ray(d, rays.from[ray])
     }
 
     #[inline]
     fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        self.0[frame as usize].boost().direction(d)
+        self.frames[frame as usize].boost().direction(d)
     }
 
     fn occlude(
@@ -370,7 +386,7 @@ impl Surfaces for Frames<'_> {
         method: Method,
         tally: &mut impl Tally,
     ) {
-        for (k, frame) in self.0.iter().enumerate() {
+        for (k, frame) in self.frames.iter().enumerate() {
             questions.ask(&frame.rest.bvh, method, tally, |q| {
                 let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
                 let d = Direction::from_unit(q.seen.tangent.x);

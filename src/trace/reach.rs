@@ -1,0 +1,163 @@
+//! Which rest frames a batch of rays can meet at all.
+//!
+//! What lies within a sphere of radius r about c, seen from the origin of its rest frame, has look directions
+//! d′ with d′·ĉ ≥ cos α, sin α = r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
+//!
+//! ```text
+//! k′·N′ ≥ 0,   N′ = (−cos α, ĉ),   signature (−, +, +, +),
+//! ```
+//!
+//! and holds in every frame (Penrose, "The apparent shape of a relativistically moving sphere", 1959). With
+//! N boosted to the world, directions d within ρ of a middle m miss the sphere if
+//!
+//! ```text
+//! N_ct + N_x·m + ρ |N_x| < 0,   since   k·N = N_ct + N_x·d.
+//! ```
+//!
+//! Light in a medium is not null, and rays that leave apart have no common origin: both are let pass.
+
+use glam::DVec3;
+
+use super::surfaces::RestFrame;
+use crate::spacetime::{Displacement, Event, Rest, World};
+
+/// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
+const SLACK: f64 = 1e-11;
+
+/// The directions in which a rest frame is seen from one event.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    normal: Displacement<World>,
+    length: f64,
+    slack: f64,
+}
+
+impl Reach {
+    /// None where every direction may meet something, or nothing is known.
+    pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<Reach> {
+        let (lo, hi) = rest.bvh.bounds()?;
+        let centre = (lo + hi) * 0.5 - camera.x;
+        let distance = centre.length();
+        let sine = (hi - lo).length() * 0.5 / distance * (1.0 + 1e-9) + 1e-9;
+        // Not for NaN either.
+        if !(sine < 1.0 && index == 1.0) {
+            return None;
+        }
+        let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+        let normal = Displacement::new(-cosine, centre / distance);
+        let normal = rest.frame.world_from_frame().displacement(normal);
+        Some(Reach {
+            normal,
+            length: normal.x.length(),
+            slack: SLACK * rest.frame.velocity().gamma(),
+        })
+    }
+
+    /// Whether no ray of `fan` can meet anything.
+    #[inline]
+    pub fn misses(&self, fan: &Fan) -> bool {
+        let most = self.normal.ct + self.normal.x.dot(fan.middle) + fan.radius * self.length;
+        most < -self.slack
+    }
+}
+
+/// Directions about a middle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fan {
+    middle: DVec3,
+    /// The largest distance of a unit vector from the middle.
+    radius: f64,
+}
+
+impl Fan {
+    /// Of unit vectors.
+    pub fn of(directions: &[DVec3]) -> Fan {
+        let sum = directions.iter().fold(DVec3::ZERO, |sum, d| sum + *d);
+        let middle = sum / directions.len().max(1) as f64;
+        let square = |d: &DVec3| (*d - middle).length_squared();
+        let largest = directions.iter().map(square).fold(0.0, f64::max);
+        Fan {
+            middle,
+            radius: largest.sqrt() * (1.0 + 1e-9),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Bvh, Facing, Ray};
+    use crate::spacetime::{Direction, InertialFrame, Velocity};
+
+    /// Numbers from −1 to 1.
+    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn vector(next: &mut impl FnMut() -> f64) -> DVec3 {
+        DVec3::new(next(), next(), next())
+    }
+
+    /// A triangle that moves with a rapidity of up to `rapidity` per axis.
+    fn body(next: &mut impl FnMut() -> f64, rapidity: f64) -> RestFrame {
+        let centre = vector(next) * 3.0;
+        let corners = [(); 3].map(|()| centre + vector(next));
+        let velocity = Velocity::from_rapidity(vector(next) * rapidity);
+        RestFrame {
+            frame: InertialFrame::new(velocity, Event::new(next(), vector(next))),
+            bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
+            patches: Vec::new(),
+            meshes: Vec::new(),
+        }
+    }
+
+    /// How many bodies were met, and how many of those not met were known to be missed.
+    fn count(rapidity: f64) -> [usize; 2] {
+        let next = &mut numbers(7);
+        let mut counts = [0; 2];
+        for _ in 0..20_000 {
+            let rest = body(next, rapidity);
+            let camera = rest
+                .frame
+                .event_from_world(Event::new(next(), vector(next)));
+            let towards = vector(next).normalize();
+            let fan: Vec<_> = (0..16)
+                .map(|_| (towards + vector(next) * 0.02).normalize())
+                .collect();
+            let met = fan.iter().any(|d| {
+                let d = Direction::from_unit(*d);
+                let ray = Ray {
+                    origin: camera.x,
+                    direction: rest.frame.frame_from_world().tangent(1.0, d).x,
+                    s_min: 0.0,
+                };
+                rest.bvh.closest(&ray, f64::INFINITY).is_some()
+            });
+            let reach = Reach::of(&rest, camera, 1.0);
+            let missed = reach.is_some_and(|reach| reach.misses(&Fan::of(&fan)));
+            assert!(!(met && missed), "{rest:?} is met along {towards}");
+            counts[usize::from(!met)] += usize::from(met || missed);
+        }
+        counts
+    }
+
+    #[test]
+    fn what_is_met_is_never_taken_for_missed() {
+        for rapidity in [0.0, 1.0, 5.0, 20.0] {
+            let [met, missed] = count(rapidity);
+            assert!(met > 20, "{met} at {rapidity}");
+            assert!(rapidity > 1.0 || missed > 10_000, "{missed} at {rapidity}");
+        }
+    }
+
+    #[test]
+    fn a_medium_lets_everything_pass() {
+        let rest = body(&mut numbers(1), 0.3);
+        let camera = Event::new(0.0, DVec3::splat(100.0));
+        assert!(Reach::of(&rest, camera, 1.0).is_some());
+        assert!(Reach::of(&rest, camera, 1.3).is_none());
+    }
+}

@@ -50,7 +50,7 @@ impl Preset {
             post_collapse_reinsertion_batch_ratio_multiplier: 2.0,
             sort_precision: SortPrecision::U64,
             max_prims_per_leaf: 4,
-            collapse_traversal_cost: 3.0,
+            collapse_traversal_cost: 4.0,
         }
     }
 }

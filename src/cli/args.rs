@@ -13,7 +13,7 @@ use nullray::overlay::Parts;
 use nullray::raster::Method;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
-use nullray::study;
+use nullray::study::{self, Subject};
 use nullray::units::Time;
 
 use super::help;
@@ -351,7 +351,7 @@ pub struct StudyArguments {
     /// Default: the scene's name with -study.csv, -study.json and -study.svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// The methods, separated by semicolons or spaces, as --method of render has them.
+    /// The methods, separated by semicolons or spaces, as --method of render has them; trace:fast too.
     #[arg(long, value_name = "LIST", default_value = study::METHODS, value_parser = values::methods)]
     pub methods: MethodList,
     /// Samples per pixel that each is measured with.
@@ -379,7 +379,7 @@ pub struct StudyArguments {
 
 /// Methods of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MethodList(pub Vec<Method>);
+pub struct MethodList(pub Vec<Subject>);
 
 /// Numbers of samples of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]

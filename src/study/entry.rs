@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::geometry::GeometricError;
 use super::radiance::RadianceError;
+use super::subject::Subject;
+use crate::accel::Precision;
 use crate::raster::{Map, Method, Tessellation};
 
 /// What a study has found.
@@ -124,6 +126,7 @@ pub struct Verdict {
 #[allow(missing_docs)]
 pub enum Family {
     Trace,
+    FastTrace,
     NoTessellation,
     Uniform,
     Adaptive,
@@ -133,8 +136,9 @@ pub enum Family {
 
 impl Family {
     /// All, in the order of legends.
-    pub const ALL: [Family; 6] = [
+    pub const ALL: [Family; 7] = [
         Family::Trace,
+        Family::FastTrace,
         Family::NoTessellation,
         Family::Uniform,
         Family::Adaptive,
@@ -142,10 +146,13 @@ impl Family {
         Family::Panorama,
     ];
 
-    /// That of `method`.
-    pub fn of(method: &Method) -> Self {
-        match method {
-            Method::Trace => Family::Trace,
+    /// That of `subject`.
+    pub fn of(subject: &Subject) -> Self {
+        match subject.method {
+            Method::Trace => match subject.precision {
+                Precision::Certified => Family::Trace,
+                Precision::Fast => Family::FastTrace,
+            },
             Method::Raster(raster) => match raster.tessellation {
                 Tessellation::None => Family::NoTessellation,
                 Tessellation::Uniform(_) => Family::Uniform,
@@ -162,12 +169,18 @@ impl Family {
     pub fn name(self) -> &'static str {
         match self {
             Family::Trace => "ray tracer",
+            Family::FastTrace => "ray tracer, f32",
             Family::NoTessellation => "vertices, not re-tessellated",
             Family::Uniform => "uniform re-tessellation",
             Family::Adaptive => "adaptive re-tessellation",
             Family::Cube => "warped cube map",
             Family::Panorama => "warped panorama",
         }
+    }
+
+    /// Whether it traces rays.
+    pub fn is_trace(self) -> bool {
+        matches!(self, Family::Trace | Family::FastTrace)
     }
 
     /// Whether it moves vertices.

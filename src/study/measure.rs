@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use super::Method;
+use super::Subject;
 use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
 use super::front::front;
 use super::geometry::{self, GeometricError};
@@ -42,7 +42,7 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
     let start = Instant::now();
     let truth = picture(
         &mut prepared,
-        &Method::Trace,
+        &Subject::REFERENCE,
         options.reference_samples,
         progress,
     )?;
@@ -101,7 +101,7 @@ fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
 /// A picture with `samples` samples per pixel.
 fn picture(
     prepared: &mut Prepared,
-    method: &Method,
+    subject: &Subject,
     samples: u32,
     progress: &dyn Progress,
 ) -> Result<Film> {
@@ -109,11 +109,17 @@ fn picture(
     prepared.layout.samples = samples;
     prepared.layout.pixel_centers = false;
     prepared.sampler = Sampler::stratified(samples);
-    render(prepared, method, progress)
+    taken(prepared, subject, progress)
+}
+
+/// The picture that `prepared` is set for.
+fn taken(prepared: &mut Prepared, subject: &Subject, progress: &dyn Progress) -> Result<Film> {
+    prepared.method.precision = subject.precision;
+    render(prepared, &subject.method, progress)
 }
 
 /// The methods that can render the scene with their errors of geometry, and those that cannot.
-type Able = (Vec<(Method, GeometricError)>, Vec<LeftOut>);
+type Able = (Vec<(Subject, GeometricError)>, Vec<LeftOut>);
 
 /// The errors of geometry of all methods.
 fn geometries(
@@ -126,18 +132,17 @@ fn geometries(
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
-    let exact = render(prepared, &Method::Trace, progress)?;
+    let exact = taken(prepared, &Subject::REFERENCE, progress)?;
     let (mut able, mut left_out) = (Vec::new(), Vec::new());
-    for method in &options.methods {
-        let film = method
-            .check(plan)
-            .and_then(|()| render(prepared, method, progress));
+    for subject in &options.methods {
+        let checked = subject.method.check(plan);
+        let film = checked.and_then(|()| taken(prepared, subject, progress));
         match film {
-            Ok(film) => able.push((*method, GeometricError::of(prepared, &film, &exact)?)),
+            Ok(film) => able.push((*subject, GeometricError::of(prepared, &film, &exact)?)),
             Err(Error::Cancelled) => return Err(Error::Cancelled),
             Err(error) if options.methods.len() == 1 => return Err(error),
             Err(error) => left_out.push(LeftOut {
-                method: method.to_string(),
+                method: subject.to_string(),
                 why: error.to_string(),
             }),
         }
@@ -147,7 +152,7 @@ fn geometries(
 
 /// One method with one number of samples, while it is measured.
 struct Job {
-    method: Method,
+    subject: Subject,
     samples: u32,
     geometry: GeometricError,
     runs: Vec<f64>,
@@ -162,10 +167,10 @@ struct Rounds {
 }
 
 impl Rounds {
-    fn new(options: &Options, able: &[(Method, GeometricError)]) -> Self {
+    fn new(options: &Options, able: &[(Subject, GeometricError)]) -> Self {
         let of = |samples: &u32| {
-            let job = |(method, geometry): &(Method, GeometricError)| Job {
-                method: *method,
+            let job = |(subject, geometry): &(Subject, GeometricError)| Job {
+                subject: *subject,
                 samples: *samples,
                 geometry: *geometry,
                 runs: Vec::new(),
@@ -223,7 +228,7 @@ impl Rounds {
 
     /// From the same method with fewer samples.
     fn guess(&self, job: &Job) -> Option<f64> {
-        let is_fewer = |other: &&Job| other.method == job.method && other.samples < job.samples;
+        let is_fewer = |other: &&Job| other.subject == job.subject && other.samples < job.samples;
         let last = self.jobs.iter().rfind(is_fewer)?;
         // One that was left out leaves out all after it.
         let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
@@ -245,7 +250,7 @@ impl Job {
             start: Instant::now(),
             first: OnceLock::new(),
         };
-        let film = picture(prepared, &self.method, self.samples, &watch)?;
+        let film = picture(prepared, &self.subject, self.samples, &watch)?;
         let seconds = watch.start.elapsed().as_secs_f64();
         self.runs.push(seconds);
         self.setups
@@ -265,8 +270,8 @@ impl Job {
             runs: self.runs,
         });
         Entry {
-            method: self.method.to_string(),
-            family: Family::of(&self.method),
+            method: self.subject.to_string(),
+            family: Family::of(&self.subject),
             samples: self.samples,
             timing,
             memory: self.memory,

@@ -27,6 +27,7 @@ mod options;
 mod plot;
 mod radiance;
 mod statistics;
+mod subject;
 mod table;
 
 pub use entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
@@ -35,6 +36,5 @@ pub use measure::study;
 pub use options::{METHODS, Options, parse_methods, parse_samples};
 pub use plot::draw;
 pub use radiance::RadianceError;
+pub use subject::Subject;
 pub use table::{csv, table};
-
-use crate::raster::Method;

@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
+use super::Subject;
 use crate::plan::Request;
-use crate::raster::Method;
 use crate::scene::model::MOST_SAMPLES;
 
 /// What is studied.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// The methods, in any order.
-    pub methods: Vec<Method>,
+    pub methods: Vec<Subject>,
     /// Samples per pixel, each of which every method is measured with; ascending.
     pub samples: Vec<u32>,
     /// The most pictures of each method and number of samples. Default: 5.
@@ -25,7 +25,7 @@ pub struct Options {
 }
 
 /// What is studied where nothing is said.
-pub const METHODS: &str = "trace; raster:none; raster:uniform=0.2; raster:uniform=0.1; raster:uniform=0.05; \
+pub const METHODS: &str = "trace; trace:fast; raster:none; raster:uniform=0.2; raster:uniform=0.1; raster:uniform=0.05; \
                            raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; \
                            warp:cube=256; warp:cube=1024";
 
@@ -46,7 +46,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// What is no method, and an empty list, in words.
-pub fn parse_methods(text: &str) -> Result<Vec<Method>, String> {
+pub fn parse_methods(text: &str) -> Result<Vec<Subject>, String> {
     let words = text
         .split([';', ' '])
         .map(str::trim)

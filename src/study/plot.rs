@@ -121,7 +121,7 @@ impl Panel {
             let of = self.points.iter().filter(|p| p.family == family);
             // A line joins what differs in one thing only: the level, where samples are alike.
             let line: Vec<_> = of.clone().map(place).collect();
-            if line.len() > 1 && (family == Family::Trace || self.joins()) {
+            if line.len() > 1 && (family.is_trace() || self.joins()) {
                 let stroke = Stroke::new(colour(family), 0.8);
                 items.push(Item::stroked(Path::polyline(&line), stroke));
             }
@@ -278,6 +278,7 @@ fn legend(study: &Study, items: &mut Vec<Item>) -> Result<()> {
 fn colour(family: Family) -> Colour {
     let [r, g, b] = match family {
         Family::Trace => [0, 90, 170],
+        Family::FastTrace => [90, 180, 230],
         Family::NoTessellation => [110, 110, 110],
         Family::Uniform => [213, 94, 0],
         Family::Adaptive => [0, 140, 100],
@@ -298,6 +299,7 @@ fn mark(family: Family, [x, y]: [f64; 2], filled: bool) -> Item {
     };
     let path = match family {
         Family::Trace => Path::circle([x, y], 2.8),
+        Family::FastTrace => regular(6, 0.0),
         Family::NoTessellation => regular(3, std::f64::consts::PI),
         Family::Uniform => regular(4, std::f64::consts::FRAC_PI_4),
         Family::Adaptive => regular(3, 0.0),

@@ -105,7 +105,7 @@ mod tests {
     fn body(next: &mut impl FnMut() -> f64, rapidity: f64) -> RestFrame {
         let centre = vector(next) * 3.0;
         let corners = [(); 3].map(|()| centre + vector(next));
-        let velocity = Velocity::from_rapidity(vector(next) * rapidity);
+        let velocity = Velocity::from_rapidity(vector(next) * rapidity).unwrap();
         RestFrame {
             frame: InertialFrame::new(velocity, Event::new(next(), vector(next))),
             bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::plane::Plane;
 use super::region::Region;
+use crate::vectors::{Loop, widest};
 
 /// Pixels from a window's centre to its edge.
 const RADIUS: usize = 3;
@@ -35,7 +36,14 @@ pub(super) fn mean(pair: [Plane; 2], size: [usize; 2], region: &Region, range: f
         .map(|top| {
             let rows = top..(top + STRIP).min(inner.end);
             let mut strip = Strip::new(pair, width, range);
-            pulp::Arch::new().dispatch(|| strip.sum(rows, region))
+            let mut found = (0.0, 0);
+            widest(Summing {
+                strip: &mut strip,
+                rows,
+                region,
+                found: &mut found,
+            });
+            found
         })
         .collect();
     let (sum, count) = (parts.iter()).fold((0.0, 0), |(s, n), (sum, count)| (s + sum, n + count));
@@ -54,6 +62,22 @@ struct Strip<'a> {
     columns: [Vec<f64>; SUMS],
     rows: [Vec<f64>; 2],
     windows: [Vec<f64>; SUMS],
+}
+
+/// The similarities of some rows of a strip.
+struct Summing<'t, 'a> {
+    strip: &'t mut Strip<'a>,
+    rows: std::ops::Range<usize>,
+    region: &'t Region,
+    /// Their sum, and how many.
+    found: &'t mut (f64, u64),
+}
+
+impl Loop for Summing<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        *self.found = self.strip.sum(self.rows, self.region);
+    }
 }
 
 impl<'a> Strip<'a> {

@@ -165,6 +165,19 @@ fn exp2(x: f32) -> f32 {
     p * f32::from_bits((((whole as i32) + 127) as u32) << 23)
 }
 
+/// CIELAB after Hunt of filtered Y + 16, Cx, Cz.
+#[inline(always)]
+pub(super) fn lab(v: &[f32; 5]) -> [f32; 3] {
+    let [r, g, b] = apply(&FROM_OPPONENT, [v[0], v[1], v[2]]);
+    hunt_lab([clip(r), clip(g), clip(b)])
+}
+
+/// To the power that the definition gives colour differences.
+#[inline(always)]
+pub(super) fn power_of_definition(distance: f32) -> f32 {
+    power(distance, 0.7)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

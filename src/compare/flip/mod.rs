@@ -19,13 +19,15 @@
 mod colour;
 mod filter;
 mod tile;
+mod tone;
 
 use rayon::prelude::*;
 
 use super::plane::Plane;
 use super::region::Region;
+use crate::vectors::widest;
 use filter::Filters;
-use tile::{HEIGHT, Tile, WIDTH};
+use tile::{Exposing, HEIGHT, Tile, WIDTH};
 
 /// Pixels per degree of visual angle on a 3840-pixel display of 0.7 m seen from 0.7 m: 3840 π/180.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643;
@@ -82,7 +84,10 @@ pub(super) fn evaluate(question: &Question) -> Flip {
     let tone_mapped = range.is_some();
     let tiles = corners.into_par_iter().map(|corner| {
         let mut tile = Tile::new(question, &filters, corner, tone_mapped);
-        pulp::Arch::new().dispatch(|| exposures.iter().for_each(|gain| tile.expose(*gain)));
+        widest(Exposing {
+            tile: &mut tile,
+            gains: &exposures,
+        });
         tile.finish(question.region)
     });
     if !question.map {
@@ -154,7 +159,7 @@ fn exposures(question: &Question) -> Option<Range> {
         luminances.retain(|y| *y > 0.0);
         middle = median(&mut luminances);
     }
-    let white = tile::tone::inverse(0.85);
+    let white = tone::inverse(0.85);
     (largest > 0.0 && largest.is_finite()).then(|| Range {
         start: libm::log2f(white / largest),
         stop: libm::log2f(white / middle),

@@ -3,12 +3,14 @@
 //! Rows go through the horizontal filters into rings that hold as many as the vertical filters reach; a
 //! row of errors comes out as soon as its ring is full. All of a tile stays in a core's own cache.
 
-use super::colour::{FROM_OPPONENT, OPPONENT, apply, clip, hunt_lab, hyab, power};
+use super::colour::{OPPONENT, apply, clip, hunt_lab, hyab, lab, power, power_of_definition};
 use super::filter::Filters;
+use super::tone;
 use super::{Question, Sum};
 use crate::colour::srgb_decode;
 use crate::compare::plane::Plane;
 use crate::compare::region::Region;
+use crate::vectors::Loop;
 
 /// Columns of a tile; whole groups of lanes.
 pub(super) const WIDTH: usize = 512;
@@ -20,8 +22,7 @@ const LANES: usize = 16;
 /// first and second derivative and the smoothed luminance.
 const KEPT: usize = 7;
 
-/// Exponents and limits of the definition.
-const COLOUR_EXPONENT: f32 = 0.7;
+/// Limits of the definition.
 const LARGE_PART: f32 = 0.4;
 const LARGE_ERROR: f32 = 0.95;
 
@@ -61,6 +62,22 @@ pub(super) struct Done {
     errors: Vec<f32>,
 }
 
+/// A tile at several exposures.
+pub(super) struct Exposing<'t, 'a> {
+    pub tile: &'t mut Tile<'a>,
+    /// What light is multiplied by.
+    pub gains: &'t [f32],
+}
+
+impl Loop for Exposing<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        for gain in self.gains {
+            self.tile.expose(*gain);
+        }
+    }
+}
+
 impl<'a> Tile<'a> {
     pub fn new(
         question: &'a Question<'a>,
@@ -91,7 +108,7 @@ impl<'a> Tile<'a> {
 
     /// Takes in the errors at an exposure: light is multiplied by `gain`.
     #[inline(always)]
-    pub fn expose(&mut self, gain: f32) {
+    fn expose(&mut self, gain: f32) {
         let radius = self.filters.radius;
         for row in 0..self.size[1] + 2 * radius {
             self.take(row, gain);
@@ -370,36 +387,4 @@ fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
     let feature = if edge > point { edge } else { point };
     let feature = (feature * (std::f32::consts::FRAC_1_SQRT_2 / 116.0)).sqrt();
     power(colour, 1.0 - feature)
-}
-
-/// CIELAB after Hunt of filtered Y + 16, Cx, Cz.
-#[inline(always)]
-fn lab(v: &[f32; 5]) -> [f32; 3] {
-    let [r, g, b] = apply(&FROM_OPPONENT, [v[0], v[1], v[2]]);
-    hunt_lab([clip(r), clip(g), clip(b)])
-}
-
-#[inline(always)]
-fn power_of_definition(distance: f32) -> f32 {
-    power(distance, COLOUR_EXPONENT)
-}
-
-/// The filmic curve of ACES as Narkowicz fits it, before which light is multiplied by 0.6.
-pub(super) mod tone {
-    const OVER: [f32; 2] = [0.6 * 0.6 * 2.51, 0.6 * 0.03];
-    const UNDER: [f32; 3] = [0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
-
-    #[inline(always)]
-    pub fn map(x: f32) -> f32 {
-        let x2 = x * x;
-        (x2 * OVER[0] + x * OVER[1]) / (x2 * UNDER[0] + x * UNDER[1] + UNDER[2])
-    }
-
-    /// The light that becomes `t`.
-    pub fn inverse(t: f32) -> f32 {
-        let a = OVER[0] - t * UNDER[0];
-        let b = OVER[1] - t * UNDER[1];
-        let half = -0.5 * (b / a);
-        half + (half * half + t * UNDER[2] / a).sqrt()
-    }
 }

@@ -1,6 +1,6 @@
 //! Run time against error: what accuracy costs, by the ray tracer, by rasterizers and by warped pictures.
 //!
-//! Every [`Method`] makes pictures of one scene with several numbers of samples per pixel. Measured are
+//! Every [`Subject`] makes pictures of one scene with several numbers of samples per pixel. Measured are
 //!
 //! - *time*: the wall time of one picture from the prepared scene (files loaded, hierarchies built, which is
 //!   told apart), and of it the part until the first tile is done: tessellation, or the picture that is

@@ -12,6 +12,11 @@
 //!              [time_texture]  [film] [image, tonemap, isochrones]
 //! ```
 //!
+//! Around it: [`raster`] makes the same pictures by other means, and [`tessellation`] foretells how fine these must
+//! be; [`compare`] holds pictures against each other, [`study`] run time against error; [`export`] writes scenes for
+//! other programs. [`diagram`] draws the world lines of a scene, [`sighting`] what one pixel sees of them.
+//! [`selftest`] tests a build where f64 ends.
+//!
 //! A picture in ten lines:
 //!
 //! ```

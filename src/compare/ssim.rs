@@ -116,9 +116,11 @@ impl<'a> Strip<'a> {
         for (plane, row) in self.pair.iter().zip(&mut self.rows) {
             plane.row(y, row);
         }
-        let [r, c] = &self.rows;
-        let [sr, sc, srr, scc, src, bad] = &mut self.columns;
-        for x in 0..self.width {
+        // Slices of one length: without checks the loop goes in vectors.
+        let width = self.width;
+        let [r, c] = self.rows.each_ref().map(|row| &row[..width]);
+        let [sr, sc, srr, scc, src, bad] = self.columns.each_mut().map(|sums| &mut sums[..width]);
+        for x in 0..width {
             let usable = (r[x] - c[x]).is_finite();
             let (r, c) = if usable { (r[x], c[x]) } else { (0.0, 0.0) };
             sr[x] += sign * r;
@@ -138,8 +140,8 @@ impl<'a> Strip<'a> {
         }
         let n = (SIZE * SIZE) as f64;
         let (mean, sample) = (1.0 / n, n / (n - 1.0));
-        let [sr, sc, srr, scc, src, bad] = &mut self.windows;
         let inner = self.width - 2 * RADIUS;
+        let [sr, sc, srr, scc, src, bad] = self.windows.each_mut().map(|sums| &mut sums[..inner]);
         for x in 0..inner {
             let (r, c) = (sr[x] * mean, sc[x] * mean);
             let vr = sample * (srr[x] * mean - r * r);

@@ -132,8 +132,10 @@ impl<'a> Tile<'a> {
         for (ring, planes) in self.rings.iter_mut().zip(pictures) {
             ring.load(planes, y, left, radius, self.question);
             let [r, g, b] = &ring.light;
-            for (x, unusable) in self.unusable.iter_mut().enumerate().take(r.len()) {
-                *unusable |= !(r[x] + g[x] + b[x]).is_finite();
+            let count = r.len();
+            let (g, b, unusable) = (&g[..count], &b[..count], &mut self.unusable[..count]);
+            for x in 0..count {
+                unusable[x] |= !(r[x] + g[x] + b[x]).is_finite();
             }
         }
         let slot = row % (2 * radius + 1);
@@ -248,21 +250,10 @@ impl Ring {
             ..
         } = self;
         let count = r.len();
-        for x in 0..count {
-            let rgb = if unusable[x] {
-                [0.0; 3]
-            } else {
-                [r[x], g[x], b[x]]
-            };
-            let shown = match gain {
-                Some(gain) => [
-                    tone::map(rgb[0] * gain),
-                    tone::map(rgb[1] * gain),
-                    tone::map(rgb[2] * gain),
-                ],
-                None => rgb,
-            };
-            [r[x], g[x], b[x]] = apply(&OPPONENT, [clip(shown[0]), clip(shown[1]), clip(shown[2])]);
+        let rgb = [&mut r[..], &mut g[..count], &mut b[..count]];
+        match gain {
+            Some(gain) => oppose(rgb, &unusable[..count], |x| tone::map(x * gain)),
+            None => oppose(rgb, &unusable[..count], |x| x),
         }
         let before = first + radius - left;
         for (light, source) in [r, g, b].into_iter().zip(source) {
@@ -350,6 +341,19 @@ impl Ring {
             }
         }
         sums
+    }
+}
+
+/// Light in RGB → what is shown of it → Y + 16, Cx, Cz; black where it is unusable.
+#[inline(always)]
+fn oppose([r, g, b]: [&mut [f32]; 3], unusable: &[bool], show: impl Fn(f32) -> f32) {
+    let count = unusable.len();
+    let (r, g, b) = (&mut r[..count], &mut g[..count], &mut b[..count]);
+    for x in 0..count {
+        let usable = |light: f32| if unusable[x] { 0.0 } else { light };
+        let rgb = [usable(r[x]), usable(g[x]), usable(b[x])];
+        let shown = [show(rgb[0]), show(rgb[1]), show(rgb[2])];
+        [r[x], g[x], b[x]] = apply(&OPPONENT, [clip(shown[0]), clip(shown[1]), clip(shown[2])]);
     }
 }
 

@@ -11,9 +11,9 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use nullray::camera::{AnyView, View};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::{Overrides, parse};
 use nullray::spacetime::{Boost, Camera, Direction, Rest, Velocity, World};
 

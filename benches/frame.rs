@@ -25,10 +25,10 @@ use std::time::Instant;
 use glam::DVec3;
 use nullray::accel::{Bvh, Kernel};
 use nullray::camera::{AnyView, View};
-use nullray::prepare::Prepared;
-use nullray::progress::{Progress, Silent};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::{Progress, Silent};
+use nullray::render::trace::Stage;
 use nullray::render::{render, render_with_stats};
-use nullray::trace::Stage;
 
 use common::{Peer, grid, meshes};
 use scene::{Case, Files, Place};

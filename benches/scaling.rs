@@ -10,9 +10,9 @@ mod common;
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Facing, Hit};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{Overrides, parse};
 use rayon::prelude::*;

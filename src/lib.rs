@@ -7,21 +7,37 @@
 //!
 //! ```text
 //! scene file → scene model → plan → prepared scene → camera sample → null ray → hit → retarded event
-//! [scene]      [scene::model] [plan] [prepare]        [camera]        [spacetime] [accel] [trace]
-//!            → radiance      → film → image, display, isochrones
-//!              [time_texture]  [film] [image, tonemap, isochrones]
+//! [scene]      [scene::model] [render::plan] [render::prepare] [camera] [spacetime] [accel] [render::trace]
+//!            → radiance → film → picture
+//!              [light]    [render::film] [io::image]
 //! ```
 //!
-//! Around it: [`raster`] makes the same pictures by other means, and [`tessellation`] foretells how fine these must
-//! be; [`compare`] holds pictures against each other, [`study`] run time against error; [`export`] writes scenes for
-//! other programs. [`diagram`] draws the world lines of a scene, [`sighting`] what one pixel sees of them.
-//! [`selftest`] tests a build where f64 ends.
+//! # Modules, from bottom to top
+//!
+//! Each may use those above it in this table, and none below.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`error`] | what can go wrong: what, where, and what would be right |
+//! | [`spacetime`] | events, velocities, boosts, null rays, world lines, Doppler factors; quantities with units |
+//! | [`colour`] | sRGB, the CIE observer, spectral lines |
+//! | [`mesh`] | triangles, materials, built-in shapes |
+//! | [`accel`] | nearest and any hits of rays with triangles at rest; loops for wide vectors |
+//! | [`io`] | glTF, NumPy arrays, pictures, files that scenes name |
+//! | [`scene`] | from the text of a scene file to a typed model |
+//! | [`camera`] | from film points to null rays |
+//! | [`light`] | time-resolved radiance |
+//! | [`render`] | plan, prepare, trace, film, tone mapping |
+//! | [`approximate`] | the same pictures by rasterizers and image warps, and the tessellation that they need |
+//! | [`figures`] | space-time diagrams, overlays, isochrones, contact sheets |
+//! | [`validate`] | comparison, bundles for other programs, studies of time against error, the self-test |
 //!
 //! A picture in ten lines:
 //!
 //! ```
-//! use nullray::{image::png, plan::{Plan, Request}, prepare::Prepared, progress::Silent};
-//! use nullray::{render::render, scene::{self, Overrides}, tonemap::tonemap};
+//! use nullray::io::image::png;
+//! use nullray::render::{plan::{Plan, Request}, prepare::Prepared, progress::Silent, render, tonemap::tonemap};
+//! use nullray::scene::{self, Overrides};
 //! # fn main() -> nullray::Result<()> {
 //! let text = r#"
 //!     camera = { eye = [0, 0, 3], look_at = [0, 0, 0], size = [32, 24], velocity = { beta = [0.5, 0, 0] } }
@@ -50,42 +66,17 @@
 #![warn(missing_docs)]
 
 pub mod accel;
-pub mod aov;
-pub mod apparent;
+pub mod approximate;
 pub mod camera;
 pub mod colour;
-pub mod compare;
-pub mod diagram;
-pub mod drawing;
 pub mod error;
-pub mod export;
-pub mod files;
-pub mod film;
-pub mod image;
-pub mod import;
-pub mod isochrones;
+pub mod figures;
+pub mod io;
+pub mod light;
 pub mod mesh;
-pub mod metadata;
-pub mod overlay;
-pub mod plan;
-pub mod prepare;
-pub mod progress;
-pub mod raster;
 pub mod render;
-pub mod sampler;
 pub mod scene;
-pub mod selftest;
-pub mod shapes;
-pub mod sheet;
-pub mod sighting;
 pub mod spacetime;
-pub mod study;
-pub mod tessellation;
-pub mod text;
-pub mod time_texture;
-pub mod tonemap;
-pub mod trace;
-pub mod units;
-mod vectors;
+pub mod validate;
 
 pub use error::{Error, Result};

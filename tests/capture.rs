@@ -2,10 +2,10 @@
 //! a plane z = 0 and a sphere on it, lit by a Gaussian wave front g(t − |P − light|).
 
 use glam::DVec3;
-use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
-use nullray::time_texture::{
+use nullray::light::time_texture::{
     Capture, Coverage, Cube, Sampled, Samples, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
+use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
 
 const SIZE: usize = 192;
 const BINS: usize = 160;

@@ -5,7 +5,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use nullray::Error;
-use nullray::image::{Channel, Layers, Samples, exr, npz, png};
+use nullray::io::image::{Channel, Layers, Samples, exr, npz, png};
 
 const WIDTH: u32 = 37;
 const HEIGHT: u32 = 21;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use nullray::import::gltf::{self, Imported, Want};
+use nullray::io::gltf::{self, Imported, Want};
 use nullray::mesh::{Mesh, Wrap};
 use nullray::scene::model::BadVertices;
 

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use miette::Diagnostic;
-use nullray::import::gltf::{self, Want};
-use nullray::import::npy;
+use nullray::io::gltf::{self, Want};
+use nullray::io::npy;
 use nullray::scene::model::BadVertices;
 use nullray::{Error, Result};
 

@@ -1,8 +1,8 @@
 //! Valid files with bytes changed, numbers replaced and ends cut off: whatever comes of it is a
 //! result or an error, never a panic, a hang or a bid for all memory.
 
-use nullray::import::gltf::{self, Want};
-use nullray::import::npy;
+use nullray::io::gltf::{self, Want};
+use nullray::io::npy;
 use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use nullray::import::npy::{self, Dtype};
-use nullray::time_texture::Samples;
+use nullray::io::npy::{self, Dtype};
+use nullray::light::time_texture::Samples;
 
 fn valid(file: &str) -> PathBuf {
     Path::new("tests/data/valid").join(file)

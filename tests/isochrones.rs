@@ -1,7 +1,7 @@
 //! Pictures of retarded time.
 
-use nullray::image::RgbImage;
-use nullray::isochrones::{Options, draw};
+use nullray::figures::isochrones::{Options, draw};
+use nullray::io::image::RgbImage;
 
 /// A sphere of radius 1 in front of a wall, seen from the origin along −z: ct = −distance.
 fn sphere_and_wall(width: u32, height: u32) -> Vec<f64> {
@@ -33,7 +33,7 @@ fn pixel(image: &RgbImage, x: u32, y: u32) -> [u8; 3] {
 fn save(name: &str, image: &RgbImage) {
     if let Some(directory) = std::env::var_os("NULLRAY_TEST_PICTURES") {
         let path = std::path::Path::new(&directory).join(name);
-        nullray::image::png::write(&path, image.width, image.height, &image.rgb, &[]).unwrap();
+        nullray::io::image::png::write(&path, image.width, image.height, &image.rgb, &[]).unwrap();
     }
 }
 

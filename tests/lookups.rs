@@ -1,8 +1,10 @@
 //! Batches of lookups against single ones.
 
 use glam::DVec2;
+use nullray::light::time_texture::{
+    BATCH, Coverage, Cube, Lookups, Samples, TimeAxis, TimeTexture,
+};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
-use nullray::time_texture::{BATCH, Coverage, Cube, Lookups, Samples, TimeAxis, TimeTexture};
 
 /// A texture of 3 × 5 texels and 9 bins.
 fn texture(samples: Samples, filter: TimeFilter) -> TimeTexture {

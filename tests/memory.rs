@@ -4,11 +4,11 @@
 
 use std::path::Path;
 
-use nullray::plan::{Plan, Request};
-use nullray::prepare::{Light, Prepared};
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::{Light, Prepared};
+use nullray::render::progress::Silent;
+use nullray::render::trace::RestFrame;
 use nullray::scene::{Overrides, parse};
-use nullray::trace::RestFrame;
 
 /// `shapes` lit by a cube of 4 × 5 texels and 6 bins, which as many sources hold as `sources` says.
 fn prepare(shapes: &str, sources: usize) -> (Plan, Prepared) {

@@ -10,11 +10,11 @@ mod common {
 }
 
 use common::arrays::array_at;
-use nullray::aov::{self, Aov};
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
 

@@ -1,12 +1,14 @@
 //! What is drawn over pictures: measured on the lines, which are data, not on pixels.
 
-use nullray::drawing::{Item, pdf, png, svg};
-use nullray::film::Film;
-use nullray::image::RgbImage;
-use nullray::overlay::{Outline, Overlay, Part, Parts, Target, apparent, instantaneous, outlines};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::figures::drawing::{Item, pdf, png, svg};
+use nullray::figures::overlay::{
+    Outline, Overlay, Part, Parts, Target, apparent, instantaneous, outlines,
+};
+use nullray::io::image::RgbImage;
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 

@@ -7,9 +7,9 @@ use std::process::Command;
 
 use glam::DVec3;
 use nullray::camera::Camera;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};

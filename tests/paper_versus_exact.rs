@@ -5,14 +5,14 @@
 
 use std::path::{Path, PathBuf};
 
-use nullray::aov::Aov;
-use nullray::compare::{Comparison, Options, Picture, compare};
-use nullray::image::Layers;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::io::image::Layers;
+use nullray::render::aov::Aov;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
+use nullray::validate::compare::{Comparison, Options, Picture, compare};
 
 /// Figure and panel; its camera, in words.
 const PANELS: [(u32, &str, &str); 19] = [

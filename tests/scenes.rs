@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};

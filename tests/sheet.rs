@@ -1,7 +1,7 @@
 //! Contact sheets: the layout as data, and the page that it gives.
 
-use nullray::image::RgbImage;
-use nullray::sheet::{Layout, Options, Panel, Rect, compose};
+use nullray::figures::contact_sheet::{Layout, Options, Panel, Rect, compose};
+use nullray::io::image::RgbImage;
 
 /// A picture of one colour.
 fn panel(width: u32, height: u32, label: &str) -> Panel {

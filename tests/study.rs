@@ -5,11 +5,13 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use nullray::Error;
-use nullray::drawing::{Item, svg};
-use nullray::progress::Silent;
+use nullray::figures::drawing::{Item, svg};
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
-use nullray::study::{Entry, Family, Options, Study, csv, draw, parse_methods, study, table};
+use nullray::validate::study::{
+    Entry, Family, Options, Study, csv, draw, parse_methods, study, table,
+};
 
 /// A cube and a floor, from a camera at 0.9 c, as rasterizers like it least.
 const SCENE: &str = r#"

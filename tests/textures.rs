@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nullray::image::{Texture, png};
+use nullray::io::image::{Texture, png};
 use nullray::mesh::Wrap;
 
 fn rgb_png(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {

@@ -1,8 +1,8 @@
 //! Lookups by texture coordinates, against closed forms.
 
 use glam::DVec2;
+use nullray::light::time_texture::{Coverage, Cube, CubeError, Samples, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
-use nullray::time_texture::{Coverage, Cube, CubeError, Samples, TimeAxis, TimeTexture};
 use proptest::prelude::*;
 
 const MARK: Fill = Fill::Mark([0.25, 0.5, 4.0]);

@@ -16,9 +16,9 @@ mod common {
 use std::path::Path;
 
 use common::frames::{Frame, frames, reference};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
 
@@ -152,7 +152,7 @@ fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it
     // Bin k of the reference holds the energy that arrives in [7.85 + 0.05 k, 7.85 + 0.05 (k + 1)] m; a
     // picture at the bin's centre is its density, value/0.05, to second order in the width.
     let path = common::frames::data("reference_cube.npz");
-    let [height, width, bins, _] = nullray::import::npy::load(&path, None).unwrap().shape;
+    let [height, width, bins, _] = nullray::io::npy::load(&path, None).unwrap().shape;
     assert_eq!([height, width, bins], [64, 64, 183]);
     let values = common::arrays::array_at(&path, "radiance");
     let slice = |k: usize| values.iter().skip(k).step_by(bins).map(|v| v / 0.05);
@@ -227,7 +227,7 @@ fn taking_depth_for_distance_would_be_noticed() {
 /// The frame as a renderer shows it that delays light by depth: pixel by pixel, the camera clock is
 /// set ahead by the difference.
 fn depth_for_distance(frame: &Frame) -> Vec<f64> {
-    use nullray::aov::Aov;
+    use nullray::render::aov::Aov;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let base = text(frame, 0, "cubic").replace("samples_per_pixel = 16", "samples_per_pixel = 1");
     let scene = scene::parse(&base, "test scene", root, &Overrides::default()).unwrap();

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use half::f16;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::{Overrides, parse};
 
 /// Where the camera stands: distance from the centre in units of R, half-width of the image plane.

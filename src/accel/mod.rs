@@ -28,6 +28,7 @@ mod slab;
 mod tally;
 mod traverse;
 mod triangle;
+pub(crate) mod vectors;
 mod wide;
 
 use glam::DVec3;

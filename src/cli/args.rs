@@ -10,12 +10,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use nullray::accel::Precision;
-use nullray::aov::Aov;
-use nullray::overlay::Parts;
-use nullray::raster::Method;
+use nullray::approximate::raster::Method;
+use nullray::figures::overlay::Parts;
+use nullray::render::aov::Aov;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
-use nullray::units::Time;
+use nullray::spacetime::units::Time;
 
 use super::help;
 
@@ -311,8 +311,8 @@ pub struct AovList(pub Vec<Aov>);
 
 impl SceneArguments {
     /// What is asked of the scene beyond its file.
-    pub fn request(&self) -> nullray::plan::Request {
-        nullray::plan::Request {
+    pub fn request(&self) -> nullray::render::plan::Request {
+        nullray::render::plan::Request {
             aovs: self.aovs.clone().map_or(Vec::new(), |list| list.0),
             ..self.changes.request()
         }
@@ -333,8 +333,8 @@ impl Changes {
     }
 
     /// What is asked of a scene beyond its file.
-    pub fn request(&self) -> nullray::plan::Request {
-        nullray::plan::Request {
+    pub fn request(&self) -> nullray::render::plan::Request {
+        nullray::render::plan::Request {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.max_memory,

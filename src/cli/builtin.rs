@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use nullray::io::files;
 use nullray::scene::Overrides;
 use nullray::scene::model::diagram::Diagram;
 use nullray::scene::model::{Panel, Scene};
-use nullray::{Result, files, scene};
+use nullray::{Result, scene};
 
 /// The text of the built-in scene.
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use nullray::compare::{
+use nullray::figures::drawing::{self, png};
+use nullray::io::image::{self, exr};
+use nullray::scene::model::SPEED_OF_LIGHT;
+use nullray::validate::compare::{
     Comparison, Encoding, NotFinite, Options, Picture, Region, compare, flip, report,
 };
-use nullray::drawing::{self, png};
-use nullray::image::{self, exr};
-use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::{Error, Result};
 
 use super::args::CompareArguments;

@@ -4,9 +4,10 @@ use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
 
-use nullray::image::write_atomically;
+use nullray::io::files;
+use nullray::io::image::write_atomically;
 use nullray::scene::Overrides;
-use nullray::{Error, Result, files};
+use nullray::{Error, Result};
 
 use super::builtin::{self, TEXT};
 use super::output::Outputs;
@@ -47,7 +48,7 @@ pub fn run() -> Result<()> {
 }
 
 fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
-    let request = nullray::plan::Request {
+    let request = nullray::render::plan::Request {
         aovs: outputs.needs(),
         ..Default::default()
     };

@@ -1,9 +1,9 @@
 //! `nullray export`.
 
 use nullray::Result;
-use nullray::export::{self, Cubes, Exported, Options};
-use nullray::plan::{self, Plan};
+use nullray::render::plan::{self, Plan};
 use nullray::scene::model::Scene;
+use nullray::validate::export::{self, Cubes, Exported, Options};
 
 use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use nullray::aov;
+use nullray::render::aov;
 
 pub const PROGRAM: &str = "\
 Examples:

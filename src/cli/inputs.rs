@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nullray::files;
-use nullray::plan::Plan;
+use nullray::io::files;
+use nullray::render::plan::Plan;
 use nullray::scene::model::{Scene, SourceKind};
 
 /// All files that `scene` and `plan` name, sources that light nothing included.

@@ -84,8 +84,8 @@ pub fn will_write_into(directory: PathBuf) {
     }
 }
 
-/// Removes the temporary files of this process, by the names that `nullray::image` and
-/// `nullray::export` give them.
+/// Removes the temporary files of this process, by the names that `nullray::io::image` and
+/// `nullray::validate::export` give them.
 fn remove_temporary_files() {
     let ours = format!(".nullray-{}-", std::process::id());
     let directories = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);

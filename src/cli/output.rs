@@ -7,12 +7,12 @@ mod picture;
 use std::path::{Path, PathBuf};
 
 use nullray::Result;
-use nullray::aov::Aov;
-use nullray::film::Film;
-use nullray::image::{self, Layers};
-use nullray::metadata::metadata;
-use nullray::overlay::Parts;
-use nullray::raster::Method;
+use nullray::approximate::raster::Method;
+use nullray::figures::overlay::Parts;
+use nullray::io::image::{self, Layers};
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
+use nullray::render::metadata::metadata;
 use nullray::scene::model::{Scene, Show};
 
 use super::frames::Identity;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::drawing::{self, Drawing, Origin, pdf, png, svg};
-use nullray::film::Film;
-use nullray::metadata::metadata;
-use nullray::overlay::{self, Overlay, Part};
-use nullray::prepare::Prepared;
+use nullray::figures::drawing::{self, Drawing, Origin, pdf, png, svg};
+use nullray::figures::overlay::{self, Overlay, Part};
+use nullray::render::film::Film;
+use nullray::render::metadata::metadata;
+use nullray::render::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
 
 use super::frames::Identity;

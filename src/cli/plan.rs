@@ -1,6 +1,6 @@
 //! `nullray plan`.
 
-use nullray::plan::Plan;
+use nullray::render::plan::Plan;
 use nullray::{Error, Result};
 
 use super::args::PlanArguments;

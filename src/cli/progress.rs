@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use nullray::progress::Progress;
+use nullray::render::progress::Progress;
 
 use super::interrupt;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::CommandFactory;
-use nullray::image::write_atomically;
+use nullray::io::image::write_atomically;
 use nullray::{Error, Result};
 
 use super::args::Arguments;

@@ -1,9 +1,9 @@
 //! What there is to say of a finished picture.
 
 use nullray::camera::Kind;
-use nullray::film::Film;
-use nullray::plan::{self, Plan};
-use nullray::time_texture::Coverage;
+use nullray::light::time_texture::Coverage;
+use nullray::render::film::Film;
+use nullray::render::plan::{self, Plan};
 
 /// Rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::raster::{self, Method};
+use nullray::approximate::raster::{self, Method};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
 

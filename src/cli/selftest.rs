@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use nullray::Result;
 use nullray::accel::Kernel;
-use nullray::plan;
-use nullray::selftest::{self, Check, Effort, Outcome};
+use nullray::render::plan;
+use nullray::validate::selftest::{self, Check, Effort, Outcome};
 use serde_json::{Value, json};
 
 use super::args::SelftestArguments;

@@ -3,11 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nullray::plan::{Plan, Request};
-use nullray::raster::Method;
+use nullray::approximate::raster::Method;
+use nullray::figures::contact_sheet;
+use nullray::figures::text::{self, Label};
+use nullray::io::image;
+use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{Panel, Scene, Show};
-use nullray::text::{self, Label};
-use nullray::{Error, Result, image, scene, sheet};
+use nullray::{Error, Result, scene};
 
 use super::args::SheetArguments;
 use super::output::{Outputs, Picture, check_all, check_page, picture, suffixed, will_write};
@@ -94,11 +96,11 @@ impl Figure {
             say(&format!("panel {}\n", part.label))?;
             panels.push(part.render(quiet, &mut say)?);
         }
-        let options = sheet::Options {
+        let options = contact_sheet::Options {
             title: self.whole.sheet.title.clone(),
             columns: self.whole.sheet.columns,
         };
-        let page = sheet::compose(&panels, &options)?;
+        let page = contact_sheet::compose(&panels, &options)?;
         interrupt::check()?;
         will_write(&self.output);
         image::png::write(
@@ -169,13 +171,17 @@ fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file:
 }
 
 impl Part {
-    fn render(&self, quiet: bool, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<sheet::Panel> {
+    fn render(
+        &self,
+        quiet: bool,
+        say: &mut dyn FnMut(&str) -> Result<()>,
+    ) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
         let rendered = render::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         self.outputs.write(&self.scene, &rendered.film, say)?;
         rendered.remark(&plan, say)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;
-        Ok(sheet::Panel {
+        Ok(contact_sheet::Panel {
             picture: image,
             label: self.label.clone(),
         })

@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::Path;
 
-use nullray::image::write_atomically;
-use nullray::trace::{Stage, Stats};
-use nullray::{Error, Result, accel::Counts, plan};
+use nullray::io::image::write_atomically;
+use nullray::render::plan;
+use nullray::render::trace::{Stage, Stats};
+use nullray::{Error, Result, accel::Counts};
 
 /// The cost of pictures.
 #[derive(Debug, Default)]
@@ -36,7 +37,7 @@ impl Account {
 
     /// Notes a picture.
     pub fn picture(&mut self, stats: Stats, seconds: f64) {
-        use nullray::trace::Meter;
+        use nullray::render::trace::Meter;
         self.pictures += 1;
         self.rendered_in += seconds;
         self.stats.merge(stats);

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use nullray::study::{self, Options, Study};
-use nullray::{Error, Result, drawing, metadata};
+use nullray::figures::drawing;
+use nullray::render::metadata;
+use nullray::validate::study::{self, Options, Study};
+use nullray::{Error, Result};
 
 use super::args::StudyArguments;
 use super::diagram::encoded;

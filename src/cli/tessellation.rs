@@ -1,9 +1,10 @@
 //! `nullray tessellation`.
 
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::raster::{Method, Raster, Tessellation};
-use nullray::{Error, Result, tessellation};
+use nullray::approximate::raster::{Method, Raster, Tessellation};
+use nullray::approximate::tessellation;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::{Error, Result};
 
 use super::args::TessellationArguments;
 use super::progress::Bar;

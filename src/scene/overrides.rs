@@ -12,7 +12,7 @@ use super::names;
 use super::place::{Place, Step};
 use super::suggest::nearest;
 use crate::error::{Error, Result};
-use crate::units::quoted;
+use crate::spacetime::units::quoted;
 
 /// What the command line says in place of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -9,7 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::units::{Dimension, LARGEST, Measure};
+use crate::spacetime::units::{Dimension, LARGEST, Measure};
 
 /// A finite number of magnitude at most 10³⁰.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

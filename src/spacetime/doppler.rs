@@ -88,7 +88,7 @@ impl Quantity {
     }
 
     /// [`Quantity::radiance_factor`] in place of each wavelength ratio. A plain loop, for
-    /// [`widest`](crate::vectors::widest).
+    /// [`widest`](crate::accel::vectors::widest).
     #[inline(always)]
     pub(crate) fn radiance_factors(self, ratios: &mut [f64]) {
         match self.exponent() {

@@ -16,6 +16,7 @@ mod doppler;
 mod event;
 pub mod paper2015;
 mod ray;
+pub mod units;
 mod velocity;
 pub mod worldline;
 

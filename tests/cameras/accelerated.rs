@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use nullray::camera::{Camera, Kind};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::{Assembly, Motion, Records, Scene, Shutter};
 use nullray::spacetime::worldline::{Segment, WorldLine};

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use nullray::image::{exr, png};
+use nullray::io::image::{exr, png};
 
 use super::refused::refused;
 use super::{Folder, SMALL};

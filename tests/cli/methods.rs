@@ -1,6 +1,6 @@
 //! `nullray render --method`.
 
-use nullray::image::{Samples, exr};
+use nullray::io::image::{Samples, exr};
 
 use super::refused::refused;
 use super::{Folder, repository};

@@ -1,6 +1,6 @@
 //! Scenes with panels: what `render`, `plan` and `info` make of them.
 
-use nullray::image::{exr, png};
+use nullray::io::image::{exr, png};
 use serde_json::Value;
 
 use super::refused::refused;

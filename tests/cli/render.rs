@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use nullray::image::{Samples, exr, png};
+use nullray::io::image::{Samples, exr, png};
 use sha2::{Digest, Sha256};
 
 use super::Folder;

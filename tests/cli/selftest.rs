@@ -7,7 +7,7 @@ use super::Folder;
 #[test]
 fn the_self_test_holds_and_says_every_check_once() {
     let said = Folder::empty().ok(&["selftest"]);
-    let checks = nullray::selftest::checks();
+    let checks = nullray::validate::selftest::checks();
     for check in &checks {
         let lines = said
             .lines()
@@ -47,7 +47,7 @@ fn as_json_it_is_one_value_that_tells_bounds_and_worst_errors() {
         (&false.into(), &1.into())
     );
     let checks = report["checks"].as_array().unwrap();
-    assert_eq!(checks.len(), nullray::selftest::checks().len());
+    assert_eq!(checks.len(), nullray::validate::selftest::checks().len());
     for check in checks {
         let number = |key: &str| check[key].as_f64().unwrap();
         assert!(number("worst") <= number("bound"), "{check}");

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use nullray::image::{RgbImage, png};
-use nullray::sheet::{Layout, Options, Panel};
+use nullray::figures::contact_sheet::{Layout, Options, Panel};
+use nullray::io::image::{RgbImage, png};
 
 use super::panels::{PANELS, folder};
 use super::refused::refused;

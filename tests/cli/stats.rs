@@ -1,6 +1,6 @@
 //! `--stats`, `--stats-json` and `--precision`.
 
-use nullray::image::exr;
+use nullray::io::image::exr;
 use serde_json::Value;
 
 use super::Folder;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nullray::import::npy;
-use nullray::time_texture::Samples;
+use nullray::io::npy;
+use nullray::light::time_texture::Samples;
 
 /// All numbers of an array of an .npz file.
 pub fn array_at(path: &Path, name: &str) -> Vec<f64> {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use nullray::compare::{Comparison, Errors, Options, Picture, Region, compare};
+use nullray::validate::compare::{Comparison, Errors, Options, Picture, Region, compare};
 
 use crate::pictures::{codes, light};
 
@@ -118,7 +118,7 @@ fn black_pictures_are_equal() {
     let black = |name: &str| {
         let mut picture = light(16, 16)[0].clone();
         for channel in &mut picture.layers.channels {
-            channel.samples = nullray::image::Samples::F32(vec![0.0; 256]);
+            channel.samples = nullray::io::image::Samples::F32(vec![0.0; 256]);
         }
         picture.name = name.into();
         picture
@@ -136,7 +136,7 @@ fn part(pair: &[Picture; 2], [x, y]: [usize; 2], [w, h]: [usize; 2]) -> [Picture
         for channel in &mut picture.layers.channels {
             let all = channel.samples.to_f64();
             let rows = (y..y + h).flat_map(|y| all[y * width + x..y * width + x + w].to_vec());
-            channel.samples = nullray::image::Samples::F64(rows.collect());
+            channel.samples = nullray::io::image::Samples::F64(rows.collect());
         }
         (picture.layers.width, picture.layers.height) = (w as u32, h as u32);
         picture

@@ -1,7 +1,7 @@
 //! Pictures made by formulas.
 
-use nullray::compare::{Encoding, Picture};
-use nullray::image::{Channel, Layers, Samples};
+use nullray::io::image::{Channel, Layers, Samples};
+use nullray::validate::compare::{Encoding, Picture};
 
 /// Layers of f64 channels.
 pub fn layers(width: u32, height: u32, channels: &[(&str, Vec<f64>)]) -> Layers {

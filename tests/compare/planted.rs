@@ -1,14 +1,14 @@
 //! Errors that were planted one at a time are found and named; a clean pair has none.
 
-use nullray::aov::{self, Aov};
-use nullray::compare::{Comparison, Diagnosis, Kind, Options, Picture, compare};
-use nullray::film::Film;
-use nullray::image::{Channel, Layers, Samples};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::io::image::{Channel, Layers, Samples};
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
+use nullray::validate::compare::{Comparison, Diagnosis, Kind, Options, Picture, compare};
 
 const BETA: f64 = 0.5;
 

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use nullray::compare::{Encoding, Picture};
-use nullray::image::{Samples, exr, npz, png};
+use nullray::io::image::{Samples, exr, npz, png};
+use nullray::validate::compare::{Encoding, Picture};
 
 use crate::pictures::light;
 

@@ -1,7 +1,7 @@
 //! Pictures that cannot be compared, and why.
 
-use nullray::compare::{Encoding, NotFinite, Options, Picture, compare};
-use nullray::image::{Channel, Samples};
+use nullray::io::image::{Channel, Samples};
+use nullray::validate::compare::{Encoding, NotFinite, Options, Picture, compare};
 
 use crate::pictures::light;
 

@@ -1,7 +1,7 @@
 //! Errors in pixels, metres and ulp, of surfaces that are known.
 
-use nullray::compare::{Options, Picture, SurfaceErrors, compare};
-use nullray::image::Layers;
+use nullray::io::image::Layers;
+use nullray::validate::compare::{Options, Picture, SurfaceErrors, compare};
 
 use crate::pictures::{field, layers};
 
@@ -189,7 +189,7 @@ fn where_one_picture_meets_nothing_there_is_no_geometric_error_but_a_wrong_objec
     let r = sphere([0.0, 0.0]);
     let mut c = r.clone();
     for channel in &mut c.channels {
-        if let nullray::image::Samples::F64(values) = &mut channel.samples {
+        if let nullray::io::image::Samples::F64(values) = &mut channel.samples {
             let middle = (SIZE * SIZE / 2 + SIZE / 2) as usize;
             values[middle] = if channel.name == "object" {
                 -1.0

@@ -17,8 +17,9 @@ fn the_axes_of_a_frame_have_the_slopes_of_its_velocity() {
 #[test]
 fn ticks_of_a_moving_frame_are_gamma_apart() {
     let panel = panel(MOVING);
-    let one =
-        |axis: &nullray::diagram::Axis| axis.ticks.iter().find(|t| t.value == 1.0).unwrap().at;
+    let one = |axis: &nullray::figures::diagram::Axis| {
+        axis.ticks.iter().find(|t| t.value == 1.0).unwrap().at
+    };
     // γ = 5/4: (γ, γβ) and (γβ, γ).
     near(one(&panel.axes[1].time), 1.25, 0.75);
     near(one(&panel.axes[1].space), 0.75, 1.25);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nullray::drawing::{Drawing, Item, Text, pdf, png, svg};
+use nullray::figures::drawing::{Drawing, Item, Text, pdf, png, svg};
 use nullray::scene::load_diagram;
 
 fn files() -> Vec<PathBuf> {
@@ -16,7 +16,8 @@ fn files() -> Vec<PathBuf> {
 
 fn drawn(file: &std::path::Path) -> Drawing {
     let model = load_diagram(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
-    nullray::diagram::draw(&nullray::diagram::layout(&model), &model.style).unwrap()
+    nullray::figures::diagram::draw(&nullray::figures::diagram::layout(&model), &model.style)
+        .unwrap()
 }
 
 fn texts(items: &[Item]) -> Vec<&Text> {
@@ -69,7 +70,7 @@ fn no_label_is_on_another_while_the_diagram_moves() {
     let mut moving = 0;
     for file in files() {
         let model = load_diagram(&file, &Default::default()).unwrap();
-        let Some(series) = nullray::diagram::Series::new(&model) else {
+        let Some(series) = nullray::figures::diagram::Series::new(&model) else {
             continue;
         };
         for (k, drawing) in series.enumerate() {

@@ -1,6 +1,6 @@
 //! World lines, light, hyperbolae and intervals.
 
-use nullray::diagram::Kind;
+use nullray::figures::diagram::Kind;
 
 use crate::{event, near, panel, slope};
 
@@ -165,7 +165,7 @@ fn a_four_velocity_has_components_gamma_and_gamma_beta() {
 fn the_camera_of_a_scene_has_its_world_line_and_its_light() {
     let text = "camera = { eye = [0, 0, 0], look_at = [0, 0, -1], velocity = { beta = [0, 0, -0.6] }, time = \"4 m\" }\n\
                 object = [{ name = \"ball\", shape = { sphere = { radius = 1 } }, origin = { position = [0, 0, -9] } }]\n";
-    let layout = nullray::diagram::layout(&crate::parsed(text).unwrap());
+    let layout = nullray::figures::diagram::layout(&crate::parsed(text).unwrap());
     let panel = &layout.panels[0];
     near(event(panel, "shot"), 5.0, 3.0);
     // From 6 m away.

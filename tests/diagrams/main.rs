@@ -11,7 +11,7 @@ mod solid;
 use std::path::Path;
 
 use nullray::Result;
-use nullray::diagram::{Layout, Panel, Point};
+use nullray::figures::diagram::{Layout, Panel, Point};
 use nullray::scene::model::diagram::Diagram;
 use nullray::scene::{Overrides, parse_diagram};
 
@@ -21,7 +21,7 @@ fn parsed(text: &str) -> Result<Diagram> {
 
 fn laid_out(body: &str) -> Layout {
     let text = format!("[diagram]\n{body}");
-    nullray::diagram::layout(&parsed(&text).unwrap_or_else(|error| panic!("{error}")))
+    nullray::figures::diagram::layout(&parsed(&text).unwrap_or_else(|error| panic!("{error}")))
 }
 
 fn panel(body: &str) -> Panel {

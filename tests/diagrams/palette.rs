@@ -4,7 +4,7 @@
 //! without the long or the middle cones is simulated in linear sRGB (Viénot, Brettel, Mollon 1999);
 //! distances are ΔE of CIELAB (1976), of which 2 or 3 are just seen.
 
-use nullray::drawing::{Drawing, Item};
+use nullray::figures::drawing::{Drawing, Item};
 
 use crate::parsed;
 
@@ -19,7 +19,9 @@ fn line_colours(theme: &str) -> Vec<[u8; 3]> {
         lines.join(", ")
     );
     let model = parsed(&text).unwrap();
-    let drawing = nullray::diagram::draw(&nullray::diagram::layout(&model), &model.style).unwrap();
+    let drawing =
+        nullray::figures::diagram::draw(&nullray::figures::diagram::layout(&model), &model.style)
+            .unwrap();
     label_colours(&drawing, "w")
 }
 

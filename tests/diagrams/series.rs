@@ -1,6 +1,6 @@
 //! Series of pictures: boosts and sweeping lines of simultaneity.
 
-use nullray::diagram::{Panel, Series, layout};
+use nullray::figures::diagram::{Panel, Series, layout};
 use nullray::scene::model::diagram::Diagram;
 
 use crate::{event, near, parsed, slope};

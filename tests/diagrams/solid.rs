@@ -1,6 +1,6 @@
 //! Diagrams of 2+1 dimensions: cones, planes, projection, floor.
 
-use nullray::diagram::{Nappe, Point};
+use nullray::figures::diagram::{Nappe, Point};
 
 use crate::refused::check;
 use crate::{event, panel};

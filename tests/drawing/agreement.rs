@@ -1,6 +1,6 @@
 //! All formats show the same.
 
-use nullray::drawing::{pdf, png, svg};
+use nullray::figures::drawing::{pdf, png, svg};
 
 use super::{pdf_reader, samples, svg_reader};
 

@@ -1,8 +1,8 @@
 //! Animations hold their frames.
 
 use nullray::Result;
-use nullray::drawing::apng::{Delay, write};
-use nullray::drawing::png::{Raster, render};
+use nullray::figures::drawing::apng::{Delay, write};
+use nullray::figures::drawing::png::{Raster, render};
 
 use super::samples::{all, page};
 

@@ -1,6 +1,6 @@
 //! A picture that the readers of the tests draw on.
 
-use nullray::text::{Segment, path};
+use nullray::figures::text::{Segment, path};
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
 
 pub struct Canvas {

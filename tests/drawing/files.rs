@@ -1,6 +1,6 @@
 //! The files are what their formats ask for.
 
-use nullray::drawing::{Colour, Drawing, pdf, png, save, svg};
+use nullray::figures::drawing::{Colour, Drawing, pdf, png, save, svg};
 
 use super::pdf_reader::{content, objects};
 use super::samples::{all, page};

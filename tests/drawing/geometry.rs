@@ -1,9 +1,9 @@
 //! Arrowheads, dashes, curves and text are where they should be.
 
-use nullray::drawing::{
+use nullray::figures::drawing::{
     Anchor, AnchorX, AnchorY, Arrow, Colour, Drawing, Item, Node, Path, Stroke, Text, png, svg,
 };
-use nullray::text::{Rect, Segment};
+use nullray::figures::text::{Rect, Segment};
 
 use super::samples::{page, text};
 use super::svg_reader::{Token, data, tokens};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use nullray::drawing::png::{Raster, render, write};
+use nullray::figures::drawing::png::{Raster, render, write};
 
 use super::samples;
 

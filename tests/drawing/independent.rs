@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use nullray::drawing::{Drawing, pdf, png, svg};
+use nullray::figures::drawing::{Drawing, pdf, png, svg};
 
 use super::samples;
 

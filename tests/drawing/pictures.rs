@@ -1,8 +1,8 @@
 //! Pictures on pages.
 
-use nullray::drawing::{Item, pdf, png, svg};
-use nullray::image::RgbImage;
-use nullray::text::Rect;
+use nullray::figures::drawing::{Item, pdf, png, svg};
+use nullray::figures::text::Rect;
+use nullray::io::image::RgbImage;
 
 use super::{pdf_reader, samples};
 

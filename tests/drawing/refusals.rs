@@ -1,9 +1,9 @@
 //! What no format could hold is refused, with the index of its item.
 
-use nullray::drawing::{
+use nullray::figures::drawing::{
     Arrow, Colour, Drawing, Fill, Hatch, Item, Path, Stroke, Text, pdf, png, svg,
 };
-use nullray::text::{RichText, Segment};
+use nullray::figures::text::{RichText, Segment};
 
 use super::samples::{page, text};
 

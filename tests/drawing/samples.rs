@@ -1,10 +1,10 @@
 //! Small drawings that between them use all there is.
 
-use nullray::drawing::{
+use nullray::figures::drawing::{
     Anchor, AnchorX, AnchorY, Arrow, Cap, Colour, Drawing, Fill, Hatch, Item, Join, Path, Stroke,
     Text,
 };
-use nullray::text::{Rect, RichText};
+use nullray::figures::text::{Rect, RichText};
 
 pub const RED: Colour = Colour::rgb(190, 30, 40);
 pub const BLUE: Colour = Colour::rgb(30, 70, 170);
@@ -204,8 +204,8 @@ pub fn classics() -> Vec<(String, Drawing)> {
     files.sort();
     let drawn = files.iter().map(|file| {
         let model = nullray::scene::load_diagram(file, &Default::default()).unwrap();
-        let layout = nullray::diagram::layout(&model);
-        let drawing = nullray::diagram::draw(&layout, &model.style).unwrap();
+        let layout = nullray::figures::diagram::layout(&model);
+        let drawing = nullray::figures::diagram::draw(&layout, &model.style).unwrap();
         let name = file.file_stem().unwrap().to_str().unwrap();
         (name.to_string(), drawing)
     });

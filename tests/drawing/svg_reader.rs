@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use nullray::text::Segment;
+use nullray::figures::text::Segment;
 
 use super::canvas::{Canvas, Pen};
 

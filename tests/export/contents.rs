@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use nullray::aov::TABLE;
-use nullray::export::{Cubes, Options, README, schema};
-use nullray::import::gltf;
+use nullray::io::gltf;
+use nullray::io::image;
+use nullray::render::aov::TABLE;
+use nullray::render::metadata;
 use nullray::scene::model::BadVertices;
-use nullray::{image, metadata};
+use nullray::validate::export::{Cubes, Options, README, schema};
 
 use super::{Exported, exported, exported_with};
 

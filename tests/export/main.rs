@@ -7,9 +7,9 @@ mod targets;
 
 use std::path::{Path, PathBuf};
 
-use nullray::export::{Options, export};
-use nullray::progress::Silent;
+use nullray::render::progress::Silent;
 use nullray::scene::{self, Overrides};
+use nullray::validate::export::{Options, export};
 use tempfile::TempDir;
 
 /// An export in a directory of its own.

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use nullray::Error;
-use nullray::export::{Options, export};
-use nullray::progress::{Progress, Silent};
+use nullray::render::progress::{Progress, Silent};
 use nullray::scene::{self, Overrides};
+use nullray::validate::export::{Options, export};
 
 const SCENE: &str = "camera = { eye = [0, 0, 4], look_at = [0, 0, 0], size = [8, 6] }\n\
                      object = [{ shape = { box = { size = [1, 1, 1] } } }]";

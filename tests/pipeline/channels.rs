@@ -2,8 +2,8 @@
 //! the rest over samples that met something.
 
 use glam::DVec3;
-use nullray::aov::Aov;
-use nullray::sampler::Sampler;
+use nullray::render::aov::Aov;
+use nullray::render::sampler::Sampler;
 use nullray::scene::model::Scene;
 
 use crate::stage::{self, pinhole};

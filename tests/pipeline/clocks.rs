@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::aov::Aov;
-use nullray::film::Film;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::scene::model::{Clock, Mapping, Scene, SourceKind};
 use nullray::spacetime::Velocity;
 

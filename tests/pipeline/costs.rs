@@ -1,13 +1,13 @@
 //! What is counted of a picture, and what a preview may differ in.
 
 use nullray::accel::Precision;
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::trace::Stats;
 use nullray::render::{render, render_with_stats};
 use nullray::scene::{self, Overrides};
-use nullray::trace::Stats;
 
 use crate::stage;
 

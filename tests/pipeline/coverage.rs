@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use nullray::aov::Aov;
-use nullray::plan::Request;
+use nullray::render::aov::Aov;
+use nullray::render::plan::Request;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 

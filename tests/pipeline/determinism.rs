@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nullray::aov;
-use nullray::film::Film;
+use nullray::render::aov;
+use nullray::render::film::Film;
 use nullray::scene::{self, Overrides};
 
 use crate::stage;

@@ -5,7 +5,7 @@
 //! - an emitter with velocity β, seen along d by a camera at rest: γ(1 + β·d).
 
 use glam::DVec3;
-use nullray::aov::Aov;
+use nullray::render::aov::Aov;
 use nullray::scene::model::Scene;
 use nullray::spacetime::{Quantity, Velocity};
 

@@ -1,9 +1,9 @@
 //! Each effect turned off alone changes what it says, and nothing else.
 
 use glam::DVec3;
-use nullray::aov::Aov;
 use nullray::colour::line_colour;
-use nullray::film::Film;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::scene::model::Scene;
 
 use crate::stage::{self, assert_relative};

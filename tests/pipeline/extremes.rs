@@ -1,8 +1,8 @@
 //! Extreme scenes: a correct picture.
 
 use glam::DVec3;
-use nullray::aov::Aov;
-use nullray::film::Film;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::scene::model::{BackFaces, Geometry, Scene, Shape};
 use nullray::spacetime::{Event, Velocity};
 
@@ -258,7 +258,7 @@ fn far_from_the_origin_and_from_time_zero_the_picture_is_the_same() {
         origin.ct += 2f64.powi(30);
     }
     let (a, b) = (stage::film(&near), stage::film(&far));
-    for aov in nullray::aov::TABLE.iter().map(|row| row.0) {
+    for aov in nullray::render::aov::TABLE.iter().map(|row| row.0) {
         if !aov.name().starts_with("event") {
             assert!(
                 channel_bits(&a, aov) == channel_bits(&b, aov),

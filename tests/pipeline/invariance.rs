@@ -10,8 +10,8 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::DVec3;
-use nullray::aov::Aov;
-use nullray::film::Film;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Quantity;
 use proptest::prelude::*;

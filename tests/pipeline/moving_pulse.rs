@@ -7,7 +7,7 @@
 //! plate's own time, must be the same, with emission weighted by the pulse.
 
 use glam::{DVec3, DVec4};
-use nullray::film::Film;
+use nullray::render::film::Film;
 use nullray::scene::model::Scene;
 use nullray::spacetime::{Event, Quantity};
 

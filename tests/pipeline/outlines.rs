@@ -5,8 +5,8 @@
 //! metric (−, +, +, +), hence in every frame: d·b = 1 with b = −n_x/n_t of n = Λ n′, again a cone.
 
 use glam::{DMat3, DVec3};
-use nullray::aov::Aov;
-use nullray::film::Film;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::scene::model::Scene;
 use nullray::spacetime::Velocity;
 

@@ -6,7 +6,7 @@
 //! the camera C as their foci.
 
 use glam::DVec3;
-use nullray::aov::Aov;
+use nullray::render::aov::Aov;
 use nullray::scene::model::{Pulse, Scene, SourceKind};
 
 use crate::stage::{self, assert_relative};

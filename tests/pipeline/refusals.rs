@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nullray::error::Error;
-use nullray::plan::{Plan, Request};
+use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 
@@ -153,7 +153,7 @@ fn textures_keep_within_the_memory_limit_and_are_decoded_once_for_all_objects() 
     let texture = 3 * 512 * 512;
     let folder = tempfile::tempdir().unwrap();
     let png = folder.path().join("grey.png");
-    nullray::image::png::write(&png, 512, 512, &vec![128; texture], &[]).unwrap();
+    nullray::io::image::png::write(&png, 512, 512, &vec![128; texture], &[]).unwrap();
     let image = std::fs::read(png).unwrap();
     let quad = files::Quad {
         image: Some(&image),

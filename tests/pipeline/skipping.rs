@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use nullray::camera::Kind;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::{Light, Prepared};
-use nullray::progress::Silent;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::{Light, Prepared};
+use nullray::render::progress::Silent;
 use nullray::scene::model::{Binding, Scene};
 use tempfile::TempDir;
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::aov::{self, Aov};
 use nullray::error::Result;
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::{CameraModel, Scene};
 use nullray::scene::{self, Overrides};

@@ -1,6 +1,6 @@
 //! Rasterizers converge to the ray tracer, at the rate that curved edges have: second order in their length.
 
-use nullray::aov::Aov;
+use nullray::render::aov::Aov;
 
 use super::stage::{
     BODIES, camera, centred, different, errors, film, scene, scene_file, values, worst,

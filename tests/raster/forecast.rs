@@ -1,9 +1,9 @@
 //! The forecast of tessellation against what is measured.
 
-use nullray::aov::Aov;
-use nullray::progress::Silent;
+use nullray::approximate::tessellation::{Forecast, forecast};
+use nullray::render::aov::Aov;
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
-use nullray::tessellation::{Forecast, forecast};
 
 use super::stage::{BODIES, camera, centred, errors, film, greatest, scene, scene_file, values};
 

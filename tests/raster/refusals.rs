@@ -1,10 +1,10 @@
 //! What rasterizers and warps cannot do is refused in words, before and after loading.
 
 use nullray::Error;
-use nullray::apparent::misplacements;
-use nullray::plan::{Plan, Request};
-use nullray::progress::Silent;
-use nullray::raster::{self, Method};
+use nullray::approximate::projection::misplacements;
+use nullray::approximate::raster::{self, Method};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::progress::Silent;
 
 use super::stage::{BODIES, camera, centred, film, prepared, scene};
 

@@ -1,8 +1,8 @@
 //! What is the same, whatever the method.
 
-use nullray::aov::{Aov, TABLE};
-use nullray::film::Film;
-use nullray::plan::Request;
+use nullray::render::aov::{Aov, TABLE};
+use nullray::render::film::Film;
+use nullray::render::plan::Request;
 
 use super::stage::{
     BODIES, camera, centred, different, film, identities, prepared, scene, scene_file, values,

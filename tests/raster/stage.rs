@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use nullray::aov::{self, Aov};
-use nullray::apparent::misplacements;
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
-use nullray::raster;
+use nullray::approximate::projection::misplacements;
+use nullray::approximate::raster;
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 

@@ -1,6 +1,6 @@
 //! Warps: exact but for the directions between texels.
 
-use nullray::aov::Aov;
+use nullray::render::aov::Aov;
 
 use super::stage::{BODIES, camera, centred, errors, film, scene, values};
 

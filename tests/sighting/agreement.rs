@@ -1,13 +1,13 @@
 //! The traced pixel is that of the picture, to the bit.
 
-use nullray::aov::{self, Aov};
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::figures::pixel_probe::{Sighting, Summary};
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::Scene;
-use nullray::sighting::{Sighting, Summary};
 
 use crate::{ALL, scene, text, traced};
 

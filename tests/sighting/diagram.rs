@@ -1,7 +1,7 @@
 //! The diagram of a sighting, laid out.
 
-use nullray::diagram::{Panel, Point, draw, layout};
-use nullray::sighting::diagram;
+use nullray::figures::diagram::{Panel, Point, draw, layout};
+use nullray::figures::pixel_probe::diagram;
 
 use crate::{ALL, BELL, MOVING, SENSOR, STILL, base, equal, met, seen, text, traced};
 
@@ -16,8 +16,9 @@ fn panel(camera: &str, frame: Option<&str>, dimensions: &str) -> Panel {
 }
 
 fn label(panel: &Panel, start: &str) -> Point {
-    let labelled =
-        |e: &&nullray::diagram::Spot| e.label.as_ref().is_some_and(|l| l.starts_with(start));
+    let labelled = |e: &&nullray::figures::diagram::Spot| {
+        e.label.as_ref().is_some_and(|l| l.starts_with(start))
+    };
     panel
         .events
         .iter()

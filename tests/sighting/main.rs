@@ -8,11 +8,11 @@ mod refused;
 use std::path::Path;
 
 use nullray::Result;
-use nullray::progress::Silent;
+use nullray::figures::pixel_probe::{Met, Sighting, trace};
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::model::diagram::Diagram;
 use nullray::scene::{self, Overrides};
-use nullray::sighting::{Met, Sighting, trace};
 
 const NO_LIMIT: u64 = 1 << 40;
 

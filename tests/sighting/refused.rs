@@ -1,8 +1,8 @@
 //! What is refused.
 
 use nullray::Error;
-use nullray::progress::Silent;
-use nullray::sighting::trace;
+use nullray::figures::pixel_probe::trace;
+use nullray::render::progress::Silent;
 
 use crate::{STILL, scene, text, traced};
 

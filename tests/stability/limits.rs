@@ -1,13 +1,13 @@
 //! Where f64 ends: how far a picture is wrong as γ grows.
 
 use glam::DVec3;
-use nullray::selftest::{REGIMES, Row};
 use nullray::spacetime::{MAX_RAPIDITY, Velocity};
+use nullray::validate::selftest::{REGIMES, Row};
 
 use crate::cases::Random;
 use crate::reference;
 
-const PAGE: &str = include_str!("../../src/selftest/README.md");
+const PAGE: &str = include_str!("../../src/validate/selftest/README.md");
 
 /// The rows of the page's second table: γ, pixels for any direction of motion, pixels along an axis.
 fn rows() -> Vec<[f64; 3]> {

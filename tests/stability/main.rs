@@ -15,7 +15,7 @@ mod reference;
 mod rows;
 mod vertices;
 
-use nullray::selftest::{Effort, Outcome, REGIMES, Regime, Row, checks};
+use nullray::validate::selftest::{Effort, Outcome, REGIMES, Regime, Row, checks};
 
 /// Cases of each family.
 const CASES: usize = 1500;
@@ -45,7 +45,7 @@ fn every_regime_is_within_its_bound_of_arbitrary_precision() {
 fn the_self_test_holds_on_this_machine() {
     for check in checks() {
         let outcome = check
-            .run(Effort::Quick, &nullray::progress::Silent)
+            .run(Effort::Quick, &nullray::render::progress::Silent)
             .unwrap();
         assert!(check.holds(&outcome), "{}: {outcome:?}", check.name);
         let announced = check.cases(Effort::Quick);

@@ -1,10 +1,10 @@
 //! What the page of the self-test says of errors, against what is measured.
 
-use nullray::selftest::{Check, REGIMES, checks};
+use nullray::validate::selftest::{Check, REGIMES, checks};
 
 use crate::measured;
 
-const PAGE: &str = include_str!("../../src/selftest/README.md");
+const PAGE: &str = include_str!("../../src/validate/selftest/README.md");
 
 /// A row of the page's table: name, what, unit, bound, worst.
 fn rows() -> Vec<[&'static str; 5]> {

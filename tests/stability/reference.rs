@@ -3,7 +3,7 @@
 //! Triangles: sums and products without rounding, so that signs are exact, and quotients of 320 bits. The
 //! rest: 320 bits throughout.
 
-use nullray::selftest::Fine;
+use nullray::validate::selftest::Fine;
 
 use crate::exact::{Exact, ExactBoost, Four, exact, four, look, rounded};
 use glam::DVec3;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nullray::selftest::{REGIMES, Row, embedded};
+use nullray::validate::selftest::{REGIMES, Row, embedded};
 
 use crate::{CASES, cases, reference};
 
@@ -26,7 +26,7 @@ fn row(family: &str, inputs: Vec<f64>) -> Row {
 
 #[test]
 fn the_rows_of_the_self_test_are_what_arbitrary_precision_gives() {
-    let size = include_str!("../../src/selftest/rows.csv").len();
+    let size = include_str!("../../src/validate/selftest/rows.csv").len();
     assert!(size < 60_000, "{size} bytes");
     for carried in embedded() {
         let right = row(&carried.family, carried.inputs.clone());

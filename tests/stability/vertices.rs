@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 use nullray::accel::{Bvh, Facing, Kernel, Method, NoTally, Origins, Precision, Ray};
-use nullray::aov::Aov;
-use nullray::film::Film;
-use nullray::import::gltf::{self, Want};
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
-use nullray::progress::Silent;
+use nullray::io::gltf::{self, Want};
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::model::BadVertices;
 use nullray::scene::{Overrides, parse};

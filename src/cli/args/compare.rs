@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use nullray::compare::{Encoding, NotFinite, Tolerance};
-use nullray::units::Time;
+use nullray::spacetime::units::Time;
+use nullray::validate::compare::{Encoding, NotFinite, Tolerance};
 
 #[derive(Debug, Args)]
 pub struct CompareArguments {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use nullray::scene::model::MOST_SAMPLES;
-use nullray::study::{self, Subject};
+use nullray::validate::study::{self, Subject};
 
 use super::{Changes, values};
 

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use nullray::accel::Precision;
-use nullray::aov;
-use nullray::study;
-use nullray::units::Percentage;
+use nullray::render::aov;
+use nullray::spacetime::units::Percentage;
+use nullray::validate::study;
 
 use super::{AovList, MethodList, SampleList};
 

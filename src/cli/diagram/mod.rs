@@ -6,10 +6,12 @@ mod series;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use nullray::drawing::{self, Drawing, pdf, png, svg};
+use nullray::Result;
+use nullray::figures::diagram;
+use nullray::figures::drawing::{self, Drawing, pdf, png, svg};
+use nullray::render::metadata;
 use nullray::scene::Overrides;
 use nullray::scene::model::diagram::Diagram;
-use nullray::{Result, diagram, metadata};
 
 use super::args::DiagramArguments;
 use super::failure::refused;

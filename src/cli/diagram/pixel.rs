@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use nullray::figures::pixel_probe::{self, Summary};
+use nullray::io::files;
 use nullray::scene::model::Scene;
 use nullray::scene::model::diagram::Diagram;
 use nullray::scene::{self, Overrides};
-use nullray::sighting::{self, Summary};
-use nullray::{Error, Result, files};
+use nullray::{Error, Result};
 
 use super::overrides;
 use crate::cli::args::DiagramArguments;
@@ -20,12 +21,12 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let base = diagram_of(arguments, &scene)?;
     let quiet = arguments.quiet || arguments.pixel.json;
     let bar = Bar::new(0, quiet);
-    let sighting = sighting::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
+    let sighting = pixel_probe::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
     drop(bar);
     interrupt::check()?;
     let known = known(&base, &sighting);
     let frame = arguments.frame.as_deref();
-    let model = sighting::diagram(&sighting, base, frame);
+    let model = pixel_probe::diagram(&sighting, base, frame);
     let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
     say(arguments, &Summary::of(&sighting))?;
     Ok(model)
@@ -52,7 +53,7 @@ pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram
 }
 
 /// The frames that a diagram can be drawn in.
-fn known(base: &Diagram, sighting: &sighting::Sighting) -> Vec<String> {
+fn known(base: &Diagram, sighting: &pixel_probe::Sighting) -> Vec<String> {
     let frames = base.frames.iter().map(|frame| frame.name.clone());
     let mut names: Vec<String> = frames
         .chain(sighting.met.iter().map(|met| met.name.clone()))

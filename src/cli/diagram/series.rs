@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use nullray::diagram::Series;
-use nullray::drawing::{self, Drawing, apng, png};
+use nullray::figures::diagram::Series;
+use nullray::figures::drawing::{self, Drawing, apng, png};
 use nullray::scene::model::diagram::Diagram;
 use nullray::{Error, Result};
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use nullray::image::{Texture, exr, png};
+use nullray::io::image::{Texture, exr, png};
 
 use super::Identity;
 use crate::cli::output::{Kind, Outputs, extension};

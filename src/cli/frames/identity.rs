@@ -7,9 +7,9 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use nullray::files;
-use nullray::overlay;
-use nullray::plan::Request;
+use nullray::figures::overlay;
+use nullray::io::files;
+use nullray::render::plan::Request;
 use nullray::scene::model::{Mapping, Scene, SourceKind};
 use sha2::{Digest, Sha256};
 

@@ -7,12 +7,13 @@ mod range;
 
 use std::time::Instant;
 
-use nullray::film::Film;
-use nullray::plan::{Plan, Request};
-use nullray::prepare::Prepared;
+use nullray::Result;
+use nullray::render::film::Film;
+use nullray::render::plan;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
 use nullray::scene::Overrides;
 use nullray::scene::model::{Exposure, Scene};
-use nullray::{Result, plan};
 
 use super::args::RenderArguments;
 use super::output::{Kind, Outputs, check_all, numbered};

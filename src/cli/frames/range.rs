@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use nullray::Result;
 use nullray::scene::model::Scene;
-use nullray::units::Time;
+use nullray::spacetime::units::Time;
 
 use crate::cli::args::FrameArguments;
 use crate::cli::failure::refused;

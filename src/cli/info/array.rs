@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nullray::import::npy::{self, Dtype, Header};
-use nullray::plan::bytes;
+use nullray::io::npy::{self, Dtype, Header};
+use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
 

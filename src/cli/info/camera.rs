@@ -1,8 +1,8 @@
 //! What a scene file says of its camera.
 
 use glam::DVec3;
-use nullray::metadata;
-use nullray::plan::motion;
+use nullray::render::metadata;
+use nullray::render::plan::motion;
 use nullray::scene::model::{
     Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Scene, Shutter,
 };

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use nullray::Result;
-use nullray::import::gltf;
-use nullray::plan::count;
+use nullray::io::gltf;
+use nullray::render::plan::count;
 use serde_json::json;
 
 use super::{Info, Sheet};

@@ -9,7 +9,8 @@ mod scene;
 use std::io::Read;
 use std::path::Path;
 
-use nullray::{Error, Result, files};
+use nullray::io::files;
+use nullray::{Error, Result};
 use serde::Serialize;
 
 use super::args::InfoArguments;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::image::{self, Channel, Samples};
+use nullray::io::image::{self, Channel, Samples};
 use serde_json::{Map, Value, json};
 
 use super::{Info, Sheet};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::metadata;
+use nullray::render::metadata;
 use nullray::scene::model::{
     Binding, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
 };

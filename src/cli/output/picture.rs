@@ -1,9 +1,11 @@
 //! Pictures for displays.
 
-use nullray::film::Film;
-use nullray::image::RgbImage;
+use nullray::Result;
+use nullray::figures::isochrones;
+use nullray::io::image::RgbImage;
+use nullray::render::film::Film;
+use nullray::render::tonemap;
 use nullray::scene::model::{Scene, Show};
-use nullray::{Result, isochrones, tonemap};
 
 use super::RETARDED_TIME;
 

@@ -7,7 +7,7 @@ use super::motion::Motion;
 use super::sensor::{Sensor, SensorRotation, Shutter};
 use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
-use crate::units::{Angle, Time};
+use crate::spacetime::units::{Angle, Time};
 
 /// The camera: a pinhole on a world line, and what sees through it. With nothing but a pose, a velocity and
 /// a time it is a point camera without acceleration: all rays of a picture leave one event.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::Velocity;
 use crate::scene::at::At;
 use crate::scene::values::{Number, Numbers, Vector};
-use crate::units::Length;
+use crate::spacetime::units::Length;
 
 pub(in crate::scene) use animation::{Animation, Now};
 pub(in crate::scene) use elements::{

@@ -18,7 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
 use super::values::{Number, Vector};
-use crate::units::{Percentage, Speed, Wavelength};
+use crate::spacetime::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::{Camera, Velocity};
 pub(super) use diagram::Diagram;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::at::At;
 use crate::scene::values::Vector;
-use crate::units::{Acceleration, AngularRate, Time};
+use crate::spacetime::units::{Acceleration, AngularRate, Time};
 
 /// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, said in exactly one way. Without
 /// this table: without acceleration.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Velocity;
 use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
-use crate::units::{Angle, Time};
+use crate::spacetime::units::{Angle, Time};
 
 /// A thing with geometry, at rest in its own frame.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]

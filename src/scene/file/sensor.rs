@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::at::At;
 use crate::scene::values::Vector;
-use crate::units::{AngularRate, Length, Time};
+use crate::spacetime::units::{AngularRate, Length, Time};
 
 /// A sensor behind the pinhole, in place of a point camera, all rays of which leave one event.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]

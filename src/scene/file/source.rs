@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Radiance;
 use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Vector};
-use crate::units::{Angle, Time};
+use crate::spacetime::units::{Angle, Time};
 
 /// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It takes
 /// the place of the base colour as the surface's radiance; a surface has one cube, or any number of pulses.

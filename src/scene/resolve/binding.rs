@@ -10,7 +10,7 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{Binding, Object};
 use crate::scene::suggest::nearest;
-use crate::units::quoted;
+use crate::spacetime::units::quoted;
 
 /// Surfaces (objects × materials) that sources may be bound to, in total.
 const MOST_SURFACES: usize = 1 << 20;

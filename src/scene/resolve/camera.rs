@@ -106,7 +106,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::import::gltf::GltfCamera;
+    use crate::io::gltf::GltfCamera;
     use crate::scene::report::Report;
     use crate::spacetime::Event;
 

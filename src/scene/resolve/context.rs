@@ -5,12 +5,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::files;
-use crate::import::gltf::{self, GltfCamera};
+use crate::io::files;
+use crate::io::gltf::{self, GltfCamera};
 use crate::scene::at::At;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
-use crate::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
+use crate::spacetime::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
 
 /// The smallest positive number accepted: powers of smaller ones leave f64's range.
 const SMALLEST: f64 = 1e-30;

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{CameraModel, Elements, Equations, Motion, Scene};
-use crate::units::quoted;
+use crate::spacetime::units::quoted;
 
 const EXACT: &str = "leave this out, or give model = \"exact\"";
 

@@ -11,7 +11,7 @@ use crate::scene::file;
 use crate::scene::model::{BadVertices, Geometry, Object};
 use crate::scene::names;
 use crate::spacetime::Event;
-use crate::units::quoted;
+use crate::spacetime::units::quoted;
 
 /// All objects; `camera` is where a scene without any is pointed at.
 pub(super) fn resolve_all(

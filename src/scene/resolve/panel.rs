@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{Panel, Sheet, Show};
-use crate::units::quoted;
+use crate::spacetime::units::quoted;
 
 /// The most panels of a scene, and of a row of them.
 const MOST: usize = 100;

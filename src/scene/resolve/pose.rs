@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture};
 use crate::scene::values::Vector;
+use crate::spacetime::units::Angle;
 use crate::spacetime::{Direction, World};
-use crate::units::Angle;
 
 /// sin of the angle between `up` and the forward axis, below which they count as parallel.
 const PARALLEL: f64 = 1e-9;

@@ -7,12 +7,12 @@ use super::frame;
 use super::settings::settable;
 use super::stage::{Filming, Stage};
 use crate::error::Result;
+use crate::figures::text::rich::escaped;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::diagram::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
 use crate::scene::resolve::context::Context;
 use crate::spacetime::{Event, World};
-use crate::text::rich::escaped;
 
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;

@@ -83,7 +83,7 @@ fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
         let known = names.stage.names().join(", ");
         let what = format!(
             "the scene has no world line of {}",
-            crate::units::quoted(&of.value)
+            crate::spacetime::units::quoted(&of.value)
         );
         let help = match known.is_empty() {
             true => "this file has no scene: give `at`, `through` or `keyframes`".to_string(),

@@ -15,8 +15,8 @@ use crate::scene::resolve::context::Context;
 use crate::scene::resolve::object::refuse_duplicates;
 use crate::scene::resolve::velocity;
 use crate::scene::suggest::nearest;
+use crate::spacetime::units::quoted;
 use crate::spacetime::{Event, InertialFrame, Rest, Velocity, World};
-use crate::units::quoted;
 
 /// What is known of a name.
 enum Slot<T> {

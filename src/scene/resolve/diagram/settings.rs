@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::stage::Stage;
 use crate::error::{Error, Result};
+use crate::figures::text::RichText;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::file::diagram as said;
@@ -12,7 +13,6 @@ use crate::scene::model::diagram::{Colour, Style, Unit, part_across};
 use crate::scene::resolve::context::Context;
 use crate::scene::values::{Number, Numbers};
 use crate::spacetime::{Direction, World};
-use crate::text::RichText;
 
 /// Points of a metre of paper.
 const POINTS: f64 = 72.0 / 0.0254;

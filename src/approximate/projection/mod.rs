@@ -1,0 +1,324 @@
+//! Apparent positions: where on the film a point is seen that rests in some frame.
+//!
+//! The light by which the camera sees a point left the point's world line on the past light cone of the
+//! event of the shot (Müller & Boblest, "Visual appearance of wireframe objects in special relativity",
+//! European J. Phys. 35, 2014; Weiskopf, "Visualization of four-dimensional spacetimes", 2001).
+//!
+//! A point rests at X in a frame that moves with β along n. With r = X − O, O the place of the event of
+//! the shot in that frame, and a medium of index η (0 without retardation), the emission event is at the
+//! world displacement (−η s, x) from the shot, s = |x|. Its world line is x = a − ηs β with
+//! a = r⊥ + n r∥/γ, where it is at the world time of the shot, so that
+//!
+//! ```text
+//! (1 − η²β²) s² + 2ηs β·a − |a|² = 0.
+//! ```
+//!
+//! With q² = 1 − η²β² and c = r⊥ + n r∥/(γq) the root s > 0 is
+//!
+//! ```text
+//! (−s, x) = Λ(ηβ) (−|c|, c),
+//! ```
+//!
+//! a boost by ηβ of a null vector: in vacuum c = r and Λ is that from the rest frame; without retardation
+//! c = a and Λ is the identity. Boosted to the camera's frame its spatial part k is the *apparent
+//! position*, in whose direction the point is seen. All this is linear but for |c|:
+//!
+//! ```text
+//! h(c) = A c + m |c|,     h = (x z, y z, z): film coordinates times the part of k along the forward axis.
+//! ```
+//!
+//! A rasterizer that joins the apparent positions of two points by a straight line has |c| linear between
+//! them in place of the true one, which is smaller by δ ≥ 0. The point at fraction λ is then drawn at
+//! h + m δ, which is off its place on the film by
+//!
+//! ```text
+//! Δ = δ (m_xy − m_z (x, y)) / (z + m_z δ),     δ ≈ ½ λ(1 − λ) |c″|,     |c|″ = |c × e|²/|c|³,
+//! ```
+//!
+//! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
+//! root: the light of an object that outruns it arrives twice, or never.
+
+mod misplaced;
+
+use glam::{DMat3, DVec3};
+
+pub use misplaced::{CHANNELS, misplacements};
+
+use crate::camera::{Camera, Pinhole, Point};
+use crate::error::{Error, Result};
+use crate::render::prepare::Prepared;
+use crate::spacetime::{
+    self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
+};
+
+/// A camera all of whose rays leave one event.
+#[derive(Debug, Clone)]
+pub struct Observer {
+    film: Pinhole,
+    homogeneous_from_camera: DMat3,
+    event: Event<World>,
+    /// None where directions of the world are taken as the camera's.
+    camera_from_world: Option<Boost<spacetime::Camera, World>>,
+    world_from_camera: Boost<World, spacetime::Camera>,
+    index: f64,
+}
+
+/// What an observer sees of the points at rest in one frame.
+#[derive(Debug, Clone)]
+pub struct Sight<'a> {
+    observer: &'a Observer,
+    /// The place of the shot in the frame.
+    origin: DVec3,
+    /// Direction of motion, and 1/(γq) − 1.
+    stretch: (DVec3, f64),
+    world_from_optical: Boost<World, Rest>,
+    rest_from_world: Boost<Rest, World>,
+    /// Change of the apparent position per |c|, and that of its homogeneous film coordinates.
+    m_camera: DVec3,
+    m: DVec3,
+}
+
+/// How a point is seen.
+#[derive(Debug, Clone, Copy)]
+pub struct Image {
+    /// Homogeneous film coordinates (x z, y z, z), x and y in pixels from the top left corner, z in metres
+    /// along the forward axis of the camera frame; z ≤ 0 is behind the camera.
+    pub film: DVec3,
+    /// The look direction in the world.
+    pub d: Direction<World>,
+    /// World distance from the event of the shot to that of emission, metres.
+    pub s: f64,
+}
+
+impl Image {
+    /// The film point in pixels, or none where it is not in front of the camera.
+    pub fn film_point(&self) -> Option<[f64; 2]> {
+        film_point(self.film)
+    }
+}
+
+fn film_point(film: DVec3) -> Option<[f64; 2]> {
+    (film.z > 0.0).then(|| [film.x / film.z, film.y / film.z])
+}
+
+impl Observer {
+    /// The observer of `prepared`.
+    ///
+    /// # Errors
+    /// As [`Observer::of`].
+    pub fn new(prepared: &Prepared) -> Result<Self> {
+        Observer::of(&prepared.camera, prepared.ray_index)
+    }
+
+    /// The observer with `camera` in a medium of index `index`, 0 where light takes no time.
+    ///
+    /// # Errors
+    /// A camera whose rays leave events of their own: a sensor, a shutter, or the equations of 2015.
+    pub fn of(camera: &Camera, index: f64) -> Result<Self> {
+        let shot = &camera.shot;
+        let frame = &shot.frame;
+        let camera_from_world = match camera.view.point().ok_or_else(apart)? {
+            Point::Still(_) | Point::Unaberrated(_) => None,
+            Point::Moving(_) => Some(*frame.frame_from_world()),
+        };
+        Ok(Observer {
+            film: shot.pinhole.clone(),
+            homogeneous_from_camera: shot.pinhole.homogeneous_from_camera(),
+            event: shot.event,
+            camera_from_world,
+            world_from_camera: *frame.world_from_frame(),
+            index,
+        })
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Pinhole {
+        &self.film
+    }
+
+    /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
+    /// coordinates in its object (the channel `object_event`) plus that are those of [`Sight`]. None for
+    /// objects without triangles.
+    ///
+    /// # Errors
+    /// As [`Observer::sight`].
+    pub fn places(&self, scene: &Prepared) -> Result<Vec<Place<'_>>> {
+        let mut places = Vec::new();
+        for rest in &scene.frames {
+            for patch in &rest.patches {
+                let object = patch.object as usize;
+                if places.len() <= object {
+                    places.resize(object + 1, None);
+                }
+                if places[object].is_none() {
+                    places[object] = Some((self.sight(&rest.frame)?, patch.object_origin.x));
+                }
+            }
+        }
+        Ok(places)
+    }
+
+    /// What is seen of points at rest in `frame`.
+    ///
+    /// # Errors
+    /// A frame that moves as fast as light in the medium, or faster.
+    pub fn sight(&self, frame: &InertialFrame<Rest>) -> Result<Sight<'_>> {
+        let (n, stretch, velocity) = optical(frame.velocity(), self.index)?;
+        let world_from_optical = Boost::new(velocity);
+        let mut sight = Sight {
+            observer: self,
+            origin: frame.event_from_world(self.event).x,
+            stretch: (n, stretch),
+            world_from_optical,
+            rest_from_world: *frame.frame_from_world(),
+            m_camera: DVec3::ZERO,
+            m: DVec3::ZERO,
+        };
+        let (_, seen) = sight.in_camera(Displacement::new(-1.0, DVec3::ZERO));
+        sight.m_camera = seen;
+        sight.m = self.homogeneous_from_camera * seen;
+        Ok(sight)
+    }
+}
+
+/// What is seen of an object, and where its origin is in its rest frame, metres.
+pub type Place<'a> = Option<(Sight<'a>, DVec3)>;
+
+/// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
+fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {
+    let (n, rapidity) = velocity.split();
+    if index == 1.0 || velocity.is_rest() {
+        return Ok((n, 0.0, velocity));
+    }
+    let slowed = index * libm::tanh(rapidity);
+    let optical = Velocity::along(n, libm::atanh(slowed));
+    let optical = optical.ok().filter(|_| slowed < 1.0).ok_or_else(outrun)?;
+    let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
+    Ok((n, 1.0 / (velocity.gamma() * q) - 1.0, optical))
+}
+
+pub(crate) fn apart() -> Error {
+    Error::unsupported(
+        "camera",
+        "method",
+        "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
+         one leave events of their own (a sensor, a shutter, a rotation, or model = \"paper2015\")",
+        "render it by --method trace, or take the sensor, the shutter and the rotation away",
+    )
+}
+
+fn outrun() -> Error {
+    Error::unsupported(
+        "object",
+        "velocity",
+        "an object moves as fast as light in the medium, or faster: its points are seen twice, or not at all",
+        "render it by --method trace, or give a slower object or a smaller index of the medium",
+    )
+}
+
+impl Sight<'_> {
+    /// How the point `x` of the frame is seen, metres relative to the frame's origin; none for the place
+    /// of the camera itself.
+    #[inline]
+    pub fn image(&self, x: DVec3) -> Option<Image> {
+        self.image_of(self.optical(x))
+    }
+
+    /// The point's place c relative to the camera, metres (see the [module](self)).
+    #[inline]
+    pub fn optical(&self, x: DVec3) -> DVec3 {
+        let r = x - self.origin;
+        let (n, stretch) = self.stretch;
+        r + n * (n.dot(r) * stretch)
+    }
+
+    /// The image of the point at `c`.
+    #[inline]
+    pub fn image_of(&self, c: DVec3) -> Option<Image> {
+        let length = c.length();
+        let unit = Direction::from_unit(c * (1.0 / length));
+        let (d, ratio) = self.world_from_optical.direction(unit);
+        let s = length * ratio;
+        let seen = match &self.observer.camera_from_world {
+            Some(boost) => {
+                let (seen, ratio) = boost.direction(d);
+                seen.unit() * (s * ratio)
+            }
+            None => d.unit() * s,
+        };
+        let film = self.observer.homogeneous_from_camera * seen;
+        (length > 0.0 && film.is_finite()).then_some(Image { film, d, s })
+    }
+
+    /// The film point of the point `x` of the frame, pixels from the top left corner; it may lie beyond
+    /// the picture. None where the point is seen behind the camera.
+    pub fn film_point(&self, x: DVec3) -> Option<[f64; 2]> {
+        self.image(x)?.film_point()
+    }
+
+    /// The observed wavelength over the emitted one of light that comes along `d`.
+    pub fn wavelength_ratio(&self, d: Direction<World>) -> f64 {
+        let (_, rest) = self.rest_from_world.direction(d);
+        let camera = match &self.observer.camera_from_world {
+            Some(boost) => 1.0 / boost.direction(d).1,
+            None => {
+                let seen = Direction::from_unit(d.unit());
+                self.observer.world_from_camera.direction(seen).1
+            }
+        };
+        camera * rest
+    }
+
+    /// The emission event relative to the shot, in the world and in the frame, of a point that is seen
+    /// along `d` at the world distance `s`.
+    pub fn emission(
+        &self,
+        d: Direction<World>,
+        s: f64,
+    ) -> (Displacement<World>, Displacement<Rest>) {
+        let index = self.observer.index;
+        (
+            Displacement::new(-index, d.unit()) * s,
+            self.rest_from_world.tangent(index, d) * s,
+        )
+    }
+
+    /// The four-vector `v`, in coordinates (t, c), as (t, k) in those in which the film looks.
+    pub(crate) fn in_camera(&self, v: Displacement<Rest>) -> (f64, DVec3) {
+        let world = self.world_from_optical.displacement(v);
+        match &self.observer.camera_from_world {
+            Some(boost) => {
+                let v = boost.displacement(world);
+                (v.ct, v.x)
+            }
+            None => (world.ct, world.x),
+        }
+    }
+
+    /// The place of the shot in the frame, metres.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The film of the observer.
+    pub fn film(&self) -> &Pinhole {
+        &self.observer.film
+    }
+
+    /// By how much film coordinates (x, y, pixels) of a point seen at `film` change per metre that its |c|
+    /// is too long, in the limit of small errors; none behind the camera.
+    pub fn slide(&self, film: DVec3) -> Option<[f64; 2]> {
+        let [x, y] = film_point(film)?;
+        Some([
+            (self.m.x - x * self.m.z) / film.z,
+            (self.m.y - y * self.m.z) / film.z,
+        ])
+    }
+
+    /// By what angle a point seen like `image` turns per metre that its |c| is too long, radians.
+    pub fn turn(&self, image: &Image) -> f64 {
+        let k = self.observer.homogeneous_from_camera.inverse() * image.film;
+        let square = k.length_squared();
+        (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt()
+    }
+}

@@ -1,0 +1,116 @@
+//! Which small triangles can reach which tile of the film.
+
+use glam::DVec3;
+
+use super::batch::Small;
+use crate::render::film::{TILE, Tile};
+
+/// Triangles by tile: a list of (tile, triangle) in compressed rows.
+#[derive(Debug, Default)]
+pub(super) struct Bins {
+    /// The first tile that has any.
+    first: u64,
+    /// Where the rows of the tiles from `first` on begin, and where the last ends.
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+/// The film as a grid of tiles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// Columns and rows of pixels.
+    pub size: [u32; 2],
+}
+
+impl Grid {
+    fn across(self) -> u64 {
+        u64::from(self.size[0].div_ceil(TILE))
+    }
+
+    /// Calls `visit` with each tile that the triangle may reach.
+    fn tiles(self, small: &Small, film: [DVec3; 3], mut visit: impl FnMut(u64)) {
+        let [left, top, right, bottom] = small.reach.map(|p| u32::from(p) / TILE);
+        let many = (right - left + 1) * (bottom - top + 1) > 2;
+        let edges = many.then(|| Edges::of(film));
+        for row in top..=bottom {
+            for column in left..=right {
+                let corner = [column, row].map(|t| f64::from(t * TILE));
+                if edges.as_ref().is_none_or(|e| e.reach(corner)) {
+                    visit(u64::from(row) * self.across() + u64::from(column));
+                }
+            }
+        }
+    }
+}
+
+/// The edge functions of a triangle, positive inside.
+struct Edges([DVec3; 3]);
+
+impl Edges {
+    fn of([a, b, c]: [DVec3; 3]) -> Self {
+        let e = [b.cross(c), c.cross(a), a.cross(b)];
+        let sign = a.dot(e[0]).signum();
+        Edges(e.map(|e| e * sign))
+    }
+
+    /// Whether the triangle may reach the tile with this upper left corner: none of the edges has all of
+    /// it on its outer side.
+    fn reach(&self, corner: [f64; 2]) -> bool {
+        let size = f64::from(TILE);
+        self.0.iter().all(|e| {
+            let x = corner[0] + if e.x > 0.0 { size } else { 0.0 };
+            let y = corner[1] + if e.y > 0.0 { size } else { 0.0 };
+            let terms = (e.x * x).abs() + (e.y * y).abs() + e.z.abs();
+            // As much as the sum may be off.
+            e.x * x + e.y * y + e.z >= -1e-14 * terms
+        })
+    }
+}
+
+impl Bins {
+    /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
+    pub fn new(grid: Grid, triangles: &[Small], film: impl Fn(&Small) -> [DVec3; 3]) -> Self {
+        let mut pairs = Vec::with_capacity(triangles.len() + triangles.len() / 2);
+        let (mut first, mut last) = (u64::MAX, 0);
+        for (index, small) in triangles.iter().enumerate() {
+            grid.tiles(small, film(small), |tile| {
+                first = first.min(tile);
+                last = last.max(tile);
+                pairs.push((tile, index as u32));
+            });
+        }
+        if pairs.is_empty() {
+            return Bins::default();
+        }
+        // A counting sort, which keeps the order within a tile.
+        let mut starts = vec![0; (last - first + 2) as usize];
+        for (tile, _) in &pairs {
+            starts[(tile - first + 1) as usize] += 1;
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![0; pairs.len()];
+        for (tile, index) in pairs {
+            let place = &mut next[(tile - first) as usize];
+            sorted[*place as usize] = index;
+            *place += 1;
+        }
+        Bins {
+            first,
+            starts,
+            triangles: sorted,
+        }
+    }
+
+    /// The triangles that may reach `tile` of an image of `size` pixels.
+    pub fn of(&self, size: [u32; 2], tile: Tile) -> &[u32] {
+        let row = tile.index(size).checked_sub(self.first);
+        let bounds = row.and_then(|row| self.starts.get(row as usize..row as usize + 2));
+        let Some(&[start, end]) = bounds else {
+            return &[];
+        };
+        &self.triangles[start as usize..end as usize]
+    }
+}

@@ -1,0 +1,127 @@
+//! What cannot be seen, and which pixels the rest can reach.
+//!
+//! A triangle's directions, seen in its rest coordinates c, lie in a cone about a unit vector â with
+//! half-angle α. Aberration takes circles of directions to circles (Penrose, "The apparent shape of a
+//! relativistically moving sphere", 1959): look directions (−1, d) in the cone are those with
+//!
+//! ```text
+//! k·N ≥ 0,     N = (−cos α, â),     signature (−, +, +, +),
+//! ```
+//!
+//! and N is a four-vector: boosted, it gives the cone that the camera sees.
+
+use glam::DVec3;
+
+use crate::approximate::projection::Sight;
+use crate::spacetime::Displacement;
+
+/// The part of the film's surroundings where a triangle's image is to be looked for.
+#[derive(Debug)]
+pub(super) struct Frustum {
+    sides: [DVec3; 4],
+    size: [f64; 2],
+}
+
+impl Frustum {
+    pub fn of(sight: &Sight) -> Self {
+        Frustum {
+            sides: sight.film().sides(),
+            size: sight.film().size(),
+        }
+    }
+
+    /// Whether the triangle with these places c, and every part of it however it is divided, is seen
+    /// outside the film.
+    pub fn misses(&self, sight: &Sight, [a, b, c]: [DVec3; 3]) -> bool {
+        let centre = (a + b + c) / 3.0;
+        let radius = centre
+            .distance(a)
+            .max(centre.distance(b))
+            .max(centre.distance(c));
+        let distance = centre.length();
+        let sine = radius / distance * (1.0 + 1e-9);
+        if sine.is_nan() || sine >= 1.0 {
+            return false;
+        }
+        let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+        let normal = Displacement::new(-cosine, centre / distance);
+        let (t, axis) = sight.in_camera(normal);
+        let length = axis.length();
+        let narrow = t < 0.0;
+        narrow
+            && self
+                .sides
+                .iter()
+                .any(|side| side.dot(axis) < -sine * (1.0 + 1e-9) - 1e-9 * length)
+    }
+
+    /// The pixels that a flat triangle can reach: first column and row, last column and row. None where
+    /// it is outside the film.
+    pub fn reach(&self, film: [DVec3; 3]) -> Option<[u16; 4]> {
+        let far = 1e-9 * film.iter().map(|h| h.z.abs()).fold(0.0, f64::max);
+        let bounds = match film.iter().all(|h| h.z > far) {
+            true => bounds(&film)?,
+            false if film.iter().all(|h| h.z <= 0.0) => return None,
+            false => bounds(&self.clipped(film))?,
+        };
+        let [width, height] = self.size;
+        let [left, top, right, bottom] = bounds;
+        // Samples at the very edge of a pixel belong to it; a rounding more does no harm.
+        let outside = right < -1e-6 || bottom < -1e-6 || left > width || top > height;
+        let pixel = |x: f64, size: f64| x.clamp(0.0, size - 1.0) as u16;
+        (!outside).then(|| {
+            [
+                pixel(left - 1e-6, width),
+                pixel(top - 1e-6, height),
+                pixel(right + 1e-6, width),
+                pixel(bottom + 1e-6, height),
+            ]
+        })
+    }
+
+    /// The part of the triangle that is seen on the film, as a polygon (Sutherland & Hodgman 1974).
+    fn clipped(&self, film: [DVec3; 3]) -> Vec<DVec3> {
+        let [width, height] = self.size;
+        let planes = [
+            DVec3::new(1.0, 0.0, 0.0),
+            DVec3::new(-1.0, 0.0, width),
+            DVec3::new(0.0, 1.0, 0.0),
+            DVec3::new(0.0, -1.0, height),
+        ];
+        let mut polygon = film.to_vec();
+        for plane in planes {
+            polygon = clip(&polygon, plane);
+        }
+        polygon
+    }
+}
+
+fn clip(polygon: &[DVec3], plane: DVec3) -> Vec<DVec3> {
+    let mut inside = Vec::with_capacity(polygon.len() + 1);
+    for (at, b) in polygon.iter().enumerate() {
+        let a = polygon[(at + polygon.len() - 1) % polygon.len()];
+        let (before, after) = (plane.dot(a), plane.dot(*b));
+        if (before < 0.0) != (after < 0.0) {
+            inside.push(a + (*b - a) * (before / (before - after)));
+        }
+        if after >= 0.0 {
+            inside.push(*b);
+        }
+    }
+    inside
+}
+
+/// Least and greatest x and y: left, top, right, bottom.
+fn bounds(polygon: &[DVec3]) -> Option<[f64; 4]> {
+    let start = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    let found = polygon.iter().filter(|h| h.z > 0.0).fold(start, |b, h| {
+        let (x, y) = (h.x / h.z, h.y / h.z);
+        [b[0].min(x), b[1].min(y), b[2].max(x), b[3].max(y)]
+    });
+    (found[0] <= found[2]).then_some(found)
+}

@@ -1,0 +1,238 @@
+//! Tessellation: triangles divided until straight edges will do.
+//!
+//! An edge that is to have n > 1 equal parts is cut after the first ⌊n/2⌋, counted from the end whose
+//! coordinates are less, and its two pieces likewise. How many is decided by its two ends alone: triangles
+//! that share an edge cut it alike, and no cracks open. A triangle is cut by those of its edges that are cut
+//! into two, three or four, and so on.
+//!
+//! *Uniform*: n = ⌈length/L⌉, so that all edges are at most L.
+//!
+//! *Adaptive*: with Δ and δ of [`apparent`](crate::approximate::projection), n = ⌈√(E/ε)⌉, or 2 where that is above 3 and E
+//! not to be relied on, with
+//!
+//! ```text
+//! E = 4/3 · max |Δ/δ| · |c_A × c_B|² / (8 |c|³_min),
+//! ```
+//!
+//! |c|_min being that of the edge's nearest point and |Δ/δ| that of the end where a metre is more. |c| is
+//! convex, its second derivative largest at the nearest point, so that this bounds δ wherever on the edge.
+//! Within a triangle whose edges are all at most L, δ is at most 4/3 of what it can be on an edge (Jung: it
+//! lies in a circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its
+//! corner, where a radian has most pixels.
+
+use glam::DVec3;
+
+use super::Tessellation;
+use super::batch::Parts;
+use super::cull::Frustum;
+use crate::approximate::projection::{Image, Sight};
+
+/// So often an edge is cut at most: 10⁻⁹ of it is left.
+const DEEPEST: u32 = 30;
+/// Lengths that are the same but for rounding count as such.
+const SAME: f64 = 1.0 - 1e-12;
+
+/// A point of a triangle that is being divided.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    /// In the rest frame, metres.
+    pub x: DVec3,
+    /// See [`apparent`](crate::approximate::projection).
+    pub c: DVec3,
+    pub image: Image,
+    /// Barycentric weights of the second and third corner of the triangle.
+    pub weights: [f64; 2],
+    /// |c| |Δ/δ|, pixels; 0 where nobody asks.
+    scale: f64,
+    /// Its index among the vertices.
+    pub index: u32,
+}
+
+/// The up to four pieces of a triangle.
+type Pieces = [Option<[Corner; 3]>; 4];
+
+/// Divides triangles of one rest frame.
+#[derive(Debug)]
+pub(super) struct Divider<'a> {
+    pub sight: &'a Sight<'a>,
+    pub frustum: &'a Frustum,
+    pub tessellation: Tessellation,
+    /// Pixels per radian in the corner of the film.
+    density: f64,
+}
+
+impl<'a> Divider<'a> {
+    pub fn new(sight: &'a Sight<'a>, frustum: &'a Frustum, tessellation: Tessellation) -> Self {
+        Divider {
+            sight,
+            frustum,
+            tessellation,
+            density: sight.film().density(),
+        }
+    }
+
+    /// Makes the corner at `x` one of the vertices; none at the place of the camera.
+    fn corner(&self, x: DVec3, weights: [f64; 2], parts: &mut Parts) -> Option<Corner> {
+        let c = self.sight.optical(x);
+        let image = self.sight.image_of(c)?;
+        Some(Corner {
+            x,
+            c,
+            image,
+            weights,
+            scale: match self.tessellation {
+                Tessellation::Adaptive(_) => self.scale(c, &image),
+                _ => 0.0,
+            },
+            index: parts.add(weights, &image),
+        })
+    }
+
+    /// |c| |Δ/δ| in pixels.
+    fn scale(&self, c: DVec3, image: &Image) -> f64 {
+        let [width, height] = self.sight.film().size();
+        let near = |x: f64, size: f64| x > -0.5 * size && x < 1.5 * size;
+        let pixels = match (image.film_point(), self.sight.slide(image.film)) {
+            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => {
+                (u * u + v * v).sqrt()
+            }
+            _ => self.density * self.sight.turn(image),
+        };
+        c.length() * pixels
+    }
+
+    /// Into how many parts the edge is cut.
+    fn parts(&self, a: &Corner, b: &Corner) -> f64 {
+        match self.tessellation {
+            Tessellation::None => 1.0,
+            Tessellation::Uniform(length) => (a.x.distance(b.x) / length * SAME).ceil(),
+            Tessellation::Adaptive(pixels) => match (self.error(a, b) / pixels).sqrt().ceil() {
+                parts if parts > 3.0 => 2.0,
+                parts => parts,
+            },
+        }
+    }
+
+    /// Where the edge is cut, as a part of it from `a`; none where it stays whole.
+    fn cut(&self, a: &Corner, b: &Corner) -> Option<f64> {
+        let parts = self.parts(a, b);
+        // Not for NaN either.
+        (parts > 1.0).then(|| {
+            let first = (0.5 * parts).floor() / parts;
+            if comes_first(a.x, b.x) {
+                first
+            } else {
+                1.0 - first
+            }
+        })
+    }
+
+    /// A bound on how far points are drawn from their places, pixels. It is the same from either end.
+    fn error(&self, a: &Corner, b: &Corner) -> f64 {
+        let e = b.c - a.c;
+        let cross = a.c.cross(b.c).length_squared();
+        let between = a.c.dot(e) < 0.0 && b.c.dot(e) > 0.0;
+        let nearest = match between {
+            true => cross / e.length_squared(),
+            false => a.c.length_squared().min(b.c.length_squared()),
+        };
+        // |c|² of the nearest point, squared: one |c| for the scale.
+        4.0 / 3.0 / 8.0 * a.scale.max(b.scale) * cross / (nearest * nearest)
+    }
+
+    /// Divides the triangle with these corners, in the rest frame, into `parts`.
+    pub fn divide(&self, [a, b, c]: [DVec3; 3], parts: &mut Parts) {
+        let corners = (
+            self.corner(a, [0.0, 0.0], parts),
+            self.corner(b, [1.0, 0.0], parts),
+            self.corner(c, [0.0, 1.0], parts),
+        );
+        if let (Some(a), Some(b), Some(c)) = corners {
+            self.divide_by([a, b, c], DEEPEST, parts);
+        }
+    }
+
+    /// Of the edges opposite to each corner, where they are cut.
+    fn cuts(&self, [a, b, c]: &[Corner; 3]) -> [Option<f64>; 3] {
+        [self.cut(b, c), self.cut(c, a), self.cut(a, b)]
+    }
+
+    fn divide_by(&self, mut corners: [Corner; 3], depth: u32, parts: &mut Parts) {
+        let mut cuts = self.cuts(&corners);
+        let count = cuts.iter().flatten().count();
+        if count == 0 || depth == 0 {
+            return parts.keep(&corners, self.frustum);
+        }
+        if self
+            .frustum
+            .misses(self.sight, corners.map(|corner| corner.c))
+        {
+            return;
+        }
+        // Turned so that the one edge that differs from the others is opposite to the first corner.
+        let first = match count {
+            1 => cuts.iter().position(Option::is_some),
+            2 => cuts.iter().position(Option::is_none),
+            _ => None,
+        };
+        corners.rotate_left(first.unwrap_or(0));
+        cuts.rotate_left(first.unwrap_or(0));
+        let [a, b, c] = &corners;
+        let points = [
+            cuts[0].and_then(|at| self.between(b, c, at, parts)),
+            cuts[1].and_then(|at| self.between(c, a, at, parts)),
+            cuts[2].and_then(|at| self.between(a, b, at, parts)),
+        ];
+        let pieces = match points {
+            [Some(bc), None, None] => two(&corners, bc),
+            [None, Some(ca), Some(ab)] => three(&corners, ca, ab),
+            [Some(bc), Some(ca), Some(ab)] => four(&corners, bc, ca, ab),
+            _ => [None; 4],
+        };
+        for piece in pieces.into_iter().flatten() {
+            self.divide_by(piece, depth - 1, parts);
+        }
+    }
+
+    /// The corner after the part `at` of the edge, the same from either side of it.
+    fn between(&self, a: &Corner, b: &Corner, at: f64, parts: &mut Parts) -> Option<Corner> {
+        let (a, b, at) = match comes_first(a.x, b.x) {
+            true => (a, b, at),
+            false => (b, a, 1.0 - at),
+        };
+        if !parts.count_cut() {
+            return None;
+        }
+        let x = a.x + (b.x - a.x) * at;
+        let weights = [0, 1].map(|i| a.weights[i] + (b.weights[i] - a.weights[i]) * at);
+        self.corner(x, weights, parts)
+    }
+}
+
+/// Whether `a` has the lesser coordinates, the first that differ.
+fn comes_first(a: DVec3, b: DVec3) -> bool {
+    a.to_array() <= b.to_array()
+}
+
+/// Cut by a point of the edge opposite to the first corner.
+fn two([a, b, c]: &[Corner; 3], bc: Corner) -> Pieces {
+    [Some([*a, *b, bc]), Some([*a, bc, *c]), None, None]
+}
+
+/// Cut by points of the two edges at the first corner, and by the shorter diagonal.
+fn three([a, b, c]: &[Corner; 3], ca: Corner, ab: Corner) -> Pieces {
+    let [second, third] = match ab.x.distance_squared(c.x) <= ca.x.distance_squared(b.x) {
+        true => [[ab, *b, *c], [ab, *c, ca]],
+        false => [[ab, *b, ca], [*b, *c, ca]],
+    };
+    [Some([*a, ab, ca]), Some(second), Some(third), None]
+}
+
+fn four([a, b, c]: &[Corner; 3], bc: Corner, ca: Corner, ab: Corner) -> Pieces {
+    [
+        Some([*a, ab, ca]),
+        Some([ab, *b, bc]),
+        Some([ca, bc, *c]),
+        Some([ab, bc, ca]),
+    ]
+}

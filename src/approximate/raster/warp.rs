@@ -1,0 +1,113 @@
+//! Image-space warping: what a camera at rest sees from the event of the shot, in all directions, looked up
+//! by the aberrated directions of a camera in motion.
+//!
+//! The map holds what is met, not its radiance: that is worked out where it is looked up, by the ray
+//! tracer's own code. The event is the same, so that times of emission are right whatever the camera's
+//! velocity.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::bundle::{Bundle, Seeing};
+use super::draw::{Eye, Painter};
+use super::{Lookup, Map, Warp, moves};
+use crate::accel::Method;
+use crate::camera::Together;
+use crate::error::{Error, Result};
+use crate::render::film::Tile;
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
+use crate::spacetime::Direction;
+
+/// Texels of one batch of rays: part of a row, which is coherent.
+const RUN: u64 = 256;
+
+/// What is met in all directions from the event of the shot.
+#[derive(Debug)]
+pub(super) struct Warped {
+    map: Map,
+    lookup: Lookup,
+    texels: Vec<Option<Found>>,
+}
+
+impl Warped {
+    /// Traces all texels of the map that `warp` asks for.
+    pub fn new(scene: &Prepared, warp: &Warp, progress: &dyn Progress) -> Result<Self> {
+        let moving = scene.frames.iter().find(|f| !f.frame.velocity().is_rest());
+        if let Some(frame) = moving {
+            let object = frame.patches.first().map_or(0, |p| p.object);
+            return Err(moves(&format!("object {object}")));
+        }
+        let map = warp.map;
+        let event = scene.camera.shot.event;
+        let surfaces = Frames::new(&scene.frames, event, scene.ray_index);
+        let runs = map.texels().div_ceil(RUN);
+        let texels = (0..runs)
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, run| {
+                if progress.is_cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                let texels = run * RUN..map.texels().min((run + 1) * RUN);
+                let directions = texels.map(|t| map.direction(t));
+                Ok(met(&surfaces, directions, scene.method, scratch))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        Ok(Warped {
+            map,
+            lookup: warp.lookup,
+            texels: texels.into_iter().flatten().collect(),
+        })
+    }
+}
+
+fn met(
+    surfaces: &Frames,
+    directions: impl Iterator<Item = DVec3>,
+    method: Method,
+    scratch: &mut Scratch,
+) -> Vec<Option<Found>> {
+    let directions: Vec<_> = directions.collect();
+    let from = vec![Together; directions.len()];
+    let rays = Rays {
+        directions: &directions,
+        from: &from,
+        method,
+    };
+    surfaces.nearest(rays, scratch, &mut Unmetered::default());
+    (0..directions.len())
+        .map(|ray| scratch.found(ray))
+        .collect()
+}
+
+impl Painter for Warped {
+    type Space = ();
+
+    fn begin(&self, _: Tile, (): &mut ()) {}
+
+    fn paint(&self, eye: &Eye, tile: Tile, (): &mut (), bundle: &mut Bundle) {
+        for pixel in 0..tile.pixels() {
+            bundle.next_pixel();
+            let taps = self.map.taps(self.lookup, eye.direction(pixel).unit());
+            for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
+                bundle.add(self.seen(eye, pixel, texel), part);
+            }
+        }
+    }
+}
+
+impl Warped {
+    /// What a texel shows to a pixel's sample.
+    #[inline]
+    fn seen(&self, eye: &Eye, pixel: usize, texel: u32) -> Seeing {
+        let found = self.texels[texel as usize];
+        let d = Direction::from_unit(self.map.direction(texel.into()));
+        Seeing {
+            d: d.unit(),
+            delay: eye.index,
+            ratio: found.map_or(1.0, |found| eye.ratio(pixel, found.frame, d)),
+            found,
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! How fine a rasterizer has to tessellate, so that nothing is drawn farther than ε pixels from its place.
+//!
+//! A rasterizer that moves vertices to their apparent positions and joins them by straight edges draws a
+//! point Δ = v δ pixels off (see [`apparent`](crate::approximate::projection) for v and c). On an edge of rest length L that
+//! runs across the line of sight, and in a triangle none of whose edges is longer,
+//!
+//! ```text
+//! δ ≤ L²/(8 |c|)   on the edge,      δ ≤ L²/(6 |c|)   in the triangle,
+//! ```
+//!
+//! in vacuum; in a medium |c × Ce|²/|c|² for the direction e of the triangle's plane for which it is largest
+//! takes the place of 1, C being the map from rest coordinates to c. Δ holds both: what is across the edge
+//! bends outlines, what is along it makes textures and wave fronts slide. So the edge length that is needed
+//! where the camera sees a point is
+//!
+//! ```text
+//! L = √(6 ε |c| / |v|).
+//! ```
+//!
+//! Slivers need less where they lie along the line of sight. Of a triangle with longest edge along a and
+//! height h over it no piece reaches farther across a than h, so that with q(e) = |c × Ce|²/|c|³ also
+//!
+//! ```text
+//! δ ≤ (√q(a) L + √q(b) h)²/6,      b across a in its plane.
+//! ```
+//!
+//! [`forecast`] looks at the point behind the centre of each pixel, and takes the least L of each object: what
+//! the picture does not show needs no finer triangles. It is what `raster:uniform` takes.
+
+mod report;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::approximate::projection::{Observer, Sight};
+use crate::camera::Together;
+use crate::error::{Error, Result};
+use crate::render::film::Tile;
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
+use crate::scene::model::Scene;
+
+/// What tessellation a picture needs.
+#[derive(Debug, Clone, Serialize)]
+pub struct Forecast {
+    /// The scene's name.
+    pub scene: String,
+    /// The error that is allowed, pixels.
+    pub pixels: f64,
+    /// The objects that are seen, in the order of the scene.
+    pub objects: Vec<Needed>,
+}
+
+/// What tessellation an object needs.
+#[derive(Debug, Clone, Serialize)]
+pub struct Needed {
+    /// Index of the object in the scene.
+    pub object: u32,
+    /// Its name.
+    pub name: String,
+    /// How many pixels see it.
+    pub seen_by: u64,
+    /// The longest edge of all its triangles, metres in its rest frame.
+    pub longest_edge: f64,
+    /// How long edges may be for the error that is allowed, metres in its rest frame; none where any length
+    /// will do.
+    pub edge_length: Option<f64>,
+    /// Into how many parts the longest edge has to be cut for that.
+    pub parts: u64,
+    /// How often, where edges are only ever halved.
+    pub halvings: u32,
+    /// Where the shortest edges are needed.
+    pub worst: Worst,
+}
+
+/// Where the shortest edges are needed.
+#[derive(Debug, Clone, Serialize)]
+pub struct Worst {
+    /// Index of the triangle in its object.
+    pub triangle: u32,
+    /// Column and row of the pixel.
+    pub pixel: [u32; 2],
+    /// The place on the object, metres in its own coordinates.
+    pub place: [f64; 3],
+    /// How far points may be drawn from their places there, with edges as long as the longest, pixels.
+    pub untessellated: f64,
+}
+
+/// What a pixel sees.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    found: Found,
+    pixel: [u32; 2],
+    bend: Bend,
+}
+
+/// How errors there grow with the edge length: √(6 δ) per metre times the square root of |v|.
+#[derive(Debug, Clone, Copy)]
+struct Bend {
+    /// In the direction for which it is largest.
+    most: f64,
+    /// Along the longest edge.
+    along: f64,
+    /// Across it, times the height: pixels to the power of ½.
+    height: f64,
+}
+
+impl Bend {
+    /// The length that edges may have for an error of `pixels`, metres.
+    fn length(self, pixels: f64) -> f64 {
+        let allowed = (6.0 * pixels).sqrt();
+        let sliver = (allowed - self.height) / self.along;
+        // 0/0 is no length.
+        (allowed / self.most).max(if sliver > 0.0 { sliver } else { 0.0 })
+    }
+
+    /// The error with edges of `length` metres, pixels.
+    fn error(self, length: f64) -> f64 {
+        let root = (self.most * length).min(self.along * length + self.height);
+        root * root / 6.0
+    }
+}
+
+/// Foretells which edge lengths keep all that `scene`, prepared as `prepared`, shows within `pixels` of its
+/// place.
+///
+/// # Errors
+/// As [`Observer::of`] and [`Observer::sight`]; [`Error::Cancelled`] when `progress` says so.
+pub fn forecast(
+    scene: &Scene,
+    prepared: &Prepared,
+    pixels: f64,
+    progress: &dyn Progress,
+) -> Result<Forecast> {
+    let observer = Observer::new(prepared)?;
+    let sights = prepared.frames.iter().map(|f| observer.sight(&f.frame));
+    let sights = sights.collect::<Result<Vec<_>>>()?;
+    let samples = samples(prepared, &sights, progress)?;
+    let objects = (0..scene.objects.len() as u32)
+        .filter_map(|object| Needed::of(scene, prepared, object, &samples, pixels))
+        .collect();
+    Ok(Forecast {
+        scene: scene.name.clone(),
+        pixels,
+        objects,
+    })
+}
+
+/// What the centres of all pixels see, row by row within tiles.
+fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Result<Vec<Sample>> {
+    let size = prepared.layout.size;
+    let event = prepared.camera.shot.event;
+    let surfaces = Frames::new(&prepared.frames, event, prepared.ray_index);
+    let tile = |scratch: &mut Scratch, index: u64| {
+        if progress.is_cancelled() {
+            return Err(Error::Cancelled);
+        }
+        let tile = Tile::of_image(size, index);
+        let centre = |(column, row): (u32, u32)| [column, row].map(|p| f64::from(p) + 0.5);
+        let look = |[x, y]: [f64; 2]| prepared.camera.view.look(x, y, 0.0).d.unit();
+        let directions: Vec<_> = tile.coordinates().map(centre).map(look).collect();
+        let from = vec![Together; directions.len()];
+        let rays = Rays {
+            directions: &directions,
+            from: &from,
+            method: prepared.method,
+        };
+        surfaces.nearest(rays, scratch, &mut Unmetered::default());
+        progress.rays_done(tile.pixels() as u64);
+        let met = tile
+            .coordinates()
+            .enumerate()
+            .filter_map(|(ray, (column, row))| {
+                let found = scratch.found(ray)?;
+                let bend = bend(prepared, &sights[found.frame as usize], found)?;
+                Some(Sample {
+                    found,
+                    pixel: [column, row],
+                    bend,
+                })
+            });
+        Ok(met.collect::<Vec<_>>())
+    };
+    let tiles = (0..Tile::count(size))
+        .into_par_iter()
+        .map_init(Scratch::default, tile)
+        .collect::<Result<Vec<_>>>()?;
+    Ok(tiles.into_iter().flatten().collect())
+}
+
+/// Where the ray met the triangle, metres in the rest frame.
+fn place(prepared: &Prepared, found: Found) -> DVec3 {
+    let rest = &prepared.frames[found.frame as usize];
+    let [a, b, c] = rest.bvh.corners(found.hit.slot);
+    a + (b - a) * found.hit.u + (c - a) * found.hit.v
+}
+
+/// How errors grow in the triangle that was met; none behind the camera.
+fn bend(prepared: &Prepared, sight: &Sight, found: Found) -> Option<Bend> {
+    let bvh = &prepared.frames[found.frame as usize].bvh;
+    let [p, q, r] = bvh.corners(found.hit.slot);
+    let edges = [q - p, r - q, p - r];
+    let longer = |a: DVec3, b: DVec3| {
+        if b.length_squared() > a.length_squared() {
+            b
+        } else {
+            a
+        }
+    };
+    let longest = edges.into_iter().fold(DVec3::ZERO, longer);
+    let height = edges[0].cross(edges[1]).length() / longest.length();
+    let x = place(prepared, found);
+    let c = sight.optical(x);
+    let along = longest.normalize();
+    let across = bvh.normal(&found.hit).cross(along);
+    // c × Ce for unit vectors e of the plane: the largest is the greater eigenvalue of their products.
+    let turned = |e: DVec3| c.cross(sight.optical(x + e) - c) / c.length();
+    let (u, v) = (turned(along), turned(across));
+    let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+    let greatest = 0.5 * (uu + vv) + (0.25 * (uu - vv) * (uu - vv) + uv * uv).sqrt();
+    let [dx, dy] = sight.slide(sight.image_of(c)?.film)?;
+    let pixels = (dx * dx + dy * dy).sqrt() / c.length();
+    let bend = Bend {
+        most: (pixels * greatest).sqrt(),
+        along: (pixels * uu).sqrt(),
+        height: (pixels * vv).sqrt() * height,
+    };
+    bend.most.is_finite().then_some(bend)
+}
+
+impl Needed {
+    /// None for an object that no pixel sees.
+    fn of(
+        scene: &Scene,
+        prepared: &Prepared,
+        object: u32,
+        samples: &[Sample],
+        pixels: f64,
+    ) -> Option<Needed> {
+        let is_of = |s: &&Sample| {
+            let rest = &prepared.frames[s.found.frame as usize];
+            rest.patch(s.found.hit.triangle).object == object
+        };
+        let mut seen_by = 0;
+        let worst = samples.iter().filter(is_of).inspect(|_| seen_by += 1);
+        // Of equals the first.
+        let length = |s: &Sample| s.bend.length(pixels);
+        let worst = worst.reduce(|worst, s| if length(s) < length(worst) { s } else { worst })?;
+        let rest = &prepared.frames[worst.found.frame as usize];
+        let patch = rest.patch(worst.found.hit.triangle);
+        let longest_edge = longest_edge(prepared, worst.found.frame, object);
+        let edge_length = Some(length(worst)).filter(|l| l.is_finite());
+        let parts = (longest_edge / edge_length.unwrap_or(f64::INFINITY))
+            .ceil()
+            .max(1.0);
+        Some(Needed {
+            object,
+            name: scene.objects[object as usize].name.clone(),
+            seen_by,
+            longest_edge,
+            edge_length,
+            parts: parts as u64,
+            halvings: parts.log2().ceil() as u32,
+            worst: Worst {
+                triangle: worst.found.hit.triangle - patch.object_first,
+                pixel: worst.pixel,
+                place: (place(prepared, worst.found) - patch.object_origin.x).to_array(),
+                untessellated: worst.bend.error(longest_edge),
+            },
+        })
+    }
+}
+
+/// The longest edge of an object's triangles, metres.
+fn longest_edge(prepared: &Prepared, frame: u32, object: u32) -> f64 {
+    let rest = &prepared.frames[frame as usize];
+    let square = |slot: u32| {
+        let [a, b, c] = rest.bvh.corners(slot);
+        let edges = [
+            a.distance_squared(b),
+            b.distance_squared(c),
+            c.distance_squared(a),
+        ];
+        edges.into_iter().fold(0.0, f64::max)
+    };
+    let slots = (0..rest.bvh.len() as u32).into_par_iter();
+    let own = slots.filter(|slot| rest.patch(rest.bvh.triangle(*slot).0).object == object);
+    // The greatest of numbers is the same in any order.
+    own.map(square).reduce(|| 0.0, f64::max).sqrt()
+}

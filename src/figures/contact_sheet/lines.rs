@@ -1,0 +1,93 @@
+//! Lines of text: lettered, broken at spaces, one beneath the other.
+
+use super::Line;
+use crate::error::Result;
+use crate::figures::text::{self, Label};
+
+/// From one baseline to the next, as a multiple of the size of the type.
+pub(super) const LEADING: f64 = 1.3;
+/// From the top of a line of text to its baseline, as a multiple of its size.
+const ASCENT: f64 = 0.95;
+
+/// A line and its width.
+pub(super) type Measured = (String, f64);
+
+/// Lines one beneath the other, centred, from the top at `y` on.
+pub(super) fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec<Line> {
+    let place = |(number, (text, width)): (usize, Measured)| Line {
+        text,
+        middle: [x, y + (ASCENT + LEADING * number as f64) * size],
+        size,
+        width,
+    };
+    measured.into_iter().enumerate().map(place).collect()
+}
+
+/// The label of panel `index`, with its letter where there are several panels.
+pub(super) fn lettered(index: usize, count: usize, label: &str) -> String {
+    if count == 1 {
+        return label.to_string();
+    }
+    format!("({}) {label}", letters(index))
+}
+
+/// a, b, …, z, aa, ab, …
+fn letters(index: usize) -> String {
+    let last = char::from(b'a' + (index % 26) as u8);
+    match index / 26 {
+        0 => last.to_string(),
+        before => letters(before - 1) + &last.to_string(),
+    }
+}
+
+fn width(text: &str, size: f64) -> Result<f64> {
+    text::width(&Label::new(text), size)
+}
+
+pub(super) fn widest_word(text: &str, size: f64) -> Result<f64> {
+    let mut widest: f64 = 0.0;
+    for word in text.split_whitespace() {
+        widest = widest.max(width(word, size)?);
+    }
+    Ok(widest)
+}
+
+/// The text in lines of at most `room` pixels, broken at spaces.
+pub(super) fn broken(text: &str, size: f64, room: f64) -> Result<Vec<Measured>> {
+    let mut lines: Vec<Measured> = Vec::new();
+    for word in text.split_whitespace() {
+        if let Some((line, line_width)) = lines.last_mut() {
+            let longer = format!("{line} {word}");
+            let longer_width = width(&longer, size)?;
+            if longer_width <= room {
+                (*line, *line_width) = (longer, longer_width);
+                continue;
+            }
+        }
+        lines.push((word.to_string(), width(word, size)?));
+    }
+    Ok(lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!(
+            [0, 25, 26, 27, 51, 52].map(letters),
+            ["a", "z", "aa", "ab", "az", "ba"]
+        );
+    }
+
+    #[test]
+    fn lines_are_broken_at_spaces_and_fit() {
+        let lines = broken("one two  three four", 10.0, 45.0).unwrap();
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|(_, width)| *width <= 45.0), "{lines:?}");
+        let words: Vec<_> = lines.iter().map(|(text, _)| text.as_str()).collect();
+        assert_eq!(words.join(" "), "one two three four");
+        assert!(broken("", 10.0, 45.0).unwrap().is_empty());
+    }
+}

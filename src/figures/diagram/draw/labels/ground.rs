@@ -1,0 +1,109 @@
+//! What is on the page before the labels.
+
+use super::geometry::{around, crosses, distance, is_inside};
+use crate::figures::drawing::Colour;
+use crate::figures::text::Rect;
+
+const OUTSIDE: f64 = 300.0;
+const ON_DOT: f64 = 60.0;
+const ON_LINE: f64 = 11.0;
+/// The most lines that count.
+const MOST_LINES: f64 = 8.0;
+
+/// Lines, dots and areas, in points.
+pub(in crate::figures::diagram::draw) struct Ground {
+    page: Rect,
+    background: Colour,
+    dots: Vec<Rect>,
+    lines: Vec<Line>,
+    areas: Vec<(Vec<[f64; 2]>, Colour)>,
+}
+
+struct Line {
+    points: Vec<[f64; 2]>,
+    /// The box around it.
+    bounds: Rect,
+    /// How much it disturbs a label; 1 for a line that is black or broad.
+    weight: f64,
+}
+
+impl Ground {
+    pub fn new(width: f64, height: f64, background: Colour) -> Self {
+        Ground {
+            page: Rect {
+                min: [1.0; 2],
+                max: [width - 1.0, height - 1.0],
+            },
+            background,
+            dots: Vec::new(),
+            lines: Vec::new(),
+            areas: Vec::new(),
+        }
+    }
+
+    /// A line that labels keep off.
+    pub fn line(&mut self, points: Vec<[f64; 2]>, weight: f64) {
+        self.lines.push(Line {
+            bounds: around(&points),
+            points,
+            weight,
+        });
+    }
+
+    /// A dot that labels keep off.
+    pub fn dot(&mut self, [x, y]: [f64; 2], radius: f64) {
+        self.dots.push(Rect {
+            min: [x - radius, y - radius],
+            max: [x + radius, y + radius],
+        });
+    }
+
+    /// A shaded area, over those before.
+    pub fn area(&mut self, edge: Vec<[f64; 2]>, colour: Colour) {
+        self.areas.push((edge, colour));
+    }
+
+    /// What a label costs whose ink is in `rect`, and which keeps `airy` free.
+    pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
+        let dots = self.dots.iter().filter(|dot| distance(airy, **dot) == 0.0);
+        let lines = self.crossing(airy).map(|line| line.weight).sum::<f64>();
+        let inside =
+            (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
+        let outside = if inside { 0.0 } else { OUTSIDE };
+        ON_DOT * dots.count() as f64 + ON_LINE * lines.min(MOST_LINES) + outside
+    }
+
+    /// Whether a line goes through a rectangle.
+    pub fn is_crossed(&self, rect: Rect) -> bool {
+        self.crossing(rect).next().is_some()
+    }
+
+    fn crossing(&self, rect: Rect) -> impl Iterator<Item = &Line> {
+        let near = move |line: &&Line| distance(line.bounds, rect) == 0.0;
+        let through = move |line: &&Line| {
+            let pairs = line.points.iter().zip(line.points.iter().skip(1));
+            pairs.into_iter().any(|(a, b)| crosses(rect, *a, *b))
+        };
+        self.lines.iter().filter(near).filter(through)
+    }
+
+    /// The colour of the ground under the middle of a rectangle.
+    pub fn colour(&self, rect: Rect) -> Colour {
+        let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
+        let under = self
+            .areas
+            .iter()
+            .filter(|(edge, _)| is_inside(middle, edge));
+        under.fold(self.background, |ground, (_, colour)| over(*colour, ground))
+    }
+}
+
+/// What is seen of `ground` through `colour`.
+fn over(colour: Colour, ground: Colour) -> Colour {
+    let alpha = f64::from(colour.alpha) / 255.0;
+    let mix = |i: usize| {
+        let [a, b] = [colour.rgb[i], ground.rgb[i]].map(f64::from);
+        (alpha * a + (1.0 - alpha) * b).round() as u8
+    };
+    Colour::rgb(mix(0), mix(1), mix(2))
+}

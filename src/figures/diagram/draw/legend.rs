@@ -1,0 +1,48 @@
+//! A line and its name for each world line, below the panels.
+
+use super::layers::line_colour;
+use super::page::Page;
+use super::theme::Theme;
+use crate::error::Result;
+use crate::figures::diagram::layout::Layout;
+use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Item, Path, Text};
+use crate::figures::text::RichText;
+
+/// Lines that a legend has: those with labels, of the first panel.
+fn entries(layout: &Layout) -> impl Iterator<Item = (usize, &str)> {
+    let panels = layout.panels.first().into_iter();
+    let lines = panels.flat_map(|panel| &panel.world_lines);
+    let labelled = lines
+        .enumerate()
+        .map(|(i, line)| (i, line.label.as_deref()));
+    labelled.filter_map(|(i, label)| Some((i, label?)))
+}
+
+/// Points.
+pub(super) fn height(layout: &Layout, theme: &Theme) -> f64 {
+    1.5 * theme.size * (entries(layout).count() as f64 + 0.5)
+}
+
+pub(super) fn items(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {
+    let mut items = Vec::new();
+    let Some(panel) = layout.panels.first() else {
+        return Ok(items);
+    };
+    let top = page.height - height(layout, theme);
+    for (row, (i, label)) in entries(layout).enumerate() {
+        let colour = line_colour(panel, theme, i);
+        let y = top + 1.5 * theme.size * (row as f64 + 0.5);
+        let x = 2.0 * theme.size;
+        let path = Path::line([x, y], [x + 28.0, y]);
+        items.push(Item::stroked(path, theme.world_line(i, colour)));
+        items.push(Item::Text(Text {
+            anchor: Anchor {
+                x: AnchorX::Start,
+                y: AnchorY::Middle,
+            },
+            colour: theme.ink,
+            ..Text::new(RichText::parse(label)?, [x + 34.0, y], theme.size)
+        }));
+    }
+    Ok(items)
+}

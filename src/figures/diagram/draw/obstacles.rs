@@ -1,0 +1,100 @@
+//! What labels keep off.
+
+use super::labels::Ground;
+use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
+use super::page::Map;
+use super::theme::Theme;
+use crate::figures::diagram::layout::{Panel, Tick};
+
+/// How much a label is disturbed by thin lines, and by the faint ones of a grid.
+const THIN: f64 = 0.8;
+const FAINT: f64 = 0.15;
+/// Of the head of a signal's arrow, points.
+const HEAD: f64 = 3.0;
+
+/// Tells `ground` of all that is drawn of a panel.
+pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
+    areas(ground, panel, map, theme);
+    lines(ground, panel, map);
+    thin_lines(ground, panel, map);
+    solids(ground, panel, map);
+    for line in &panel.grid {
+        ground.line(map.points(&line.ends), FAINT);
+    }
+    for event in panel.events.iter().filter(|event| event.dot) {
+        ground.dot(map.at(event.at), DOT * theme.width);
+    }
+    for bead in panel.now.iter().flat_map(|now| &now.beads) {
+        ground.dot(map.at(bead.at), BEAD * theme.width);
+    }
+    for signal in &panel.signals {
+        if let Some(head) = head(map, signal.ends) {
+            ground.dot(map.at(head), HEAD);
+        }
+    }
+}
+
+fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
+    for cone in &panel.cones {
+        for edge in &cone.inside {
+            ground.area(map.points(edge), cone_fill(theme));
+        }
+    }
+    for area in &panel.areas {
+        ground.area(map.points(&area.edge), area_fill(panel, theme, area));
+    }
+}
+
+/// World lines and axes, with their ticks.
+fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
+    for line in &panel.world_lines {
+        ground.line(map.points(&line.curve.points), 1.0);
+        for tick in &line.ticks {
+            ground.line(across(map, tick).into(), 1.0);
+        }
+    }
+    let axes = panel.axes.iter();
+    let axes = axes.flat_map(|axes| [&axes.time, &axes.space].into_iter().chain(&axes.depth));
+    for axis in axes {
+        ground.line(map.points(&axis.ends), 1.0);
+        for tick in &axis.ticks {
+            ground.line(across(map, tick).into(), 1.0);
+        }
+    }
+}
+
+/// The ends of a tick, on the page.
+fn across(map: &Map, tick: &Tick) -> [[f64; 2]; 2] {
+    let [x, y] = map.at(tick.at);
+    let [right, up] = tick.along.page();
+    let half = TICK / up.hypot(right).max(f64::MIN_POSITIVE);
+    [-half, half].map(|half| [x + half * up, y + half * right])
+}
+
+fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
+    let segments = panel.signals.iter().chain(&panel.slices);
+    let segments = segments.chain(&panel.arrows).map(|segment| segment.ends);
+    let intervals = panel.intervals.iter().map(|interval| interval.ends);
+    let now = panel.now.iter().map(|now| now.ends);
+    let rays = panel.cones.iter().flat_map(|cone| &cone.rays);
+    let horizons = panel.areas.iter().flat_map(|area| &area.horizons);
+    let straight = segments.chain(intervals).chain(now);
+    let straight = straight.chain(rays.chain(horizons).copied());
+    for ends in straight {
+        ground.line(map.points(&ends), THIN);
+    }
+    for hyperbola in &panel.hyperbolae {
+        ground.line(map.points(&hyperbola.curve.points), THIN);
+    }
+}
+
+/// The outlines of cones and planes in a room.
+fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
+    for nappe in panel.cones.iter().flat_map(|cone| &cone.nappes) {
+        ground.line(map.points(&nappe.outline()), 1.0);
+        ground.line(map.points(&nappe.near), 1.0);
+    }
+    for plane in &panel.planes {
+        ground.line(map.points(&plane.corners), THIN);
+    }
+}

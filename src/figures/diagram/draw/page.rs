@@ -1,0 +1,105 @@
+//! Where a panel is on its page.
+
+use crate::figures::diagram::layout::{Panel, Point};
+use crate::figures::drawing::Path;
+use crate::figures::text::Rect;
+use crate::scene::model::diagram::Style;
+
+/// Width of a view, points: 120 mm.
+const WIDTH: f64 = 340.0;
+/// The highest view, in parts of its width.
+const HIGHEST: f64 = 1.3;
+
+/// The page, in points.
+pub(super) struct Page {
+    pub width: f64,
+    pub height: f64,
+    pub frames: Vec<Map>,
+}
+
+/// The place of a panel: page coordinates from the diagram's.
+pub(super) struct Map {
+    /// The rectangle, in the diagram's unit: from left to right, and from bottom to top.
+    page: [[f64; 2]; 2],
+    left: f64,
+    top: f64,
+    /// Points of a unit, the same for ct and x.
+    pub scale: f64,
+}
+
+impl Page {
+    /// A page for `panels`, with `head` points above and `foot` below them.
+    pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
+        let count = panels.len().max(1) as f64;
+        let em = style.font_size;
+        // The axes of a room are along its edges, and their labels beyond.
+        let room = panels.iter().any(|panel| panel.solid.is_some());
+        let below = if room { 2.6 * em } else { 1.2 * em };
+        let side = if room { 2.8 * em } else { 1.8 * em };
+        // Views side by side are named above.
+        let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
+        let above = 1.1 * em + names;
+        let width = style.width.unwrap_or(WIDTH * count);
+        let cell = width / count;
+        let width_left = (cell - 2.0 * side).max(1.0);
+        let highest = match style.height {
+            Some(height) => (height - head - foot - above - below).max(1.0),
+            None => HIGHEST * width_left,
+        };
+        let scale = |panel: &Panel| {
+            let [w, h] = extent(panel);
+            (width_left / w).min(highest / h)
+        };
+        let heights = panels.iter().map(|panel| extent(panel)[1] * scale(panel));
+        let tallest = heights.fold(0.0, f64::max);
+        let frames = panels.iter().enumerate().map(|(i, panel)| {
+            let w = extent(panel)[0] * scale(panel);
+            Map {
+                page: panel.page(),
+                left: cell * (i as f64 + 0.5) - 0.5 * w,
+                top: head + above,
+                scale: scale(panel),
+            }
+        });
+        Page {
+            frames: frames.collect(),
+            width,
+            height: style
+                .height
+                .unwrap_or(head + above + tallest + below + foot),
+        }
+    }
+}
+
+/// Width and height on the page, in the diagram's unit.
+fn extent(panel: &Panel) -> [f64; 2] {
+    panel.page().map(|[from, to]| to - from)
+}
+
+impl Map {
+    pub fn at(&self, p: Point) -> [f64; 2] {
+        let [right, up] = p.page();
+        let [[left, _], [_, top]] = self.page;
+        [
+            self.left + (right - left) * self.scale,
+            self.top + (top - up) * self.scale,
+        ]
+    }
+
+    /// The panel's rectangle.
+    pub fn rect(&self) -> Rect {
+        let [width, height] = self.page.map(|[from, to]| (to - from) * self.scale);
+        Rect {
+            min: [self.left, self.top],
+            max: [self.left + width, self.top + height],
+        }
+    }
+
+    pub fn points(&self, points: &[Point]) -> Vec<[f64; 2]> {
+        points.iter().map(|p| self.at(*p)).collect()
+    }
+
+    pub fn polyline(&self, points: &[Point]) -> Path {
+        Path::polyline(&self.points(points))
+    }
+}

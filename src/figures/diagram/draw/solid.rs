@@ -1,0 +1,254 @@
+//! 2+1 dimensions: the floor, cones, planes, and what these hide.
+//!
+//! All surfaces are translucent. What is behind one is drawn paler, so that it reads as behind, and the rim of
+//! a past cone is dashed where the cone hides it.
+
+use super::layers::{Pen, frame_colour, line_colour};
+use super::page::Map;
+use super::theme::Theme;
+use crate::figures::diagram::layout::{Nappe, Panel, Plane, Point};
+use crate::figures::drawing::{Colour, Item, Path, Stroke};
+use crate::scene::model::diagram::Colour as Name;
+
+/// Opacity of lines behind a surface, of 255.
+const BEHIND: u8 = 95;
+/// Pieces in which lines are looked at, and halvings at the edge of what hides them.
+const PIECES: u32 = 96;
+const HALVINGS: u32 = 12;
+/// Every so many points of a rim there is a generator.
+const GENERATOR: usize = 8;
+
+/// The colour of a plane: what it says, or that of its frame; grey for the view's own.
+fn plane_colour(panel: &Panel, theme: &Theme, plane: &Plane) -> Colour {
+    let own = panel
+        .axes
+        .first()
+        .is_some_and(|axes| axes.frame == plane.frame);
+    match plane.colour {
+        Some(name) => theme.colour(name),
+        None if own => theme.colour(Name::Grey),
+        None => frame_colour(panel, theme, plane.frame),
+    }
+}
+
+/// A text, its colour, and the points of the page that it may stand beside.
+type Wording<'a> = (&'a str, Colour, Vec<[f64; 2]>);
+
+/// What stands beside planes: at their corners, or half way between these.
+pub(super) fn plane_labels<'a>(
+    panel: &'a Panel,
+    map: &'a Map,
+    theme: &'a Theme,
+) -> impl Iterator<Item = Wording<'a>> {
+    panel.planes.iter().filter_map(move |plane| {
+        let after = plane.corners.iter().cycle().skip(1);
+        let middles = plane.corners.iter().zip(after);
+        let middles = middles.map(|(a, b)| a.plus(0.5, b.from(*a)));
+        let corners = plane.corners.iter().copied().chain(middles);
+        let anchors = corners.map(|corner| map.at(corner)).collect();
+        Some((
+            plane.label.as_deref()?,
+            plane_colour(panel, theme, plane),
+            anchors,
+        ))
+    })
+}
+
+impl Pen<'_> {
+    /// The floor, and what is straight below things.
+    pub fn floor(&self) -> Vec<Item> {
+        let Some(solid) = &self.panel.solid else {
+            return Vec::new();
+        };
+        let ink = self.theme.ink;
+        let thin = |colour: Colour, width: f64| Stroke::new(colour, width * self.theme.width);
+        let floor = self.polygon(&solid.floor);
+        let mut items = vec![Item::filled(floor.clone(), ink.with_alpha(9))];
+        let grid = solid.grid.iter();
+        items.extend(grid.map(|line| self.line(*line, thin(ink.with_alpha(38), 0.3))));
+        items.push(Item::stroked(floor, thin(ink.with_alpha(90), 0.35)));
+        for (i, shadow) in solid.shadows.iter().enumerate() {
+            let colour = line_colour(self.panel, self.theme, i).with_alpha(120);
+            items.push(Item::stroked(
+                self.map.polyline(&shadow.points),
+                thin(colour, 0.55),
+            ));
+            // What rests is above one point.
+            let foot = shadow
+                .points
+                .first()
+                .map(|p| Path::circle(self.map.at(*p), self.theme.width));
+            let rests = shadow.points.first() == shadow.points.last();
+            items.extend(
+                foot.filter(|_| rests)
+                    .map(|foot| Item::filled(foot, colour)),
+            );
+        }
+        let light = self.theme.light.with_alpha(150);
+        items.extend(
+            solid
+                .light
+                .iter()
+                .map(|way| self.line(*way, thin(light, 0.45))),
+        );
+        let drop = thin(ink.with_alpha(110), 0.3).dashed([1.5, 1.8]);
+        for drop_line in &solid.drops {
+            items.push(self.line(*drop_line, drop.clone()));
+            let foot = Path::circle(self.map.at(drop_line[1]), 0.75 * self.theme.width);
+            items.push(Item::filled(foot, ink.with_alpha(120)));
+        }
+        items
+    }
+
+    /// Cones and planes: pasts, then what is simultaneous, then futures, since each is seen from above.
+    pub fn solids(&self) -> Vec<Item> {
+        let nappes = self.panel.cones.iter().flat_map(|cone| &cone.nappes);
+        let (past, future): (Vec<_>, Vec<_>) = nappes.partition(|nappe| nappe.height < 0.0);
+        let mut items: Vec<Item> = past
+            .into_iter()
+            .flat_map(|nappe| self.nappe(nappe))
+            .collect();
+        items.extend(self.planes());
+        items.extend(future.into_iter().flat_map(|nappe| self.nappe(nappe)));
+        items
+    }
+
+    /// The side behind, then that in front.
+    fn nappe(&self, nappe: &Nappe) -> Vec<Item> {
+        let light = self.theme.light;
+        let stroke =
+            |alpha: u8, width: f64| Stroke::new(light.with_alpha(alpha), width * self.theme.width);
+        // A past cone, seen from above, hides the farther side of its rim.
+        let is_past = nappe.height < 0.0;
+        let far_rim = match is_past {
+            true => stroke(170, 0.5).dashed([3.0, 2.4]),
+            false => stroke(255, 0.6),
+        };
+        let mut items = self.side(nappe, &nappe.far, 26, stroke(60, 0.25));
+        items.push(Item::stroked(self.map.polyline(&nappe.far), far_rim));
+        items.extend(self.side(nappe, &nappe.near, 44, stroke(110, 0.3)));
+        items.push(Item::stroked(
+            self.map.polyline(&nappe.near),
+            stroke(255, 0.6),
+        ));
+        items.push(Item::stroked(
+            self.map.polyline(&nappe.outline()),
+            stroke(255, 0.6),
+        ));
+        items
+    }
+
+    /// A side of a mantle, with some of its light rays.
+    fn side(&self, nappe: &Nappe, rim: &[Point], alpha: u8, ray: Stroke) -> Vec<Item> {
+        let mut edge = vec![nappe.apex];
+        edge.extend_from_slice(rim);
+        let fill = self.theme.light.with_alpha(alpha);
+        let mut items = vec![Item::filled(self.polygon(&edge), fill)];
+        let inner = rim
+            .iter()
+            .enumerate()
+            .skip(1)
+            .take(rim.len().saturating_sub(2));
+        let rays = inner.filter(|(i, _)| i % GENERATOR == 0);
+        items.extend(rays.map(|(_, p)| self.line([nappe.apex, *p], ray.clone())));
+        items
+    }
+
+    fn planes(&self) -> Vec<Item> {
+        let planes = self.panel.planes.iter().flat_map(|plane| {
+            let colour = plane_colour(self.panel, self.theme, plane);
+            let path = self.polygon(&plane.corners);
+            let edge = Stroke::new(colour.with_alpha(150), 0.4 * self.theme.width);
+            [
+                Item::filled(path.clone(), colour.with_alpha(34)),
+                Item::stroked(path, edge),
+            ]
+        });
+        planes.collect()
+    }
+
+    /// A line, paler where it is behind a cone or a plane.
+    pub fn strokes(&self, points: &[Point], stroke: &Stroke) -> Vec<Item> {
+        let has_surfaces = !self.panel.planes.is_empty()
+            || self.panel.cones.iter().any(|cone| !cone.nappes.is_empty());
+        if !has_surfaces {
+            return vec![Item::stroked(self.map.polyline(points), stroke.clone())];
+        }
+        let pale = Stroke {
+            colour: stroke.colour.with_alpha(BEHIND),
+            ..stroke.clone()
+        };
+        let parts = self.parts(points).into_iter();
+        let item = |(hidden, part): (bool, Vec<Point>)| {
+            let stroke = if hidden { &pale } else { stroke };
+            Item::stroked(self.map.polyline(&part), stroke.clone())
+        };
+        parts.map(item).collect()
+    }
+
+    /// The parts of a line that are behind something, and those that are not.
+    fn parts(&self, points: &[Point]) -> Vec<(bool, Vec<Point>)> {
+        let mut parts: Vec<(bool, Vec<Point>)> = Vec::new();
+        let count = (PIECES / points.len().max(1) as u32).max(1);
+        for pair in points.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            for k in 0..count {
+                let at = |part: f64| a.plus(part / f64::from(count), b.from(a));
+                let (from, to) = (at(f64::from(k)), at(f64::from(k + 1)));
+                self.add_piece(&mut parts, from, to);
+            }
+        }
+        parts
+    }
+
+    /// Adds a short piece, cut in two where it goes behind something or comes out.
+    fn add_piece(&self, parts: &mut Vec<(bool, Vec<Point>)>, from: Point, to: Point) {
+        let before = parts
+            .last()
+            .map_or_else(|| self.is_hidden(from), |part| part.0);
+        if parts.is_empty() {
+            parts.push((before, vec![from]));
+        }
+        let after = self.is_hidden(to);
+        if after != before {
+            let edge = self.edge(from, to, before);
+            parts
+                .iter_mut()
+                .last()
+                .into_iter()
+                .for_each(|part| part.1.push(edge));
+            parts.push((after, vec![edge]));
+        }
+        parts
+            .iter_mut()
+            .last()
+            .into_iter()
+            .for_each(|part| part.1.push(to));
+    }
+
+    /// Where between two points what was `before` changes.
+    fn edge(&self, from: Point, to: Point, before: bool) -> Point {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.is_hidden(from.plus(middle, to.from(from))) == before {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        from.plus(high, to.from(from))
+    }
+
+    /// Whether a cone or a plane is before a point. What is on one of them is not behind it.
+    fn is_hidden(&self, p: Point) -> bool {
+        let [width, height] = self.panel.limits.size();
+        let clearance = 1e-6 * (width + height);
+        let nappes = self.panel.cones.iter().flat_map(|cone| &cone.nappes);
+        nappes.into_iter().any(|nappe| nappe.hides(p, clearance))
+            || self
+                .panel
+                .planes
+                .iter()
+                .any(|plane| plane.hides(p, clearance))
+    }
+}

@@ -1,0 +1,343 @@
+//! What labels a panel has, and where each may stand.
+
+use super::labels::{AROUND, Request};
+use super::layers::{area_colour, frame_colour, is_inner, line_colour};
+use super::page::Map;
+use super::solid;
+use super::theme::Theme;
+use crate::figures::diagram::layout::{Panel, Placed, Point, Segment, Tick};
+use crate::figures::drawing::Colour;
+use crate::scene::model::diagram::{Colour as Name, Style};
+
+/// Size of numbers at ticks, in parts of the type's.
+const SMALL: f64 = 0.8;
+/// Distances of a label from what it names, points.
+const NEAR: [f64; 4] = [4.5, 7.0, 11.0, 20.0];
+/// Beside the upper end of a line first.
+const ALONG: [f64; 9] = [0.93, 0.85, 0.97, 0.77, 0.68, 0.58, 0.48, 0.35, 0.2];
+/// Beside the middle of a segment first.
+const MIDDLE: [f64; 7] = [0.5, 0.42, 0.58, 0.34, 0.66, 0.25, 0.75];
+
+/// The labels of a panel, the most important first.
+pub(super) fn of(
+    panel: &Panel,
+    map: &Map,
+    theme: &Theme,
+    style: &Style,
+    named: bool,
+) -> Vec<Request> {
+    let words = Words { panel, map, theme };
+    let mut all = words.axes(named);
+    all.extend(words.events());
+    all.extend(words.readings());
+    if style.ticks {
+        all.extend(words.ticks());
+    }
+    all.extend(words.texts());
+    if !style.legend {
+        all.extend(words.world_lines());
+    }
+    all.extend(words.others());
+    all
+}
+
+struct Words<'a> {
+    panel: &'a Panel,
+    map: &'a Map,
+    theme: &'a Theme,
+}
+
+impl Words<'_> {
+    fn request(&self, text: &str, colour: Colour, anchors: Vec<[f64; 2]>) -> Request {
+        Request {
+            text: text.to_string(),
+            colour,
+            size: self.theme.size,
+            anchors,
+            directions: AROUND.to_vec(),
+            distances: NEAR.to_vec(),
+            optional: false,
+        }
+    }
+
+    fn axes(&self, named: bool) -> Vec<Request> {
+        let mut all = Vec::new();
+        for axes in &self.panel.axes {
+            let colour = frame_colour(self.panel, self.theme, axes.frame);
+            let up = [
+                [-0.9, 0.3],
+                [0.9, 0.3],
+                [0.0, -1.0],
+                [-0.9, -0.4],
+                [0.9, -0.4],
+            ];
+            let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
+            let back = [
+                [0.9, -0.3],
+                [0.9, 0.3],
+                [0.0, -1.0],
+                [-0.9, -0.4],
+                [0.0, 1.0],
+            ];
+            let depth = axes.depth.as_ref().map(|axis| (axis, back));
+            let two = [(&axes.time, up), (&axes.space, right)];
+            for (axis, directions) in two.into_iter().chain(depth) {
+                let tip = self.map.at(axis.ends[1]);
+                all.push(Request {
+                    directions: directions.to_vec(),
+                    distances: vec![5.0, 8.0, 12.0],
+                    ..self.request(&axis.label, colour, vec![tip])
+                });
+            }
+        }
+        if named {
+            let rect = self.map.rect();
+            let at = [
+                0.5 * (rect.min[0] + rect.max[0]),
+                rect.min[1] - 1.2 * self.theme.size,
+            ];
+            let frame = &self.panel.frame;
+            let name = if frame == "world" { "S" } else { frame };
+            let place = vec![[0.0, -1.0], [0.9, 0.0], [-0.9, 0.0]];
+            all.push(Request {
+                directions: place,
+                distances: vec![0.0, 30.0],
+                ..self.request(&format!("in {name}"), self.theme.ink, vec![at])
+            });
+        }
+        all
+    }
+
+    fn ticks(&self) -> Vec<Request> {
+        let mut all = Vec::new();
+        for axes in &self.panel.axes {
+            let colour = frame_colour(self.panel, self.theme, axes.frame);
+            let left = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
+            let below = [[0.0, 1.0], [0.0, -1.0], [-0.5, 0.9], [0.5, 0.9]];
+            let aside = [[0.9, 0.4], [-0.9, -0.4], [0.9, -0.4], [-0.9, 0.4]];
+            let depth = axes.depth.as_ref().map(|axis| (axis, aside));
+            let two = [(&axes.time, left), (&axes.space, below)];
+            for (axis, directions) in two.into_iter().chain(depth) {
+                let inner = axis
+                    .ticks
+                    .iter()
+                    .filter(|tick| is_inner(self.map, axis, tick));
+                let ticks = inner.filter_map(|tick| self.tick(tick, colour, directions.to_vec()));
+                all.extend(ticks);
+            }
+        }
+        for (i, line) in self.panel.world_lines.iter().enumerate() {
+            let colour = line_colour(self.panel, self.theme, i);
+            let sides = vec![[1.0, 0.0], [-1.0, 0.0], [0.9, 0.4], [-0.9, -0.4]];
+            all.extend(
+                line.ticks
+                    .iter()
+                    .filter_map(|t| self.tick(t, colour, sides.clone())),
+            );
+        }
+        all
+    }
+
+    fn tick(&self, tick: &Tick, colour: Colour, directions: Vec<[f64; 2]>) -> Option<Request> {
+        Some(Request {
+            size: SMALL * self.theme.size,
+            directions,
+            distances: vec![4.5, 7.5],
+            optional: true,
+            ..self.request(tick.label.as_deref()?, colour, vec![self.map.at(tick.at)])
+        })
+    }
+
+    fn events(&self) -> Vec<Request> {
+        let seen = self
+            .panel
+            .events
+            .iter()
+            .filter(|e| self.panel.limits.contains(e.at));
+        let requests = seen.filter_map(|event| {
+            let at = vec![self.map.at(event.at)];
+            Some(self.request(event.label.as_deref()?, self.theme.ink, at))
+        });
+        requests.collect()
+    }
+
+    /// What clocks on their way show.
+    fn readings(&self) -> Vec<Request> {
+        let beads = self.panel.now.iter().flat_map(|now| &now.beads);
+        let requests = beads.filter_map(|bead| {
+            let colour = line_colour(self.panel, self.theme, bead.line);
+            let at = vec![self.map.at(bead.at)];
+            Some(Request {
+                distances: NEAR.map(|distance| distance + 2.0).to_vec(),
+                ..self.request(bead.label.as_deref()?, colour, at)
+            })
+        });
+        requests.collect()
+    }
+
+    /// Words that say where they stand.
+    fn texts(&self) -> Vec<Request> {
+        let texts = self.panel.texts.iter().filter_map(|words| {
+            let colour = self.theme.colour(words.colour.unwrap_or(Name::Black));
+            let text = words.label.as_deref()?;
+            Some(self.upon(text, colour, &[words.at]))
+        });
+        texts.collect()
+    }
+
+    fn upon(&self, text: &str, colour: Colour, places: &[Point]) -> Request {
+        Request {
+            directions: vec![[0.0, 0.0], [0.0, -0.3], [0.0, 0.3], [-0.3, 0.0], [0.3, 0.0]],
+            distances: vec![0.0, 12.0, 24.0, 40.0],
+            ..self.request(text, colour, self.map.points(places))
+        }
+    }
+
+    /// Beside the upper parts of the lines.
+    fn world_lines(&self) -> Vec<Request> {
+        let mut all = Vec::new();
+        for (i, line) in self.panel.world_lines.iter().enumerate() {
+            let Some(label) = &line.label else { continue };
+            let colour = line_colour(self.panel, self.theme, i);
+            let points = self.within(&line.curve.points);
+            let anchors = ALONG.iter().filter_map(|part| along(&points, *part));
+            let sides = [
+                [1.0, 0.0],
+                [-1.0, 0.0],
+                [0.9, 0.5],
+                [-0.9, 0.5],
+                [0.9, -0.5],
+                [-0.9, -0.5],
+            ];
+            all.push(Request {
+                directions: sides.to_vec(),
+                ..self.request(label, colour, anchors.collect())
+            });
+        }
+        all
+    }
+
+    /// The part of a curve that is in sight, on the page.
+    fn within(&self, points: &[Point]) -> Vec<[f64; 2]> {
+        let limits = &self.panel.limits;
+        let mut seen = Vec::new();
+        for pair in points.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            let d = b.from(a);
+            let steps = (0..=16).map(|k| a.plus(f64::from(k) / 16.0, d));
+            seen.extend(
+                steps
+                    .filter(|p| limits.contains(*p))
+                    .map(|p| self.map.at(p)),
+            );
+        }
+        seen.dedup();
+        seen
+    }
+
+    fn others(&self) -> Vec<Request> {
+        let (panel, theme) = (self.panel, self.theme);
+        let mut all = Vec::new();
+        for slice in &panel.slices {
+            let own = frame_colour(panel, theme, slice.owner.unwrap_or(0));
+            let places = if slice.label.is_some() {
+                &ALONG[..]
+            } else {
+                &[]
+            };
+            all.extend(self.segment(slice, own, places));
+        }
+        for (text, colour, anchors) in solid::plane_labels(panel, self.map, theme) {
+            all.push(self.request(text, colour, anchors));
+        }
+        for signal in &panel.signals {
+            all.extend(self.segment(signal, theme.colour(Name::Orange), &MIDDLE));
+        }
+        for arrow in &panel.arrows {
+            let own = arrow
+                .owner
+                .map_or(theme.ink, |i| line_colour(panel, theme, i));
+            all.extend(self.segment(arrow, own, &[1.0, 0.9, 0.7, 0.5]));
+        }
+        for interval in panel.intervals.iter().filter(|i| !i.label.is_empty()) {
+            let colour = theme.colour(interval.colour.unwrap_or(Name::Black));
+            all.push(self.beside_segment(&interval.label, colour, interval.ends, &MIDDLE));
+        }
+        for hyperbola in &panel.hyperbolae {
+            let colour = theme.colour(hyperbola.colour.unwrap_or(Name::Grey));
+            let points = self.within(&hyperbola.curve.points);
+            let anchors = ALONG
+                .iter()
+                .filter_map(|part| along(&points, *part))
+                .collect();
+            all.extend(
+                hyperbola
+                    .label
+                    .iter()
+                    .map(|text| self.request(text, colour, Vec::clone(&anchors))),
+            );
+        }
+        for area in &panel.areas {
+            let colour = area_colour(panel, theme, area);
+            all.extend(
+                area.label
+                    .iter()
+                    .map(|Placed { text, places }| self.upon(text, colour, places)),
+            );
+        }
+        all
+    }
+
+    fn segment(&self, segment: &Segment, own: Colour, places: &[f64]) -> Option<Request> {
+        let colour = segment.colour.map_or(own, |name| self.theme.colour(name));
+        Some(self.beside_segment(segment.label.as_deref()?, colour, segment.ends, places))
+    }
+
+    /// Across a straight line first.
+    fn beside_segment(
+        &self,
+        text: &str,
+        colour: Colour,
+        ends: [Point; 2],
+        places: &[f64],
+    ) -> Request {
+        let [a, b] = ends.map(|end| self.map.at(end));
+        let mut directions = normals(a, b).to_vec();
+        directions.extend(AROUND);
+        Request {
+            directions,
+            ..self.request(text, colour, self.beside(ends, places))
+        }
+    }
+
+    fn beside(&self, [from, to]: [Point; 2], places: &[f64]) -> Vec<[f64; 2]> {
+        let points = places.iter().map(|part| from.plus(*part, to.from(from)));
+        let seen = points.filter(|p| self.panel.limits.contains(*p));
+        seen.map(|p| self.map.at(p)).collect()
+    }
+}
+
+/// Unit vectors across a line, the upper one first.
+fn normals(a: [f64; 2], b: [f64; 2]) -> [[f64; 2]; 2] {
+    let [x, y] = [b[0] - a[0], b[1] - a[1]];
+    let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    let up = if x < 0.0 { 1.0 } else { -1.0 };
+    let normal = [-up * y / length, up * x / length];
+    [normal, normal.map(|v| -v)]
+}
+
+/// The point at a part of the way along points.
+fn along(points: &[[f64; 2]], part: f64) -> Option<[f64; 2]> {
+    let step = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+    let total: f64 = points.windows(2).map(step).sum();
+    let mut left = part * total;
+    for pair in points.windows(2) {
+        let length = step(pair);
+        if length >= left && length > 0.0 {
+            let t = left / length;
+            return Some([0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i])));
+        }
+        left -= length;
+    }
+    points.last().copied()
+}

@@ -1,0 +1,82 @@
+//! A series of pictures of one diagram, all with the same limits, their labels staying where they can.
+
+use super::draw::{Habits, draw_next};
+use super::layout::{Limits, layout, limits};
+use crate::error::Result;
+use crate::figures::drawing::Drawing;
+use crate::scene::model::diagram::{Animation, Diagram};
+
+/// Pictures whose automatic limits make those of all.
+const LOOKED_AT: u32 = 16;
+
+/// The pictures of a diagram's animation, one after the other from the first.
+///
+/// A label goes on where it is as long as it can, so that a picture depends on those before.
+pub struct Series {
+    /// With limits that hold what every picture shows.
+    diagram: Diagram,
+    animation: Animation,
+    habits: Habits,
+    next: u32,
+}
+
+impl Series {
+    /// The series of `diagram`; none where it has no animation.
+    pub fn new(diagram: &Diagram) -> Option<Series> {
+        let animation = diagram.animation?;
+        let mut diagram = diagram.clone();
+        if animation.boost.is_some() {
+            fix_limits(&mut diagram, animation.frames);
+        }
+        Some(Series {
+            diagram,
+            animation,
+            habits: Habits::default(),
+            next: 0,
+        })
+    }
+
+    /// What changes.
+    pub fn animation(&self) -> Animation {
+        self.animation
+    }
+}
+
+impl Iterator for Series {
+    type Item = Result<Drawing>;
+
+    fn next(&mut self) -> Option<Result<Drawing>> {
+        if self.next >= self.animation.frames {
+            return None;
+        }
+        let layout = layout(&self.diagram.picture(self.next));
+        self.next += 1;
+        Some(draw_next(&layout, &self.diagram.style, &mut self.habits))
+    }
+}
+
+/// Limits that hold those of pictures all along the way, as far as none are said.
+fn fix_limits(diagram: &mut Diagram, frames: u32) {
+    let last = frames.saturating_sub(1);
+    let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
+    let all = looked_at.flat_map(|k| {
+        let picture = diagram.picture(k);
+        let views = picture.views.iter();
+        views.map(|i| limits(&picture, *i)).collect::<Vec<_>>()
+    });
+    let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let whole = all.reduce(|a, b| Limits {
+        x: wider(a.x, b.x),
+        ct: wider(a.ct, b.ct),
+        y: wider(a.y, b.y),
+    });
+    if let Some(Limits { x, ct, y }) = whole {
+        let metres = |range: [f64; 2]| range.map(|end| end * diagram.unit.metres);
+        let (x, ct) = (metres(x), metres(ct));
+        diagram.x.get_or_insert(x);
+        diagram.ct.get_or_insert(ct);
+        if diagram.across.is_some() {
+            diagram.y.get_or_insert(metres(y));
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! SVG 1.1: what browsers show and vector editors edit.
+//!
+//! Lengths are in points by `viewBox`, to 4 decimals. Text is outlines, in a group that says what it says.
+
+use super::image::{png_of, push_base64};
+use super::marks::{Line, Mark, marks};
+use super::{Cap, Colour, Drawing, Join, Origin, Path};
+use crate::error::Result;
+use crate::figures::text::{Rect, Segment};
+use crate::io::image::RgbImage;
+
+/// The drawing as an SVG file.
+///
+/// # Errors
+/// Numbers that are not finite, paths that are not sound, pages of more than 200 inches; with the index
+/// of the item.
+pub fn write(drawing: &Drawing) -> Result<String> {
+    write_with(drawing, &[])
+}
+
+/// The drawing as an SVG file that says, in `<metadata>`, where it is from: a line for each key.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<String> {
+    let marks = marks(drawing)?;
+    let mut svg = Svg::default();
+    svg.head(drawing, holds_image(&marks));
+    svg.origin(origin);
+    svg.marks(&marks)?;
+    svg.text.push_str("</svg>\n");
+    Ok(svg.text)
+}
+
+/// Without the characters that XML cannot hold.
+fn printable(text: &str) -> String {
+    let told = |c: char| match c {
+        '\t' | '\n' | '\r' => c,
+        c if c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c) => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(told).collect()
+}
+
+/// Whether there is a picture somewhere among the marks.
+fn holds_image(marks: &[Mark]) -> bool {
+    marks.iter().any(|mark| match mark {
+        Mark::Image { .. } => true,
+        Mark::Clip { marks, .. } => holds_image(marks),
+        _ => false,
+    })
+}
+
+#[derive(Default)]
+struct Svg {
+    text: String,
+    /// How many clips there are so far.
+    clips: usize,
+}
+
+impl Svg {
+    fn head(&mut self, drawing: &Drawing, images: bool) {
+        self.text
+            .push_str("<svg xmlns=\"http://www.w3.org/2000/svg\"");
+        if images {
+            self.attribute("xmlns:xlink", "http://www.w3.org/1999/xlink");
+        }
+        let [width, height] = [number(drawing.width), number(drawing.height)];
+        let size = format!(" width=\"{width}pt\" height=\"{height}pt\"");
+        self.text.push_str(&size);
+        let view = format!(" viewBox=\"0 0 {width} {height}\" role=\"img\">\n");
+        self.text.push_str(&view);
+        if !drawing.title.is_empty() {
+            let title = format!("<title>{}</title>\n", escaped(&drawing.title));
+            self.text.push_str(&title);
+        }
+    }
+
+    fn origin(&mut self, origin: &Origin) {
+        if origin.is_empty() {
+            return;
+        }
+        self.text.push_str("<metadata>\n");
+        for (key, value) in origin {
+            let line = format!("{}: {}\n", escaped(key), escaped(&printable(value)));
+            self.text.push_str(&line);
+        }
+        self.text.push_str("</metadata>\n");
+    }
+
+    fn marks(&mut self, marks: &[Mark]) -> Result<()> {
+        for mark in marks {
+            match mark {
+                Mark::Fill { path, colour } => self.fill(path, *colour),
+                Mark::Line { path, line } => self.line(path, line),
+                Mark::Clip { path, marks } => self.clip(path, marks)?,
+                Mark::Image { image, rect } => self.image(image, rect)?,
+                Mark::Text { says, marks } => self.says(says, marks)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn fill(&mut self, path: &Path, colour: Colour) {
+        self.text.push_str("<path");
+        self.colour("fill", colour);
+        self.data(path);
+        self.text.push_str("/>\n");
+    }
+
+    fn line(&mut self, path: &Path, line: &Line) {
+        self.text.push_str("<path fill=\"none\"");
+        self.colour("stroke", line.colour);
+        self.attribute("stroke-width", &number(line.width));
+        if !line.dash.is_empty() {
+            let dash: Vec<String> = line.dash.iter().map(|part| number(*part)).collect();
+            self.attribute("stroke-dasharray", &dash.join(" "));
+        }
+        match line.cap {
+            Cap::Butt => {}
+            Cap::Round => self.attribute("stroke-linecap", "round"),
+            Cap::Square => self.attribute("stroke-linecap", "square"),
+        }
+        match line.join {
+            Join::Miter => {}
+            Join::Round => self.attribute("stroke-linejoin", "round"),
+            Join::Bevel => self.attribute("stroke-linejoin", "bevel"),
+        }
+        self.data(path);
+        self.text.push_str("/>\n");
+    }
+
+    fn image(&mut self, image: &RgbImage, rect: &Rect) -> Result<()> {
+        self.text
+            .push_str("<image preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\"");
+        let [width, height] = rect.size();
+        let places = [
+            ("x", rect.min[0]),
+            ("y", rect.min[1]),
+            ("width", width),
+            ("height", height),
+        ];
+        for (name, value) in places {
+            self.attribute(name, &number(value));
+        }
+        self.text.push_str(" xlink:href=\"data:image/png;base64,");
+        push_base64(&mut self.text, &png_of(image)?);
+        self.text.push_str("\"/>\n");
+        Ok(())
+    }
+
+    fn clip(&mut self, path: &Path, marks: &[Mark]) -> Result<()> {
+        self.clips += 1;
+        let name = format!("clip{}", self.clips);
+        self.text
+            .push_str(&format!("<clipPath id=\"{name}\"><path"));
+        self.data(path);
+        let group = format!("/></clipPath>\n<g clip-path=\"url(#{name})\">\n");
+        self.text.push_str(&group);
+        self.marks(marks)?;
+        self.text.push_str("</g>\n");
+        Ok(())
+    }
+
+    fn says(&mut self, says: &str, marks: &[Mark]) -> Result<()> {
+        let says = escaped(says);
+        let group = format!("<g role=\"img\" aria-label=\"{says}\"><title>{says}</title>\n");
+        self.text.push_str(&group);
+        self.marks(marks)?;
+        self.text.push_str("</g>\n");
+        Ok(())
+    }
+
+    fn colour(&mut self, attribute: &str, colour: Colour) {
+        let [red, green, blue] = colour.rgb;
+        self.attribute(attribute, &format!("#{red:02x}{green:02x}{blue:02x}"));
+        if colour.alpha < 255 {
+            let opacity = number(f64::from(colour.alpha) / 255.0);
+            self.attribute(&format!("{attribute}-opacity"), &opacity);
+        }
+    }
+
+    fn attribute(&mut self, name: &str, value: &str) {
+        self.text.push_str(&format!(" {name}=\"{value}\""));
+    }
+
+    fn data(&mut self, path: &Path) {
+        self.text.push_str(" d=\"");
+        for segment in &path.0 {
+            match *segment {
+                Segment::Move(p) => self.points('M', &[p]),
+                Segment::Line(p) => self.points('L', &[p]),
+                Segment::Quadratic(a, p) => self.points('Q', &[a, p]),
+                Segment::Cubic(a, b, p) => self.points('C', &[a, b, p]),
+                Segment::Close => self.text.push('Z'),
+            }
+        }
+        self.text.push('"');
+    }
+
+    fn points(&mut self, command: char, points: &[[f64; 2]]) {
+        self.text.push(command);
+        for (i, value) in points.as_flattened().iter().enumerate() {
+            if i > 0 {
+                self.text.push(' ');
+            }
+            push_number(&mut self.text, *value);
+        }
+    }
+}
+
+fn number(value: f64) -> String {
+    let mut text = String::new();
+    push_number(&mut text, value);
+    text
+}
+
+/// Adds `value` to the nearest 1e-4, without zeros at its end.
+fn push_number(text: &mut String, value: f64) {
+    // All values of a checked drawing are within 1e5, and their multiples exact enough.
+    let scaled = (value * 1e4).round() as i64;
+    let (whole, mut part) = (
+        scaled.unsigned_abs() / 10_000,
+        scaled.unsigned_abs() % 10_000,
+    );
+    if scaled < 0 {
+        text.push('-');
+    }
+    push_integer(text, whole);
+    if part == 0 {
+        return;
+    }
+    text.push('.');
+    let mut weight = 1_000;
+    while part > 0 {
+        text.push(digit(part / weight));
+        part %= weight;
+        weight /= 10;
+    }
+}
+
+fn push_integer(text: &mut String, value: u64) {
+    if value >= 10 {
+        push_integer(text, value / 10);
+    }
+    text.push(digit(value % 10));
+}
+
+fn digit(value: u64) -> char {
+    char::from(b'0' + value as u8)
+}
+
+/// Text that XML takes as it stands; what XML does not allow at all becomes a space.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '&' => escaped.push_str("&amp;"),
+            '"' => escaped.push_str("&quot;"),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_at_most_four_decimals_and_no_idle_zeros() {
+        let shown = [
+            0.0,
+            -0.00001,
+            12.0,
+            -0.5,
+            7.123_49,
+            0.00005,
+            99_999.999_96,
+            1.0203,
+        ]
+        .map(number);
+        let expected = [
+            "0", "0", "12", "-0.5", "7.1235", "0.0001", "100000", "1.0203",
+        ];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn text_is_escaped() {
+        assert_eq!(
+            escaped("a<b & \"c\">\u{1}"),
+            "a&lt;b &amp; &quot;c&quot;&gt; "
+        );
+    }
+}

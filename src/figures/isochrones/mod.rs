@@ -1,0 +1,91 @@
+//! Isochrones: the retarded time of every pixel as a coloured picture with a legend.
+//!
+//! Each pixel of a photograph shows its surface at the time when the light left it; lines of equal
+//! time are isochrones (Figure 2 of Jarabo et al., CGF 34(8), 2015). Colours run from early (dark) to
+//! late (bright) over the range of the picture; lines are drawn at round steps, every fifth heavier, by
+//! linear interpolation between pixel centres, and stop where one surface hides another. Pixels in which
+//! nothing was seen (NaN) are pale grey. The legend has the time both as ct in metres and in seconds.
+//!
+//! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: the range then ends
+//! before them, an arrow on the legend says that there is more, and no lines are drawn beyond it. Lines
+//! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
+
+pub(crate) mod chain;
+pub(crate) mod contour;
+mod legend;
+mod page;
+mod picture;
+pub(crate) mod range;
+pub(crate) mod ticks;
+pub(crate) mod viridis;
+
+use crate::error::{Error, Result};
+use crate::io::image::RgbImage;
+
+use page::Page;
+use range::Range;
+
+/// The most isochrones that a picture can have.
+const MAX_LINES: f64 = 1000.0;
+
+/// How isochrones are drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// ct between two lines, metres; none for a round number that gives 10 to 80 lines.
+    pub step: Option<f64>,
+    /// Speed of light, metres per second, for the legend's seconds.
+    pub speed_of_light: f64,
+    /// Above the picture.
+    pub title: String,
+}
+
+impl Default for Options {
+    /// An automatic step, and light in vacuum.
+    fn default() -> Self {
+        Options {
+            step: None,
+            speed_of_light: crate::scene::model::SPEED_OF_LIGHT,
+            title: "When the light left: retarded time".into(),
+        }
+    }
+}
+
+/// Draws `ct`, the retarded time of each pixel in metres (row 0 at the top, NaN where nothing is seen).
+///
+/// A small picture is enlarged by a whole factor, so that its lines and the legend can be read.
+///
+/// # Errors
+/// A size that is 0, too large or not that of `ct`; a step that is not above 0 or gives more than 1000
+/// lines; a speed of light that is not above 0; characters in the title that the font does not have.
+pub fn draw(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<RgbImage> {
+    check(width, height, ct, options)?;
+    let range = Range::of(ct, options.step);
+    let lines = range.map_or(0.0, |range| range.line_count());
+    if lines.is_nan() || lines > MAX_LINES {
+        let what = format!(
+            "a step of {} m gives {lines:.0} isochrones",
+            options.step.unwrap_or_default()
+        );
+        let help = format!("at most {MAX_LINES} isochrones: a larger step");
+        return Err(Error::invalid("isochrones", "step", what, help));
+    }
+    Page::lay_out(width, height, range, options)?.draw(ct, options)
+}
+
+fn check(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<()> {
+    let refuse = |place: &str, what: String| Err(Error::invalid("isochrones", place, what, ""));
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || pixels != ct.len() as u64 {
+        let what = format!("{} values for {width} × {height} pixels", ct.len());
+        return refuse("", what);
+    }
+    let above_zero = |x: f64| x > 0.0 && x.is_finite();
+    if let Some(step) = options.step.filter(|&step| !above_zero(step)) {
+        return refuse("step", format!("{step} m is not a step above 0"));
+    }
+    if !above_zero(options.speed_of_light) {
+        let what = format!("{} m/s is not a speed of light", options.speed_of_light);
+        return refuse("speed of light", what);
+    }
+    Ok(())
+}

@@ -1,0 +1,9 @@
+//! Figures: space-time diagrams, what is drawn over pictures, contact sheets, and the text and drawing they share.
+
+pub mod contact_sheet;
+pub mod diagram;
+pub mod drawing;
+pub mod isochrones;
+pub mod overlay;
+pub mod pixel_probe;
+pub mod text;

@@ -1,0 +1,67 @@
+//! Where objects are seen, and where they are at the world time of the shot: one ray through the centre
+//! of each pixel.
+//!
+//! With a refractive index of 0 a ray meets all things at one world time, t of the shot: along it the
+//! retarded event is P + s·(0, d). In the rest frame of an object that moves at β this is a ray along
+//! which time passes, and it meets the object where the object is in the world at t: contracted to 1/γ.
+//! Directions of the camera frame are taken for those of the world, so that nothing is aberrated.
+
+use super::Parts;
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::render::aov::Aov;
+use crate::render::film::{Film, Layout};
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::render;
+use crate::render::sampler::Sampler;
+use crate::scene::model::{Equations, Scene};
+
+/// Takes the picture of the channels that `parts` need, one ray through the centre of each pixel, so that
+/// lines do not depend on where the samples of the display's picture lie; `prepared` is left as it was.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Film> {
+    centred(prepared, parts.needs(), progress)
+}
+
+/// The picture of these channels at the centres of pixels; `prepared` is left as it was.
+fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress) -> Result<Film> {
+    let layout = Layout {
+        samples: 1,
+        pixel_centers: true,
+        channels,
+        ..prepared.layout.clone()
+    };
+    let layout = std::mem::replace(&mut prepared.layout, layout);
+    let sampler = std::mem::replace(&mut prepared.sampler, Sampler::centred());
+    let film = render(prepared, progress);
+    (prepared.layout, prepared.sampler) = (layout, sampler);
+    film
+}
+
+/// Takes the picture of identities ([`Aov::Object`]) without delay and aberration, one ray through the
+/// centre of each pixel, of the same geometry: `prepared` is that of `scene`, and is left as it was.
+///
+/// The camera is a point at the event of the shot: a sensor or a shutter would look at several moments.
+/// A focal length that is fixed in the world is taken as the world measures it.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn instantaneous(
+    scene: &Scene,
+    prepared: &mut Prepared,
+    progress: &dyn Progress,
+) -> Result<Film> {
+    let mut scene = scene.clone();
+    scene.equations = Equations::Exact;
+    scene.effects.aberration = false;
+    scene.effects.retardation = false;
+    (scene.camera.sensor, scene.camera.shutter) = (None, None);
+    let camera = std::mem::replace(&mut prepared.camera, Camera::new(&scene)?);
+    let ray_index = std::mem::replace(&mut prepared.ray_index, 0.0);
+    let film = centred(prepared, vec![Aov::Object], progress);
+    (prepared.camera, prepared.ray_index) = (camera, ray_index);
+    film
+}

@@ -1,0 +1,117 @@
+//! Overlays: what a picture shows, drawn over it.
+//!
+//! | part | what is drawn |
+//! |---|---|
+//! | isochrones | lines of equal retarded time ct of the light's emission, labelled along the line |
+//! | outlines | of every object, where it is seen (whole lines) and where it is (dashed lines) |
+//! | beta | where the camera moves in its picture: ⊗ ahead, ⊙ behind, an arrow at the edge where both are outside |
+//! | legend | what the lines mean, the step of the isochrones, an angle to scale, and the camera's time |
+//!
+//! An object is *seen* where its light left it, in directions that aberration has changed. It *is* at
+//! the world time of the shot, and a camera at rest in the world at the same event, for which light took
+//! no time, would see it there, contracted to 1/γ along its motion ([`instantaneous`]).
+//!
+//! [`Overlay::trace`] finds all lines in pixels of the film, as data; [`Overlay::drawing`] draws them.
+//!
+//! ```text
+//! apparent and instantaneous films → Overlay (polylines, labels, pointer) → Drawing → svg, pdf, png
+//! ```
+
+mod instant;
+mod label;
+mod legend;
+mod outline;
+mod page;
+mod parts;
+mod pointer;
+mod style;
+mod times;
+
+pub use instant::{apparent, instantaneous};
+pub use outline::{Outline, outlines};
+pub use page::png_scale;
+pub use parts::{Part, Parts};
+pub use pointer::{Pointer, Target};
+pub use times::{Isochrone, Isochrones};
+
+use crate::camera::Shot;
+use crate::error::Result;
+use crate::render::aov::Aov;
+use crate::render::film::Film;
+use crate::scene::model::Scene;
+
+/// A line in pixels of the film, (0, 0) being its upper left corner; closed where its first point is its
+/// last.
+pub type Line = Vec<[f64; 2]>;
+
+/// What is drawn over a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Overlay {
+    /// Columns and rows of the picture.
+    pub size: [u32; 2],
+    /// Lines of equal retarded time.
+    pub isochrones: Option<Isochrones>,
+    /// Where objects are seen.
+    pub apparent: Vec<Outline>,
+    /// Where objects are at the world time of the shot.
+    pub instantaneous: Vec<Outline>,
+    /// Where the camera moves; none where it rests.
+    pub pointer: Option<Pointer>,
+    /// What is said below the picture.
+    pub legend: Option<Facts>,
+}
+
+/// What the legend says beyond the lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facts {
+    /// Metres per second.
+    pub speed_of_light: f64,
+    /// The camera's proper time of the shot, metres.
+    pub camera_time: f64,
+    /// The tangent of half the horizontal field of view, camera frame.
+    pub half_width: f64,
+}
+
+impl Overlay {
+    /// Finds the lines of `parts` of the [`apparent`] film of `scene` and of its [`instantaneous`] one, as
+    /// far as they are needed ([`Parts::needs`]); isochrones `step` metres apart, or at round numbers.
+    ///
+    /// Films and channels that are not there give no lines.
+    ///
+    /// # Errors
+    /// A camera that is not on its world line at the time of the shot; a step that gives more than 1000
+    /// isochrones.
+    pub fn trace(
+        scene: &Scene,
+        apparent: Option<&Film>,
+        instantaneous: Option<&Film>,
+        parts: Parts,
+        step: Option<f64>,
+    ) -> Result<Overlay> {
+        let shot = Shot::new(&scene.camera)?;
+        let size = scene.camera.size;
+        let half_width = pointer::half_width(&scene.camera, &shot);
+        let times = apparent.and_then(|film| film.aov(Aov::EventCt));
+        let times = times.filter(|_| parts.has(Part::Isochrones));
+        let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
+        let outlined = |film: Option<&Film>| {
+            let film = film.filter(|_| parts.has(Part::Outlines));
+            let objects = film.and_then(|film| film.aov(Aov::Object));
+            objects.map_or(Vec::new(), |objects| outlines(size, objects))
+        };
+        let pointer = Pointer::of(&shot, size, half_width);
+        let facts = Facts {
+            speed_of_light: scene.speed_of_light,
+            camera_time: scene.camera.time,
+            half_width,
+        };
+        Ok(Overlay {
+            size,
+            isochrones: isochrones.transpose()?.flatten(),
+            apparent: outlined(apparent),
+            instantaneous: outlined(instantaneous),
+            pointer: pointer.filter(|_| parts.has(Part::Beta)),
+            legend: parts.has(Part::Legend).then_some(facts),
+        })
+    }
+}

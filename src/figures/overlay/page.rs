@@ -1,0 +1,229 @@
+//! The picture with its lines, as a page.
+
+use super::label::Labels;
+use super::legend;
+use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen};
+use super::{Isochrones, Line, Outline, Overlay, Pointer, Target};
+use crate::error::{Error, Result};
+use crate::figures::drawing::{Colour, Drawing, Item, Path};
+use crate::figures::text::{Rect, RichText};
+use crate::io::image::RgbImage;
+
+/// The picture's longer side, points.
+const SIDE: f64 = 480.0;
+/// The least width of a page with a legend, points.
+const LEAST_WIDTH: f64 = 240.0;
+/// The longer side of the picture in a PNG, pixels, unless it has more.
+const PIXELS: f64 = 1200.0;
+/// The radius of ⊗ and ⊙, points.
+const RADIUS: f64 = 5.0;
+
+/// Pixels per point at which a PNG of a picture of this size shows each of its pixels as a square of
+/// whole pixels, at least 1200 of them along its longer side.
+pub fn png_scale(size: [u32; 2]) -> f64 {
+    let side = f64::from(size[0].max(size[1]).max(1));
+    (PIXELS / side).ceil().max(1.0) * side / SIDE
+}
+
+impl Overlay {
+    /// The page: `picture`, the lines over it, the legend below it.
+    ///
+    /// # Errors
+    /// A picture of another size than the film.
+    pub fn drawing(&self, title: &str, picture: RgbImage) -> Result<Drawing> {
+        if [picture.width, picture.height] != self.size || self.size.contains(&0) {
+            let what = format!(
+                "a picture of {} × {} pixels for a film of {} × {}",
+                picture.width, picture.height, self.size[0], self.size[1]
+            );
+            return Err(Error::invalid(
+                "overlay",
+                "picture",
+                what,
+                "the film's own size",
+            ));
+        }
+        let place = Place::new(self.size);
+        let rect = Rect {
+            min: [0.0; 2],
+            max: place.size,
+        };
+        let mut items = vec![Item::Image {
+            image: picture,
+            rect,
+        }];
+        items.push(Item::Clip {
+            path: Path::rect(rect),
+            items: self.lines(&place)?,
+        });
+        let (mut width, mut height) = (place.size[0], place.size[1]);
+        if let Some(facts) = &self.legend {
+            width = width.max(LEAST_WIDTH);
+            let legend = legend::lay_out(self, facts, [width, height], place.scale)?;
+            items.extend(legend.items);
+            height += legend.height;
+        }
+        Ok(Drawing {
+            width,
+            height,
+            title: title.to_owned(),
+            background: Colour::WHITE,
+            items,
+        })
+    }
+
+    /// What lies over the picture.
+    fn lines(&self, place: &Place) -> Result<Vec<Item>> {
+        let mut items = Vec::new();
+        let mut labels = Labels::new(place.size);
+        let mut texts = Vec::new();
+        if let Some(pointer) = &self.pointer {
+            labels.keep_off(place.pointed_at(pointer.target), 3.5 * RADIUS);
+        }
+        if let Some(isochrones) = &self.isochrones {
+            items.extend(stroked(place, isochrones, false));
+            items.extend(stroked(place, isochrones, true));
+            texts = labelled(place, isochrones, &mut labels)?;
+        }
+        items.extend(outlined(place, &self.instantaneous, INSTANTANEOUS));
+        items.extend(outlined(place, &self.apparent, APPARENT));
+        items.extend(texts);
+        if let Some(pointer) = &self.pointer {
+            items.extend(pointed(place, pointer)?);
+        }
+        Ok(items)
+    }
+}
+
+/// From pixels of the film to the page.
+pub(super) struct Place {
+    /// Points per pixel.
+    pub scale: f64,
+    /// Of the picture, points.
+    pub size: [f64; 2],
+}
+
+impl Place {
+    fn new(size: [u32; 2]) -> Place {
+        let scale = SIDE / f64::from(size[0].max(size[1]));
+        Place {
+            scale,
+            size: size.map(|side| scale * f64::from(side)),
+        }
+    }
+
+    /// Where the sign of a velocity is.
+    fn pointed_at(&self, target: Target) -> [f64; 2] {
+        match target {
+            Target::Ahead(at) | Target::Behind(at) => at.map(|x| x * self.scale),
+            Target::Outside(way) => arrow_tip(self, way),
+        }
+    }
+
+    fn line(&self, line: &Line) -> Line {
+        line.iter().map(|p| p.map(|x| x * self.scale)).collect()
+    }
+}
+
+/// Lines as one path, so that borders do not cover other lines of their kind.
+fn path_of<'a>(place: &Place, lines: impl IntoIterator<Item = &'a Line>) -> Path {
+    let contours = lines.into_iter().map(|line| match line.split_last() {
+        Some((last, rest)) if rest.len() > 2 && rest.first() == Some(last) => {
+            Path::polygon(&place.line(&rest.to_vec()))
+        }
+        _ => Path::polyline(&place.line(line)),
+    });
+    contours.fold(Path::default(), Path::and)
+}
+
+fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
+    pen.draw(path_of(place, outlines.iter().flat_map(|o| &o.lines)))
+}
+
+fn stroked(place: &Place, isochrones: &Isochrones, heavy: bool) -> [Item; 2] {
+    let lines = isochrones.lines.iter().filter(|l| l.is_heavy == heavy);
+    let pen = if heavy { HEAVY } else { ISOCHRONE };
+    pen.draw(path_of(place, lines.flat_map(|l| &l.lines)))
+}
+
+/// The labels of isochrones, those of heavy lines first.
+fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Result<Vec<Item>> {
+    let (heavy, light): (Vec<_>, Vec<_>) = isochrones.lines.iter().partition(|l| l.is_heavy);
+    let mut texts = Vec::new();
+    for isochrone in heavy.into_iter().chain(light) {
+        for line in &isochrone.lines {
+            let label = labels.along(&place.line(line), &isochrone.label)?;
+            texts.extend(label.map(Item::Text));
+        }
+    }
+    Ok(texts)
+}
+
+/// ⊗, ⊙ or an arrow, and the speed beside it.
+fn pointed(place: &Place, pointer: &Pointer) -> Result<Vec<Item>> {
+    let mut items = Vec::new();
+    let at = place.pointed_at(pointer.target);
+    items.extend(symbol(pointer.target, at));
+    let text = style::speed(pointer.velocity)?;
+    let (size, width) = (8.5, text.width(8.5)?);
+    let beside = match pointer.target {
+        Target::Outside([x, y]) => {
+            let back = 34.0 + 0.5 * width * x.abs();
+            [at[0] - back * x, at[1] - back * y]
+        }
+        _ => [at[0], at[1] - RADIUS - 7.0],
+    };
+    let beside = [
+        kept(beside[0], 0.5 * width + 4.0, place.size[0]),
+        kept(beside[1], 7.0, place.size[1]),
+    ];
+    items.push(Item::Text(style::label(text, beside, POINTER.colour, size)));
+    Ok(items)
+}
+
+/// `x`, but at least `margin` from 0 and from `end`.
+fn kept(x: f64, margin: f64, end: f64) -> f64 {
+    x.min(end - margin).max(margin)
+}
+
+/// The sign of a velocity, at its middle or, for an arrow, at its tip.
+pub(super) fn symbol(target: Target, at: [f64; 2]) -> Vec<Item> {
+    let ring = Path::circle(at, RADIUS);
+    let by = |x: f64, y: f64| [at[0] + x, at[1] + y];
+    match target {
+        Target::Ahead(_) => {
+            let k = RADIUS * std::f64::consts::FRAC_1_SQRT_2;
+            let cross = Path::line(by(-k, -k), by(k, k)).and(Path::line(by(-k, k), by(k, -k)));
+            POINTER.draw(ring.and(cross)).into()
+        }
+        Target::Behind(_) => {
+            let mut items: Vec<Item> = POINTER.draw(ring).into();
+            items.extend(POINTER.draw(Path::circle(at, 0.7)));
+            items
+        }
+        Target::Outside([x, y]) => POINTER
+            .draw_arrow(Path::line(by(-24.0 * x, -24.0 * y), at))
+            .into(),
+    }
+}
+
+/// Where an arrow at the edge ends.
+fn arrow_tip(place: &Place, way: [f64; 2]) -> [f64; 2] {
+    let middle = place.size.map(|side| 0.5 * side);
+    let reach = [0, 1].map(|i| match way[i] == 0.0 {
+        true => f64::INFINITY,
+        false => (middle[i] - 6.0).max(0.0) / way[i].abs(),
+    });
+    let far = reach[0].min(reach[1]);
+    [0, 1].map(|i| middle[i] + far * way[i])
+}
+
+/// The speed in words of the legend.
+pub(super) fn speed_words(pointer: &Pointer) -> Result<RichText> {
+    let way = match pointer.target {
+        Target::Ahead(_) => "towards what is there",
+        Target::Behind(_) => "away from what is there",
+        Target::Outside(_) => "that way",
+    };
+    RichText::parse(&format!("the camera moves {way}"))
+}

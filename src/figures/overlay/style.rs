@@ -1,0 +1,134 @@
+//! Colours and lines. Every line has a dark border, so that it reads on dark and on bright ground.
+
+use crate::error::Result;
+use crate::figures::drawing::{
+    Anchor, AnchorX, AnchorY, Arrow, Cap, Colour, Item, Join, Path, Stroke, Text,
+};
+use crate::figures::text::RichText;
+
+/// Borders of lines and labels on the picture.
+const DARK: Colour = Colour::rgb(18, 18, 24);
+
+/// The look of a kind of line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pen {
+    pub colour: Colour,
+    /// Points.
+    pub width: f64,
+    /// How far its border stands out, points.
+    pub border: f64,
+    pub is_dashed: bool,
+}
+
+/// Where objects are seen.
+pub(super) const APPARENT: Pen = pen(Colour::rgb(255, 205, 60), 1.0, 0.5, false);
+/// Where objects are.
+pub(super) const INSTANTANEOUS: Pen = pen(Colour::rgb(95, 215, 255), 1.0, 0.5, true);
+/// Lines of equal retarded time.
+pub(super) const ISOCHRONE: Pen = pen(Colour::WHITE, 0.5, 0.3, false);
+/// One of every five of them.
+pub(super) const HEAVY: Pen = pen(Colour::WHITE, 1.0, 0.4, false);
+/// The camera's velocity, and the angle to scale.
+pub(super) const POINTER: Pen = pen(Colour::rgb(255, 130, 165), 1.2, 0.5, false);
+
+const fn pen(colour: Colour, width: f64, border: f64, is_dashed: bool) -> Pen {
+    Pen {
+        colour,
+        width,
+        border,
+        is_dashed,
+    }
+}
+
+impl Pen {
+    /// The line along `path` with its border.
+    pub fn draw(self, path: Path) -> [Item; 2] {
+        self.draw_ending(path, None)
+    }
+
+    /// The line with an arrowhead at its end.
+    pub fn draw_arrow(self, path: Path) -> [Item; 2] {
+        self.draw_ending(path, Some(Arrow::of_line(1.4 * self.width)))
+    }
+
+    fn draw_ending(self, path: Path, end: Option<Arrow>) -> [Item; 2] {
+        let line = Stroke {
+            dash: if self.is_dashed {
+                vec![4.5, 3.0]
+            } else {
+                Vec::new()
+            },
+            cap: if self.is_dashed {
+                Cap::Butt
+            } else {
+                Cap::Round
+            },
+            join: Join::Round,
+            end,
+            ..Stroke::new(self.colour, self.width)
+        };
+        let wider = |arrow: Arrow| Arrow {
+            length: arrow.length + 2.0 * self.border,
+            width: arrow.width + 3.0 * self.border,
+        };
+        let border = Stroke {
+            colour: DARK.with_alpha(if end.is_some() { 255 } else { 170 }),
+            width: self.width + 2.0 * self.border,
+            end: end.map(wider),
+            ..line.clone()
+        };
+        let border = Item::Path {
+            path: path.clone(),
+            fill: None,
+            stroke: Some(border),
+        };
+        [border, Item::stroked(path, line)]
+    }
+}
+
+/// A line of text on the picture: in the colour of what it tells of, with a dark border.
+pub(super) fn label(text: RichText, at: [f64; 2], colour: Colour, size: f64) -> Text {
+    Text {
+        colour,
+        anchor: Anchor {
+            x: AnchorX::Middle,
+            y: AnchorY::Middle,
+        },
+        halo: Some((DARK, 1.1)),
+        ..Text::new(text, at, size)
+    }
+}
+
+/// `value` to four significant digits, without idle zeros, with a true minus.
+pub(super) fn digits(value: f64) -> String {
+    let exponent = match value == 0.0 {
+        true => 0.0,
+        false => libm::log10(value.abs()).floor(),
+    };
+    let decimals = (3.0 - exponent).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    };
+    match text.strip_prefix('-') {
+        Some("0") => "0".to_owned(),
+        Some(text) => format!("−{text}"),
+        None => text,
+    }
+}
+
+/// β in as many digits as tell it from 1: "*β* = 0.9"; or γ where it takes too many.
+pub(super) fn speed(velocity: crate::spacetime::Velocity) -> Result<RichText> {
+    let (beta, gamma) = (velocity.beta().length(), velocity.gamma());
+    let told = |decimals: &usize| {
+        let rounded =
+            (beta * libm::pow(10.0, *decimals as f64)).round() / libm::pow(10.0, *decimals as f64);
+        rounded < 1.0 && (rounded - beta).abs() <= 0.01 * beta.min(1.0 - beta)
+    };
+    match (1..=8).find(told) {
+        Some(decimals) => RichText::parse(&format!("*β* = {beta:.decimals$}")),
+        None if beta < 0.5 => RichText::parse("*β* < 10^{-8}"),
+        None => RichText::parse(&format!("*γ* = {}", digits(gamma))),
+    }
+}

@@ -1,0 +1,101 @@
+//! Isochrones as lines.
+
+use super::Line;
+use crate::error::{Error, Result};
+use crate::figures::isochrones::chain::polylines;
+use crate::figures::isochrones::contour::{Grid, pieces};
+use crate::figures::isochrones::range::Range;
+use crate::figures::isochrones::ticks::{Unit, number, round_step};
+
+/// How many of the steps of a picture that shows nothing but isochrones are one here.
+const COARSER: f64 = 2.5;
+/// The most isochrones.
+const MOST: f64 = 1000.0;
+/// Every so many lines one is heavy.
+const HEAVY: i64 = 5;
+/// The least distance between neighbouring lines, as a part of the picture's longer side.
+const CLOSEST: f64 = 1.0 / 120.0;
+
+/// Lines of equal retarded time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Isochrones {
+    /// ct between neighbours, metres.
+    pub step: f64,
+    /// By time.
+    pub lines: Vec<Isochrone>,
+}
+
+/// One line of equal retarded time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Isochrone {
+    /// World time of the emission × c, metres.
+    pub ct: f64,
+    /// Whether it is one of every five.
+    pub is_heavy: bool,
+    /// Its time with unit: "−8.5 m".
+    pub label: String,
+    /// In pixels of the film.
+    pub lines: Vec<Line>,
+}
+
+impl Isochrones {
+    /// Of times `ct`, metres (NaN where nothing is seen); none where nothing is seen at all.
+    pub(super) fn trace(
+        size: [u32; 2],
+        ct: &[f64],
+        step: Option<f64>,
+    ) -> Result<Option<Isochrones>> {
+        let Some(range) = coarse(ct, step) else {
+            return Ok(None);
+        };
+        check(&range)?;
+        let [width, height] = size.map(|side| side as usize);
+        let grid = Grid { width, height, ct };
+        let crowded = 1.0 / (CLOSEST * f64::from(size[0].max(size[1])));
+        let unit = Unit::metres(range.low.abs().max(range.high.abs()));
+        let lines = pieces(&grid, &range).into_iter().zip(range.lines());
+        let lines = lines.map(|(pieces, k)| {
+            let is_heavy = k % HEAVY == 0;
+            let most = if is_heavy {
+                HEAVY as f64 * crowded
+            } else {
+                crowded
+            };
+            let lines = polylines(&pieces).into_iter();
+            let lines = lines.filter(|line| line.density <= most);
+            let ct = k as f64 * range.step;
+            let value = number(unit.count(ct), unit.count(range.step));
+            Isochrone {
+                ct,
+                is_heavy,
+                label: format!("{value} {}", unit.name),
+                lines: lines.map(|line| line.points).collect(),
+            }
+        });
+        Ok(Some(Isochrones {
+            step: range.step,
+            lines: lines.filter(|line| !line.lines.is_empty()).collect(),
+        }))
+    }
+}
+
+fn coarse(ct: &[f64], step: Option<f64>) -> Option<Range> {
+    let range = Range::of(ct, step)?;
+    Some(match step {
+        Some(_) => range,
+        None => Range {
+            step: round_step(COARSER * range.step),
+            ..range
+        },
+    })
+}
+
+fn check(range: &Range) -> Result<()> {
+    let count = range.line_count();
+    if range.step > 0.0 && count <= MOST {
+        return Ok(());
+    }
+    let what = format!("a step of {} m gives {count:.0} isochrones", range.step);
+    let help = format!("more than 0, and at most {MOST} isochrones: a larger step");
+    Err(Error::invalid("overlay", "step", what, help))
+}

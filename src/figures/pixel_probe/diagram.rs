@@ -1,0 +1,378 @@
+//! The space-time diagram of a sighting.
+
+use glam::DVec3;
+
+use super::{Lamp, Met, Sighting};
+use crate::figures::diagram::{limits, number, round_step};
+use crate::figures::text::RichText;
+use crate::figures::text::rich::escaped;
+use crate::scene::model::diagram::{
+    Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
+};
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
+
+/// About how many ticks clocks have from the first to the last event.
+const TICKS: f64 = 8.0;
+/// The most pulses that are drawn.
+const MOST_PULSES: usize = 2;
+/// By how much the past cone reaches beyond the emission in 2+1 dimensions.
+const BEYOND: f64 = 1.1;
+
+/// The diagram of `sighting`, in the coordinates of the frame of this name: "world", "camera", the name of the
+/// object that is met, or one of the frames of `base`; without a name, of the view of `base`. None where there is
+/// no such frame.
+///
+/// Of `base`, the diagram of the same scene, it has unit, limits, dimensions, title, frames and style; but not
+/// what is drawn in it.
+pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Option<Diagram> {
+    let mut diagram = emptied(base);
+    let camera = frames(sighting, &mut diagram);
+    if let Some(name) = frame {
+        diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
+    }
+    let view = diagram
+        .views
+        .first()
+        .and_then(|i| diagram.frames.get(*i))
+        .map(|view| view.frame);
+    let view = view.unwrap_or_else(at_rest);
+    let axes = Axes::new(sighting, &view);
+    (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
+    diagram.across = diagram.across.map(|_| axes.across);
+    Story {
+        sighting,
+        view,
+        camera,
+        diagram,
+    }
+    .told()
+    .into()
+}
+
+fn at_rest() -> InertialFrame<Rest> {
+    InertialFrame::new(Velocity::REST, Event::ORIGIN)
+}
+
+/// A diagram in which nothing is drawn.
+fn emptied(base: Diagram) -> Diagram {
+    let metres = base.unit.metres;
+    let mut unit = base.unit;
+    if unit.names.is_none() && metres == 1.0 {
+        unit.names = Some(["m", "m"]);
+    }
+    Diagram {
+        unit,
+        lines: Vec::new(),
+        events: Vec::new(),
+        cones: Vec::new(),
+        signals: Vec::new(),
+        slices: Vec::new(),
+        intervals: Vec::new(),
+        hyperbolae: Vec::new(),
+        sheets: Vec::new(),
+        regions: Vec::new(),
+        arrows: Vec::new(),
+        wedges: Vec::new(),
+        texts: Vec::new(),
+        ..base
+    }
+}
+
+/// Adds the frames of camera and object, without axes; gives the index of the camera's.
+fn frames(sighting: &Sighting, diagram: &mut Diagram) -> usize {
+    for frame in &mut diagram.frames {
+        frame.axes &= frame.name != "camera";
+    }
+    if let Some(met) = &sighting.met {
+        let frame = InertialFrame::new(met.velocity, met.emission);
+        add_frame(diagram, &met.name, frame);
+    }
+    let camera = &sighting.reception.frame;
+    let frame = InertialFrame::new(camera.velocity(), camera.origin());
+    if let Some(i) = diagram
+        .frames
+        .iter()
+        .position(|known| known.name == "camera")
+    {
+        diagram.frames[i].frame = frame;
+        return i;
+    }
+    add_frame(diagram, "camera", frame);
+    diagram.frames.len() - 1
+}
+
+fn add_frame(diagram: &mut Diagram, name: &str, frame: InertialFrame<Rest>) {
+    if diagram.frames.iter().any(|known| known.name == name) {
+        return;
+    }
+    diagram.frames.push(Reference {
+        name: name.into(),
+        frame,
+        axes: false,
+        grid: false,
+        ticks: None,
+        colour: None,
+    });
+}
+
+/// The directions of space of a diagram, in the coordinates of its frame.
+struct Axes {
+    along: DVec3,
+    across: DVec3,
+}
+
+impl Axes {
+    /// Along the ray, and across it to the side in which there is most to see: motion, or the way to a lamp.
+    fn new(sighting: &Sighting, view: &InertialFrame<Rest>) -> Axes {
+        let (d, _) = view.frame_from_world().direction(sighting.direction);
+        let along = d.unit();
+        let moving = |velocity: Velocity| {
+            let relative = velocity.relative_to(view.velocity()).ok();
+            relative.map_or(DVec3::ZERO, |v| v.rapidity())
+        };
+        let met = sighting.met.as_ref();
+        let way = |lamp: &Lamp| {
+            let to = lamp.left - sighting.far_end();
+            view.frame_from_world().displacement(to).x
+        };
+        let mut sides = vec![moving(sighting.reception.frame.velocity())];
+        sides.extend(met.map(|met| moving(met.velocity)));
+        sides.extend(met.iter().flat_map(|met| met.pulses.iter().map(way)));
+        sides.extend([along.cross(DVec3::Y), DVec3::X]);
+        let across = sides.into_iter().find_map(|side| part_across(along, side));
+        Axes {
+            along,
+            across: across.unwrap_or(DVec3::Z),
+        }
+    }
+}
+
+impl Sighting {
+    /// The far end of the ray: the emission, or where it is no longer followed.
+    pub fn far_end(&self) -> Event<World> {
+        match &self.met {
+            Some(met) => met.emission,
+            None => {
+                let step = Displacement::new(-self.index, self.direction.unit());
+                self.reception.pinhole + step * self.reach
+            }
+        }
+    }
+}
+
+/// What is drawn.
+struct Story<'a> {
+    sighting: &'a Sighting,
+    /// In whose coordinates it is drawn first.
+    view: InertialFrame<Rest>,
+    camera: usize,
+    diagram: Diagram,
+}
+
+impl Story<'_> {
+    fn told(mut self) -> Diagram {
+        let [column, row] = self.sighting.pixel;
+        let title = || format!("What pixel ({column}, {row}) sees");
+        self.diagram.title = self.diagram.title.take().or_else(|| Some(title()));
+        self.camera_and_ray();
+        match &self.sighting.met {
+            Some(met) => self.surface(met),
+            None => self.mark("far end", None, self.sighting.far_end(), false),
+        }
+        self.cone();
+        self.fit();
+        self.diagram
+    }
+
+    /// The distance of ticks of a clock that moves with `velocity`, metres.
+    fn step(&self, velocity: Velocity) -> f64 {
+        let sighting = self.sighting;
+        let reception = sighting.reception;
+        let mut events = vec![sighting.far_end(), reception.event, reception.pinhole];
+        if let Some(met) = &sighting.met {
+            events.extend(met.now.into_iter().chain(met.now_in_world));
+            events.extend(met.pulses.iter().take(MOST_PULSES).map(|lamp| lamp.left));
+        }
+        let times = events
+            .into_iter()
+            .map(|event| self.view.event_from_world(event).ct);
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let [first, last] = times.fold(ends, |[a, b], ct| [a.min(ct), b.max(ct)]);
+        let way = sighting.far_end().x - reception.event.x;
+        let all = if last > first {
+            last - first
+        } else {
+            way.length()
+        };
+        let relative = velocity.relative_to(self.view.velocity());
+        let own = all / relative.map_or(1.0, Velocity::gamma);
+        let unit = self.diagram.unit.metres;
+        round_step(own.max(f64::MIN_POSITIVE) / unit / TICKS) * unit
+    }
+
+    fn line(&mut self, name: &str, track: Track, colour: Colour, ticks: Option<f64>) {
+        let line = Line {
+            name: name.into(),
+            label: Some(settable(name)),
+            track,
+            ticks,
+            numbers: ticks.is_some(),
+            colour: Some(colour),
+        };
+        self.diagram.lines.push(line);
+    }
+
+    /// What is shown of a single view is what happens: world lines go on beyond it.
+    fn fit(&mut self) {
+        let &[view] = self.diagram.views.as_slice() else {
+            return;
+        };
+        let bare = Diagram {
+            lines: Vec::new(),
+            ..self.diagram.clone()
+        };
+        let limits = limits(&bare, view);
+        let unit = self.diagram.unit.metres;
+        let metres = |limits: [f64; 2]| Some(limits.map(|end| end * unit));
+        self.diagram.x = self.diagram.x.or(metres(limits.x));
+        self.diagram.ct = self.diagram.ct.or(metres(limits.ct));
+        if self.diagram.across.is_some() {
+            self.diagram.y = self.diagram.y.or(metres(limits.y));
+        }
+    }
+
+    fn mark(&mut self, name: &str, label: Option<String>, event: Event<World>, dot: bool) {
+        self.diagram.events.push(Mark {
+            name: name.into(),
+            label,
+            event,
+            dot,
+        });
+    }
+
+    fn signal(&mut self, from: Event<World>, to: Event<World>, label: Option<String>) {
+        self.diagram.signals.push(Signal {
+            from,
+            to,
+            label,
+            colour: None,
+        });
+    }
+
+    /// "τ_name = time", with its unit.
+    fn clock(&self, name: &str, time: f64) -> String {
+        let unit = self.diagram.unit;
+        let time = number(time / unit.metres);
+        let unit = unit
+            .names
+            .map_or(String::new(), |[name, _]| format!(" {name}"));
+        format!("*τ*_{{{}}} = {time}{unit}", settable(name))
+    }
+
+    fn camera_and_ray(&mut self) {
+        let sighting = self.sighting;
+        let reception = sighting.reception;
+        let ticks = self.step(reception.frame.velocity());
+        self.line("camera", sighting.camera.clone(), Colour::Blue, Some(ticks));
+        if let Some(element) = &sighting.element {
+            self.line("sensor", element.clone(), Colour::Sky, None);
+        }
+        let clock = self.clock("camera", reception.time);
+        self.mark(
+            "reception",
+            Some(format!("seen: {clock}")),
+            reception.event,
+            true,
+        );
+        if reception.pinhole != reception.event {
+            self.mark("pinhole", None, reception.pinhole, true);
+            self.signal(reception.pinhole, reception.event, None);
+        }
+        let nothing = sighting.met.is_none().then(|| "meets nothing".to_string());
+        self.signal(sighting.far_end(), reception.pinhole, nothing);
+    }
+
+    fn surface(&mut self, met: &Met) {
+        let ticks = self.step(met.velocity);
+        self.line(&met.name, met.track.clone(), Colour::Red, Some(ticks));
+        let clock = self.clock(&met.name, met.time);
+        self.mark(
+            "emission",
+            Some(format!("emitted: {clock}")),
+            met.emission,
+            true,
+        );
+        self.nows(met);
+        for lamp in met.pulses.iter().take(MOST_PULSES) {
+            self.lamp(lamp, met.emission);
+        }
+    }
+
+    /// The light of a pulse; one from the same event takes the name in beside its own.
+    fn lamp(&mut self, lamp: &Lamp, emission: Event<World>) {
+        let name = settable(&lamp.name);
+        let mut marks = self.diagram.events.iter_mut();
+        if let Some(mark) = marks.find(|mark| mark.event == lamp.left) {
+            mark.label = Some(
+                mark.label
+                    .take()
+                    .map_or(name.clone(), |label| format!("{label}, {name}")),
+            );
+            return;
+        }
+        self.mark(&lamp.name, Some(name), lamp.left, true);
+        self.signal(lamp.left, emission, None);
+    }
+
+    /// Where the surface is when it is seen.
+    fn nows(&mut self, met: &Met) {
+        let reception = self.sighting.reception.event;
+        let rests = self.sighting.reception.frame.velocity().is_rest();
+        let camera = if rests { "now" } else { "now, for the camera" };
+        let world = met.now_in_world.filter(|_| !rests);
+        let frames = [
+            (self.camera, met.now, camera, Colour::Blue),
+            (0, world, "now, in the world", Colour::Grey),
+        ];
+        for (frame, now, label, colour) in frames {
+            let Some(now) = now else { continue };
+            let mut slice = Slice {
+                frame,
+                kind: SliceKind::Simultaneity,
+                event: reception,
+                to: Some(now),
+                label: None,
+                colour: Some(colour),
+            };
+            self.mark(label, Some(label.into()), now, true);
+            self.diagram.slices.push(slice.clone());
+            if self.diagram.across.is_some() && frame == self.camera {
+                slice.to = None;
+                self.diagram.slices.push(slice);
+            }
+        }
+    }
+
+    /// All that can be seen at the reception is on its past light cone.
+    fn cone(&mut self) {
+        let way = self.sighting.reception.event - self.sighting.far_end();
+        let way = self.view.frame_from_world().displacement(way);
+        let height = BEYOND * way.ct.max(way.x.length());
+        self.diagram.cones.push(Cone {
+            event: self.sighting.reception.event,
+            future: false,
+            past: true,
+            height: Some(height),
+            shade: true,
+        });
+    }
+}
+
+/// A name as a label; one that cannot be set is "object".
+fn settable(name: &str) -> String {
+    let label = escaped(name);
+    match RichText::parse(&label) {
+        Ok(_) => label,
+        Err(_) => "object".into(),
+    }
+}

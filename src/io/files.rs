@@ -1,0 +1,77 @@
+//! Files of scenes: on disk, or compiled into the program.
+//!
+//! Paths that begin with [`BUILT_IN`] name compiled-in files, so that the built-in scene goes the same
+//! way through the program as any other.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek};
+use std::path::Path;
+
+/// The folder of compiled-in files.
+pub const BUILT_IN: &str = "builtin:";
+
+/// Compiled-in files by path below [`BUILT_IN`].
+const FILES: &[(&str, &[u8])] = &[
+    (
+        "corner/corner.glb",
+        include_bytes!("../../scenes/corner/corner.glb"),
+    ),
+    (
+        "corner/lightmap.npz",
+        include_bytes!("../../scenes/corner/lightmap.npz"),
+    ),
+];
+
+/// The paths of the compiled-in files below [`BUILT_IN`].
+pub fn built_in_names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(name, _)| *name)
+}
+
+/// What can be read in any order.
+pub trait ReadSeek: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> ReadSeek for T {}
+
+/// An open file.
+pub type Reader = Box<dyn ReadSeek>;
+
+/// The length in bytes of a regular file.
+///
+/// # Errors
+/// As the operating system has them; what is no regular file is refused, since opening a pipe may
+/// block for ever, and reading a device may never end.
+pub fn length(path: &Path) -> io::Result<u64> {
+    if let Some(bytes) = built_in(path) {
+        return Ok(bytes?.len() as u64);
+    }
+    let metadata = std::fs::metadata(path)?;
+    if metadata.is_file() {
+        return Ok(metadata.len());
+    }
+    Err(io::Error::new(
+        io::ErrorKind::InvalidInput,
+        "this is not a regular file",
+    ))
+}
+
+/// Opens a regular file for reading; also its length in bytes.
+///
+/// # Errors
+/// As [`length`] has them.
+pub fn open(path: &Path) -> io::Result<(Reader, u64)> {
+    let length = length(path)?;
+    let reader: Reader = match built_in(path) {
+        Some(bytes) => Box::new(Cursor::new(bytes?)),
+        None => Box::new(File::open(path)?),
+    };
+    Ok((reader, length))
+}
+
+fn built_in(path: &Path) -> Option<io::Result<&'static [u8]>> {
+    let below = path.strip_prefix(BUILT_IN).ok()?;
+    let file = FILES.iter().find(|(name, _)| Path::new(name) == below);
+    Some(
+        file.map(|(_, bytes)| *bytes)
+            .ok_or_else(|| io::ErrorKind::NotFound.into()),
+    )
+}

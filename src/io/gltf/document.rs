@@ -1,0 +1,181 @@
+//! A parsed document whose data are still in their files, and how its parts are named in messages.
+
+use std::io::{BufReader, Cursor};
+use std::path::{Path, PathBuf};
+
+use ::gltf::json::{self, Root};
+
+use super::container::{self, Storage};
+use crate::io::open::open_regular;
+use crate::{Error, Result};
+
+/// The extensions that may be required: what this program reads is complete without the others,
+/// or with these.
+const UNDERSTOOD: [&str; 4] = [
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    // Base colours are taken as radiance, which is what "unlit" says.
+    "KHR_materials_unlit",
+    // Emission is not read, and so neither is its strength.
+    "KHR_materials_emissive_strength",
+];
+
+/// A parsed glTF document.
+pub(super) struct Document<'a> {
+    /// The file, for messages.
+    pub file: PathBuf,
+    /// The directory that relative URIs start from; none for a document in memory.
+    pub directory: Option<PathBuf>,
+    pub root: Root,
+    /// Where the binary chunk lies in `storage`: offset and length.
+    pub bin: Option<(u64, u64)>,
+    pub storage: Box<dyn Storage + 'a>,
+}
+
+impl Document<'static> {
+    pub fn open(path: &Path) -> Result<Self> {
+        let (file, length) = open_regular(path)?;
+        let storage = BufReader::new(file);
+        let mut document = Document::parse(Box::new(storage), length, path)?;
+        document.directory = Some(path.parent().unwrap_or(Path::new("")).to_path_buf());
+        Ok(document)
+    }
+}
+
+impl<'a> Document<'a> {
+    pub fn from_bytes(bytes: &'a [u8], name: &str) -> Result<Self> {
+        let length = bytes.len() as u64;
+        Document::parse(Box::new(Cursor::new(bytes)), length, Path::new(name))
+    }
+
+    fn parse(mut storage: Box<dyn Storage + 'a>, length: u64, file: &Path) -> Result<Self> {
+        let container = container::read(&mut *storage, length, file)?;
+        let root = Root::from_slice(&container.json).map_err(|error| {
+            let help = "the file must be glTF 2.0; a validator of glTF tells more, and exporting \
+                        the model again often helps";
+            Error::invalid(file, "JSON", error.to_string(), help)
+        })?;
+        let document = Document {
+            file: file.to_path_buf(),
+            directory: None,
+            root,
+            bin: container.bin,
+            storage,
+        };
+        document.check_version()?;
+        document.check_extensions()?;
+        Ok(document)
+    }
+
+    fn check_version(&self) -> Result<()> {
+        let asset = &self.root.asset;
+        let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
+        let readable = match asset.min_version {
+            Some(_) => needed == "2.0",
+            None => needed.starts_with("2."),
+        };
+        match readable {
+            true => Ok(()),
+            false => Err(self.unsupported(
+                "asset",
+                format!("version {:?} of glTF is not known", shortened(needed)),
+                "export the model as glTF 2.0",
+            )),
+        }
+    }
+
+    fn check_extensions(&self) -> Result<()> {
+        let mut required = self.root.extensions_required.iter();
+        match required.find(|name| !UNDERSTOOD.contains(&name.as_str())) {
+            None => Ok(()),
+            Some(name) => Err(self.unsupported(
+                "extensionsRequired",
+                format!(
+                    "the file needs the extension {:?}, which is not read",
+                    shortened(name)
+                ),
+                "export the model without it (without compression, for most such extensions)",
+            )),
+        }
+    }
+
+    /// Whether the file says anywhere that it uses this extension.
+    pub fn uses(&self, extension: &str) -> bool {
+        let root = &self.root;
+        (root.extensions_used.iter())
+            .chain(&root.extensions_required)
+            .any(|name| name == extension)
+    }
+
+    /// The item at `index`, or an error that names the list that is too short.
+    pub fn get<T>(&self, index: json::Index<T>, list: &str, place: &str) -> Result<&T>
+    where
+        Root: json::root::Get<T>,
+    {
+        self.root.get(index).ok_or_else(|| {
+            let what = format!("it refers to {list} {}, which is not there", index.value());
+            self.invalid(place, what, "every index must be within its list")
+        })
+    }
+
+    /// `mesh 2 "wheel", primitive 0`.
+    pub fn primitive_label(&self, mesh: usize, primitive: usize) -> String {
+        let name = self.root.meshes.get(mesh).and_then(|m| m.name.as_deref());
+        format!("{}, primitive {primitive}", label("mesh", mesh, name))
+    }
+
+    /// `node 3 "left"`.
+    pub fn node_label(&self, node: usize) -> String {
+        let name = self.root.nodes.get(node).and_then(|n| n.name.as_deref());
+        label("node", node, name)
+    }
+
+    pub fn invalid(
+        &self,
+        place: impl Into<String>,
+        what: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Error {
+        Error::invalid(&self.file, place, what, help)
+    }
+
+    pub fn unsupported(
+        &self,
+        place: impl Into<String>,
+        what: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Error {
+        Error::unsupported(&self.file, place, what, help)
+    }
+}
+
+/// `kind 7 "name"`, or `kind 7` where there is no name.
+pub(super) fn label(kind: &str, index: usize, name: Option<&str>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{kind} {index} {:?}", shortened(name)),
+        _ => format!("{kind} {index}"),
+    }
+}
+
+/// A name from the file, cut to a length that suits a message.
+pub(super) fn shortened(name: &str) -> String {
+    const MOST: usize = 60;
+    match name.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", name.split_at(end).0),
+        None => name.to_owned(),
+    }
+}
+
+/// Up to a dozen names, for "there are …".
+pub(super) fn listed<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    const MOST: usize = 12;
+    let mut names = names.filter(|name| !name.is_empty());
+    let first: Vec<String> = (names.by_ref().take(MOST))
+        .map(|name| format!("{:?}", shortened(name)))
+        .collect();
+    match (first.is_empty(), names.count()) {
+        (true, _) => "none has a name".to_owned(),
+        (false, 0) => first.join(", "),
+        (false, more) => format!("{} and {more} more", first.join(", ")),
+    }
+}

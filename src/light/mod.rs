@@ -1,0 +1,3 @@
+//! Where radiance comes from: time-resolved textures.
+
+pub mod time_texture;

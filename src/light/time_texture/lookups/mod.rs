@@ -1,0 +1,160 @@
+//! Many lookups at a time, by texture coordinates: [`TimeTexture::sample_uv`] in loops.
+//!
+//! Three passes: where each lookup reads and with which weights, eight lookups per vector; the cache lines
+//! of those samples are asked for, some lookups ahead of their use; the samples of a group of lookups are
+//! brought together, widened and summed. Each operation is that of a single lookup, in its order, so that
+//! results are the same bit for bit. Lookups near the ends of the data or beyond them are single ones.
+
+mod place;
+mod read;
+
+use glam::DVec2;
+
+use super::axis::Timeline;
+use super::cube::Samples;
+use super::{Sampled, TimeTexture};
+use crate::accel::vectors::{Loop, widest};
+use crate::scene::model::TimeFilter;
+use place::{Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
+use read::read;
+
+/// Lookups in one batch, at most.
+pub const BATCH: usize = 256;
+
+/// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
+#[derive(Debug)]
+pub struct Lookups {
+    /// Texture coordinates; NaN is off the texture.
+    pub u: [f64; BATCH],
+    /// v = 0 is the top edge.
+    pub v: [f64; BATCH],
+    /// Times, metres of ct.
+    pub t: [f64; BATCH],
+    /// Radiance where the data hold all of it, and a fourth lane that means nothing.
+    pub radiance: [[f64; 4]; BATCH],
+    /// Lookups that are not so plain.
+    pub others: Vec<(usize, Sampled)>,
+    places: Places,
+}
+
+impl Default for Lookups {
+    fn default() -> Self {
+        Lookups {
+            u: [0.0; BATCH],
+            v: [0.0; BATCH],
+            t: [0.0; BATCH],
+            radiance: [[0.0; 4]; BATCH],
+            others: Vec::new(),
+            places: Places {
+                origins: [[0; BATCH]; 4],
+                taps: [[0.0; BATCH]; 4],
+                bins: [[0.0; BATCH]; MOST_BINS],
+                plain: [false; BATCH],
+            },
+        }
+    }
+}
+
+impl Lookups {
+    /// Bytes of samples that the `count` lookups have read from `texture`.
+    pub fn bytes_read(&self, texture: &TimeTexture, count: usize) -> u64 {
+        let plain = self.places.plain[..count].iter().filter(|p| **p).count();
+        let cube = texture.cube();
+        let sample = match &cube.samples {
+            Samples::F16(_) => 2,
+            Samples::F32(_) => 4,
+            Samples::F64(_) => 8,
+        };
+        (plain * 4 * bins_of(texture.axis().filter) * cube.shape[3] * sample) as u64
+    }
+}
+
+/// How many bins a filter reads.
+fn bins_of(filter: TimeFilter) -> usize {
+    match filter {
+        TimeFilter::Nearest => 1,
+        TimeFilter::Linear => 2,
+        TimeFilter::Cubic => 4,
+        TimeFilter::CubicMeans => 6,
+    }
+}
+
+impl TimeTexture {
+    /// Carries out the first `count` of `lookups`, no more than [`BATCH`].
+    pub fn sample_each(&self, lookups: &mut Lookups, count: usize) {
+        let count = count.min(BATCH);
+        let timeline = self.timeline();
+        match timeline.filter {
+            TimeFilter::Nearest => widest(Plan::<Nearest, 1>::new(self, lookups, count)),
+            TimeFilter::Linear => widest(Plan::<Linear, 2>::new(self, lookups, count)),
+            TimeFilter::Cubic => widest(Plan::<Cubic, 4>::new(self, lookups, count)),
+            TimeFilter::CubicMeans => widest(Plan::<CubicMeans, 6>::new(self, lookups, count)),
+        }
+        lookups.others.clear();
+        for at in 0..count {
+            if !lookups.places.plain[at] {
+                let uv = DVec2::new(lookups.u[at], lookups.v[at]);
+                let sampled = self.sample_uv(uv, lookups.t[at]);
+                lookups.radiance[at] = rgb_and_nothing(sampled.radiance);
+                lookups.others.push((at, sampled));
+            }
+        }
+    }
+}
+
+/// All that a batch needs.
+struct Plan<'a, F, const N: usize> {
+    texture: &'a TimeTexture,
+    timeline: Timeline,
+    lookups: &'a mut Lookups,
+    count: usize,
+    filter: std::marker::PhantomData<F>,
+}
+
+impl<'a, F, const N: usize> Plan<'a, F, N> {
+    fn new(texture: &'a TimeTexture, lookups: &'a mut Lookups, count: usize) -> Self {
+        Plan {
+            texture,
+            timeline: *texture.timeline(),
+            lookups,
+            count,
+            filter: std::marker::PhantomData,
+        }
+    }
+}
+
+impl<F: Filter<N>, const N: usize> Loop for Plan<'_, F, N> {
+    #[inline(always)]
+    fn run(self) {
+        let Lookups {
+            u,
+            v,
+            t,
+            radiance,
+            places,
+            ..
+        } = self.lookups;
+        place::<F, N>(
+            self.texture.cube().shape,
+            &self.timeline,
+            u,
+            v,
+            t,
+            self.count,
+            places,
+        );
+        let factor = self.texture.factor();
+        match (&self.texture.cube().samples, self.texture.cube().shape[3]) {
+            (Samples::F16(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F16(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
+            (Samples::F32(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F32(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
+            (Samples::F64(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F64(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
+        }
+    }
+}
+
+fn rgb_and_nothing([r, g, b]: [f64; 3]) -> [f64; 4] {
+    [r, g, b, 0.0]
+}

@@ -1,0 +1,137 @@
+//! Samples of many lookups: asked for some lookups ahead, brought together, widened, summed.
+
+use super::BATCH;
+use super::place::{MOST_BINS, Places};
+use crate::accel::vectors::prefetch;
+use crate::light::time_texture::reader::Sample;
+
+/// Lookups whose samples are brought together.
+const GROUP: usize = 16;
+/// Samples of a group, and one that may be read without effect.
+const ROOM: usize = GROUP * 4 * MOST_BINS * 3 + 1;
+
+/// Sums the samples of plain lookups.
+#[inline(always)]
+pub(super) fn read<S: Sample, const C: usize, const N: usize>(
+    samples: &[S],
+    places: &Places,
+    count: usize,
+    factor: f64,
+    radiance: &mut [[f64; 4]; BATCH],
+) {
+    let mut staged = [S::ZERO; ROOM];
+    let mut wide = [S::ZERO.wide(); ROOM];
+    ask_for::<S, C, N>(samples, places, 0, count);
+    let mut begin = 0;
+    while begin < count {
+        let end = (begin + GROUP).min(count);
+        ask_for::<S, C, N>(samples, places, end, count);
+        let mut at = begin;
+        while at < end {
+            stage::<S, C, N>(samples, places, at, &mut staged[(at - begin) * 4 * N * C..]);
+            at += 1;
+        }
+        let used = (end - begin) * 4 * N * C;
+        widen(&staged[..used], &mut wide[..used]);
+        let mut at = begin;
+        while at < end {
+            let values = &wide[(at - begin) * 4 * N * C..];
+            radiance[at] = sum::<S, C, N>(values, places, at, factor);
+            at += 1;
+        }
+        begin = end;
+    }
+}
+
+/// Prefetches the samples of the group that begins at `begin`.
+#[inline(always)]
+fn ask_for<S, const C: usize, const N: usize>(
+    samples: &[S],
+    places: &Places,
+    begin: usize,
+    count: usize,
+) {
+    let mut at = begin;
+    while at < (begin + GROUP).min(count) {
+        let mut tap = 0;
+        while tap < 4 {
+            let first = places.origins[tap][at] as usize;
+            prefetch(samples, first);
+            prefetch(samples, first + N * C - 1);
+            tap += 1;
+        }
+        at += 1;
+    }
+}
+
+/// Copies the samples of one lookup, tap after tap.
+#[inline(always)]
+fn stage<S: Sample, const C: usize, const N: usize>(
+    samples: &[S],
+    places: &Places,
+    at: usize,
+    to: &mut [S],
+) {
+    let to = &mut to[..4 * N * C];
+    let mut tap = 0;
+    while tap < 4 {
+        let first = places.origins[tap][at] as usize;
+        // What is not plain may lie anywhere.
+        if let Some(from) = samples.get(first..first + N * C) {
+            to[tap * N * C..(tap + 1) * N * C].copy_from_slice(from);
+        }
+        tap += 1;
+    }
+}
+
+#[inline(always)]
+fn widen<S: Sample>(staged: &[S], wide: &mut [S::Wide]) {
+    for (wide, sample) in wide.iter_mut().zip(staged) {
+        *wide = sample.wide();
+    }
+}
+
+/// The weighted sum over taps and bins, times `factor`.
+#[inline(always)]
+fn sum<S: Sample, const C: usize, const N: usize>(
+    values: &[S::Wide],
+    places: &Places,
+    at: usize,
+    factor: f64,
+) -> [f64; 4] {
+    // Four lanes, which fill a vector: with three channels the fourth sums what belongs to others.
+    let values = &values[..4 * N * C + 1];
+    let mut sum = [0.0; 4];
+    let mut tap = 0;
+    while tap < 4 {
+        let mut texel = [0.0; 4];
+        let mut bin = 0;
+        while bin < N {
+            let weight = places.bins[bin][at];
+            let first = (tap * N + bin) * C;
+            let mut c = 0;
+            while c < if C == 3 { 4 } else { 1 } {
+                let value: f64 = values[first + c].into();
+                texel[c] += weight * value;
+                c += 1;
+            }
+            bin += 1;
+        }
+        let weight = places.taps[tap][at];
+        let mut c = 0;
+        while c < 4 {
+            sum[c] += weight * texel[c];
+            c += 1;
+        }
+        tap += 1;
+    }
+    if C != 3 {
+        sum = [sum[0]; 4];
+    }
+    let mut c = 0;
+    while c < 4 {
+        sum[c] *= factor;
+        c += 1;
+    }
+    sum
+}

@@ -1,0 +1,179 @@
+//! Auxiliary channels: one table of names, meanings and units, from which the command line's help,
+//! the files' channel names and the documentation are made.
+//!
+//! Identities and places on a triangle (object, primitive, barycentric, uv) are those of the sample
+//! nearest to the pixel's centre; the other channels are means over the samples that met a surface.
+//! With one sample per pixel both are that sample's. A pixel that met nothing holds NaN, and −1 for
+//! identities. Values are those of the physics whatever effects are turned off for display.
+
+use serde::{Serialize, Serializer};
+
+/// Makes the enumeration and its table from one list.
+macro_rules! aovs {
+    ($($variant:ident, $name:literal, $meaning:literal, $definition:literal;)*) => {
+        /// One auxiliary channel.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Aov {
+            $(#[doc = $meaning] $variant,)*
+        }
+
+        /// Channel, name, meaning with unit and frame; in the order of [`Aov`].
+        pub const TABLE: &[(Aov, &str, &str)] = &[$((Aov::$variant, $name, $meaning),)*];
+
+        impl Aov {
+            /// The formula of one ray's value; [`crate::validate::export`] explains the symbols.
+            pub fn definition(self) -> &'static str {
+                match self {
+                    $(Aov::$variant => $definition,)*
+                }
+            }
+        }
+    };
+}
+
+aovs! {
+    Object, "object", "index of the object in the scene file, −1 where nothing is met",
+        "k, the object of which the ray X(s) meets a triangle at the smallest s > 0";
+    Primitive, "primitive", "index of the triangle in the object, in the order of its file",
+        "index of that triangle, (a, b, c), in the order of the object's geometry";
+    BarycentricU, "barycentric.u", "weight of the triangle's second corner",
+        "u of p = (1 − u − v) a + u b + v c, p the place of object_event";
+    BarycentricV, "barycentric.v", "weight of the triangle's third corner",
+        "v of p = (1 − u − v) a + u b + v c";
+    UvU, "uv.u", "texture coordinate u (set 0)",
+        "first component of (1 − u − v) t_a + u t_b + v t_c, t the corners' TEXCOORD_0";
+    UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row",
+        "second component of (1 − u − v) t_a + u t_b + v t_c";
+    EventCt, "event.ct", "emission event: world time × c, metres",
+        "time of E = X(s) = P + s (−η, d)";
+    EventX, "event.x", "emission event: world x, metres",
+        "x of E = X(s) = P + s (−η, d)";
+    EventY, "event.y", "emission event: world y, metres",
+        "y of E = X(s) = P + s (−η, d)";
+    EventZ, "event.z", "emission event: world z, metres",
+        "z of E = X(s) = P + s (−η, d)";
+    ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres",
+        "time of M_k⁻¹ (E − O_k)";
+    ObjectEventX, "object_event.x", "emission event: object x, metres",
+        "x of M_k⁻¹ (E − O_k)";
+    ObjectEventY, "object_event.y", "emission event: object y, metres",
+        "y of M_k⁻¹ (E − O_k)";
+    ObjectEventZ, "object_event.z", "emission event: object z, metres",
+        "z of M_k⁻¹ (E − O_k)";
+    DirectionX, "direction.x", "look direction in the world, x",
+        "x of d, where L (−1, d′) = W₀ (−1, d)";
+    DirectionY, "direction.y", "look direction in the world, y",
+        "y of d, where L (−1, d′) = W₀ (−1, d)";
+    DirectionZ, "direction.z", "look direction in the world, z",
+        "z of d, where L (−1, d′) = W₀ (−1, d)";
+    Distance, "distance", "world distance from the pinhole event to the emission event, metres",
+        "s of E = P + s (−η, d)";
+    WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength",
+        "W = (κ·u_k)/(κ·u_camera), κ = (−1, d), u the four-velocities, a·b = a_x b_x + a_y b_y + a_z b_z − a_ct b_ct";
+    NormalX, "normal.x", "geometric normal in the object's rest frame, x",
+        "x of (b − a) × (c − a), normalised";
+    NormalY, "normal.y", "geometric normal in the object's rest frame, y",
+        "y of (b − a) × (c − a), normalised";
+    NormalZ, "normal.z", "geometric normal in the object's rest frame, z",
+        "z of (b − a) × (c − a), normalised";
+    Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1",
+        "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
+    StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
+        "√(sample variance / n) of the n samples' (R + G + B)/3";
+}
+
+impl Aov {
+    /// The channel's name in files.
+    pub fn name(self) -> &'static str {
+        self.row().1
+    }
+
+    /// Meaning, with unit and frame.
+    pub fn meaning(self) -> &'static str {
+        self.row().2
+    }
+
+    fn row(self) -> &'static (Aov, &'static str, &'static str) {
+        &TABLE[self as usize]
+    }
+
+    /// Whether the channel belongs to one sample rather than to the mean of all.
+    pub fn is_of_one_sample(self) -> bool {
+        self <= Aov::UvV
+    }
+
+    /// Whether the channel holds integers.
+    pub fn is_identity(self) -> bool {
+        matches!(self, Aov::Object | Aov::Primitive)
+    }
+}
+
+/// The channels that a comma-separated list names: channels ("event.ct"), groups ("event") or "all".
+/// The radiance is always written, so "radiance" names nothing more.
+pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
+    let mut chosen: Vec<Aov> = Vec::new();
+    for word in list.split(',').map(str::trim).filter(|w| !w.is_empty()) {
+        let named = named(word);
+        if named.is_empty() && word != "radiance" {
+            return Err(format!(
+                "\"{word}\" is not a channel; there are: all, {}",
+                groups().join(", ")
+            ));
+        }
+        chosen.extend(named);
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    Ok(chosen)
+}
+
+fn named(word: &str) -> Vec<Aov> {
+    let is_named = |name: &str| word == "all" || name == word || group(name) == word;
+    TABLE
+        .iter()
+        .filter(|row| is_named(row.1))
+        .map(|row| row.0)
+        .collect()
+}
+
+fn group(name: &str) -> &str {
+    name.split('.').next().unwrap_or(name)
+}
+
+/// The names of all groups, in the order of the table.
+pub fn groups() -> Vec<&'static str> {
+    let mut groups: Vec<_> = TABLE.iter().map(|row| group(row.1)).collect();
+    groups.dedup();
+    groups.push("radiance");
+    groups
+}
+
+impl Serialize for Aov {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_enumeration() {
+        for (i, (aov, _, _)) in TABLE.iter().enumerate() {
+            assert_eq!(*aov as usize, i);
+        }
+    }
+
+    #[test]
+    fn groups_channels_and_all_are_understood() {
+        assert_eq!(parse("event").unwrap().len(), 4);
+        assert_eq!(
+            parse("object, event.ct,object").unwrap(),
+            [Aov::Object, Aov::EventCt]
+        );
+        assert_eq!(parse("all").unwrap().len(), TABLE.len());
+        assert_eq!(parse("radiance").unwrap(), []);
+        assert!(parse("depth").unwrap_err().contains("depth"));
+    }
+}

@@ -1,0 +1,194 @@
+//! What every output says of its origin, and the words of scene files for it.
+
+use std::io::{self, Read};
+
+use sha2::{Digest, Sha256};
+
+use crate::render::film::Film;
+use crate::scene::model::{
+    Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
+};
+
+/// Of a file that is made of a text alone: program, name of the text, hash, and the text.
+pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
+    let pairs = [
+        ("software", software()),
+        ("scene", name.into()),
+        ("scene_sha256", sha256(text.as_bytes())),
+        ("scene_text", text.into()),
+    ];
+    pairs.map(|(key, value)| (key.into(), value)).into()
+}
+
+fn software() -> String {
+    format!("nullray {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Key and value pairs: program, scene, hash, camera, units.
+pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
+    let camera = &scene.camera;
+    let event = camera.origin;
+    let [right, up, forward] = camera.axes;
+    let pairs = [
+        ("units", "metres; times are c·t in metres; c = 1".into()),
+        ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
+        ("medium_index", scene.medium_index.to_string()),
+        ("samples_per_pixel", film.samples().to_string()),
+        ("pixel_centers", film.is_centred().to_string()),
+        ("precision", film.precision().name().into()),
+        ("radiance_quantity", scene.quantity.to_string()),
+        (
+            "camera_clock_zero_event",
+            format!("{} {} {} {}", event.ct, event.x.x, event.x.y, event.x.z),
+        ),
+        ("camera_rapidity", vector(camera.velocity.rapidity())),
+        ("camera_time", camera.time.to_string()),
+        ("camera_right", vector(right)),
+        ("camera_up", vector(up)),
+        ("camera_forward", vector(forward)),
+        (
+            "camera_horizontal_fov_rad",
+            camera.horizontal_fov.to_string(),
+        ),
+    ];
+    let equations = (scene.equations != Equations::Exact)
+        .then(|| ("equations", equations(scene.equations).to_string()));
+    let own = pairs
+        .into_iter()
+        .chain(equations)
+        .chain(moving(camera))
+        .chain(sensor(camera));
+    let own = own.map(|(key, value)| (key.into(), value));
+    of_text(&scene.name, &scene.text)
+        .into_iter()
+        .chain(own)
+        .collect()
+}
+
+/// Of a camera that does more than to move without acceleration and to expose for an instant.
+fn moving(camera: &CameraModel) -> Vec<(&'static str, String)> {
+    let mut pairs = Vec::new();
+    if camera.motion != Motion::Inertial {
+        pairs.push(("camera_motion", motion(&camera.motion).into()));
+    }
+    if let Motion::Accelerated(a) = camera.motion {
+        pairs.push(("camera_proper_acceleration_per_m", vector(a)));
+    }
+    if let Motion::Circular { centre, axis, rate } = camera.motion {
+        pairs.push(("camera_circle_centre", vector(centre)));
+        pairs.push(("camera_circle_axis", vector(axis)));
+        pairs.push(("camera_circle_rate_rad_per_m", rate.to_string()));
+    }
+    if let Some(shutter) = camera.shutter {
+        pairs.push(("shutter_duration", shutter.duration.to_string()));
+        pairs.push(("shutter_records", records(shutter.records).into()));
+    }
+    if let Some(interval) = camera.frame_interval {
+        pairs.push(("frame_interval", interval.to_string()));
+    }
+    pairs
+}
+
+/// Of a camera whose sensor is not its pinhole, or turns.
+fn sensor(camera: &CameraModel) -> Vec<(&'static str, String)> {
+    let mut pairs = Vec::new();
+    if let (Some(sensor), Some([x, y])) = (camera.sensor, camera.sensor_half_size()) {
+        pairs.push(("sensor_focal_length", sensor.focal_length.to_string()));
+        pairs.push(("sensor_size", format!("{} {}", 2.0 * x, 2.0 * y)));
+        pairs.push(("sensor_assembly", assembly(sensor.assembly).into()));
+    }
+    if let Some(rotation) = camera.rotation {
+        pairs.push(("rotation_axis", vector(rotation.axis)));
+        pairs.push(("rotation_rate_rad_per_m", rotation.rate.to_string()));
+        pairs.push(("rotation_through", pivot(rotation.through).into()));
+        pairs.push(("rotation_elements", elements(rotation.elements).into()));
+    }
+    pairs
+}
+
+/// As the scene file says it.
+pub fn equations(equations: Equations) -> &'static str {
+    match equations {
+        Equations::Exact => "exact",
+        Equations::Paper2015 => "paper2015",
+    }
+}
+
+/// As the scene file says it.
+pub fn motion(motion: &Motion) -> &'static str {
+    match motion {
+        Motion::Inertial => "inertial",
+        Motion::Accelerated(_) => "acceleration",
+        Motion::Segments(_) => "segments",
+        Motion::Profile(_) => "profile",
+        Motion::Keyframes(_) => "keyframes",
+        Motion::Circular { .. } => "circle",
+    }
+}
+
+/// As the scene file says it.
+pub fn assembly(assembly: Assembly) -> &'static str {
+    match assembly {
+        Assembly::Rigid => "rigid",
+        Assembly::WorldLength => "world_length",
+        Assembly::Bell => "bell",
+    }
+}
+
+/// As the scene file says it.
+pub fn pivot(pivot: Pivot) -> &'static str {
+    match pivot {
+        Pivot::Pinhole => "pinhole",
+        Pivot::Sensor => "sensor",
+    }
+}
+
+/// As the scene file says it.
+pub fn elements(elements: Elements) -> &'static str {
+    match elements {
+        Elements::Exact => "exact",
+        Elements::Comoving => "comoving",
+        Elements::Aberrated => "aberrated",
+    }
+}
+
+/// As the scene file says it.
+pub fn records(records: Records) -> &'static str {
+    match records {
+        Records::Mean => "mean",
+        Records::Energy => "energy",
+    }
+}
+
+fn vector(v: glam::DVec3) -> String {
+    format!("{} {} {}", v.x, v.y, v.z)
+}
+
+/// The SHA-256 of `bytes`, in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The length of what is left in `reader`, and its SHA-256 in hexadecimal.
+///
+/// # Errors
+/// Those of `reader`.
+pub fn sha256_of(reader: &mut impl Read) -> io::Result<(u64, String)> {
+    let mut hasher = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    let mut length = 0;
+    loop {
+        match reader.read(&mut block)? {
+            0 => return Ok((length, hexadecimal(&hasher.finalize()))),
+            n => {
+                hasher.update(&block[..n]);
+                length += n as u64;
+            }
+        }
+    }
+}
+
+/// Two digits for each byte.
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

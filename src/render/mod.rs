@@ -1,0 +1,18 @@
+//! From a scene to a picture: what a scene needs, what is loaded and built for it, and how rays become pixels.
+//!
+//! ```text
+//! scene ──▶ plan ──▶ prepare ──▶ tiles: trace ──▶ film ──▶ tonemap
+//! ```
+
+pub mod aov;
+pub mod film;
+pub mod metadata;
+pub mod plan;
+pub mod prepare;
+pub mod progress;
+pub mod sampler;
+mod tiles;
+pub mod tonemap;
+pub mod trace;
+
+pub use tiles::{render, render_tiles, render_with_stats};

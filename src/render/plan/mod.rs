@@ -1,0 +1,337 @@
+//! What a scene and a request need, what is skipped and why; with nothing heavy loaded.
+//!
+//! The plan reads headers only (the JSON of glTF files, the first lines of cubes). It is what
+//! [`prepare`](crate::render::prepare) carries out, no more and no less, and what `nullray plan` prints.
+
+mod bindings;
+mod checks;
+mod frames;
+mod memory;
+mod notes;
+mod report;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::accel::Precision;
+use crate::camera::{self, Camera};
+use crate::error::{Error, Result};
+use crate::io::{gltf, npy};
+use crate::mesh::shapes;
+use crate::render::aov::Aov;
+use crate::render::film::Layout;
+use crate::scene::model::{Elements, Geometry, Mapping, Scene, SourceKind};
+
+pub use bindings::{Lit, lit_by};
+pub use memory::Memory;
+pub use report::{bytes, count, motion};
+
+/// What is asked of a scene beyond what its file says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Request {
+    /// Auxiliary channels.
+    pub aovs: Vec<Aov>,
+    /// One sample per pixel, at its centre.
+    pub pixel_centers: bool,
+    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    pub memory_limit: u64,
+    /// What visibility is worth. Default: certified.
+    pub precision: Precision,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Request {
+            aovs: Vec::new(),
+            pixel_centers: false,
+            memory_limit: 16 << 30,
+            precision: Precision::Certified,
+        }
+    }
+}
+
+/// What will be done.
+#[derive(Debug, Clone, Serialize)]
+pub struct Plan {
+    /// The scene's name.
+    pub scene: String,
+    /// How film points become world directions.
+    pub view: camera::Kind,
+    /// The rest frames; one BVH each.
+    pub frames: Vec<PlannedFrame>,
+    /// Per object of the scene, what is loaded of it.
+    pub objects: Vec<PlannedObject>,
+    /// Per source of the scene: its cube, where it has one and lights anything.
+    pub cubes: Vec<Option<PlannedCube>>,
+    /// Whether any radiance varies with time.
+    pub time_resolved: bool,
+    /// Film: size, samples per pixel, channels.
+    pub film: Layout,
+    /// Rays that will be traced.
+    pub rays: Rays,
+    /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
+    pub memory: Memory,
+    /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
+    pub memory_limit: u64,
+    /// What is not done, and why.
+    pub skipped: Vec<Skipped>,
+    /// What the pictures do not show, and other things worth knowing.
+    pub notes: Vec<String>,
+}
+
+/// Objects at rest relative to each other.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlannedFrame {
+    /// β in the world.
+    pub beta: [f64; 3],
+    /// γ.
+    pub gamma: f64,
+    /// Indices of the objects.
+    pub objects: Vec<usize>,
+    /// Triangles.
+    pub triangles: u64,
+}
+
+/// What is loaded of an object.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlannedObject {
+    /// The object's name.
+    pub name: String,
+    /// The file, or none for a built-in shape.
+    pub file: Option<PathBuf>,
+    /// Files that this one refers to.
+    pub files: Vec<PathBuf>,
+    /// Triangles.
+    pub triangles: u64,
+    /// Vertices.
+    pub vertices: u64,
+    /// Whether texture coordinates are loaded.
+    pub uvs: bool,
+    /// Whether base colour textures are loaded.
+    pub textures: bool,
+    /// What gives it radiance.
+    pub radiance: Vec<String>,
+    /// Sets of texture coordinates that its file has.
+    pub uv_sets: usize,
+    #[serde(skip)]
+    materials: Vec<String>,
+    #[serde(skip)]
+    images: usize,
+}
+
+/// A cube that is loaded.
+#[derive(Debug, Clone, Serialize)]
+pub struct PlannedCube {
+    /// The source's name.
+    pub source: String,
+    /// The file.
+    pub file: PathBuf,
+    /// The array, where the scene names one.
+    pub array: Option<String>,
+    /// H, W, T, C.
+    pub shape: [usize; 4],
+    /// Bytes in memory.
+    pub bytes: u64,
+    /// Rays from the capture camera, one per pixel, where the cube is projected.
+    pub capture_rays: u64,
+}
+
+/// How many rays.
+#[derive(Debug, Clone, Serialize)]
+pub struct Rays {
+    /// From the camera.
+    pub camera: u64,
+    /// Towards pulses and capture cameras, at most.
+    pub shadow_at_most: u64,
+    /// From capture cameras, before rendering.
+    pub capture: u64,
+}
+
+/// Something that is not done.
+#[derive(Debug, Clone, Serialize)]
+pub struct Skipped {
+    /// What.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+impl Plan {
+    /// Plans `request` for `scene`, reading headers only.
+    ///
+    /// # Errors
+    /// Files that are missing or broken as far as their headers tell, materials that do not exist, a
+    /// scene that takes more than the request's memory limit.
+    pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
+        let mut objects = inspect_objects(scene)?;
+        checks::check(scene, &objects)?;
+        let wants_uv = request
+            .aovs
+            .iter()
+            .any(|a| matches!(a, Aov::UvU | Aov::UvV));
+        for (index, object) in objects.iter_mut().enumerate() {
+            bindings::resolve(scene, index, object, wants_uv);
+        }
+        let cubes = inspect_cubes(scene, &objects)?;
+        let frames = frames::by_velocity(scene, &objects)?;
+        let layout = layout(scene, request, &objects);
+        let rays = rays(scene, &layout, &objects, &cubes);
+        let memory = memory::memory(&frames, &objects, &cubes, &layout);
+        let view = Camera::new(scene)?.view.kind();
+        let mut plan = Plan {
+            scene: scene.name.clone(),
+            view,
+            frames,
+            time_resolved: is_time_resolved(scene, &objects),
+            objects,
+            cubes,
+            film: layout,
+            rays,
+            memory,
+            memory_limit: request.memory_limit,
+            skipped: Vec::new(),
+            notes: Vec::new(),
+        };
+        notes::explain(scene, &mut plan);
+        plan.within(request.memory_limit)?;
+        Ok(plan)
+    }
+
+    fn within(&self, limit: u64) -> Result<()> {
+        let total = self.memory.total();
+        if total <= limit {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            &self.scene,
+            "memory",
+            format!(
+                "needs about {}, more than the limit of {}",
+                report::bytes(total),
+                report::bytes(limit)
+            ),
+            "a smaller image or cube, or a higher limit (--max-memory)",
+        ))
+    }
+}
+
+fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout {
+    Layout {
+        size: scene.camera.size,
+        samples: if request.pixel_centers {
+            1
+        } else {
+            scene.samples_per_pixel
+        },
+        pixel_centers: request.pixel_centers,
+        precision: request.precision,
+        channels: request.aovs.clone(),
+        has_gaps: covers_itself(scene) || is_time_resolved(scene, objects),
+    }
+}
+
+/// Whether any radiance varies with time.
+fn is_time_resolved(scene: &Scene, objects: &[PlannedObject]) -> bool {
+    let varies = |o: usize| {
+        let mut materials = objects[o].materials.iter();
+        materials.any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
+    };
+    (0..objects.len()).any(varies)
+}
+
+/// Whether the camera's sensor can hide the pinhole from parts of itself.
+fn covers_itself(scene: &Scene) -> bool {
+    let rotation = scene.camera.rotation;
+    scene.camera.sensor.is_some() && rotation.is_some_and(|r| r.elements == Elements::Aberrated)
+}
+
+fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
+    scene
+        .objects
+        .iter()
+        .map(|object| match &object.geometry {
+            Geometry::Gltf { path, node } => {
+                let summary = gltf::inspect(path, node.as_deref())?;
+                Ok(PlannedObject {
+                    name: object.name.clone(),
+                    file: Some(path.clone()),
+                    files: summary.files,
+                    triangles: summary.triangles,
+                    vertices: summary.vertices,
+                    uvs: false,
+                    textures: false,
+                    radiance: Vec::new(),
+                    uv_sets: summary.uv_sets,
+                    materials: summary.materials,
+                    images: summary.images,
+                })
+            }
+            Geometry::Shape { shape, .. } => {
+                let triangles = shapes::triangle_count(*shape);
+                Ok(PlannedObject {
+                    name: object.name.clone(),
+                    file: None,
+                    files: Vec::new(),
+                    triangles,
+                    vertices: 2 * triangles,
+                    uvs: false,
+                    textures: false,
+                    radiance: Vec::new(),
+                    uv_sets: 1,
+                    materials: vec![String::new()],
+                    images: 0,
+                })
+            }
+        })
+        .collect()
+}
+
+fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<PlannedCube>>> {
+    let used = bindings::used_sources(scene, objects);
+    scene
+        .sources
+        .iter()
+        .zip(used)
+        .map(|(source, used)| {
+            let SourceKind::Cube(cube) = &source.kind else {
+                return Ok(None);
+            };
+            if !used {
+                return Ok(None);
+            }
+            let info = npy::inspect_cube(&cube.path, cube.array.as_deref())?;
+            let [h, w, ..] = info.shape;
+            let projected = matches!(cube.mapping, Mapping::Capture(_));
+            Ok(Some(PlannedCube {
+                source: source.name.clone(),
+                file: cube.path.clone(),
+                array: cube.array.clone(),
+                shape: info.shape,
+                bytes: info.bytes,
+                capture_rays: if projected { (h * w) as u64 } else { 0 },
+            }))
+        })
+        .collect()
+}
+
+fn rays(
+    scene: &Scene,
+    layout: &Layout,
+    objects: &[PlannedObject],
+    cubes: &[Option<PlannedCube>],
+) -> Rays {
+    let camera = layout.size[0] as u64 * layout.size[1] as u64 * layout.samples as u64;
+    let pulses = bindings::used_sources(scene, objects)
+        .into_iter()
+        .zip(&scene.sources)
+        .filter(|(used, s)| *used && matches!(&s.kind, SourceKind::Pulse(p) if p.shadows))
+        .count() as u64;
+    let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
+    let towards = pulses.max((capture > 0) as u64);
+    Rays {
+        camera,
+        shadow_at_most: camera.saturating_mul(towards),
+        capture,
+    }
+}

@@ -1,0 +1,198 @@
+//! Rest frames: the triangles of all objects at rest in one, and the BVH over them.
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::light::Builder;
+use crate::accel::{Bvh, Facing};
+use crate::error::{Error, Result};
+use crate::io::gltf;
+use crate::mesh::Mesh;
+use crate::mesh::shapes;
+use crate::render::plan::{Plan, PlannedFrame};
+use crate::render::trace::{Patch, RestFrame};
+use crate::scene::model::{BackFaces, BadVertices, Geometry, Object, Scene};
+use crate::spacetime::{Event, InertialFrame, Rest};
+
+/// Loads the objects of `planned` and builds their BVH, whose seconds `built_in` is told.
+pub(super) fn frame(
+    scene: &Scene,
+    plan: &Plan,
+    planned: &PlannedFrame,
+    light: &mut Builder,
+    warnings: &mut Vec<String>,
+    built_in: &mut f64,
+) -> Result<RestFrame> {
+    let first = &scene.objects[planned.objects[0]];
+    let frame = InertialFrame::new(first.velocity, first.origin);
+    let mut gathered = Gathered::default();
+    for &index in &planned.objects {
+        let object = &scene.objects[index];
+        let planned = &plan.objects[index];
+        let want = gltf::Want {
+            uvs: planned.uvs,
+            textures: planned.textures,
+            bad_vertices: object.bad_vertices,
+        };
+        let (mesh, images) = object_mesh(object, want, warnings)?;
+        let emitters = light.materials(index, &mesh, images)?;
+        let origin = frame.event_from_world(object.origin);
+        gathered.add(scene, index, mesh, origin, &emitters);
+    }
+    let Gathered {
+        triangles,
+        patches,
+        culled,
+        meshes,
+    } = gathered;
+    let facing = |triangle: u32| {
+        let patch = patches
+            .partition_point(|p| p.first <= triangle)
+            .saturating_sub(1);
+        if culled[patch] {
+            Facing::FrontOnly
+        } else {
+            Facing::TwoSided
+        }
+    };
+    let begin = Instant::now();
+    let bvh = Bvh::build(triangles, facing);
+    *built_in += begin.elapsed().as_secs_f64();
+    Ok(RestFrame {
+        frame,
+        bvh,
+        patches,
+        meshes,
+    })
+}
+
+/// The mesh of an object in object coordinates, as it is rendered, and the images of its file, as far as
+/// they are wanted.
+///
+/// # Errors
+/// Those of [`gltf::load`].
+pub fn object_mesh(
+    object: &Object,
+    want: gltf::Want,
+    warnings: &mut Vec<String>,
+) -> Result<(Mesh, Vec<gltf::EncodedImage>)> {
+    let (mut mesh, images) = match &object.geometry {
+        Geometry::Gltf { path, node } => {
+            let imported = gltf::load(path, node.as_deref(), want)?;
+            let named = |w: String| format!("{}: {w}", path.display());
+            warnings.extend(imported.warnings.into_iter().map(named));
+            (imported.mesh, imported.images)
+        }
+        Geometry::Shape { shape, colour } => (shapes::mesh(*shape, *colour), Vec::new()),
+    };
+    if !want.uvs {
+        mesh.uvs.clear();
+    }
+    let transform = object.transform;
+    for p in &mut mesh.positions {
+        *p = transform.transform_point3(*p);
+    }
+    check_reach(object, &mut mesh, warnings)?;
+    if transform.matrix3.determinant() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    Ok((mesh, images))
+}
+
+/// Refuses, or drops triangles with, vertices that are too far away for a ray to meet.
+fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> Result<()> {
+    // Not so for NaN.
+    let is_reached = |p: &DVec3| p.abs().max_element() <= Bvh::MAX_COORDINATE && !p.is_nan();
+    let Some(at) = mesh.positions.iter().position(|p| !is_reached(p)) else {
+        return Ok(());
+    };
+    if object.bad_vertices == BadVertices::Refuse {
+        let place = format!("object \"{}\", vertex {at}", object.name);
+        let what = format!("lies at {} m, after its transform", mesh.positions[at]);
+        let help = format!(
+            "coordinates must be within {:.0e} m; bad_vertices = \"drop\" leaves such triangles out",
+            Bvh::MAX_COORDINATE
+        );
+        return Err(Error::invalid(file(object), place, what, help));
+    }
+    let positions = &mesh.positions;
+    let is_bad = |t: &&mut [u32; 3]| t.iter().any(|&v| !is_reached(&positions[v as usize]));
+    let mut dropped = 0;
+    for triangle in mesh.triangles.iter_mut().filter(is_bad) {
+        *triangle = [triangle[0]; 3];
+        dropped += 1;
+    }
+    let bad = mesh.positions.iter_mut().filter(|p| !is_reached(p));
+    bad.for_each(|p| *p = DVec3::ZERO);
+    warnings.push(format!(
+        "object \"{}\": {dropped} triangles with a vertex that is out of reach are dropped",
+        object.name
+    ));
+    Ok(())
+}
+
+/// The file of an object, or its name.
+fn file(object: &Object) -> String {
+    match &object.geometry {
+        Geometry::Gltf { path, .. } => path.display().to_string(),
+        Geometry::Shape { .. } => object.name.clone(),
+    }
+}
+
+/// The triangles of a frame while they are gathered.
+#[derive(Default)]
+struct Gathered {
+    triangles: Vec<[DVec3; 3]>,
+    patches: Vec<Patch>,
+    /// Per patch: whether its back faces are not there.
+    culled: Vec<bool>,
+    meshes: Vec<Mesh>,
+}
+
+impl Gathered {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        object: usize,
+        mut mesh: Mesh,
+        origin: Event<Rest>,
+        emitters: &[u32],
+    ) {
+        let object_first = self.triangles.len() as u32;
+        self.triangles.reserve_exact(mesh.triangles.len());
+        for index in 0..mesh.triangles.len() as u32 {
+            self.triangles
+                .push(mesh.corners(index).map(|p| p + origin.x));
+        }
+        for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
+            let double_sided = mesh.materials[part.material as usize].double_sided;
+            self.culled.push(is_culled(scene.back_faces, double_sided));
+            self.patches.push(Patch {
+                first: object_first + part.first_triangle,
+                object: object as u32,
+                mesh: self.meshes.len() as u32,
+                object_first,
+                object_origin: origin,
+                emitter: emitters[part.material as usize],
+                black_back: scene.back_faces == BackFaces::Black,
+            });
+        }
+        // The BVH holds the corners from here on; what addresses textures stays.
+        mesh.positions = Vec::new();
+        if mesh.uvs.is_empty() {
+            mesh.triangles = Vec::new();
+        }
+        mesh.triangles.shrink_to_fit();
+        mesh.uvs.iter_mut().for_each(Vec::shrink_to_fit);
+        self.meshes.push(mesh);
+    }
+}
+
+fn is_culled(policy: BackFaces, double_sided: bool) -> bool {
+    match policy {
+        BackFaces::AsFile => !double_sided,
+        BackFaces::TwoSided | BackFaces::Black => false,
+        BackFaces::Culled => true,
+    }
+}

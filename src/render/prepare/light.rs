@@ -1,0 +1,334 @@
+//! Emitters: base colours, cubes with their capture cameras, pulses.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::Light;
+use crate::accel::Ray;
+use crate::error::{Error, Result};
+use crate::io::gltf::EncodedImage;
+use crate::io::image::Texture;
+use crate::io::npy;
+use crate::light::time_texture::{Capture, Cube, SeenPoint, TimeAxis, TimeTexture};
+use crate::mesh::{Material, Mesh};
+use crate::render::plan::{Lit, Plan, lit_by};
+use crate::render::progress::Progress;
+use crate::render::trace::{
+    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Response, RestFrame, TimeResolved,
+};
+use crate::scene::model::{
+    Binding, CaptureCamera, Clock, CubeSource, Effects, Equations, Geometry, Mapping, Scene,
+    SourceKind,
+};
+use crate::spacetime::Quantity;
+
+/// Gathers emitters object by object, then loads cubes.
+pub(super) struct Builder<'a> {
+    scene: &'a Scene,
+    colours: Vec<BaseColour>,
+    textures: Textures,
+    /// Per emitter: what lights it, and the base colour that goes with it.
+    emitters: Vec<(Lit, usize)>,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(scene: &'a Scene, plan: &Plan) -> Self {
+        Builder {
+            scene,
+            colours: Vec::new(),
+            textures: Textures {
+                decoded: Vec::new(),
+                indices: HashMap::new(),
+                budget: plan.memory_limit.saturating_sub(plan.memory.total()),
+            },
+            emitters: Vec::new(),
+        }
+    }
+
+    /// Emitter indices for the materials of object `object`.
+    pub(super) fn materials(
+        &mut self,
+        object: usize,
+        mesh: &Mesh,
+        images: Vec<EncodedImage>,
+    ) -> Result<Vec<u32>> {
+        let file = match &self.scene.objects[object].geometry {
+            Geometry::Gltf { path, .. } => path.clone(),
+            Geometry::Shape { .. } => PathBuf::new(),
+        };
+        let textures = images
+            .into_iter()
+            .map(|image| self.textures.index(&file, image))
+            .collect::<Result<Vec<_>>>()?;
+        let emitter = |material: &Material| {
+            let lit = lit_by(self.scene, object, &material.name);
+            let colour = base_colour(material, &textures);
+            self.colours.push(colour);
+            self.emitters.push((lit, self.colours.len() - 1));
+            self.emitters.len() as u32 - 1
+        };
+        Ok(mesh.materials.iter().map(emitter).collect())
+    }
+
+    /// Loads the cubes that the plan lists and traces their capture cameras.
+    pub(super) fn finish(
+        self,
+        plan: &Plan,
+        frames: &[RestFrame],
+        progress: &dyn Progress,
+    ) -> Result<Light> {
+        let scene = self.scene;
+        let base = BaseColours {
+            colours: self.colours,
+            textures: self.textures.decoded,
+            response: response(scene.quantity, scene),
+        };
+        // Without time, emitter k is base colour k.
+        if !plan.time_resolved {
+            return Ok(Light::Constant(base));
+        }
+        let mut stores = Stores::default();
+        let mut sources = Vec::new();
+        for (index, source) in scene.sources.iter().enumerate() {
+            super::stop_if_cancelled(progress)?;
+            let planned = plan.cubes.get(index).is_some_and(Option::is_some);
+            sources.push(match &source.kind {
+                SourceKind::Cube(cube) if planned => Some(stores.cube(scene, index, cube, frames)?),
+                _ => None,
+            });
+        }
+        let pulses = scene.sources.iter().map(|source| match &source.kind {
+            SourceKind::Pulse(pulse) => Some((pulse.clone(), source.quantity)),
+            SourceKind::Cube(_) => None,
+        });
+        let emitters = self.emitters.into_iter().map(|(lit, colour)| match lit {
+            Lit::Base => (Emitter::Base(colour), base.response),
+            Lit::Pulses(pulses) => {
+                let quantity = scene.sources[pulses[0]].quantity;
+                (
+                    Emitter::Pulses {
+                        albedo: colour,
+                        pulses,
+                    },
+                    response(quantity, scene),
+                )
+            }
+            Lit::Cube(source) => {
+                let emitter = sources[source].clone().unwrap_or(Emitter::Base(colour));
+                (emitter, response(scene.sources[source].quantity, scene))
+            }
+        });
+        let emitters = emitters.collect();
+        Ok(Light::TimeResolved(TimeResolved {
+            emitters,
+            base,
+            cubes: stores.cubes,
+            captures: stores.captures,
+            pulses: pulses.collect(),
+            index: scene.medium_index,
+        }))
+    }
+}
+
+/// `textures`: by image of the file, its index among the decoded ones; empty where none are loaded.
+fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
+    let texture = material.texture.as_ref();
+    let texture = texture.and_then(|t| Some((*textures.get(t.image)?, t.uv_set, t.wrap)));
+    BaseColour {
+        factor: material.base_colour.map(f64::from),
+        texture,
+    }
+}
+
+/// What an observer in `scene` makes of radiance of `quantity`.
+fn response(quantity: Quantity, scene: &Scene) -> Response {
+    let Effects {
+        doppler,
+        searchlight,
+        ..
+    } = scene.effects;
+    let colour = match (quantity, doppler) {
+        (Quantity::Line { wavelength }, true) => Colouring::ShiftedLine(wavelength),
+        (Quantity::Line { wavelength }, false) => Colouring::UnshiftedLine(wavelength),
+        _ => Colouring::Channels,
+    };
+    Response {
+        scaled: searchlight.then_some(scaling(quantity, scene.equations)),
+        colour,
+    }
+}
+
+/// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
+pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
+    match (equations, quantity) {
+        (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
+            Quantity::PerWavelength
+        }
+        _ => quantity,
+    }
+}
+
+/// Decoded images, each once, within the memory that the plan leaves.
+struct Textures {
+    decoded: Vec<Texture>,
+    indices: HashMap<(PathBuf, String), usize>,
+    /// Bytes that are left.
+    budget: u64,
+}
+
+impl Textures {
+    fn index(&mut self, file: &Path, image: EncodedImage) -> Result<usize> {
+        let key = (file.to_path_buf(), image.place);
+        if let Some(index) = self.indices.get(&key) {
+            return Ok(*index);
+        }
+        let texture = Texture::decode(&image.bytes, &key.1, file)?;
+        let left = self.budget.checked_sub(texture.bytes() as u64);
+        self.budget = left.ok_or_else(|| {
+            let what = "with this image, textures take more memory than the limit leaves";
+            let help = "smaller textures, or a higher limit (--max-memory)";
+            Error::invalid(file, &key.1, what, help)
+        })?;
+        self.decoded.push(texture);
+        self.indices.insert(key, self.decoded.len() - 1);
+        Ok(self.decoded.len() - 1)
+    }
+}
+
+/// Cubes and capture cameras, each file loaded once.
+#[derive(Default)]
+struct Stores {
+    files: HashMap<(PathBuf, Option<String>), Arc<Cube>>,
+    cubes: Vec<TimeTexture>,
+    captures: Vec<Capture>,
+}
+
+impl Stores {
+    fn cube(
+        &mut self,
+        scene: &Scene,
+        source: usize,
+        cube: &CubeSource,
+        frames: &[RestFrame],
+    ) -> Result<Emitter> {
+        let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
+            .map_err(|e| refused(scene, source, e))?;
+        let size = texture.size();
+        self.cubes.push(texture);
+        let place = Place::of(scene, source, frames);
+        let clock = place.clock(cube.clock);
+        let index = self.cubes.len() - 1;
+        Ok(match &cube.mapping {
+            Mapping::Uv { set } => Emitter::Uv {
+                cube: index,
+                set: *set,
+                clock,
+            },
+            Mapping::Capture(camera) => {
+                let camera = CaptureCamera {
+                    eye: place.eye(camera.eye),
+                    ..camera.clone()
+                };
+                let warped = cube.clock == Clock::Capture;
+                let trace = |origin, direction| place.seen(origin, direction);
+                self.captures.push(Capture::new(
+                    &camera,
+                    size,
+                    warped,
+                    scene.medium_index,
+                    trace,
+                ));
+                Emitter::Capture {
+                    cube: index,
+                    capture: self.captures.len() - 1,
+                    clock,
+                }
+            }
+        })
+    }
+
+    fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
+        let key = (cube.path.clone(), cube.array.clone());
+        if let Some(loaded) = self.files.get(&key) {
+            return Ok(loaded.clone());
+        }
+        let loaded = Arc::new(npy::load(&cube.path, cube.array.as_deref())?);
+        self.files.insert(key, loaded.clone());
+        Ok(loaded)
+    }
+}
+
+fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
+    let place = format!("source \"{}\"", scene.sources[source].name);
+    Error::invalid(
+        &scene.name,
+        place,
+        error.to_string(),
+        "a cube (H, W, T) or (H, W, T, 1 or 3) and a time axis that fits it",
+    )
+}
+
+/// The rest frame of the objects that a source is bound to, and the first of these objects.
+struct Place<'a> {
+    rest: Option<&'a RestFrame>,
+    /// Origin of the object in the frame.
+    object: DVec3,
+    /// World coordinates of the frame's origin where the frame rests in the world.
+    world: Option<DVec3>,
+}
+
+impl<'a> Place<'a> {
+    fn of(scene: &Scene, source: usize, frames: &'a [RestFrame]) -> Self {
+        let object = match &scene.sources[source].binding {
+            Binding::All => 0,
+            Binding::Only { objects, .. } => objects.first().copied().unwrap_or(0),
+        };
+        let has = |f: &&RestFrame| f.patches.iter().any(|p| p.object as usize == object);
+        let rest = frames.iter().find(has);
+        let origin = rest
+            .and_then(|f| f.patches.iter().find(|p| p.object as usize == object))
+            .map(|p| p.object_origin);
+        let still = rest.filter(|f| f.frame.velocity().is_rest());
+        Place {
+            rest,
+            object: origin.map_or(DVec3::ZERO, |o| o.x),
+            world: still.map(|f| f.frame.origin().x),
+        }
+    }
+
+    /// A cube's clock where it is bound. A capture camera's clock runs in world time for objects at
+    /// rest in the world, and in the object's own for others.
+    fn clock(&self, clock: Clock) -> EmissionClock {
+        match (clock, self.world) {
+            (Clock::World, _) | (Clock::Capture, Some(_)) => EmissionClock::World,
+            (Clock::Object, _) | (Clock::Capture, None) => EmissionClock::Object,
+        }
+    }
+
+    /// The capture pinhole in frame coordinates.
+    fn eye(&self, eye: DVec3) -> DVec3 {
+        match self.world {
+            Some(frame_origin) => eye - frame_origin,
+            None => eye + self.object,
+        }
+    }
+
+    fn seen(&self, origin: DVec3, direction: DVec3) -> Option<SeenPoint> {
+        let bvh = &self.rest?.bvh;
+        let hit = bvh.closest(
+            &Ray {
+                origin,
+                direction,
+                s_min: 0.0,
+            },
+            f64::INFINITY,
+        )?;
+        Some(SeenPoint {
+            distance: hit.s,
+            normal: bvh.normal(&hit),
+        })
+    }
+}

@@ -1,0 +1,121 @@
+//! Loads and builds what the plan lists, and nothing else.
+
+mod geometry;
+mod light;
+
+pub use geometry::object_mesh;
+pub(crate) use light::scaling;
+
+use crate::accel::Method;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::render::film::Layout;
+use crate::render::plan::Plan;
+use crate::render::progress::Progress;
+use crate::render::sampler::Sampler;
+use crate::render::trace::{BaseColours, RestFrame, TimeResolved};
+use crate::scene::model::Scene;
+
+/// A scene with everything loaded and built that its plan lists.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The camera at the moment of the shot.
+    pub camera: Camera,
+    /// The rest frames with their BVHs.
+    pub frames: Vec<RestFrame>,
+    /// Radiance of surfaces.
+    pub light: Light,
+    /// Refractive index that delays camera rays; 0 where retardation is turned off.
+    pub ray_index: f64,
+    /// Observed radiance of rays that meet nothing.
+    pub background: [f64; 3],
+    /// Where samples lie in a pixel.
+    pub sampler: Sampler,
+    /// The film.
+    pub layout: Layout,
+    /// How rays are traced.
+    pub method: Method,
+    /// What was odd in the files, but no error.
+    pub warnings: Vec<String>,
+    /// How long the trees took to build, seconds.
+    pub built_in: f64,
+}
+
+/// Radiance of surfaces: constant, or varying with time.
+#[derive(Debug)]
+pub enum Light {
+    /// Base colours only.
+    Constant(BaseColours),
+    /// Cubes, pulses, base colours.
+    TimeResolved(TimeResolved),
+}
+
+impl Prepared {
+    /// Carries out `plan`, which must be that of `scene`.
+    ///
+    /// # Errors
+    /// Broken files, and [`Error::Cancelled`] when `progress` says so.
+    pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
+        let camera = Camera::new(scene)?;
+        let mut light = light::Builder::new(scene, plan);
+        let mut warnings = Vec::new();
+        let mut built_in = 0.0;
+        let mut frames = Vec::with_capacity(plan.frames.len());
+        for planned in &plan.frames {
+            stop_if_cancelled(progress)?;
+            frames.push(geometry::frame(
+                scene,
+                plan,
+                planned,
+                &mut light,
+                &mut warnings,
+                &mut built_in,
+            )?);
+        }
+        stop_if_cancelled(progress)?;
+        let light = light.finish(plan, &frames, progress)?;
+        let ray_index = if scene.effects.retardation {
+            scene.medium_index
+        } else {
+            0.0
+        };
+        let sampler = if plan.film.pixel_centers {
+            Sampler::centred()
+        } else {
+            Sampler::stratified(plan.film.samples)
+        };
+        Ok(Prepared {
+            camera,
+            frames,
+            light,
+            ray_index,
+            background: scene.background,
+            sampler,
+            layout: plan.film.clone(),
+            method: Method {
+                precision: plan.film.precision,
+                ..Method::default()
+            },
+            warnings,
+            built_in,
+        })
+    }
+
+    /// Has the next picture taken by the camera of `scene`, which may differ from that of the scene that was
+    /// prepared in its motion and time alone: everything else stays as it is loaded and built.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn retake(&mut self, scene: &Scene) -> Result<()> {
+        self.camera = Camera::new(scene)?;
+        Ok(())
+    }
+}
+
+fn stop_if_cancelled(progress: &dyn Progress) -> Result<()> {
+    if progress.is_cancelled() {
+        Err(Error::Cancelled)
+    } else {
+        Ok(())
+    }
+}

@@ -1,0 +1,328 @@
+//! Where in a pixel the samples lie: multi-jittered strata, a pure function of pixel and index.
+//!
+//! n = a·b samples fill an a × b grid of cells, one each; within its cell a sample takes a sub-row and
+//! a sub-column of its own, so that the n samples also project onto n different strata of x and of y
+//! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
+//! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
+
+use crate::accel::vectors::{Loop, widest};
+
+/// The sample positions of every pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampler {
+    columns: u32,
+    rows: u32,
+    /// Width and height of a cell: 1 / columns, 1 / rows.
+    cell: [f64; 2],
+    centred: bool,
+}
+
+impl Sampler {
+    /// `samples` ≥ 1 stratified samples per pixel.
+    pub fn stratified(samples: u32) -> Self {
+        let samples = samples.max(1);
+        let root = (1..=samples)
+            .take_while(|d| *d <= samples / d)
+            .filter(|d| samples.is_multiple_of(*d))
+            .last()
+            .unwrap_or(1);
+        let rows = samples / root;
+        Sampler {
+            columns: root,
+            rows,
+            cell: [1.0 / root as f64, 1.0 / rows as f64],
+            centred: false,
+        }
+    }
+
+    /// One sample, at the pixel's centre.
+    pub fn centred() -> Self {
+        Sampler {
+            columns: 1,
+            rows: 1,
+            cell: [1.0; 2],
+            centred: true,
+        }
+    }
+
+    /// Samples per pixel.
+    pub fn samples(&self) -> u32 {
+        self.columns * self.rows
+    }
+
+    /// The offset of sample `index` in pixel `(column, row)`, each in [0, 1).
+    pub fn offset(&self, column: u32, row: u32, index: u32) -> [f64; 2] {
+        let (mut x, mut y) = ([0.0], [0.0]);
+        self.offsets(&[pixel_key(column, row)], index, &mut x, &mut y);
+        [x[0], y[0]]
+    }
+
+    /// The same in many pixels, by their [`pixel_key`]s.
+    pub fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
+        if self.centred {
+            x.fill(0.5);
+            y.fill(0.5);
+            return;
+        }
+        let (i, j) = (index % self.columns, index / self.columns);
+        x.fill(0.0);
+        y.fill(0.0);
+        let cells = match self.samples() {
+            1 => &[],
+            _ => pixels,
+        };
+        for ((pixel, x), y) in cells.iter().zip(&mut *x).zip(&mut *y) {
+            let pixel = hash(*pixel);
+            *x = sub_cell(j, self.rows, pixel);
+            *y = sub_cell(i, self.columns, pixel.rotate_left(31));
+        }
+        let [width, height] = self.cell;
+        widest(Jitter {
+            pixels,
+            salt: (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15),
+            cell: [i as f64, j as f64],
+            size: [width, height],
+            x,
+            y,
+        });
+    }
+}
+
+/// What a pixel's random numbers come from.
+#[inline(always)]
+pub fn pixel_key(column: u32, row: u32) -> u64 {
+    column as u64 | ((row as u64) << 32)
+}
+
+/// Random places in the sub-cells that `x` and `y` name, as offsets in the pixel.
+struct Jitter<'a> {
+    pixels: &'a [u64],
+    salt: u64,
+    cell: [f64; 2],
+    size: [f64; 2],
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl Loop for Jitter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        jitter(self.pixels, self.salt, self.cell, self.size, self.x, self.y);
+    }
+}
+
+#[inline(always)]
+fn jitter(
+    pixels: &[u64],
+    salt: u64,
+    [i, j]: [f64; 2],
+    [width, height]: [f64; 2],
+    x: &mut [f64],
+    y: &mut [f64],
+) {
+    let count = pixels.len();
+    let (x, y) = (&mut x[..count], &mut y[..count]);
+    for k in 0..count {
+        let noise = hash(hash(pixels[k]) ^ salt);
+        let (in_x, in_y) = (x[k] + unit(noise as u32), y[k] + unit((noise >> 32) as u32));
+        x[k] = (i + in_x * height) * width;
+        y[k] = (j + in_y * width) * height;
+    }
+}
+
+impl Sampler {
+    /// The moment of sample `index` in an exposure, in [0, 1): n samples take n different strata of
+    /// time.
+    ///
+    /// Of an a × b grid of cells (a ≤ b columns, rows) the a samples of each b-th part of the time lie
+    /// in all columns, and in rows b/a apart: what depends on time less delay, and so on time and
+    /// place alike, finds place and time uncorrelated (an orthogonal array; Owen 1992). Columns and rows
+    /// are permuted at random in each pixel, or the samples would lie on planes of place and time.
+    #[inline]
+    pub fn moment(&self, column: u32, row: u32, index: u32) -> f64 {
+        if self.centred {
+            return 0.5;
+        }
+        let (a, b) = (self.columns, self.rows);
+        let pixel = hash(!pixel_key(column, row));
+        let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let (i, j) = (index % a, index / a);
+        let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
+        let part = (permuted(j, b, rows) + permuted(i, a, columns) * (b / a)) % b;
+        let within = permuted(i, a, !columns ^ part.wrapping_mul(0x9e37_79b9));
+        let within = (f64::from(within) + unit(noise as u32)) / f64::from(a);
+        // Rounding may lift the last sample to 1.
+        ((f64::from(part) + within) / f64::from(b)).min(1.0 - f64::EPSILON)
+    }
+}
+
+/// Place of `k` in a random permutation of 0..n, by its seed: a bijection of the next power of two, walked
+/// until it is below n (Kensler, "Correlated multi-jittered sampling", Pixar 2013).
+#[inline]
+fn permuted(k: u32, n: u32, seed: u32) -> u32 {
+    let mask = n.next_power_of_two() - 1;
+    let mut i = k;
+    loop {
+        i ^= seed;
+        i = i.wrapping_mul(0xe170_893d);
+        i ^= seed >> 16;
+        i ^= (i & mask) >> 4;
+        i ^= seed >> 8;
+        i = i.wrapping_mul(0x0929_eb3f);
+        i ^= seed >> 23;
+        i ^= (i & mask) >> 1;
+        i = i.wrapping_mul(1 | seed >> 27);
+        i = i.wrapping_mul(0x6935_fa69);
+        i ^= (i & mask) >> 11;
+        i = i.wrapping_mul(0x74dc_b303);
+        i ^= (i & mask) >> 2;
+        i = i.wrapping_mul(0x9e50_1cc3);
+        i ^= (i & mask) >> 2;
+        i = i.wrapping_mul(0xc860_a3df);
+        i &= mask;
+        i ^= i >> 5;
+        if i < n {
+            return (i.wrapping_add(seed)) % n;
+        }
+    }
+}
+
+/// Place `k` of an affine permutation of 0..n: a·k + b mod n with a coprime to n.
+fn sub_cell(k: u32, n: u32, seed: u64) -> f64 {
+    if n.is_power_of_two() {
+        // The same without divisions: the odd strides are the coprime ones.
+        let stride = (1 + ((seed >> 32) & u64::from(n - 1))) | 1;
+        return ((u64::from(k) * stride + seed) & u64::from(n - 1)) as f64;
+    }
+    let shift = (seed % n as u64) as u32;
+    let stride = (1 + (seed >> 32) % n as u64) as u32;
+    let stride = (stride..stride + n).find(|a| coprime(*a, n)).unwrap_or(1);
+    ((k as u64 * stride as u64 + shift as u64) % n as u64) as f64
+}
+
+fn coprime(mut a: u32, mut b: u32) -> bool {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a == 1
+}
+
+/// A number in [0, 1) from 32 random bits.
+#[inline(always)]
+fn unit(bits: u32) -> f64 {
+    bits as f64 * (1.0 / 4_294_967_296.0)
+}
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+#[inline(always)]
+fn hash(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_fill_every_stratum_of_x_and_y_once() {
+        for n in [1, 2, 4, 7, 12, 16, 64] {
+            let sampler = Sampler::stratified(n);
+            for pixel in [(0, 0), (3, 5), (1000, 17)] {
+                for axis in 0..2 {
+                    let mut strata: Vec<u32> = (0..n)
+                        .map(|i| {
+                            (sampler.offset(pixel.0, pixel.1, i)[axis] * n as f64).floor() as u32
+                        })
+                        .collect();
+                    strata.sort_unstable();
+                    assert_eq!(
+                        strata,
+                        (0..n).collect::<Vec<_>>(),
+                        "{n} samples, axis {axis}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn square_numbers_fill_the_cells_of_a_square_grid() {
+        let sampler = Sampler::stratified(16);
+        let mut cells: Vec<u32> = (0..16)
+            .map(|i| {
+                let [x, y] = sampler.offset(2, 9, i);
+                (x * 4.0) as u32 + 4 * (y * 4.0) as u32
+            })
+            .collect();
+        cells.sort_unstable();
+        assert_eq!(cells, (0..16).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn the_mean_offset_over_many_pixels_is_the_centre() {
+        let sampler = Sampler::stratified(1);
+        let sum: f64 = (0..10_000).map(|i| sampler.offset(i, 3, 0)[0]).sum();
+        // Standard error of the mean of 10⁴ uniform numbers: 1/√(12·10⁴) = 0.0029.
+        assert!((sum / 10_000.0 - 0.5).abs() < 0.012);
+    }
+
+    #[test]
+    fn moments_fill_every_stratum_of_time_once() {
+        for n in [1, 2, 5, 7, 12, 16, 64, 100] {
+            let sampler = Sampler::stratified(n);
+            for pixel in [(0, 0), (3, 5), (1000, 17)] {
+                let moment = |i| sampler.moment(pixel.0, pixel.1, i);
+                let mut strata: Vec<u32> = (0..n).map(|i| (moment(i) * n as f64) as u32).collect();
+                strata.sort_unstable();
+                assert_eq!(strata, (0..n).collect::<Vec<_>>(), "{n} samples");
+            }
+        }
+    }
+
+    #[test]
+    fn place_and_time_are_uncorrelated_in_every_pixel() {
+        // Of 64 samples those of each eighth of the time lie in all 8 columns and all 8 rows.
+        let sampler = Sampler::stratified(64);
+        for pixel in [(0, 0), (7, 2), (90, 4000)] {
+            let mut seen = [[0; 8]; 16];
+            for i in 0..64 {
+                let [x, y] = sampler.offset(pixel.0, pixel.1, i);
+                let part = (sampler.moment(pixel.0, pixel.1, i) * 8.0) as usize;
+                seen[(x * 8.0) as usize][part] += 1;
+                seen[8 + (y * 8.0) as usize][part] += 1;
+            }
+            assert_eq!(seen, [[1; 8]; 16]);
+        }
+    }
+
+    #[test]
+    fn what_moves_through_a_pixel_is_averaged_as_well_as_by_random_samples() {
+        // The mean of cos 2π(x ± y ± t) is 0, and random samples would miss it by √(½/n).
+        for n in [64, 256, 1024, 60] {
+            let sampler = Sampler::stratified(n);
+            for signs in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {
+                let error = |pixel| {
+                    let wave = |i| {
+                        let [x, y] = sampler.offset(pixel, 7, i);
+                        let t = sampler.moment(pixel, 7, i);
+                        (std::f64::consts::TAU * (x + signs[0] * y + signs[1] * t)).cos()
+                    };
+                    (0..n).map(wave).sum::<f64>() / f64::from(n)
+                };
+                let square = (0..400).map(|p| error(p).powi(2)).sum::<f64>() / 400.0;
+                assert!(
+                    square.sqrt() < 1.3 * (0.5 / f64::from(n)).sqrt(),
+                    "{n} {signs:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_only_moment_of_a_centred_sample_is_the_middle() {
+        assert_eq!(Sampler::centred().moment(4, 5, 0), 0.5);
+    }
+}

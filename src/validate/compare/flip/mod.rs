@@ -1,0 +1,191 @@
+//! ꟻLIP: what an observer sees who flips between two pictures, and HDR-ꟻLIP, the same at several exposures.
+//!
+//! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator for Alternating
+//! Images", PACMCGIT 3(2), 2020; Andersson, Nilsson, Shirley, Akenine-Möller, "Visualizing Errors in Rendered High
+//! Dynamic Range Images", Eurographics Short Papers 2021.
+//!
+//! ```text
+//! linear RGB → YCxCz → contrast sensitivity filters → CIELAB, Hunt → HyAB → [0, 1]  = colour difference ΔEc
+//!              └ Y → edge and point detectors → |Δ|, larger of the two, √            = feature difference ΔEf
+//! ꟻLIP = ΔEc^(1 − ΔEf)
+//! HDR-ꟻLIP = the largest ꟻLIP over n exposures from log₂(x/Ymax) to log₂(x/Ymedian), tone-mapped (ACES) and
+//!            clipped, where x maps to 0.85 and n = max(2, ⌈stop − start⌉)
+//! ```
+//!
+//! All filters are separable (the blue-yellow one as a sum of two); pixels beyond the picture repeat its
+//! edge. Where more than half of the reference is black its median luminance gives no exposure: the median of its lit
+//! pixels stands in. The mean over a region is one of errors that the whole pictures give.
+
+mod colour;
+mod filter;
+mod tile;
+mod tone;
+
+use rayon::prelude::*;
+
+use super::plane::Plane;
+use super::region::Region;
+use crate::accel::vectors::widest;
+use filter::Filters;
+use tile::{Exposing, HEIGHT, Tile, WIDTH};
+
+/// Pixels per degree of visual angle on a 3840-pixel display of 0.7 m seen from 0.7 m: 3840 π/180.
+pub const PIXELS_PER_DEGREE: f64 = 67.020_643;
+
+/// ꟻLIP of two pictures.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Flip {
+    /// Mean error over the region, 0 (none) to 1.
+    pub mean: f64,
+    /// Largest error of the region.
+    pub max: f64,
+    /// The exposures in stops; none for pictures that a display shows as they are.
+    pub exposures: Option<[f64; 2]>,
+    /// How many exposures.
+    pub steps: u32,
+    /// Pixels per degree of visual angle.
+    pub pixels_per_degree: f64,
+    /// The error of each pixel, 0 outside of the region; where it was asked for.
+    #[serde(skip)]
+    pub map: Option<Vec<f32>>,
+}
+
+/// What ꟻLIP is asked of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Question<'a> {
+    /// Linear red, green and blue of the reference.
+    pub reference: [Plane<'a>; 3],
+    /// The candidate's.
+    pub candidate: [Plane<'a>; 3],
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Pixels over which the mean is taken.
+    pub region: &'a Region,
+    /// Whether values above 1 are light that an exposure can show.
+    pub high_range: bool,
+    /// Whether values are sRGB codes.
+    pub encoded: bool,
+    /// Of the observer.
+    pub pixels_per_degree: f64,
+    /// Whether the map is wanted.
+    pub map: bool,
+}
+
+/// Evaluates ꟻLIP, or HDR-ꟻLIP for pictures of high range.
+pub(super) fn evaluate(question: &Question) -> Flip {
+    let range = question.high_range.then(|| exposures(question)).flatten();
+    let exposures = range.map_or(vec![1.0], |range| range.gains());
+    let filters = Filters::new(question.pixels_per_degree);
+    let [width, height] = question.size;
+    let corners: Vec<[usize; 2]> = (0..height)
+        .step_by(HEIGHT)
+        .flat_map(|top| (0..width).step_by(WIDTH).map(move |left| [left, top]))
+        .collect();
+    let tone_mapped = range.is_some();
+    let tiles = corners.into_par_iter().map(|corner| {
+        let mut tile = Tile::new(question, &filters, corner, tone_mapped);
+        widest(Exposing {
+            tile: &mut tile,
+            gains: &exposures,
+        });
+        tile.finish(question.region)
+    });
+    if !question.map {
+        let sums: Vec<Sum> = tiles.map(|tile| tile.sum).collect();
+        return flip(question, range, exposures.len(), &sums, None);
+    }
+    let done: Vec<tile::Done> = tiles.collect();
+    let sums: Vec<Sum> = done.iter().map(|tile| tile.sum).collect();
+    let mut map = vec![0.0; width * height];
+    done.iter().for_each(|tile| tile.place(&mut map, width));
+    flip(question, range, exposures.len(), &sums, Some(map))
+}
+
+/// Errors of a tile's pixels in the region.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    sum: f64,
+    count: u64,
+    max: f32,
+}
+
+fn flip(
+    question: &Question,
+    range: Option<Range>,
+    steps: usize,
+    sums: &[Sum],
+    map: Option<Vec<f32>>,
+) -> Flip {
+    let total = sums.iter().fold(Sum::default(), |all, tile| Sum {
+        sum: all.sum + tile.sum,
+        count: all.count + tile.count,
+        max: all.max.max(tile.max),
+    });
+    Flip {
+        mean: total.sum / total.count.max(1) as f64,
+        max: total.max.into(),
+        exposures: range.map(|range| [range.start.into(), range.stop.into()]),
+        steps: steps as u32,
+        pixels_per_degree: question.pixels_per_degree,
+        map,
+    }
+}
+
+/// Exposures in stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range {
+    start: f32,
+    stop: f32,
+}
+
+impl Range {
+    /// The factors by which light is multiplied.
+    fn gains(self) -> Vec<f32> {
+        let steps = (self.stop - self.start).ceil().max(2.0) as u32;
+        let step = (self.stop - self.start) / (steps - 1) as f32;
+        let exposure = |i: u32| libm::exp2f(self.start + i as f32 * step);
+        // Equal exposures give equal errors.
+        let steps = if step == 0.0 { 1 } else { steps };
+        (0..steps).map(exposure).collect()
+    }
+}
+
+/// The exposures of the reference; none where it is black.
+fn exposures(question: &Question) -> Option<Range> {
+    let mut luminances = luminances(question);
+    let largest = luminances.iter().copied().fold(0.0f32, f32::max);
+    let mut middle = median(&mut luminances);
+    if middle <= 0.0 {
+        luminances.retain(|y| *y > 0.0);
+        middle = median(&mut luminances);
+    }
+    let white = tone::inverse(0.85);
+    (largest > 0.0 && largest.is_finite()).then(|| Range {
+        start: libm::log2f(white / largest),
+        stop: libm::log2f(white / middle),
+    })
+}
+
+fn median(values: &mut [f32]) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// Finite luminances of the reference.
+fn luminances(question: &Question) -> Vec<f32> {
+    let [width, height] = question.size;
+    let mut luminances = Vec::with_capacity(width * height);
+    let mut rows = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
+    for y in 0..height {
+        for (plane, row) in question.reference.iter().zip(&mut rows) {
+            plane.part(y, 0..width, row);
+        }
+        let [r, g, b] = &rows;
+        let row = (0..width).map(|x| 0.2126 * r[x] + 0.7152 * g[x] + 0.0722 * b[x]);
+        luminances.extend(row.filter(|y| y.is_finite()));
+    }
+    luminances
+}

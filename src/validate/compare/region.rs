@@ -1,0 +1,87 @@
+//! Which pixels are compared.
+
+use crate::error::{Error, Result};
+use crate::io::image::Layers;
+
+/// Part of a picture.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Region {
+    /// Left column, top row, width and height; all of the picture without it.
+    pub crop: Option<[u32; 4]>,
+    /// One value per pixel of the picture, row 0 at the top: whether it is compared; all without it.
+    pub mask: Option<Vec<bool>>,
+}
+
+impl Region {
+    /// The mask that a picture is: pixels where its first channel is above half of its largest value.
+    pub fn mask_of(layers: &Layers) -> Vec<bool> {
+        let values = layers.channels.first().map(|c| c.samples.to_f64());
+        let values = values.unwrap_or_default();
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        values.iter().map(|v| *v > largest / 2.0).collect()
+    }
+
+    /// Refuses a region that is not in a picture of this size, or is empty.
+    pub(super) fn check(&self, width: u32, height: u32) -> Result<()> {
+        let refuse = |place: &str, what: String, help: &str| {
+            Err(Error::invalid("comparison", place, what, help))
+        };
+        if let Some([x, y, w, h]) = self.crop {
+            let fits = |start: u32, size: u32, all: u32| {
+                size > 0 && u64::from(start) + u64::from(size) <= u64::from(all)
+            };
+            if !fits(x, w, width) || !fits(y, h, height) {
+                let what = format!(
+                    "{w} × {h} pixels at ({x}, {y}) are not all in {width} × {height} pixels"
+                );
+                return refuse(
+                    "crop",
+                    what,
+                    "a part of the picture: left column, top row, width, height",
+                );
+            }
+        }
+        if let Some(mask) = &self.mask {
+            if mask.len() as u64 != u64::from(width) * u64::from(height) {
+                let what = format!(
+                    "it has {} pixels; the pictures have {width} × {height}",
+                    mask.len()
+                );
+                return refuse("mask", what, "a mask of the pictures' size");
+            }
+            if !(0..height).any(|y| self.row(y as usize, width as usize).contains(&true)) {
+                return refuse(
+                    "mask",
+                    "it leaves no pixel to compare".into(),
+                    "white where pixels are compared",
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether every pixel is compared.
+    pub fn is_all(&self) -> bool {
+        self.crop.is_none() && self.mask.is_none()
+    }
+
+    /// How many pixels of row `y` are compared.
+    pub(super) fn count(&self, y: usize, width: usize) -> u64 {
+        self.row(y, width).iter().filter(|chosen| **chosen).count() as u64
+    }
+
+    /// Which pixels of row `y` are compared.
+    pub(super) fn row(&self, y: usize, width: usize) -> Vec<bool> {
+        let mut chosen = match &self.mask {
+            Some(mask) => mask[y * width..(y + 1) * width].to_vec(),
+            None => vec![true; width],
+        };
+        if let Some([left, top, w, h]) = self.crop.map(|crop| crop.map(|n| n as usize)) {
+            let inside = (top..top + h).contains(&y);
+            for (x, chosen) in chosen.iter_mut().enumerate() {
+                *chosen &= inside && (left..left + w).contains(&x);
+            }
+        }
+        chosen
+    }
+}

@@ -1,0 +1,279 @@
+//! One page that holds everything: pictures as data, a few lines of script for zooming, no network.
+
+use std::fmt::Write;
+
+use super::legend::ErrorMap;
+use super::number;
+use super::strip::displays;
+use super::table::{columns, rows, surface_rows};
+use crate::error::Result;
+use crate::figures::drawing::png::{self, Raster};
+use crate::io::image::RgbImage;
+use crate::validate::compare::{Comparison, Histogram, Picture};
+
+/// Pictures with longer sides are reduced by a whole factor.
+const LONGEST: u32 = 1600;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// The report as HTML.
+///
+/// # Errors
+/// Pictures that cannot be drawn.
+pub fn page(
+    comparison: &Comparison,
+    reference: &Picture,
+    candidate: &Picture,
+    maps: &[ErrorMap],
+) -> Result<String> {
+    let mut html = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n<style>{STYLE}</style></head><body>\n",
+        escaped(&format!("{} against {}", candidate.name, reference.name))
+    );
+    let _ = writeln!(
+        html,
+        "<h1>{}</h1><p>candidate, against the reference <b>{}</b>; {} of {} × {} pixels</p>",
+        escaped(&candidate.name),
+        escaped(&reference.name),
+        comparison.pixels,
+        comparison.size[0],
+        comparison.size[1]
+    );
+    findings(&mut html, comparison);
+    pictures(&mut html, reference, candidate, maps)?;
+    errors(&mut html, comparison);
+    histograms(&mut html, comparison);
+    let _ = writeln!(html, "<script>{SCRIPT}</script></body></html>");
+    Ok(html)
+}
+
+fn findings(html: &mut String, comparison: &Comparison) {
+    for diagnosis in &comparison.diagnoses {
+        let _ = write!(
+            html,
+            "<div class=\"diagnosis\"><b>{}</b><ul>",
+            escaped(&diagnosis.what)
+        );
+        for (name, value) in &diagnosis.evidence {
+            let _ = write!(html, "<li>{}: {}</li>", escaped(name), number(*value));
+        }
+        html.push_str("</ul></div>\n");
+    }
+    for note in &comparison.notes {
+        let _ = writeln!(html, "<p class=\"note\">{}</p>", escaped(note));
+    }
+}
+
+fn pictures(
+    html: &mut String,
+    reference: &Picture,
+    candidate: &Picture,
+    maps: &[ErrorMap],
+) -> Result<()> {
+    let [expected, actual] = displays(reference, candidate)?;
+    html.push_str("<h2>Pictures</h2><p>Wheel: zoom; drag: move; double click: all of it. All pictures move together.</p><div class=\"pictures\">\n");
+    figure(html, "expected", &reduced(&expected))?;
+    figure(html, "actual", &reduced(&actual))?;
+    for map in maps {
+        let caption = format!("{}: dark 0, bright {}", map.title, number(map.most));
+        figure(html, &caption, &largest(map).image())?;
+    }
+    html.push_str("</div>\n");
+    Ok(())
+}
+
+fn figure(html: &mut String, caption: &str, image: &RgbImage) -> Result<()> {
+    let raster = Raster {
+        width: image.width,
+        height: image.height,
+        rgba: image
+            .rgb
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .flat_map(|[r, g, b]| [*r, *g, *b, 255])
+            .collect(),
+        scale: 1.0,
+    };
+    let data = base64(&png::write(&raster)?);
+    let _ = writeln!(
+        html,
+        "<figure><div class=\"view\"><img alt=\"{0}\" src=\"data:image/png;base64,{data}\"></div><figcaption>{0}</figcaption></figure>",
+        escaped(caption)
+    );
+    Ok(())
+}
+
+/// Rows and columns that are joined into one.
+fn factor(width: u32, height: u32) -> u32 {
+    width.max(height).div_ceil(LONGEST).max(1)
+}
+
+/// The picture with blocks of pixels averaged, where it is large.
+fn reduced(image: &RgbImage) -> RgbImage {
+    let k = factor(image.width, image.height);
+    let [width, height] = [image.width.div_ceil(k), image.height.div_ceil(k)];
+    let mut rgb = Vec::with_capacity(3 * (width * height) as usize);
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let pixels = block([x, y], k, [image.width, image.height]);
+        let mut sums = [0u32; 4];
+        for i in pixels {
+            for (sum, code) in sums.iter_mut().zip(&image.rgb[3 * i..3 * i + 3]) {
+                *sum += u32::from(*code);
+            }
+            sums[3] += 1;
+        }
+        rgb.extend([0, 1, 2].map(|c| (sums[c] / sums[3].max(1)) as u8));
+    }
+    RgbImage { width, height, rgb }
+}
+
+/// The map with the largest error of each block, where it is large: no error gets lost.
+fn largest(map: &ErrorMap) -> ErrorMap {
+    let k = factor(map.width, map.height);
+    let [width, height] = [map.width.div_ceil(k), map.height.div_ceil(k)];
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let errors = places.map(|place| {
+        let pixels = block(place, k, [map.width, map.height]);
+        pixels.map(|i| map.errors[i]).fold(f32::NAN, f32::max)
+    });
+    ErrorMap {
+        width,
+        height,
+        errors: errors.collect(),
+        ..map.clone()
+    }
+}
+
+/// The pixels of a block.
+fn block([x, y]: [u32; 2], k: u32, [width, height]: [u32; 2]) -> impl Iterator<Item = usize> {
+    let rows = y * k..(y * k + k).min(height);
+    let columns = x * k..(x * k + k).min(width);
+    rows.flat_map(move |y| {
+        columns
+            .clone()
+            .map(move |x| y as usize * width as usize + x as usize)
+    })
+}
+
+fn errors(html: &mut String, comparison: &Comparison) {
+    html.push_str("<h2>Errors</h2>\n<table><tr><th></th>");
+    let rows = rows(comparison);
+    for (name, _) in rows.first().map(|(_, e)| columns(e)).into_iter().flatten() {
+        let _ = write!(html, "<th>{name}</th>");
+    }
+    html.push_str("</tr>\n");
+    for (name, errors) in rows {
+        let _ = write!(html, "<tr><th>{}</th>", escaped(name));
+        for (_, value) in columns(errors) {
+            let _ = write!(html, "<td>{value}</td>");
+        }
+        html.push_str("</tr>\n");
+    }
+    html.push_str("</table>\n<table class=\"words\">");
+    if let Some(flip) = &comparison.flip {
+        let _ = write!(
+            html,
+            "<tr><th>ꟻLIP</th><td>mean {}, largest {}</td></tr>",
+            number(flip.mean),
+            number(flip.max)
+        );
+    }
+    for (name, value) in surface_rows(comparison) {
+        let _ = write!(html, "<tr><th>{name}</th><td>{value}</td></tr>");
+    }
+    html.push_str("</table>\n");
+}
+
+fn histograms(html: &mut String, comparison: &Comparison) {
+    html.push_str("<h2>How often</h2><p>Pixels by the size of their error, in quarters of octaves.</p><div class=\"pictures\">\n");
+    let surface = comparison.surface.as_ref();
+    let geometric = surface
+        .and_then(|s| s.geometric.as_ref())
+        .map(|d| ("geometric error (pixels)", &d.histogram));
+    let errors = rows(comparison)
+        .into_iter()
+        .map(|(name, errors)| (name, &errors.histogram));
+    for (name, histogram) in geometric.into_iter().chain(errors) {
+        bars(html, name, histogram);
+    }
+    html.push_str("</div>\n");
+}
+
+/// A histogram as SVG, with the ends of its axis and how many errors are exactly 0.
+fn bars(html: &mut String, name: &str, histogram: &Histogram) {
+    let Some(((low, _), (high, _))) = histogram.bins.first().zip(histogram.bins.last()) else {
+        let _ = writeln!(
+            html,
+            "<figure><figcaption>{}: {} errors, all 0</figcaption></figure>",
+            escaped(name),
+            histogram.zeros
+        );
+        return;
+    };
+    let most = histogram
+        .bins
+        .iter()
+        .map(|bin| bin.1)
+        .max()
+        .unwrap_or(1)
+        .max(1) as f64;
+    let width = 300.0 / histogram.bins.len() as f64;
+    html.push_str("<figure><svg viewBox=\"0 0 300 100\" width=\"300\" height=\"100\">");
+    for (i, (_, count)) in histogram.bins.iter().enumerate() {
+        let height = 100.0 * *count as f64 / most;
+        let _ = write!(
+            html,
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\"/>",
+            i as f64 * width,
+            100.0 - height,
+            0.9 * width,
+            height
+        );
+    }
+    let _ = writeln!(
+        html,
+        "</svg><div class=\"axis\"><span>{}</span><span>{}</span></div><figcaption>{}; exactly 0: {}</figcaption></figure>",
+        number(*low),
+        number(*high),
+        escaped(name),
+        histogram.zeros
+    );
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+/// RFC 4648.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let value =
+            chunk.iter().fold(0u32, |v, b| v << 8 | u32::from(*b)) << (8 * (3 - chunk.len()));
+        for k in 0..4 {
+            let digit = DIGITS[(value >> (18 - 6 * k)) as usize & 63];
+            text.push(if k <= chunk.len() { digit.into() } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_become_base64_as_the_standard_has_it() {
+        let texts = ["", "f", "fo", "foo", "foob", "fooba", "foobar"];
+        let expected = [
+            "", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy",
+        ];
+        assert_eq!(texts.map(|t| base64(t.as_bytes())), expected);
+    }
+}

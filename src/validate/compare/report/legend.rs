@@ -1,0 +1,169 @@
+//! A map of errors in false colours, with a legend.
+
+use crate::error::Result;
+use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Drawing, Item, Text};
+use crate::figures::isochrones::ticks::{number, round_step};
+use crate::figures::isochrones::viridis::viridis;
+use crate::figures::text::{Rect, RichText};
+use crate::io::image::RgbImage;
+use crate::validate::compare::{Comparison, Picture};
+
+/// Where there is no error to show: pale grey.
+const NOTHING: [u8; 3] = [232; 3];
+/// Small maps are enlarged to about this size, and large ones reduced, pixels.
+const COMFORTABLE: u32 = 400;
+/// The most steps of a legend.
+const STEPS: f64 = 8.0;
+
+/// Errors of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorMap {
+    /// What is shown, with its unit.
+    pub title: String,
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// An error of at least 0 for each pixel, NaN where there is none.
+    pub errors: Vec<f32>,
+    /// What has the brightest colour.
+    pub most: f64,
+}
+
+/// The map that tells most: ꟻLIP where it was kept, else the geometric error, else the difference of the first channel.
+pub fn error_map(comparison: &Comparison, reference: &Picture, candidate: &Picture) -> ErrorMap {
+    let flip = comparison.flip.as_ref().and_then(|flip| flip.map.clone());
+    match (flip, &comparison.geometric_map) {
+        (Some(map), _) => ErrorMap::new("FLIP error", comparison, map),
+        (None, Some(map)) => ErrorMap::new("geometric error (pixels)", comparison, map.clone()),
+        (None, None) => {
+            let name = comparison
+                .channels
+                .first()
+                .map_or("", |channel| &channel.name);
+            let [r, c] = [reference, candidate].map(|p| {
+                p.layers
+                    .channel(name)
+                    .map(|c| c.samples.to_f64())
+                    .unwrap_or_default()
+            });
+            let errors = r.iter().zip(&c).map(|(r, c)| (c - r).abs() as f32);
+            ErrorMap::new(&format!("error of {name}"), comparison, errors.collect())
+        }
+    }
+}
+
+impl ErrorMap {
+    /// A map whose brightest colour is a round number about the 99.9th percentile.
+    pub fn new(title: &str, comparison: &Comparison, errors: Vec<f32>) -> ErrorMap {
+        let mut finite: Vec<f32> = errors.iter().copied().filter(|e| e.is_finite()).collect();
+        let rank = (finite.len() as f64 * 0.999) as usize;
+        let rank = rank.min(finite.len().saturating_sub(1));
+        let high = match finite.is_empty() {
+            true => 0.0,
+            false => f64::from(*finite.select_nth_unstable_by(rank, f32::total_cmp).1),
+        };
+        let step = round_step((high / STEPS).max(1e-12));
+        let [width, height] = comparison.size;
+        ErrorMap {
+            title: title.into(),
+            width,
+            height,
+            errors,
+            most: step * (high / step).ceil().max(1.0),
+        }
+    }
+
+    /// In false colours, pixel by pixel.
+    pub fn image(&self) -> RgbImage {
+        let colour = |e: &f32| match e.is_finite() {
+            true => viridis(f64::from(*e) / self.most).map(|c| (255.0 * c + 0.5) as u8),
+            false => NOTHING,
+        };
+        RgbImage {
+            width: self.width,
+            height: self.height,
+            rgb: self.errors.iter().flat_map(colour).collect(),
+        }
+    }
+
+    /// A page with the map and its legend; a point is a pixel of the map or, where that is small, of its enlargement.
+    ///
+    /// # Errors
+    /// A map that is too large to be drawn.
+    pub fn page(&self) -> Result<Drawing> {
+        let scale = f64::from((COMFORTABLE / self.width.max(self.height)).max(1));
+        let [w, h] = [self.width, self.height].map(|n| f64::from(n) * scale);
+        let em = (0.035 * h).clamp(14.0, 60.0);
+        let margin = em;
+        let top = margin + 1.8 * em;
+        let bar_height = h.max(10.0 * em);
+        let [left, right] = [margin + w + 1.2 * em, margin + w + 2.4 * em];
+        let mut items = vec![
+            text(
+                &self.title,
+                [margin, margin + em],
+                1.15 * em,
+                AnchorX::Start,
+                AnchorY::Baseline,
+            )?,
+            Item::Image {
+                image: self.image(),
+                rect: Rect {
+                    min: [margin, top],
+                    max: [margin + w, top + h],
+                },
+            },
+            Item::Image {
+                image: bar(),
+                rect: Rect {
+                    min: [left, top],
+                    max: [right, top + bar_height],
+                },
+            },
+        ];
+        let step = round_step((self.most / (bar_height / em / 2.0).min(STEPS)).max(1e-13));
+        let mut widest: f64 = 0.0;
+        for i in 0..=(self.most / step + 1e-9) as u32 {
+            let value = f64::from(i) * step;
+            let y = top + bar_height * (1.0 - value / self.most);
+            let label = number(value, step);
+            widest = widest.max(RichText::plain(&label)?.width(em)?);
+            items.push(text(
+                &label,
+                [right + 0.5 * em, y],
+                em,
+                AnchorX::Start,
+                AnchorY::Middle,
+            )?);
+        }
+        let title_width = RichText::plain(&self.title)?.width(1.15 * em)?;
+        Ok(Drawing {
+            width: (right + 0.5 * em + widest).max(margin + title_width) + margin,
+            height: top + bar_height + margin,
+            title: self.title.clone(),
+            background: Colour::WHITE,
+            items,
+        })
+    }
+}
+
+/// The colours from large (top) to small.
+fn bar() -> RgbImage {
+    const HEIGHT: u32 = 256;
+    let row = |y: u32| {
+        viridis(1.0 - (f64::from(y) + 0.5) / f64::from(HEIGHT)).map(|c| (255.0 * c + 0.5) as u8)
+    };
+    RgbImage {
+        width: 1,
+        height: HEIGHT,
+        rgb: (0..HEIGHT).flat_map(row).collect(),
+    }
+}
+
+fn text(words: &str, at: [f64; 2], size: f64, x: AnchorX, y: AnchorY) -> Result<Item> {
+    Ok(Item::Text(Text {
+        anchor: Anchor { x, y },
+        ..Text::new(RichText::plain(words)?, at, size)
+    }))
+}

@@ -1,0 +1,245 @@
+//! The scene in the words of the bundle.
+
+use glam::DVec3;
+
+use super::bundle::{
+    CameraEntry, ChannelEntry, FourVector, LightEntry, MappingEntry, Matrix, ObjectEntry,
+    PartEntry, PulseEntry, Radiometry, RotationEntry, SceneEntry, SensorEntry, ShutterEntry,
+    VelocityEntry,
+};
+use super::glb::Run;
+use crate::camera::{Camera, Kind};
+use crate::mesh::Mesh;
+use crate::render::aov::{Aov, TABLE};
+use crate::render::metadata;
+use crate::render::plan::{Lit, lit_by};
+use crate::render::prepare::scaling;
+use crate::scene::model::{CaptureCamera, Mapping, Object, Pulse, Scene, Sensor};
+use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
+
+/// What holds for all of `scene`, whose text is in `text`.
+pub(super) fn scene(scene: &Scene, text: &'static str) -> SceneEntry {
+    SceneEntry {
+        name: scene.name.clone(),
+        text,
+        speed_of_light_m_per_s: scene.speed_of_light,
+        medium_index: scene.medium_index,
+        ray_index: if scene.effects.retardation {
+            scene.medium_index
+        } else {
+            0.0
+        },
+        equations: scene.equations,
+        effects: scene.effects,
+        back_faces: scene.back_faces,
+        background: scene.background,
+        base_colour: radiometry(scene, scene.quantity),
+        outside: scene.outside,
+        samples_per_pixel: scene.samples_per_pixel,
+    }
+}
+
+/// The camera of `scene`, which takes its picture as `camera`.
+pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
+    let model = &scene.camera;
+    let film = &camera.shot.pinhole;
+    let [width, height] = model.size.map(f64::from);
+    let velocity = camera.shot.frame.velocity();
+    let stretch = model.sensor.map_or(1.0, |sensor| {
+        sensor.own_focal_length(film.forward(), velocity) / sensor.focal_length
+    });
+    let (right, x) =
+        unit(film.vector(width, 0.5 * height) - film.vector(0.5 * width, 0.5 * height));
+    let (up, y) = unit(film.vector(0.5 * width, 0.0) - film.vector(0.5 * width, 0.5 * height));
+    let kind = camera.view.kind();
+    CameraEntry {
+        kind,
+        is_point: matches!(kind, Kind::Still | Kind::Moving | Kind::Unaberrated),
+        size: model.size,
+        horizontal_fov_rad: model.horizontal_fov,
+        tan_half_fov: [x / stretch, y / stretch],
+        right,
+        up,
+        forward: film.forward().to_array(),
+        shot_event: four(camera.shot.event),
+        time: model.time,
+        clock_zero_event: four(model.origin),
+        velocity: self::velocity(velocity),
+        world_from_camera: matrix(camera.shot.frame.world_from_frame()),
+        motion: metadata::motion(&model.motion),
+        sensor: model.sensor.map(|s| sensor(scene, s, stretch)),
+        rotation: model.rotation.map(|r| RotationEntry {
+            axis: r.axis.to_array(),
+            rate_rad_per_m: r.rate,
+            through: r.through,
+            elements: r.elements,
+        }),
+        shutter: model.shutter.map(|s| ShutterEntry {
+            duration: s.duration,
+            records: s.records,
+        }),
+    }
+}
+
+fn sensor(scene: &Scene, sensor: Sensor, stretch: f64) -> SensorEntry {
+    let half = scene.camera.sensor_half_size().unwrap_or_default();
+    SensorEntry {
+        focal_length: sensor.focal_length,
+        own_focal_length: sensor.focal_length * stretch,
+        size: half.map(|x| 2.0 * x),
+        assembly: sensor.assembly,
+    }
+}
+
+/// Object `index` of `scene`, with `mesh` in files of these names.
+pub(super) fn object(
+    scene: &Scene,
+    index: usize,
+    mesh: &Mesh,
+    runs: &[Run],
+    [geometry, positions]: [Option<String>; 2],
+) -> ObjectEntry {
+    let object: &Object = &scene.objects[index];
+    ObjectEntry {
+        name: object.name.clone(),
+        geometry: geometry.unwrap_or_default(),
+        positions,
+        vertices: mesh.positions.len() as u64,
+        triangles: mesh.triangles.len() as u64,
+        velocity: velocity(object.velocity),
+        origin: four(object.origin),
+        world_from_object: matrix(object.frame().world_from_frame()),
+        parts: runs
+            .iter()
+            .map(|run| part(scene, index, mesh, run))
+            .collect(),
+    }
+}
+
+fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
+    let material = &mesh.materials[run.material as usize];
+    let (radiance, sources) = match lit_by(scene, object, &material.name) {
+        Lit::Base => ("base_colour", Vec::new()),
+        Lit::Cube(source) => ("cube", vec![source]),
+        Lit::Pulses(sources) => ("pulses", sources),
+    };
+    PartEntry {
+        first_triangle: run.first,
+        triangles: run.count,
+        material: material.name.clone(),
+        base_colour: material.base_colour,
+        has_texture: material.texture.is_some(),
+        double_sided: material.double_sided,
+        uv_sets: run.uv_sets.clone(),
+        radiance,
+        sources,
+    }
+}
+
+/// What radiance of `quantity` measures, and by which power of W the scene's observers see it.
+pub(super) fn radiometry(scene: &Scene, quantity: Quantity) -> Radiometry {
+    let (word, line_wavelength) = match quantity {
+        Quantity::Integrated => ("integrated", None),
+        Quantity::Line { wavelength } => ("line", Some(wavelength)),
+        Quantity::PerWavelength => ("per_wavelength", None),
+        Quantity::PerFrequency => ("per_frequency", None),
+        Quantity::Photons => ("photons", None),
+        Quantity::PhotonsPerWavelength => ("photons_per_wavelength", None),
+        Quantity::PhotonsPerFrequency => ("photons_per_frequency", None),
+    };
+    Radiometry {
+        quantity: word,
+        line_wavelength,
+        exponent: match scene.effects.searchlight {
+            true => scaling(quantity, scene.equations).exponent(),
+            false => 0,
+        },
+    }
+}
+
+pub(super) fn pulse(pulse: &Pulse) -> LightEntry {
+    LightEntry::Pulse(PulseEntry {
+        event: four(pulse.origin),
+        sigma: pulse.sigma,
+        intensity: pulse.intensity,
+        shadows: pulse.shadows,
+    })
+}
+
+pub(super) fn mapping(mapping: &Mapping) -> MappingEntry {
+    match mapping {
+        Mapping::Uv { set } => MappingEntry::Uv { set: *set },
+        Mapping::Capture(CaptureCamera {
+            eye,
+            axes,
+            horizontal_fov,
+        }) => {
+            let [right, up, forward] = axes.map(|axis| axis.to_array());
+            MappingEntry::Capture {
+                eye: eye.to_array(),
+                right,
+                up,
+                forward,
+                horizontal_fov_rad: *horizontal_fov,
+            }
+        }
+    }
+}
+
+/// The radiance, and every auxiliary channel; the reference has those of `rendered`.
+pub(super) fn channels(rendered: &[Aov]) -> Vec<ChannelEntry> {
+    let radiance = ["radiance.R", "radiance.G", "radiance.B"].map(|name| ChannelEntry {
+        name,
+        meaning: "observed radiance, linear (R, G and B in EXR files; one array radiance in npz files)",
+        definition: "W⁻ᵖ times the radiance that leaves the surface at E towards the camera",
+        where_nothing_is_met: Some("scene.background"),
+        in_reference: !rendered.is_empty(),
+    });
+    let auxiliary = TABLE.iter().map(|(aov, name, meaning)| ChannelEntry {
+        name,
+        meaning,
+        definition: aov.definition(),
+        where_nothing_is_met: missing(*aov),
+        in_reference: rendered.contains(aov),
+    });
+    radiance.into_iter().chain(auxiliary).collect()
+}
+
+fn missing(aov: Aov) -> Option<&'static str> {
+    match aov {
+        Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => None,
+        Aov::Coverage | Aov::StandardError => None,
+        _ if aov.is_identity() => Some("-1"),
+        _ => Some("NaN"),
+    }
+}
+
+fn velocity(velocity: Velocity) -> VelocityEntry {
+    VelocityEntry {
+        rapidity: velocity.rapidity().to_array(),
+        beta: velocity.beta().to_array(),
+        gamma: velocity.gamma(),
+    }
+}
+
+/// The columns are what becomes of the unit vectors.
+fn matrix<F: Frame>(boost: &Boost<World, F>) -> Matrix {
+    let unit = |i: usize| {
+        let mut e = [0.0; 4];
+        e[i] = 1.0;
+        let [ct, x, y, z] = e;
+        let d = boost.displacement(Displacement::new(ct, DVec3::new(x, y, z)));
+        [d.ct, d.x.x, d.x.y, d.x.z]
+    };
+    let columns: [FourVector; 4] = std::array::from_fn(unit);
+    std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
+}
+
+fn four(event: Event<World>) -> FourVector {
+    [event.ct, event.x.x, event.x.y, event.x.z]
+}
+
+fn unit(v: DVec3) -> ([f64; 3], f64) {
+    let length = v.length();
+    ((v / length).to_array(), length)
+}

@@ -1,0 +1,250 @@
+//! Scenes as bundles for other programs: geometry, camera, sources, and reference pictures to compare with.
+//!
+//! [`export`] writes a directory that a rasterizer in any language can load: GLB files of the objects in their
+//! own rest frames, `bundle.json` ([`Bundle`], with its JSON schema) for all that has no place in glTF, cubes,
+//! and what the ray tracer sees along the ray through each pixel's centre, with every auxiliary channel. The
+//! page for whoever writes the other program is [`README`]; it stands in every bundle, and here:
+//!
+#![doc = include_str!("README.md")]
+
+mod bundle;
+mod describe;
+mod folder;
+mod glb;
+mod reference;
+mod sources;
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+pub use bundle::*;
+pub use reference::channels as reference_channels;
+
+use crate::accel::Precision;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::io::gltf::Want;
+use crate::io::image::{npz, write_atomically};
+use crate::render::metadata;
+use crate::render::plan::{Plan, Request};
+use crate::render::prepare::object_mesh;
+use crate::render::progress::Progress;
+use crate::scene::model::Scene;
+use folder::Folder;
+
+/// What [`Bundle::format`] says.
+pub const FORMAT: &str = "nullray-bundle";
+/// The version of the format that is written.
+pub const VERSION: u32 = 1;
+/// The page that goes with each bundle.
+pub const README: &str = include_str!("README.md");
+
+/// The description's name.
+const DESCRIPTION: &str = "bundle.json";
+/// How a description begins.
+const MARK: &str = "\"format\": \"nullray-bundle\"";
+const SCHEMA: &str = "bundle.schema.json";
+const TEXT: &str = "scene.toml";
+
+/// What is exported, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Whether reference pictures are rendered. Default: true.
+    pub reference: bool,
+    /// What becomes of stored cubes. Default: they are copied.
+    pub cubes: Cubes,
+    /// Whether an export that is there is replaced. Default: false.
+    pub overwrite: bool,
+    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    pub memory_limit: u64,
+}
+
+/// What becomes of stored cubes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cubes {
+    /// They are copied into the bundle.
+    Copied,
+    /// The bundle names them, with their SHA-256; those that are compiled in are copied.
+    Referenced,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            reference: true,
+            cubes: Cubes::Copied,
+            overwrite: false,
+            memory_limit: Request::default().memory_limit,
+        }
+    }
+}
+
+/// What was written.
+#[derive(Debug, Clone)]
+pub struct Exported {
+    /// The description.
+    pub bundle: Bundle,
+    /// What was odd in the files of the scene, but no error.
+    pub warnings: Vec<String>,
+}
+
+/// What [`export`] will do; for progress.
+///
+/// # Errors
+/// As [`Plan::new`].
+pub fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
+    let request = Request {
+        aovs: reference::channels(),
+        pixel_centers: true,
+        precision: Precision::Certified,
+        memory_limit: options.memory_limit,
+    };
+    Plan::new(scene, &request)
+}
+
+/// The JSON schema (draft 2020-12) of `bundle.json`.
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(Bundle).to_value()
+}
+
+/// Writes `scene` as the directory `target`, whole or not at all.
+///
+/// # Errors
+/// A target that is there already and is not to be replaced; what cannot be planned, loaded or written; a mesh
+/// that a GLB file cannot hold; [`Error::Cancelled`] when `progress` says so.
+pub fn export(
+    scene: &Scene,
+    target: &Path,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Exported> {
+    let plan = plan(scene, options)?;
+    let folder = Folder::create(target, options.overwrite)?;
+    let mut files = Files {
+        folder,
+        entries: Vec::new(),
+    };
+    let mut warnings = Vec::new();
+    let objects = objects(scene, &mut files, &mut warnings, progress)?;
+    let sources = sources::write(scene, &plan, options.cubes, &mut files, progress)?;
+    let (reference, rendered) = match options.reference {
+        true => (
+            Some(reference::write(scene, &plan, &mut files, progress)?),
+            plan.film.channels.clone(),
+        ),
+        false => (None, Vec::new()),
+    };
+    files.text(TEXT, &scene.text)?;
+    files.text("README.md", README)?;
+    files.text(SCHEMA, &json(&schema())?)?;
+    stop_if_cancelled(progress)?;
+    let bundle = Bundle {
+        format: FORMAT,
+        version: VERSION,
+        software: format!("nullray {}", env!("CARGO_PKG_VERSION")),
+        scene: describe::scene(scene, TEXT),
+        camera: describe::camera(scene, &Camera::new(scene)?),
+        objects,
+        sources,
+        channels: describe::channels(&rendered),
+        reference,
+        files: files.entries.clone(),
+    };
+    files.text(DESCRIPTION, &json(&bundle)?)?;
+    files.folder.finish()?;
+    Ok(Exported { bundle, warnings })
+}
+
+fn objects(
+    scene: &Scene,
+    files: &mut Files,
+    warnings: &mut Vec<String>,
+    progress: &dyn Progress,
+) -> Result<Vec<ObjectEntry>> {
+    files.folder.subfolder("geometry")?;
+    let mut entries = Vec::with_capacity(scene.objects.len());
+    for (index, object) in scene.objects.iter().enumerate() {
+        stop_if_cancelled(progress)?;
+        let all = Want {
+            uvs: true,
+            textures: true,
+            bad_vertices: object.bad_vertices,
+        };
+        let (mesh, images) = object_mesh(object, all, warnings)?;
+        let runs = glb::runs(&mesh);
+        let bytes = glb::write(&object.name, &mesh, &runs, &images)
+            .map_err(|what| unfit(scene, &object.name, what))?;
+        let name = format!("geometry/{index:03}.glb");
+        files.bytes(&name, &bytes)?;
+        let positions = (!glb::is_exact(&mesh)).then(|| format!("geometry/{index:03}.npy"));
+        if let Some(name) = &positions {
+            let rows: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
+            files.written(name, |path| npz::write_vectors(path, &rows))?;
+        }
+        let names = [Some(name), positions];
+        entries.push(describe::object(scene, index, &mesh, &runs, names));
+    }
+    Ok(entries)
+}
+
+fn unfit(scene: &Scene, object: &str, what: &str) -> Error {
+    let help = "scale the object down, or split it";
+    Error::unsupported(&scene.name, format!("object \"{object}\""), what, help)
+}
+
+/// The files of a bundle in the making.
+#[derive(Debug)]
+struct Files {
+    folder: Folder,
+    entries: Vec<FileEntry>,
+}
+
+impl Files {
+    fn text(&mut self, name: &str, text: &str) -> Result<()> {
+        self.bytes(name, text.as_bytes())
+    }
+
+    fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<()> {
+        self.written(name, |path| {
+            write_atomically(path, |writer| {
+                writer
+                    .write_all(bytes)
+                    .map_err(Error::io(path, "cannot write"))
+            })
+        })
+    }
+
+    /// Has `write` write the file `name`, and notes it.
+    fn written(&mut self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let path = self.folder.path(name);
+        write(&path)?;
+        let (bytes, sha256) = digest(&path)?;
+        self.entries.push(FileEntry {
+            path: name.into(),
+            bytes,
+            sha256,
+        });
+        Ok(())
+    }
+}
+
+/// Length and SHA-256 of a file.
+fn digest(path: &Path) -> Result<(u64, String)> {
+    let failed = || Error::io(path, "cannot read");
+    let mut file = fs::File::open(path).map_err(failed())?;
+    metadata::sha256_of(&mut file).map_err(failed())
+}
+
+fn json(value: &impl serde::Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value);
+    let text = text.map_err(|e| Error::invalid(DESCRIPTION, "", e.to_string(), ""))?;
+    Ok(text + "\n")
+}
+
+fn stop_if_cancelled(progress: &dyn Progress) -> Result<()> {
+    match progress.is_cancelled() {
+        true => Err(Error::Cancelled),
+        false => Ok(()),
+    }
+}

@@ -1,0 +1,123 @@
+//! The sources of a bundle: cubes are copied as they are, or named with their SHA-256.
+
+use std::collections::HashMap;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::bundle::{CubeEntry, LightEntry, SourceEntry};
+use super::{Cubes, Files, describe, stop_if_cancelled};
+use crate::error::{Error, Result};
+use crate::io::files;
+use crate::io::image::write_atomically;
+use crate::render::metadata::sha256_of;
+use crate::render::plan::Plan;
+use crate::render::progress::Progress;
+use crate::scene::model::{CubeSource, Scene, SourceKind};
+
+/// Writes what the sources of `scene` need, and describes them.
+pub(super) fn write(
+    scene: &Scene,
+    plan: &Plan,
+    cubes: Cubes,
+    files: &mut Files,
+    progress: &dyn Progress,
+) -> Result<Vec<SourceEntry>> {
+    let mut stored = Stored::default();
+    let mut entries = Vec::with_capacity(scene.sources.len());
+    for (index, source) in scene.sources.iter().enumerate() {
+        stop_if_cancelled(progress)?;
+        let light = match &source.kind {
+            SourceKind::Pulse(pulse) => describe::pulse(pulse),
+            SourceKind::Cube(cube) => {
+                let place = stored.place(&cube.path, cubes, files)?;
+                let shape = plan.cubes.get(index).and_then(Option::as_ref);
+                LightEntry::Cube(entry(cube, place, shape.map(|cube| cube.shape)))
+            }
+        };
+        entries.push(SourceEntry {
+            name: source.name.clone(),
+            radiometry: describe::radiometry(scene, source.quantity),
+            light,
+        });
+    }
+    Ok(entries)
+}
+
+fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntry {
+    CubeEntry {
+        file: place.file,
+        is_copied: place.is_copied,
+        sha256: place.sha256,
+        array: cube.array.clone(),
+        shape,
+        start: cube.start,
+        bin_width: cube.bin_width,
+        values: cube.values,
+        scale: cube.scale,
+        filter: cube.filter,
+        clock: cube.clock,
+        mapping: describe::mapping(&cube.mapping),
+    }
+}
+
+/// Where a cube's file is.
+#[derive(Debug, Clone)]
+struct Place {
+    file: String,
+    is_copied: bool,
+    sha256: String,
+}
+
+/// Files of cubes, each of which is read once.
+#[derive(Debug, Default)]
+struct Stored(HashMap<PathBuf, Place>);
+
+impl Stored {
+    fn place(&mut self, path: &Path, cubes: Cubes, files: &mut Files) -> Result<Place> {
+        if let Some(place) = self.0.get(path) {
+            return Ok(place.clone());
+        }
+        let place = match (cubes, path.canonicalize()) {
+            (Cubes::Referenced, Ok(full)) => Place {
+                file: full.display().to_string(),
+                is_copied: false,
+                sha256: sha256(path)?,
+            },
+            _ => copy(path, self.0.len(), files)?,
+        };
+        self.0.insert(path.to_path_buf(), place.clone());
+        Ok(place)
+    }
+}
+
+/// Copies the file `path` as cube `number` of the bundle.
+fn copy(path: &Path, number: usize, files: &mut Files) -> Result<Place> {
+    files.folder.subfolder("sources")?;
+    let failed = || Error::io(path, "cannot read");
+    let (mut reader, _) = files::open(path).map_err(failed())?;
+    let mut start = [0; 2];
+    reader.read_exact(&mut start).map_err(failed())?;
+    // By content, as the importer has it: an archive, or an array.
+    let extension = if &start == b"PK" { "npz" } else { "npy" };
+    let name = format!("sources/{number:03}.{extension}");
+    files.written(&name, |target| {
+        write_atomically(target, |writer| {
+            let mut whole = start.as_slice().chain(reader);
+            io::copy(&mut whole, writer).map_err(Error::io(target, "cannot write"))?;
+            Ok(())
+        })
+    })?;
+    let sha256 = files.entries.last().map(|entry| entry.sha256.clone());
+    Ok(Place {
+        file: name,
+        is_copied: true,
+        sha256: sha256.unwrap_or_default(),
+    })
+}
+
+fn sha256(path: &Path) -> Result<String> {
+    let failed = || Error::io(path, "cannot read");
+    let (mut reader, _) = files::open(path).map_err(failed())?;
+    let (_, sha256) = sha256_of(&mut reader).map_err(failed())?;
+    Ok(sha256)
+}

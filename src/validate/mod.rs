@@ -1,0 +1,6 @@
+//! Whether a picture is right and what accuracy costs: comparison, bundles for other programs, studies, the self-test.
+
+pub mod compare;
+pub mod export;
+pub mod selftest;
+pub mod study;

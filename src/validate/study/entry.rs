@@ -1,0 +1,198 @@
+//! What a study finds.
+
+use serde::Serialize;
+
+use super::geometry::GeometricError;
+use super::radiance::RadianceError;
+use super::subject::Subject;
+use crate::accel::Precision;
+use crate::approximate::raster::{Map, Method, Tessellation};
+
+/// What a study has found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Study {
+    /// Always "nullray-study".
+    pub format: &'static str,
+    /// The version of the format.
+    pub version: u32,
+    /// What measured it.
+    pub software: String,
+    /// The scene.
+    pub scene: String,
+    /// The SHA-256 of its text, after all changes.
+    pub scene_sha256: String,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Triangles before any tessellation.
+    pub triangles: u64,
+    /// Architecture and operating system.
+    pub platform: String,
+    /// Threads of the pool.
+    pub threads: usize,
+    /// Seconds to load files and to build hierarchies; all methods start from there.
+    pub prepare_seconds: f64,
+    /// What radiance is compared with.
+    pub reference: Reference,
+    /// Method by method, ascending by samples.
+    pub entries: Vec<Entry>,
+    /// Times at equal geometric error.
+    pub verdicts: Vec<Verdict>,
+    /// Methods that cannot render the scene.
+    pub left_out: Vec<LeftOut>,
+    /// Whether the budget ended the runs before all were done.
+    pub was_cut_short: bool,
+}
+
+/// A method that cannot render the scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// As the command line says it.
+    pub method: String,
+    /// Why not.
+    pub why: String,
+}
+
+/// The picture that radiance is compared with, by the ray tracer.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Reference {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Wall time.
+    pub seconds: f64,
+}
+
+/// One method with one number of samples.
+#[derive(Debug, Clone, Serialize)]
+pub struct Entry {
+    /// As the command line says it.
+    pub method: String,
+    /// What kind of method.
+    pub family: Family,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// How long a picture takes; none where the budget left no time for it.
+    pub timing: Option<Timing>,
+    /// By how much memory grew at most, bytes.
+    pub memory: Option<u64>,
+    /// The error of geometry, which is that of the method.
+    pub geometry: GeometricError,
+    /// The picture's error of radiance.
+    pub radiance: Option<RadianceError>,
+    /// Whether anything else beats it.
+    pub front: Front,
+}
+
+/// Whether an entry is on the fronts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Front {
+    /// Of time and largest geometric error, among the entries with the fewest samples.
+    pub geometry: bool,
+    /// Of time and relRMSE.
+    pub radiance: bool,
+}
+
+/// Wall times of pictures, seconds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Timing {
+    /// All runs, in their order.
+    pub runs: Vec<f64>,
+    /// The median.
+    pub median: f64,
+    /// The quartiles.
+    pub quartiles: [f64; 2],
+    /// The median time until the first tile was done.
+    pub setup: f64,
+}
+
+/// The fastest ways to a geometric error, one sample per pixel or as few as were measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct Verdict {
+    /// The largest error of a point that is allowed, pixels.
+    pub pixels: f64,
+    /// The ray tracer's time, seconds.
+    pub trace: Option<f64>,
+    /// The fastest rasterizer that keeps to it, and its time.
+    pub raster: Option<(String, f64)>,
+    /// The rasterizer's time over the ray tracer's: the median over runs that took turns, the least and the
+    /// largest.
+    pub raster_over_trace: Option<[f64; 3]>,
+    /// The fastest warp that keeps to it, and its time.
+    pub warp: Option<(String, f64)>,
+}
+
+/// Kinds of methods: what is one line of a plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs)]
+pub enum Family {
+    Trace,
+    FastTrace,
+    NoTessellation,
+    Uniform,
+    Adaptive,
+    Cube,
+    Panorama,
+}
+
+impl Family {
+    /// All, in the order of legends.
+    pub const ALL: [Family; 7] = [
+        Family::Trace,
+        Family::FastTrace,
+        Family::NoTessellation,
+        Family::Uniform,
+        Family::Adaptive,
+        Family::Cube,
+        Family::Panorama,
+    ];
+
+    /// That of `subject`.
+    pub fn of(subject: &Subject) -> Self {
+        match subject.method {
+            Method::Trace => match subject.precision {
+                Precision::Certified => Family::Trace,
+                Precision::Fast => Family::FastTrace,
+            },
+            Method::Raster(raster) => match raster.tessellation {
+                Tessellation::None => Family::NoTessellation,
+                Tessellation::Uniform(_) => Family::Uniform,
+                Tessellation::Adaptive(_) => Family::Adaptive,
+            },
+            Method::Warp(warp) => match warp.map {
+                Map::Cube(_) => Family::Cube,
+                Map::Panorama(_) => Family::Panorama,
+            },
+        }
+    }
+
+    /// Words for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Trace => "ray tracer",
+            Family::FastTrace => "ray tracer, f32",
+            Family::NoTessellation => "vertices, not re-tessellated",
+            Family::Uniform => "uniform re-tessellation",
+            Family::Adaptive => "adaptive re-tessellation",
+            Family::Cube => "warped cube map",
+            Family::Panorama => "warped panorama",
+        }
+    }
+
+    /// Whether it traces rays.
+    pub fn is_trace(self) -> bool {
+        matches!(self, Family::Trace | Family::FastTrace)
+    }
+
+    /// Whether it moves vertices.
+    pub fn is_raster(self) -> bool {
+        matches!(
+            self,
+            Family::NoTessellation | Family::Uniform | Family::Adaptive
+        )
+    }
+
+    /// Whether it warps a picture.
+    pub fn is_warp(self) -> bool {
+        matches!(self, Family::Cube | Family::Panorama)
+    }
+}

@@ -1,0 +1,85 @@
+//! Where the points that a picture shows should have been.
+
+use serde::Serialize;
+
+use super::statistics::quantile;
+use crate::approximate::projection::{CHANNELS as PLACES, misplacements};
+use crate::error::Result;
+use crate::render::aov::Aov;
+use crate::render::film::Film;
+use crate::render::prepare::Prepared;
+
+/// Errors of geometry and of time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GeometricError {
+    /// How far points are from where they should be, pixels.
+    pub pixels: Spread,
+    /// |Δct| of the emission where the right object is seen, metres.
+    pub emission_time: Spread,
+    /// Pixels in whose middle another object is seen than should be, or none, or one where none should be.
+    pub wrong_object: u64,
+    /// Pixels in whose middle something is seen.
+    pub seen: u64,
+}
+
+/// How large errors are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// That of the middle one.
+    pub median: f64,
+    /// Exceeded by one in a hundred.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// The channels that [`GeometricError::of`] reads.
+pub(super) fn channels() -> Vec<Aov> {
+    PLACES.into_iter().chain([Aov::EventCt]).collect()
+}
+
+impl Spread {
+    fn of(errors: &[f64]) -> Self {
+        Spread {
+            median: quantile(errors, 0.5),
+            p99: quantile(errors, 0.99),
+            max: quantile(errors, 1.0),
+        }
+    }
+}
+
+impl GeometricError {
+    /// The error of `film` of `scene`, rendered at the centres of pixels, against the truth of `exact`.
+    ///
+    /// # Errors
+    /// As [`misplacements`].
+    pub(super) fn of(scene: &Prepared, film: &Film, exact: &Film) -> Result<Self> {
+        let object = film.aov(Aov::Object).unwrap_or_default();
+        let true_object = exact.aov(Aov::Object).unwrap_or_default();
+        let is_seen = |i: &usize| object[*i] >= 0.0;
+        let is_right = |i: &usize| object[*i] == true_object[*i];
+        let all = 0..object.len();
+        let misplaced = misplacements(scene, film)?;
+        let pixels: Vec<_> = all
+            .clone()
+            .filter(is_seen)
+            .map(|i| libm::hypot(misplaced[i][0], misplaced[i][1]))
+            .collect();
+        Ok(GeometricError {
+            pixels: Spread::of(&pixels),
+            emission_time: Spread::of(&late(
+                film,
+                exact,
+                all.clone().filter(is_seen).filter(is_right),
+            )),
+            wrong_object: all.filter(|i| !is_right(i)).count() as u64,
+            seen: pixels.len() as u64,
+        })
+    }
+}
+
+/// By how much the emission times of these pixels are wrong.
+fn late(film: &Film, exact: &Film, pixels: impl Iterator<Item = usize>) -> Vec<f64> {
+    let [time, truth] = [film, exact].map(|f| f.aov(Aov::EventCt).unwrap_or_default());
+    pixels.map(|i| (time[i] - truth[i]).abs()).collect()
+}

@@ -1,0 +1,346 @@
+//! The measurement: a reference, the geometry of every method, then rounds of timed pictures.
+
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use super::Subject;
+use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
+use super::front::front;
+use super::geometry::{self, GeometricError};
+use super::memory::Before;
+use super::options::Options;
+use super::radiance::{self, RadianceError};
+use super::statistics::quantile;
+use crate::approximate::projection::Observer;
+use crate::approximate::raster::render;
+use crate::error::{Error, Result};
+use crate::render::film::Film;
+use crate::render::metadata::sha256;
+use crate::render::plan::{Plan, Request};
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::sampler::Sampler;
+use crate::scene::model::Scene;
+use crate::validate::compare::Picture;
+
+/// The geometric errors of which verdicts are given, pixels.
+const ERRORS: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
+
+/// Studies `scene` on rayon's current thread pool.
+///
+/// # Errors
+/// A camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
+/// scene (see [`crate::approximate::raster::render`]), where it is the only one; files that are missing or broken;
+/// [`Error::Cancelled`] when `progress` says so.
+pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Study> {
+    let plan = plan(scene, options)?;
+    let start = Instant::now();
+    let mut prepared = Prepared::new(scene, &plan, progress)?;
+    let prepare_seconds = start.elapsed().as_secs_f64();
+    Observer::new(&prepared)?;
+    let (able, left_out) = geometries(&mut prepared, &plan, options, progress)?;
+    let start = Instant::now();
+    let truth = picture(
+        &mut prepared,
+        &Subject::REFERENCE,
+        options.reference_samples,
+        progress,
+    )?;
+    let truth = radiance::picture("reference", &truth)?;
+    let reference = Reference {
+        samples: options.reference_samples,
+        seconds: start.elapsed().as_secs_f64(),
+    };
+    let mut rounds = Rounds::new(options, &able);
+    let was_cut_short = rounds.run(&mut prepared, options, &truth, progress)?;
+    let mut entries: Vec<_> = rounds.jobs.into_iter().map(Job::finish).collect();
+    mark_fronts(&mut entries);
+    Ok(Study {
+        format: "nullray-study",
+        version: 1,
+        software: format!("nullray {}", env!("CARGO_PKG_VERSION")),
+        scene: scene.name.clone(),
+        scene_sha256: sha256(scene.text.as_bytes()),
+        size: plan.film.size,
+        triangles: plan.frames.iter().map(|frame| frame.triangles).sum(),
+        platform: format!("{} {}", std::env::consts::ARCH, std::env::consts::OS),
+        threads: rayon::current_num_threads(),
+        prepare_seconds,
+        reference,
+        verdicts: ERRORS.map(|pixels| verdict(&entries, pixels)).into(),
+        entries,
+        left_out,
+        was_cut_short,
+    })
+}
+
+impl Options {
+    /// Camera rays of a study whose budget does not end it, for progress.
+    pub fn rays(&self, size: [u32; 2]) -> u64 {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let samples: u64 = self.samples.iter().map(|n| u64::from(*n)).sum();
+        let methods = self.methods.len() as u64;
+        let timed = methods * samples * u64::from(self.runs);
+        pixels * (timed + methods + 1 + u64::from(self.reference_samples))
+    }
+}
+
+fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
+    let request = Request {
+        memory_limit: options.memory_limit,
+        ..Request::default()
+    };
+    if options.methods.is_empty() || options.samples.is_empty() || options.runs == 0 {
+        let what = "there is nothing to be measured";
+        let help = "give methods, numbers of samples, and one run at least";
+        return Err(Error::invalid(&scene.name, "study", what, help));
+    }
+    Plan::new(scene, &request)
+}
+
+/// A picture with `samples` samples per pixel.
+fn picture(
+    prepared: &mut Prepared,
+    subject: &Subject,
+    samples: u32,
+    progress: &dyn Progress,
+) -> Result<Film> {
+    prepared.layout.channels.clear();
+    prepared.layout.samples = samples;
+    prepared.layout.pixel_centers = false;
+    prepared.sampler = Sampler::stratified(samples);
+    taken(prepared, subject, progress)
+}
+
+/// The picture that `prepared` is set for.
+fn taken(prepared: &mut Prepared, subject: &Subject, progress: &dyn Progress) -> Result<Film> {
+    prepared.method.precision = subject.precision;
+    render(prepared, &subject.method, progress)
+}
+
+/// The methods that can render the scene with their errors of geometry, and those that cannot.
+type Able = (Vec<(Subject, GeometricError)>, Vec<LeftOut>);
+
+/// The errors of geometry of all methods.
+fn geometries(
+    prepared: &mut Prepared,
+    plan: &Plan,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Able> {
+    prepared.layout.channels = geometry::channels();
+    prepared.layout.samples = 1;
+    prepared.layout.pixel_centers = true;
+    prepared.sampler = Sampler::centred();
+    let exact = taken(prepared, &Subject::REFERENCE, progress)?;
+    let (mut able, mut left_out) = (Vec::new(), Vec::new());
+    for subject in &options.methods {
+        let checked = subject.method.check(plan);
+        let film = checked.and_then(|()| taken(prepared, subject, progress));
+        match film {
+            Ok(film) => able.push((*subject, GeometricError::of(prepared, &film, &exact)?)),
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(error) if options.methods.len() == 1 => return Err(error),
+            Err(error) => left_out.push(LeftOut {
+                method: subject.to_string(),
+                why: error.to_string(),
+            }),
+        }
+    }
+    Ok((able, left_out))
+}
+
+/// One method with one number of samples, while it is measured.
+struct Job {
+    subject: Subject,
+    samples: u32,
+    geometry: GeometricError,
+    runs: Vec<f64>,
+    setups: Vec<f64>,
+    memory: Option<u64>,
+    radiance: Option<RadianceError>,
+}
+
+/// All of them, in the order of their samples.
+struct Rounds {
+    jobs: Vec<Job>,
+}
+
+impl Rounds {
+    fn new(options: &Options, able: &[(Subject, GeometricError)]) -> Self {
+        let of = |samples: &u32| {
+            let job = |(subject, geometry): &(Subject, GeometricError)| Job {
+                subject: *subject,
+                samples: *samples,
+                geometry: *geometry,
+                runs: Vec::new(),
+                setups: Vec::new(),
+                memory: None,
+                radiance: None,
+            };
+            able.iter().map(job).collect::<Vec<_>>()
+        };
+        Rounds {
+            jobs: options.samples.iter().flat_map(of).collect(),
+        }
+    }
+
+    /// Round after round, as far as the budget goes; whether it ended them.
+    fn run(
+        &mut self,
+        prepared: &mut Prepared,
+        options: &Options,
+        truth: &Picture,
+        progress: &dyn Progress,
+    ) -> Result<bool> {
+        let start = Instant::now();
+        let mut cut = false;
+        for round in 0..options.runs as usize {
+            for k in 0..self.jobs.len() {
+                // Rounds begin at different places: nothing always comes after the same.
+                let index = if round == 0 {
+                    k
+                } else {
+                    (k + 7 * round) % self.jobs.len()
+                };
+                let left = options.budget.saturating_sub(start.elapsed());
+                if !self.is_worth_it(index, round, left) {
+                    cut = true;
+                    continue;
+                }
+                self.jobs[index].run(prepared, truth, progress)?;
+            }
+        }
+        Ok(cut)
+    }
+
+    /// Whether the next run of a job is likely to end within `left`. What nothing is known of is tried while
+    /// there is time.
+    fn is_worth_it(&self, index: usize, round: usize, left: Duration) -> bool {
+        let job = &self.jobs[index];
+        let guess = match job.runs.last() {
+            Some(time) => Some(*time),
+            None if round > 0 => return false,
+            None => self.guess(job),
+        };
+        !left.is_zero() && guess.is_none_or(|seconds| seconds <= left.as_secs_f64())
+    }
+
+    /// From the same method with fewer samples.
+    fn guess(&self, job: &Job) -> Option<f64> {
+        let is_fewer = |other: &&Job| other.subject == job.subject && other.samples < job.samples;
+        let last = self.jobs.iter().rfind(is_fewer)?;
+        // One that was left out leaves out all after it.
+        let time = last.runs.last().copied().unwrap_or(f64::INFINITY);
+        Some(time * f64::from(job.samples) / f64::from(last.samples))
+    }
+}
+
+impl Job {
+    fn run(
+        &mut self,
+        prepared: &mut Prepared,
+        truth: &Picture,
+        progress: &dyn Progress,
+    ) -> Result<()> {
+        let is_first = self.runs.is_empty();
+        let before = is_first.then(Before::now);
+        let watch = Watch {
+            progress,
+            start: Instant::now(),
+            first: OnceLock::new(),
+        };
+        let film = picture(prepared, &self.subject, self.samples, &watch)?;
+        let seconds = watch.start.elapsed().as_secs_f64();
+        self.runs.push(seconds);
+        self.setups
+            .push(watch.first.get().copied().unwrap_or(seconds));
+        if let Some(before) = before {
+            self.memory = before.growth();
+            self.radiance = Some(RadianceError::of(&film, truth)?);
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Entry {
+        let timing = (!self.runs.is_empty()).then(|| Timing {
+            median: quantile(&self.runs, 0.5),
+            quartiles: [0.25, 0.75].map(|part| quantile(&self.runs, part)),
+            setup: quantile(&self.setups, 0.5),
+            runs: self.runs,
+        });
+        Entry {
+            method: self.subject.to_string(),
+            family: Family::of(&self.subject),
+            samples: self.samples,
+            timing,
+            memory: self.memory,
+            geometry: self.geometry,
+            radiance: self.radiance,
+            front: Front::default(),
+        }
+    }
+}
+
+/// Notes when the first tile is done.
+struct Watch<'a> {
+    progress: &'a dyn Progress,
+    start: Instant,
+    first: OnceLock<f64>,
+}
+
+impl Progress for Watch<'_> {
+    fn rays_done(&self, rays: u64) {
+        self.first
+            .get_or_init(|| self.start.elapsed().as_secs_f64());
+        self.progress.rays_done(rays);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
+}
+
+fn mark_fronts(entries: &mut [Entry]) {
+    let time = |e: &Entry| e.timing.as_ref().map_or(f64::NAN, |t| t.median);
+    let radiance = |e: &Entry| [time(e), e.radiance.map_or(f64::NAN, |r| r.relrmse)];
+    let fewest = entries.iter().map(|e| e.samples).min();
+    let geometry = |e: &Entry| match Some(e.samples) == fewest {
+        true => [time(e), e.geometry.pixels.max],
+        false => [f64::NAN; 2],
+    };
+    let of_radiance = front(&entries.iter().map(radiance).collect::<Vec<_>>());
+    let of_geometry = front(&entries.iter().map(geometry).collect::<Vec<_>>());
+    for ((entry, radiance), geometry) in entries.iter_mut().zip(of_radiance).zip(of_geometry) {
+        entry.front = Front { geometry, radiance };
+    }
+}
+
+/// The fastest ways to an error of at most `pixels`.
+fn verdict(entries: &[Entry], pixels: f64) -> Verdict {
+    let fewest = entries.iter().map(|e| e.samples).min();
+    let fits = |e: &&Entry| Some(e.samples) == fewest && e.geometry.pixels.max <= pixels;
+    let fastest = |is: fn(Family) -> bool| {
+        let timed = entries.iter().filter(fits).filter(|e| is(e.family));
+        let timed = timed.filter_map(|e| Some((e, e.timing.as_ref()?)));
+        timed.min_by(|a, b| a.1.median.total_cmp(&b.1.median))
+    };
+    let named = |found: Option<(&Entry, &Timing)>| found.map(|(e, t)| (e.method.clone(), t.median));
+    let trace = fastest(|family| family == Family::Trace);
+    let raster = fastest(Family::is_raster);
+    Verdict {
+        pixels,
+        trace: trace.map(|(_, timing)| timing.median),
+        raster: named(raster),
+        raster_over_trace: raster
+            .zip(trace)
+            .map(|((_, raster), (_, trace))| ratios(raster, trace)),
+        warp: named(fastest(Family::is_warp)),
+    }
+}
+
+/// The ratio of times, run by run: median, least, largest.
+fn ratios(a: &Timing, b: &Timing) -> [f64; 3] {
+    let ratios: Vec<_> = a.runs.iter().zip(&b.runs).map(|(a, b)| a / b).collect();
+    [0.5, 0.0, 1.0].map(|part| quantile(&ratios, part))
+}

@@ -1,0 +1,108 @@
+//! What is studied.
+
+use std::time::Duration;
+
+use super::Subject;
+use crate::render::plan::Request;
+use crate::scene::model::MOST_SAMPLES;
+
+/// What is studied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// The methods, in any order.
+    pub methods: Vec<Subject>,
+    /// Samples per pixel, each of which every method is measured with; ascending.
+    pub samples: Vec<u32>,
+    /// The most pictures of each method and number of samples. Default: 5.
+    pub runs: u32,
+    /// For how long is measured, not counting the reference. What would not be done by then is left out;
+    /// everything that has been begun has one run. Default: 60 s.
+    pub budget: Duration,
+    /// Samples per pixel of the reference. Default: 1024.
+    pub reference_samples: u32,
+    /// The most memory that the scene may take, bytes. Default: 16 GiB.
+    pub memory_limit: u64,
+}
+
+/// What is studied where nothing is said.
+pub const METHODS: &str = "trace; trace:fast; raster:none; raster:uniform=0.2; raster:uniform=0.1; raster:uniform=0.05; \
+                           raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; \
+                           warp:cube=256; warp:cube=1024";
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            methods: parse_methods(METHODS).unwrap_or_default(),
+            samples: vec![1, 4, 16, 64],
+            runs: 5,
+            budget: Duration::from_secs(60),
+            reference_samples: 1024,
+            memory_limit: Request::default().memory_limit,
+        }
+    }
+}
+
+/// Methods, separated by semicolons or spaces.
+///
+/// # Errors
+/// What is no method, and an empty list, in words.
+pub fn parse_methods(text: &str) -> Result<Vec<Subject>, String> {
+    let words = text
+        .split([';', ' '])
+        .map(str::trim)
+        .filter(|w| !w.is_empty());
+    let mut methods = Vec::new();
+    for method in words.map(str::parse) {
+        let method = method?;
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    match methods.is_empty() {
+        true => Err("no method; give some, like \"trace; raster:uniform=0.05\"".into()),
+        false => Ok(methods),
+    }
+}
+
+/// Numbers of samples per pixel, separated by commas; ascending, each once.
+///
+/// # Errors
+/// What is no number of samples, in words.
+pub fn parse_samples(text: &str) -> Result<Vec<u32>, String> {
+    let number = |word: &str| {
+        let number = word.trim().parse::<u32>().ok();
+        number
+            .filter(|n| (1..=MOST_SAMPLES).contains(n))
+            .ok_or_else(|| {
+                format!("\"{word}\": give numbers from 1 to {MOST_SAMPLES}, like 1,4,16")
+            })
+    };
+    let mut samples = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    samples.sort_unstable();
+    samples.dedup();
+    Ok(samples)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_methods_of_the_default_are_all_methods() {
+        assert_eq!(Options::default().methods.len(), METHODS.split(';').count());
+    }
+
+    #[test]
+    fn lists_are_read_and_what_is_wrong_in_them_is_said() {
+        assert_eq!(parse_methods("trace; trace raster:none").unwrap().len(), 2);
+        assert!(parse_methods(" ; ").unwrap_err().contains("no method"));
+        assert!(
+            parse_methods("trace; rays")
+                .unwrap_err()
+                .contains("\"rays\"")
+        );
+        assert_eq!(parse_samples("16, 1,4,4").unwrap(), [1, 4, 16]);
+        assert!(parse_samples("1,0").unwrap_err().contains("\"0\""));
+        assert!(parse_samples("").is_err());
+    }
+}

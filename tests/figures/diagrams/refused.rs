@@ -1,0 +1,254 @@
+//! What is refused, and where.
+
+use nullray::Error;
+
+use crate::diagrams::parsed;
+
+/// The place and the words of a refusal.
+fn refusal(body: &str) -> (String, String, String) {
+    match parsed(&format!("[diagram]\n{body}")) {
+        Err(Error::Invalid(problem)) => (problem.place, problem.what, problem.help),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[track_caller]
+pub fn check(body: &str, place: &str, what: &str, help: &str) {
+    let found = refusal(body);
+    assert_eq!(found.0, place, "{found:?}");
+    assert!(found.1.contains(what), "{found:?}");
+    assert!(found.2.contains(help), "{found:?}");
+}
+
+#[test]
+fn an_unknown_event_is_refused_with_the_one_that_was_meant() {
+    check(
+        "event = [{ name = \"turn\", at = [0, 0] }]\ninterval = [{ from = \"trun\", to = \"turn\" }]\n",
+        "diagram.interval[0].from",
+        "no event \"trun\"",
+        "did you mean \"turn\"?",
+    );
+}
+
+#[test]
+fn an_unknown_frame_is_refused() {
+    check(
+        "simultaneity = [{ frame = \"S'\", event = [0, 0] }]\n",
+        "diagram.simultaneity[0].frame",
+        "no frame \"S'\"",
+        "\"world\"",
+    );
+}
+
+#[test]
+fn an_unknown_world_line_is_refused() {
+    check(
+        "worldline = [{ name = \"ship\" }]\nsignal = [{ from = [0, -1], to = \"shp\" }]\n",
+        "diagram.signal[0].to",
+        "no world line \"shp\"",
+        "did you mean \"ship\"?",
+    );
+}
+
+#[test]
+fn a_spacelike_world_line_is_refused_at_the_event_that_cannot_be_reached() {
+    check(
+        "worldline = [{ name = \"w\", through = [[0, 0], [1, 0], [2, 3]] }]\n",
+        "diagram.worldline[0].through[2]",
+        "not within the future light cone",
+        "slower than light",
+    );
+}
+
+#[test]
+fn a_frame_at_the_speed_of_light_is_refused() {
+    check(
+        "frame = [{ name = \"S'\", velocity = 1 }]\n",
+        "diagram.frame[0].velocity",
+        "is not below 1",
+        "|β| is below 1",
+    );
+}
+
+#[test]
+fn events_defined_by_each_other_are_refused() {
+    check(
+        "event = [{ name = \"A\", at = \"B\" }, { name = \"B\", at = \"A\" }]\n",
+        "diagram.event[1].at",
+        "by way of itself",
+        "numbers",
+    );
+}
+
+#[test]
+fn limits_that_show_nothing_are_refused() {
+    check(
+        "x = [5, 9]\nevent = [{ name = \"A\", at = [0, 0] }]\n",
+        "diagram.x",
+        "nothing of the diagram",
+        "leave them out",
+    );
+    check(
+        "ct = [2, 1]\n",
+        "diagram.ct",
+        "hold nothing",
+        "smaller number first",
+    );
+}
+
+#[test]
+fn a_character_without_a_glyph_is_refused() {
+    let (place, ..) = refusal("event = [{ name = \"A\", at = [0, 0], label = \"漢\" }]\n");
+    assert_eq!(place, "diagram.event[0].label");
+}
+
+#[test]
+fn light_that_never_arrives_is_refused() {
+    check(
+        "worldline = [{ name = \"w\", at = [0, 1], acceleration = 1 }]\nsignal = [{ from = [1, 0], to = \"w\" }]\n",
+        "diagram.signal[0].to",
+        "never reaches",
+        "horizon",
+    );
+}
+
+#[test]
+fn lines_that_do_not_meet_have_no_crossing() {
+    check(
+        "worldline = [{ name = \"a\" }, { name = \"b\", at = [0, 1] }]\nevent = [{ name = \"X\", cross = [\"a\", \"b\"] }]\n",
+        "diagram.event[0].cross",
+        "do not cross",
+        "meet",
+    );
+}
+
+#[test]
+fn a_world_line_is_said_once() {
+    check(
+        "worldline = [{ name = \"w\", through = [[0, 0], [1, 0]], acceleration = 1 }]\n",
+        "diagram.worldline[0].acceleration",
+        "said twice",
+        "in one way",
+    );
+}
+
+#[test]
+fn a_line_of_a_scene_needs_a_scene() {
+    check(
+        "worldline = [{ name = \"w\", of = \"camera\" }]\n",
+        "diagram.worldline[0].of",
+        "no world line of \"camera\"",
+        "no scene",
+    );
+}
+
+#[test]
+fn a_hyperbola_through_the_light_cone_is_refused() {
+    check(
+        "hyperbola = [{ through = [1, 1] }]\n",
+        "diagram.hyperbola[0].through",
+        "on the light cone",
+        "another event",
+    );
+}
+
+#[test]
+fn endless_signals_need_a_count() {
+    check(
+        "worldline = [{ name = \"a\" }, { name = \"b\", at = [0, 1] }]\nsignal = [{ from = \"a\", every = 1, to = \"b\" }]\n",
+        "diagram.signal[0]",
+        "for ever",
+        "count",
+    );
+}
+
+#[test]
+fn an_empty_diagram_is_refused() {
+    check(
+        "title = \"Nothing\"\n",
+        "diagram",
+        "nothing to draw",
+        "worldline",
+    );
+}
+
+#[test]
+fn an_animation_in_which_nothing_changes_is_refused() {
+    check(
+        "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 9 }\n",
+        "diagram.animation",
+        "nothing changes",
+        "boost_to",
+    );
+}
+
+#[test]
+fn a_boost_to_an_unknown_frame_is_refused() {
+    check(
+        "frame = [{ name = \"out\", velocity = 0.5 }]\nanimation = { boost_to = \"uot\" }\n",
+        "diagram.animation.boost_to",
+        "no frame \"uot\"",
+        "\"out\"",
+    );
+}
+
+#[test]
+fn a_boost_to_the_frame_of_the_view_is_refused() {
+    check(
+        "frame = [{ name = \"out\", velocity = 0.5 }]\nanimation = { boost_to = \"world\" }\n",
+        "diagram.animation.boost_to",
+        "in this frame already",
+        "another frame",
+    );
+}
+
+#[test]
+fn several_views_are_not_boosted() {
+    check(
+        "view = [\"world\", \"out\"]\nframe = [{ name = \"out\", velocity = 0.5 }]\n\
+         animation = { boost_to = \"out\" }\n",
+        "diagram.animation.boost_to",
+        "several views",
+        "one frame",
+    );
+}
+
+#[test]
+fn one_picture_is_no_animation() {
+    check(
+        "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 1, now = { from = 0, to = 1 } }\n",
+        "diagram.animation.frames",
+        "1 pictures are no animation",
+        "2 to 10000",
+    );
+}
+
+#[test]
+fn a_circle_faster_than_light_is_refused() {
+    check(
+        "worldline = [{ name = \"w\", circle = { radius = 1, period = 6 } }]\n",
+        "diagram.worldline[0].circle.period",
+        "1.047",
+        "longer period",
+    );
+}
+
+#[test]
+fn two_ways_to_accelerate_are_refused() {
+    check(
+        "worldline = [{ name = \"w\", acceleration = 1, profile = [[0, 0], [1, 1]] }]\n",
+        "diagram.worldline[0].profile",
+        "said twice",
+        "in one way",
+    );
+}
+
+#[test]
+fn a_place_that_a_world_line_never_reaches_is_refused() {
+    check(
+        "worldline = [{ name = \"w\", at = [0, 1] }]\nplace = [{ event = [0, 0], to = \"w\" }]\n",
+        "diagram.place[0].to",
+        "never at that place",
+        "",
+    );
+}

@@ -1,0 +1,97 @@
+//! The traced pixel is that of the picture, to the bit.
+
+use nullray::figures::pixel_probe::{Sighting, Summary};
+use nullray::render::aov::{self, Aov};
+use nullray::render::film::Film;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::scene::model::Scene;
+
+use crate::pixel_probe::{ALL, scene, text, traced};
+
+fn picture(scene: &Scene) -> Film {
+    let request = Request {
+        aovs: aov::parse("all").unwrap(),
+        pixel_centers: true,
+        ..Request::default()
+    };
+    let plan = Plan::new(scene, &request).unwrap();
+    render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap()
+}
+
+/// The picture's values, and those of the sighting, as bits.
+fn pairs(film: &Film, sighting: &Sighting) -> Vec<(Aov, u64, u64)> {
+    let [column, row] = sighting.pixel;
+    let i = (row * film.size()[0] + column) as usize;
+    let direction = sighting.direction.unit();
+    let mut values = vec![
+        (Aov::DirectionX, direction.x),
+        (Aov::DirectionY, direction.y),
+        (Aov::DirectionZ, direction.z),
+        (
+            Aov::Object,
+            sighting.met.as_ref().map_or(-1.0, |met| met.object as f64),
+        ),
+    ];
+    if let Some(met) = &sighting.met {
+        values.extend([
+            (Aov::Primitive, f64::from(met.triangle)),
+            (Aov::EventCt, met.emission.ct),
+            (Aov::EventX, met.emission.x.x),
+            (Aov::EventY, met.emission.x.y),
+            (Aov::EventZ, met.emission.x.z),
+            (Aov::ObjectEventCt, met.time),
+            (Aov::ObjectEventX, met.place.x),
+            (Aov::ObjectEventY, met.place.y),
+            (Aov::ObjectEventZ, met.place.z),
+            (Aov::Distance, met.distance),
+            (Aov::WavelengthRatio, met.ratio),
+        ]);
+    }
+    // −0 and 0 are the same number.
+    let bits = |value: f64| (value + 0.0).to_bits();
+    let rendered = |aov| film.aov(aov).unwrap()[i];
+    values
+        .iter()
+        .map(|(aov, value)| (*aov, bits(*value), bits(rendered(*aov))))
+        .collect()
+}
+
+#[test]
+fn every_camera_sees_in_a_pixel_what_its_picture_has_there() {
+    let mut objects = [0; 3];
+    for camera in ALL {
+        let scene = scene(&text(camera));
+        let film = picture(&scene);
+        for pixel in [
+            [0, 0],
+            [5, 12],
+            [16, 12],
+            [17, 20],
+            [31, 23],
+            [12, 15],
+            [20, 14],
+        ] {
+            let sighting = traced(&scene, pixel).unwrap();
+            for (aov, traced, rendered) in pairs(&film, &sighting) {
+                assert_eq!(traced, rendered, "{} of {pixel:?}: {camera}", aov.name());
+            }
+            objects[sighting.met.map_or(2, |met| met.object)] += 1;
+        }
+    }
+    assert!(objects.iter().all(|count| *count > 0), "{objects:?}");
+}
+
+#[test]
+fn the_summary_has_the_same_numbers() {
+    let scene = scene(&text(crate::pixel_probe::MOVING));
+    let sighting = traced(&scene, [16, 20]).unwrap();
+    let summary = Summary::of(&sighting);
+    let (surface, met) = (summary.surface.unwrap(), sighting.met.unwrap());
+    assert_eq!(surface.emission[0], met.emission.ct);
+    assert_eq!(surface.wavelength_ratio, met.ratio);
+    assert_eq!(surface.object, "floor");
+    assert_eq!(summary.reception_proper_time, 0.3);
+}

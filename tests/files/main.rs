@@ -1,0 +1,8 @@
+//! Files that come in and go out: scene files, glTF, NumPy arrays, pictures.
+
+mod gltf;
+mod image_files;
+mod invalid;
+mod mutations;
+mod npy;
+mod scene_file;

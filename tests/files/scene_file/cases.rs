@@ -1,0 +1,57 @@
+//! One row per refusal: what is changed in the valid scene, and where, what and why it is refused.
+
+use crate::scene_file::{Folder, VALID, problem, rendered};
+
+pub struct Case {
+    pub from: &'static str,
+    pub to: &'static str,
+    pub place: &'static str,
+    /// The text that the label points at.
+    pub span: &'static str,
+    pub what: &'static str,
+    pub help: &'static str,
+}
+
+/// Rows of: text to replace → its replacement; place, text at the label; what is wrong, help.
+macro_rules! cases {
+    ($name:ident: $($from:tt => $to:tt at $place:tt $span:tt: $what:tt, $help:tt;)*) => {
+        const $name: &[crate::scene_file::cases::Case] = &[$(crate::scene_file::cases::Case {
+            from: $from,
+            to: $to,
+            place: $place,
+            span: $span,
+            what: $what,
+            help: $help,
+        }),*];
+    };
+}
+
+/// Each row changes the valid scene, and is refused as it says.
+pub fn check(cases: &[Case]) {
+    let folder = Folder::with_files();
+    for case in cases {
+        let text = VALID.replacen(case.from, case.to, 1);
+        assert_ne!(
+            text, VALID,
+            "nothing changed by {} → {}",
+            case.from, case.to
+        );
+        let result = folder.parse(&text);
+        if let Err(error) = &result {
+            let shown = rendered(error);
+            assert!(!shown.contains("Failed to read"), "{shown}");
+        }
+        let refusal = problem(result);
+        let named = format!("{} → {}: {refusal} ({})", case.from, case.to, refusal.help);
+        assert_eq!(refusal.place, case.place, "{named}");
+        assert!(refusal.what.contains(case.what), "{named}");
+        assert!(refusal.help.contains(case.help), "{named}");
+        let (_, labels) = refusal.source.as_ref().expect("a label");
+        let label = labels
+            .iter()
+            .find(|label| label.primary())
+            .unwrap_or(&labels[0]);
+        let at = &text[label.offset()..label.offset() + label.len()];
+        assert!(at.starts_with(case.span), "{named}: points at {at}");
+    }
+}

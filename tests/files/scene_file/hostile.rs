@@ -1,0 +1,107 @@
+//! Files that are broken, or meant to break the reader.
+
+use std::time::{Duration, Instant};
+
+use nullray::Error;
+use nullray::scene::{Overrides, load};
+
+use crate::scene_file::{Folder, VALID, problem, rendered};
+
+#[test]
+fn no_change_of_a_byte_makes_the_reader_panic() {
+    let folder = Folder::with_files();
+    let mut refused = 0;
+    for at in 0..VALID.len() {
+        for flip in [0x01, 0x02, 0x04, 0x08, 0x10, 0x20, 0x40] {
+            let mut bytes = VALID.as_bytes().to_vec();
+            bytes[at] ^= flip;
+            let text = String::from_utf8(bytes).unwrap();
+            refused += usize::from(folder.parse(&text).is_err());
+        }
+    }
+    assert!(refused > VALID.len());
+}
+
+#[test]
+fn no_truncation_makes_the_reader_or_its_report_panic() {
+    let folder = Folder::with_files();
+    for end in 0..VALID.len() {
+        if let Err(error) = folder.parse(&VALID[..end]) {
+            assert!(!rendered(&error).contains("Failed to read"), "{end}");
+        }
+    }
+}
+
+#[test]
+fn nesting_and_repetition_end_soon() {
+    let folder = Folder::with_files();
+    let object = "[[object]]\nshape.sphere.radius = 1\n";
+    let camera = "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n";
+    let source = "[[source]]\nmaterials = ['m']\npulse = { position = [0, 0, 0], sigma = '1 m' }\n";
+    let texts = [
+        format!("a = {}", "[".repeat(1 << 20)),
+        format!("a = {}", "{a = ".repeat(1 << 19)),
+        format!("{}a = 1", "a.".repeat(1 << 20)),
+        format!("[{}a]", "a.".repeat(1 << 20)),
+        format!("{camera}{}", "[[source]]\n".repeat(1 << 18)),
+        format!("{camera}hfov = \"{}\"", "9".repeat(1 << 20)),
+        format!("{camera}{} = 1", "k".repeat(1 << 20)),
+        format!("{camera}{}{}", object.repeat(20_000), source.repeat(20_000)),
+        (0..200_000).map(|i| format!("k{i} = 1\n")).collect(),
+    ];
+    for text in texts {
+        let start = Instant::now();
+        let error = folder.parse(&text).unwrap_err();
+        assert!(error.to_string().len() < 2000);
+        assert!(start.elapsed() < Duration::from_secs(20));
+    }
+}
+
+#[test]
+fn surfaces_are_not_multiplied_beyond_bounds() {
+    let objects = "[[object]]\nshape.sphere.radius = 1\n".repeat(3000);
+    let materials: String = (0..3000).map(|i| format!("'m{i}', ")).collect();
+    let text = format!(
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n{objects}[[source]]\nmaterials = [{materials}]\n\
+         pulse = {{ position = [0, 0, 0], sigma = '1 m' }}\n"
+    );
+    let refusal = problem(Folder::with_files().parse(&text));
+    assert!(
+        refusal.what.contains("too many surfaces"),
+        "{}",
+        refusal.what
+    );
+}
+
+#[test]
+fn a_file_that_is_too_long_is_refused_unread() {
+    let folder = Folder::with_files();
+    let path = folder.path().join("long.toml");
+    std::fs::write(&path, vec![b'#'; (4 << 20) + 1]).unwrap();
+    let refusal = problem(load(&path, &Overrides::default()));
+    assert!(refusal.what.contains("at most 4 MiB"), "{}", refusal.what);
+}
+
+#[test]
+fn a_file_that_is_not_text_is_refused_with_the_place() {
+    let folder = Folder::with_files();
+    let path = folder.path().join("binary.toml");
+    std::fs::write(&path, b"a = 1\n\xff\xfe").unwrap();
+    let refusal = problem(load(&path, &Overrides::default()));
+    assert_eq!(refusal.place, "byte 6");
+}
+
+#[test]
+fn a_file_that_is_not_there_is_an_io_error() {
+    let folder = Folder::with_files();
+    let result = load(&folder.path().join("none.toml"), &Overrides::default());
+    assert!(matches!(result, Err(Error::Io { .. })));
+}
+
+#[test]
+fn control_characters_do_not_reach_the_message() {
+    let text = "[camera]\n\"\\u001b[31mred\" = 1\n";
+    let refusal = problem(Folder::with_files().parse(text));
+    assert!(!refusal.to_string().contains('\u{1b}'));
+    assert!(!refusal.help.contains('\u{1b}'));
+}

@@ -1,0 +1,156 @@
+//! The JSON schema, and the reference scene against it.
+
+use nullray::scene::schema;
+use serde_json::Value;
+
+use crate::scene_file::motion::camera;
+
+const REFERENCE: &str = include_str!("../../../scenes/reference.toml");
+
+/// All (key, property) pairs of a schema.
+fn properties(schema: &Value) -> Vec<(String, Value)> {
+    let mut found = Vec::new();
+    let children: Vec<&Value> = match schema {
+        Value::Object(map) => map.values().collect(),
+        Value::Array(items) => items.iter().collect(),
+        _ => Vec::new(),
+    };
+    if let Some(Value::Object(own)) = schema.get("properties") {
+        found.extend(own.iter().map(|(key, value)| (key.clone(), value.clone())));
+    }
+    found.extend(children.into_iter().flat_map(properties));
+    found
+}
+
+fn contains_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::String(text) => text == "null",
+        Value::Array(items) => items.iter().any(contains_null),
+        Value::Object(map) => map.values().any(contains_null),
+        _ => false,
+    }
+}
+
+/// A default as a scene file would write it.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Array(items) => format!(
+            "[{}]",
+            items.iter().map(toml).collect::<Vec<_>>().join(", ")
+        ),
+        Value::Number(number) => number.as_f64().unwrap().to_string(),
+        other => other.to_string(),
+    }
+}
+
+#[test]
+fn every_key_is_described() {
+    let found = properties(&schema());
+    assert!(found.len() > 70, "{}", found.len());
+    for (key, property) in found {
+        let described = property.get("description").is_some() || key == "mark";
+        assert!(described, "{key}: {property}");
+    }
+}
+
+#[test]
+fn descriptions_state_the_defaults_that_are_used() {
+    for (key, property) in properties(&schema()) {
+        let Some(default) = property.get("default") else {
+            continue;
+        };
+        if default.as_array().is_some_and(Vec::is_empty) {
+            continue;
+        }
+        let description = property["description"].as_str().unwrap().replace('\n', " ");
+        let stated = format!("Default: {}.", toml(default));
+        assert!(
+            description.contains(&stated),
+            "{key}: {stated} not in {description}"
+        );
+    }
+}
+
+#[test]
+fn toml_has_no_null_and_the_schema_neither() {
+    assert!(!contains_null(&schema()));
+}
+
+#[test]
+fn unknown_keys_are_refused_in_every_table() {
+    let schema = schema();
+    assert_eq!(schema["additionalProperties"], false);
+    for (name, table) in schema["$defs"].as_object().unwrap() {
+        if table.get("properties").is_some() {
+            assert_eq!(table["additionalProperties"], false, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_scene_shows_every_key() {
+    let words: Vec<&str> = REFERENCE
+        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .collect();
+    for (key, _) in properties(&schema()) {
+        assert!(words.contains(&key.as_str()), "{key}");
+    }
+}
+
+/// The TOML in the comments of the reference scene from one line to another, prose left out.
+fn commented(from: &str, to: &str) -> Vec<&'static str> {
+    let lines = REFERENCE.lines().skip_while(|line| *line != from);
+    let block = lines.take_while(|line| *line != to);
+    let text = block.filter_map(|line| line.strip_prefix("# "));
+    let toml = |line: &&str| line.contains('=') || line.starts_with(['[', ']', ' ']);
+    text.filter(toml).collect()
+}
+
+#[test]
+fn every_motion_of_the_reference_scene_is_accepted() {
+    let mut motions: Vec<String> = Vec::new();
+    for line in commented("# [camera.motion]", "# [camera.sensor]").split_off(1) {
+        match motions.last_mut() {
+            Some(motion) if line.starts_with([' ', ']']) => *motion += &format!("\n{line}"),
+            _ => motions.push(line.to_string()),
+        }
+    }
+    assert_eq!(motions.len(), 6);
+    for motion in motions {
+        let eye = match motion.starts_with("keyframes") {
+            true => "",
+            false => "eye = [0, 1, 5]\n",
+        };
+        let moving = camera(&format!(
+            "{eye}look_at = [0, 1, 0]\n[camera.motion]\n{motion}"
+        ));
+        assert!(moving.world_line().is_ok(), "{motion}");
+    }
+}
+
+#[test]
+fn sensor_rotation_and_shutter_of_the_reference_scene_are_accepted() {
+    let tables = commented("# [camera.sensor]", "# A glTF file:").join("\n");
+    let camera = camera(&format!("eye = [0, 1, 5]\nlook_at = [0, 1, 0]\n{tables}"));
+    assert!(camera.sensor.is_some() && camera.rotation.is_some() && camera.shutter.is_some());
+}
+
+#[test]
+fn the_diagram_of_the_reference_scene_is_accepted() {
+    let lines = REFERENCE.lines().skip_while(|line| *line != "# [diagram]");
+    let table: Vec<&str> = lines.filter_map(|line| line.strip_prefix("# ")).collect();
+    // One view, as a boost asks for.
+    let table = table.join("\n").replace("[\"world\", \"S'\"]", "\"world\"");
+    let text = format!("{REFERENCE}\n{table}\n");
+    let parse = nullray::scene::parse_diagram;
+    let diagram = parse(&text, "reference", "".as_ref(), &Default::default());
+    let diagram = diagram.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(diagram.lines.len(), 8);
+    assert_eq!(diagram.events.len(), 6);
+    assert!(
+        diagram
+            .animation
+            .is_some_and(|a| a.boost.is_some() && a.sweep.is_some())
+    );
+}

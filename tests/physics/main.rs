@@ -1,0 +1,15 @@
+//! The spacetime core: closed forms, reference vectors, arbitrary precision.
+
+#[path = "../common"]
+mod common {
+    pub mod exact;
+    pub mod table;
+    pub mod worst;
+}
+
+mod closed_forms;
+mod paper_equations;
+mod precision;
+mod reference_vectors;
+mod stability;
+mod worldlines;

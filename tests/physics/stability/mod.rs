@@ -1,0 +1,71 @@
+//! Numerical stability at the ends of what is promised, against arbitrary precision.
+//!
+//! `src/selftest` says which regimes there are, in which unit an error is measured and how its bound is derived.
+//! Here each is tried with thousands of cases, whose references are computed with 320 bits and more; the rows
+//! that `nullray selftest` carries are a part of them; and what the page of `src/selftest` says of the
+//! worst errors is held against what is measured.
+
+mod cases;
+#[allow(dead_code)] // errors are measured by the self-test
+mod limits;
+mod page;
+mod reference;
+mod rows;
+mod vertices;
+
+use nullray::validate::selftest::{Effort, Outcome, REGIMES, Regime, Row, checks};
+
+/// Cases of each family.
+const CASES: usize = 1500;
+
+/// What is found in the first `CASES` cases of each family of a regime.
+fn measured(regime: &Regime) -> Outcome {
+    let rows: Vec<Row> = regime
+        .families
+        .iter()
+        .flat_map(|family| rows::of_family(family, CASES))
+        .collect();
+    regime.worst(rows.iter())
+}
+
+#[test]
+fn every_regime_is_within_its_bound_of_arbitrary_precision() {
+    for regime in &REGIMES {
+        let Outcome { worst, cases } = measured(regime);
+        let (name, bound, unit) = (regime.name, regime.bound, regime.unit);
+        println!("{name:<14} {worst:9.2e} of {bound:8.1e} {unit}, {cases} cases");
+        assert!(cases >= CASES as u64);
+        assert!(worst <= bound, "{name}: {worst} above {bound} {unit}");
+    }
+}
+
+#[test]
+fn the_self_test_holds_on_this_machine() {
+    for check in checks() {
+        let outcome = check
+            .run(Effort::Quick, &nullray::render::progress::Silent)
+            .unwrap();
+        assert!(check.holds(&outcome), "{}: {outcome:?}", check.name);
+        let announced = check.cases(Effort::Quick);
+        let close = outcome.cases.abs_diff(announced) < 1024;
+        assert!(close, "{}: {outcome:?}, {announced} announced", check.name);
+    }
+}
+
+#[test]
+fn a_wrong_reference_is_noticed() {
+    // An error of a hundred units in any result of any row is above every bound.
+    for regime in REGIMES.iter().filter(|r| r.unit != "pixel") {
+        let mut noticed = 0;
+        for row in regime.rows() {
+            for at in 0..row.reference.len() {
+                let mut wrong = row.clone();
+                let fine = &mut wrong.reference[at];
+                fine.value *= 1.0 + 1e-9;
+                let was = row.reference[at].value;
+                noticed += usize::from(was != fine.value && regime.error(&wrong) > regime.bound);
+            }
+        }
+        assert!(noticed > 0, "{}", regime.name);
+    }
+}

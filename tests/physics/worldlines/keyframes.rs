@@ -1,0 +1,205 @@
+//! Motion through key events.
+
+use glam::DVec3;
+use nullray::spacetime::worldline::{State, WorldLine, WorldLineError};
+use nullray::spacetime::{Event, Velocity, World};
+
+use crate::worldlines::lines::{apart, event, keys, turn};
+
+/// The proper time at which `line` is at world time `ct`, by bisection.
+fn when(line: &WorldLine, ct: f64) -> f64 {
+    let [mut low, mut high] = line.span();
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if line.state(middle).unwrap().event.ct < ct {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    high
+}
+
+fn at_time(line: &WorldLine, ct: f64) -> State {
+    line.state(when(line, ct)).unwrap()
+}
+
+/// dv/dct from the state: the inverse of a = γ² w + γ⁴/(1 + γ) (v·w) v.
+fn coordinate_acceleration(state: &State) -> DVec3 {
+    let (v, a) = (state.velocity.beta(), state.acceleration);
+    let gamma = state.velocity.gamma();
+    (a - v * (gamma / (1.0 + gamma) * v.dot(a))) / (gamma * gamma)
+}
+
+#[test]
+fn the_curve_passes_through_its_events_from_proper_time_zero_on() {
+    let line = turn();
+    assert_eq!(line.span()[0], 0.0);
+    assert_eq!(line.state(0.0).unwrap().event, keys()[0]);
+    let end = line.state(line.span()[1]).unwrap();
+    assert!(apart(end.event, keys()[4]) < 4e-15);
+    for key in keys() {
+        assert!(apart(at_time(&line, key.ct).event, key) < 2e-15, "{key:?}");
+    }
+}
+
+#[test]
+fn velocity_and_acceleration_are_continuous_at_the_events_and_the_latter_ends_at_zero() {
+    let line = turn();
+    for key in &keys()[1..4] {
+        let tau = when(&line, key.ct);
+        let (before, after) = (
+            line.state(tau - 1e-9).unwrap(),
+            line.state(tau + 1e-9).unwrap(),
+        );
+        let jump = (before.velocity.beta() - after.velocity.beta()).length();
+        assert!(jump < 1e-8, "{key:?}: {jump}");
+        let jump = (before.acceleration - after.acceleration).length();
+        assert!(jump < 2e-8, "{key:?}: {jump}");
+        assert!(before.acceleration.length() > 0.05);
+    }
+    for tau in line.span() {
+        assert!(line.state(tau).unwrap().acceleration.length() < 1e-14);
+    }
+}
+
+#[test]
+fn between_events_the_position_is_a_cubic_of_world_time() {
+    // Natural spline through (0, 0), (1, 1/4), (2, 0): 4 M₁ = 6 (−1/4 − 1/4) = −3, M₁ = −3/4.
+    let events = [(0.0, 0.0), (1.0, 0.25), (2.0, 0.0)].map(|(ct, x)| event(ct, x, 0.0, 0.0));
+    let line = WorldLine::keyframes(&events).unwrap();
+    // x = t/4 + t/8 − t³/8 on the first span.
+    for t in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        let state = at_time(&line, t);
+        assert!(
+            (state.event.x.x - (3.0 * t - t * t * t) / 8.0).abs() < 1e-15,
+            "at {t}"
+        );
+        assert!(
+            (state.velocity.beta().x - (3.0 - 3.0 * t * t) / 8.0).abs() < 1e-15,
+            "at {t}"
+        );
+        assert!(
+            (coordinate_acceleration(&state).x + 0.75 * t).abs() < 1e-14,
+            "at {t}"
+        );
+    }
+    // The second is its mirror image.
+    assert!(
+        (at_time(&line, 1.5).velocity.beta().x + at_time(&line, 0.5).velocity.beta().x).abs()
+            < 1e-15
+    );
+}
+
+#[test]
+fn proper_time_is_the_integral_of_the_rate_of_the_clock() {
+    // The same curve: dτ/dct = √(1 − v²) with v = (3 − 3t²)/8, by Simpson's rule (to
+    // 1e-14); twice by symmetry.
+    let events = [(0.0, 0.0), (1.0, 0.25), (2.0, 0.0)].map(|(ct, x)| event(ct, x, 0.0, 0.0));
+    let line = WorldLine::keyframes(&events).unwrap();
+    let rate = |t: f64| (1.0 - ((3.0 - 3.0 * t * t) / 8.0).powi(2)).sqrt();
+    let weight = |i: u32| match i {
+        0 | 1000 => 1.0,
+        _ => f64::from(2 + 2 * (i % 2)),
+    };
+    let sum: f64 = (0..=1000)
+        .map(|i| weight(i) * rate(f64::from(i) / 1000.0))
+        .sum();
+    let half = sum / 3000.0;
+    assert!((line.span()[1] - 2.0 * half).abs() < 4e-14);
+    assert!((when(&line, 1.0) - half).abs() < 2e-14);
+}
+
+#[test]
+fn events_on_a_straight_line_at_constant_speed_give_inertial_motion() {
+    let v = DVec3::new(0.3, -0.5, 0.6);
+    let start = event(1.0, 2.0, -1.0, 0.5);
+    let times = [0.0, 0.5, 2.0, 2.25, 7.0];
+    let events: Vec<Event<World>> = times
+        .iter()
+        .map(|t| Event::new(start.ct + t, start.x + v * *t))
+        .collect();
+    let line = WorldLine::keyframes(&events).unwrap();
+    let straight = WorldLine::inertial(Velocity::from_beta(v).unwrap(), start);
+    let gamma = 1.0 / (1.0 - v.length_squared()).sqrt();
+    assert!((line.span()[1] - 7.0 / gamma).abs() < 4e-15);
+    for i in 0..=20 {
+        let tau = line.span()[1] * f64::from(i) / 20.0;
+        let (a, b) = (line.state(tau).unwrap(), straight.state(tau).unwrap());
+        assert!(apart(a.event, b.event) < 4e-15 * 8.0, "at {tau}");
+        assert!(
+            (a.velocity.rapidity() - b.velocity.rapidity()).length() < 1e-14,
+            "at {tau}"
+        );
+        assert!(a.acceleration.length() < 1e-13, "at {tau}");
+    }
+}
+
+#[test]
+fn a_curve_that_is_barely_slower_than_light_keeps_its_proper_time() {
+    // 1 − v = 1e-9: τ/ct = √((1 − v)(1 + v)).
+    let v = 1.0 - 1e-9;
+    let events = [0.0, 1.0, 3.0].map(|t| event(t, v * t, 0.0, 0.0));
+    let line = WorldLine::keyframes(&events).unwrap();
+    let expected = 3.0 * (1e-9 * (1.0 + v)).sqrt();
+    assert!(
+        (line.span()[1] / expected - 1.0).abs() < 1e-6,
+        "{}",
+        line.span()[1]
+    );
+}
+
+fn refusal(events: &[Event<World>]) -> WorldLineError {
+    WorldLine::keyframes(events).unwrap_err()
+}
+
+#[test]
+fn a_span_faster_than_light_is_refused_with_its_place() {
+    let mut events = keys();
+    events[3].x.x = 4.4;
+    events[4].x.x = 4.6;
+    let error = refusal(&events);
+    assert_eq!(error.index(), Some(2), "{error}");
+    let WorldLineError::Superluminal { ct, speed, .. } = error else {
+        panic!("{error}")
+    };
+    assert!((2.5..5.0).contains(&ct) && speed > 1.2, "{error}");
+    assert!(
+        error.to_string().contains("between events 3 and 4"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_curve_is_refused_where_only_its_middle_is_too_fast() {
+    // (−3, −a), (−2, −a), (2, a), (3, a): 10 M₁ + 4 M₂ = 3a and M₂ = −M₁ give M₁ = a/2, the speed a/6 at −2, and
+    // a/6 + a/2 = 2a/3 at 0, where the mean is a/2.
+    let events =
+        |a: f64| [(-3.0, -a), (-2.0, -a), (2.0, a), (3.0, a)].map(|(t, x)| event(t, x, 0.0, 0.0));
+    assert!(WorldLine::keyframes(&events(1.49)).is_ok());
+    let error = refusal(&events(1.6));
+    let WorldLineError::Superluminal { ct, speed, index } = error else {
+        panic!("{error}")
+    };
+    assert!(index == 1 && ct.abs() < 1e-6, "{error}");
+    assert!((speed - 3.2 / 3.0).abs() < 1e-14, "{speed}");
+}
+
+#[test]
+fn the_speed_of_light_itself_is_refused() {
+    let events = [0.0, 1.0].map(|t| event(t, t, 0.0, 0.0));
+    assert!(matches!(
+        refusal(&events),
+        WorldLineError::Superluminal { index: 0, .. }
+    ));
+}
+
+/// The rate of the clock is a difference of rounded numbers there, and known to five digits only.
+#[test]
+fn keys_just_below_the_speed_of_light_are_followed_as_far_as_their_rate_is_known() {
+    let key = |i: i32| Event::new(f64::from(i), DVec3::X * (f64::from(i) * (1.0 - 3e-12)));
+    let keys: Vec<Event<World>> = (0..1000).map(key).collect();
+    let line = WorldLine::keyframes(&keys).unwrap();
+    let expected = 999.0 * 6e-12f64.sqrt();
+    assert!((line.span()[1] / expected - 1.0).abs() < 1e-4);
+}

@@ -1,0 +1,129 @@
+//! Pinhole cameras against vectors of arbitrary precision.
+//!
+//! The film is addressed by 1 + px/f, which costs a few eps of a film two wide: directions are right
+//! to some eps (1 + 1/W), since aberration magnifies by 1/W, and W to that times γβ sin(angle).
+
+use glam::DVec3;
+use nullray::scene::model::{Assembly, Elements, Motion, Pivot, Rotation, Scene};
+use nullray::spacetime::{Event, Velocity};
+
+use super::bench_camera::{element, looking_along_z, sensor, start};
+use crate::common::table::{Row, rows};
+use crate::common::worst::{EPS, Worst};
+
+/// What conditioning leaves of a look direction and of W, for a film point some eps off.
+struct Allowed {
+    direction: f64,
+    ratio: f64,
+    /// Of the event of passage, metres.
+    event: f64,
+}
+
+fn note(row: &Row, scene: &Scene, worst: &mut [Worst; 3], allowed: impl Fn(f64) -> Allowed) {
+    let (px, py) = (row.number("px"), row.number("py"));
+    let (camera, look) = element(scene, px, py);
+    let event = camera.shot.event + look.from.displacement;
+    let d = row.vector(if row.has("dx") { "d" } else { "l" });
+    let w = row.number("W");
+    let allowed = allowed(w);
+    let place = || format!("line {}", row.line);
+    worst[0].note((look.d.unit() - d).length(), allowed.direction, place);
+    worst[1].note(look.ratio / w - 1.0, allowed.ratio, place);
+    let p = Event::<nullray::spacetime::World>::new(row.number("Pct"), passage(row));
+    let off = (event.ct - p.ct).abs().max((event.x - p.x).length());
+    worst[2].note(off, allowed.event, place);
+}
+
+/// Where the light passed: the origin, unless the table says otherwise.
+fn passage(row: &Row) -> DVec3 {
+    match row.has("Px") {
+        true => row.vector("P"),
+        false => DVec3::ZERO,
+    }
+}
+
+fn assert_within([d, w, p]: [Worst; 3], what: &str) {
+    d.assert_within(&format!("{what}: look directions"));
+    w.assert_within(&format!("{what}: wavelength ratios"));
+    p.assert_within(&format!("{what}: events at the pinhole"));
+}
+
+#[test]
+fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
+    let mut worst = Default::default();
+    let table = rows("pinhole_a.csv");
+    assert_eq!(table.len(), 100);
+    for row in &table {
+        let mut scene = looking_along_z();
+        let w = row.vector("w");
+        scene.camera.velocity = Velocity::from_rapidity(w).unwrap();
+        scene.camera.origin = Event::new(row.number("Oct"), row.vector("O"));
+        scene.camera.time = row.number("cts");
+        scene.camera.sensor = sensor(row.number("dp"), Assembly::Rigid);
+        let seen = row.vector("c");
+        let across = w.normalize_or_zero().cross(seen).length();
+        let size = row.number("Pct").abs() + row.vector("P").length();
+        note(row, &scene, &mut worst, |ratio| Allowed {
+            direction: 32.0 * EPS * (1.0 + w.length() + 1.0 / ratio),
+            ratio: 32.0 * EPS * (1.0 + w.length() + w.length().sinh() * (across + EPS) / ratio),
+            event: 16.0
+                * EPS
+                * (1.0 + w.length())
+                * (size + row.number("cts").abs() * w.length().cosh()),
+        });
+    }
+    assert_within(worst, "rigid");
+}
+
+#[test]
+fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
+    let mut worst = Default::default();
+    let table = rows("pinhole_b.csv");
+    assert_eq!(table.len(), 100);
+    for row in &table {
+        let mut scene = looking_along_z();
+        let d = row.number("d");
+        scene.camera.origin = Event::new(0.0, DVec3::Z * d);
+        scene.camera.motion = start(DVec3::Z * row.number("g"));
+        scene.camera.time = row.number("tau");
+        scene.camera.sensor = sensor(d, Assembly::Bell);
+        let size = row.number("Ect").abs() + row.vector("E").length();
+        let (gamma, delay) = (row.number("gamma"), row.number("delay"));
+        note(row, &scene, &mut worst, |ratio| Allowed {
+            direction: 32.0 * EPS * (1.0 + gamma),
+            ratio: 64.0 * EPS * (1.0 + gamma / ratio),
+            event: 16.0 * EPS * (size + gamma * delay),
+        });
+    }
+    assert_within(worst, "Bell's ships");
+}
+
+#[test]
+fn a_turning_sensor_sees_a_pinhole_at_rest() {
+    let mut worst = Default::default();
+    let table = rows("pinhole_c.csv");
+    assert_eq!(table.len(), 200);
+    for row in &table {
+        let mut scene = looking_along_z();
+        scene.camera.time = row.number("cts");
+        scene.camera.sensor = sensor(row.number("d"), Assembly::Rigid);
+        scene.camera.motion = Motion::Inertial;
+        scene.camera.rotation = Some(Rotation {
+            axis: DVec3::Y,
+            rate: row.number("Om"),
+            through: match row.number("az") == 0.0 {
+                true => Pivot::Pinhole,
+                false => Pivot::Sensor,
+            },
+            elements: Elements::Exact,
+        });
+        let angle = (row.number("Om") * row.number("cts")).abs();
+        let (gamma, size) = (row.number("gamma"), row.number("cts").abs());
+        note(row, &scene, &mut worst, |_| Allowed {
+            direction: 16.0 * EPS * (1.0 + angle),
+            ratio: 16.0 * EPS * gamma * gamma * (1.0 + angle),
+            event: 8.0 * EPS * (size + row.number("delay") * (1.0 + angle)),
+        });
+    }
+    assert_within(worst, "turning");
+}

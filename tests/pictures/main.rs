@@ -1,0 +1,24 @@
+//! Pictures and what they are made of: rays, cameras, light, films, rasterizers.
+
+#[path = "../common"]
+mod common {
+    pub mod arrays;
+    pub mod frames;
+    pub mod table;
+    pub mod worst;
+}
+
+mod accel;
+mod cameras;
+mod capture;
+mod exposures;
+mod lookups;
+mod moving_meshes;
+mod paper_scenes;
+mod paper_versus_exact;
+mod pipeline;
+mod raster;
+mod scenes;
+mod textures;
+mod time_texture;
+mod transient;

@@ -1,0 +1,163 @@
+//! What the auxiliary channels mean: identities of the sample nearest to the pixel's centre, means of
+//! the rest over samples that met something.
+
+use glam::DVec3;
+use nullray::render::aov::Aov;
+use nullray::render::sampler::Sampler;
+use nullray::scene::model::Scene;
+
+use crate::pipeline::stage::{self, pinhole};
+
+/// A square of side 2 and radiance 1 before black, seen from above, a little aslant.
+fn square(samples: u32) -> Scene {
+    let mut scene = stage::scene(
+        "
+[camera]
+eye = [0.3, 4, 0.2]
+look_at = [0, 0, 0]
+up = [0.1, 0, -1]
+hfov = \"40 deg\"
+size = [20, 16]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+colour = [1, 1, 1]
+",
+    );
+    scene.samples_per_pixel = samples;
+    scene
+}
+
+/// One sample: squared distance from the pixel's centre; direction, distance and x where it meets.
+struct Sample {
+    off: f64,
+    direction: DVec3,
+    met: Option<(f64, DVec3)>,
+}
+
+/// The samples of pixel `i`, traced by hand.
+fn samples(scene: &Scene, i: usize) -> Vec<Sample> {
+    let sampler = Sampler::stratified(scene.samples_per_pixel);
+    let (column, row) = (i as u32 % 20, i as u32 / 20);
+    let eye = scene.camera.origin.x;
+    let sample = |index| {
+        let [x, y] = sampler.offset(column, row, index);
+        let d = pinhole(&scene.camera, f64::from(column) + x, f64::from(row) + y);
+        let s = -eye.y / d.y;
+        let x_hit = eye + d * s;
+        Sample {
+            off: (x - 0.5).powi(2) + (y - 0.5).powi(2),
+            direction: d,
+            met: (x_hit.x.abs() < 1.0 && x_hit.z.abs() < 1.0).then_some((s, x_hit)),
+        }
+    };
+    (0..scene.samples_per_pixel).map(sample).collect()
+}
+
+#[test]
+fn means_are_over_the_samples_that_met_a_surface() {
+    let scene = square(9);
+    let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+    let (mut partly, mut empty) = (0, 0);
+    for i in 0..stage::pixels(&film) {
+        let samples = samples(&scene, i);
+        let met: Vec<_> = samples.iter().filter_map(|s| s.met).collect();
+        let n = met.len() as f64;
+        partly += usize::from(!met.is_empty() && met.len() < 9);
+        let radiance = film.radiance()[i][0];
+        assert!((radiance - n / 9.0).abs() < 1e-15, "{radiance} {n}");
+        let d: DVec3 = samples.iter().map(|s| s.direction).sum::<DVec3>() / 9.0;
+        assert!(stage::direction(&film, i).distance(d) < 1e-14);
+        if met.is_empty() {
+            empty += 1;
+            assert!(stage::value(&film, Aov::Distance, i).is_nan());
+            assert!(stage::event(&film, i).1.is_nan());
+            continue;
+        }
+        let s = met.iter().map(|m| m.0).sum::<f64>() / n;
+        let x = met.iter().map(|m| m.1).sum::<DVec3>() / n;
+        assert!((stage::value(&film, Aov::Distance, i) - s).abs() < 1e-13);
+        assert!(stage::event(&film, i).1.distance(x) < 1e-13);
+        assert_eq!(stage::value(&film, Aov::WavelengthRatio, i), 1.0);
+        assert_eq!(stage::value(&film, Aov::NormalY, i), 1.0);
+    }
+    assert!(partly > 10 && empty > 10, "{partly} {empty}");
+}
+
+#[test]
+fn identities_and_places_are_those_of_the_sample_nearest_to_the_centre() {
+    let scene = square(9);
+    let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+    for i in 0..stage::pixels(&film) {
+        let samples = samples(&scene, i);
+        let nearest = samples
+            .iter()
+            .min_by(|a, b| a.off.total_cmp(&b.off))
+            .unwrap();
+        let (object, u) = (
+            stage::value(&film, Aov::Object, i),
+            stage::value(&film, Aov::UvU, i),
+        );
+        match nearest.met {
+            // u runs along x over the square, v along z.
+            Some((_, x)) => {
+                assert_eq!(object, 0.0);
+                assert!((u - 0.5 * (x.x + 1.0)).abs() < 1e-14, "{u} {x}");
+                let v = stage::value(&film, Aov::UvV, i);
+                assert!((v - 0.5 * (x.z + 1.0)).abs() < 1e-14, "{v} {x}");
+            }
+            None => {
+                assert_eq!(
+                    (object, stage::value(&film, Aov::Primitive, i)),
+                    (-1.0, -1.0)
+                );
+                assert!(u.is_nan() && stage::value(&film, Aov::BarycentricU, i).is_nan());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_standard_error_is_that_of_independent_samples() {
+    // Of n samples a share m is 1, the rest 0: variance n m (1 − m)/(n − 1), of the mean m (1 − m)/(n − 1).
+    for n in [4, 16, 64] {
+        let film = stage::rendered(&square(n), &stage::sampled()).unwrap();
+        for i in 0..stage::pixels(&film) {
+            let m = film.radiance()[i][0];
+            let expected = (m * (1.0 - m) / (f64::from(n) - 1.0)).sqrt();
+            let got = stage::value(&film, Aov::StandardError, i);
+            assert!(
+                (got - expected).abs() < 1e-12,
+                "{n} samples: {got} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_pixel_of_one_radiance_has_no_standard_error() {
+    for n in [3, 5, 16] {
+        let mut scene = square(n);
+        scene.background = [0.1, 0.7, 0.123];
+        let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+        for i in (0..stage::pixels(&film)).filter(|i| film.aov(Aov::Object).unwrap()[*i] < 0.0) {
+            if samples(&scene, i).iter().all(|s| s.met.is_none()) {
+                assert_eq!(
+                    stage::value(&film, Aov::StandardError, i),
+                    0.0,
+                    "{n} samples"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn one_sample_has_no_standard_error_to_tell() {
+    let film = stage::film(&square(1));
+    assert!(
+        film.aov(Aov::StandardError)
+            .unwrap()
+            .iter()
+            .all(|e| e.is_nan())
+    );
+}

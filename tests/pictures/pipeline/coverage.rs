@@ -1,0 +1,129 @@
+//! What the data do not hold is counted, pixel by pixel and in the mean.
+//!
+//! A ray that meets nothing counts as held: its radiance, the background, is known.
+
+use std::path::Path;
+
+use nullray::render::aov::Aov;
+use nullray::render::plan::Request;
+use nullray::scene::model::Scene;
+use nullray::scene::{self, Overrides};
+
+use crate::pipeline::{files, stage};
+
+fn capture() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/capture.toml");
+    let mut scene = scene::load(&path, &Overrides::default()).unwrap();
+    scene.camera.size = [64, 48];
+    scene.samples_per_pixel = 4;
+    scene
+}
+
+#[test]
+fn the_parts_of_coverage_sum_to_one_at_any_time() {
+    let mut scene = capture();
+    let mut seen = [0.0_f64; 5];
+    for time in [-4.0, -1.0, 0.0, 1.0, 6.0] {
+        scene.camera.time = time;
+        let film = stage::rendered(&scene, &stage::sampled()).unwrap();
+        let mean = film.mean_coverage().unwrap();
+        assert!((mean.total() - 1.0).abs() < 1e-12, "{mean:?}");
+        let aov = film.aov(Aov::Coverage).unwrap();
+        assert!(aov.iter().all(|c| (0.0..=1.0 + 1e-15).contains(c)));
+        let held = aov.iter().sum::<f64>() / aov.len() as f64;
+        assert!((held - mean.held).abs() < 1e-12, "{held} {}", mean.held);
+        let parts = [
+            mean.held,
+            mean.before,
+            mean.after,
+            mean.off_texture,
+            mean.occluded,
+        ];
+        seen.iter_mut().zip(parts).for_each(|(s, p)| *s = s.max(p));
+    }
+    assert!(seen.iter().all(|part| *part > 0.0), "never seen: {seen:?}");
+}
+
+#[test]
+fn coverage_is_summed_without_channels_too() {
+    let scene = capture();
+    let with = stage::rendered(&scene, &stage::sampled()).unwrap();
+    let without = stage::rendered(&scene, &Request::default()).unwrap();
+    assert_eq!(with.mean_coverage(), without.mean_coverage());
+    assert_eq!(with.radiance(), without.radiance());
+}
+
+#[test]
+fn marks_are_shown_as_they_are_whatever_the_factors() {
+    let film = stage::film(&capture());
+    let mut marked = 0;
+    for i in stage::met(&film) {
+        let c = film.radiance()[i];
+        // Off the texture and occluded are both marked by this colour; before and after are black.
+        if stage::value(&film, Aov::Coverage, i) == 0.0 && c != [0.0; 3] {
+            for (got, mark) in c.into_iter().zip([0.05, 0.0, 0.08]) {
+                assert!((got - mark).abs() < 1e-15, "{c:?}");
+            }
+            marked += 1;
+        }
+    }
+    assert!(marked > 100, "{marked}");
+}
+
+/// A square of side 2 with a cube of radiance 3 on its texture coordinates, before a background.
+fn square(test: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let name = format!("{test}.npy");
+    files::npy(&folder.join(&name), &[1, 1, 4], [3.0; 4]);
+    let text = SQUARE.replace("cube.npy", &name);
+    stage::scene_in(folder, &text)
+}
+
+const SQUARE: &str = "
+outside = { before = { mark = [1, 0, 0] }, after = { mark = [0, 1, 0] } }
+[display]
+background = [0.25, 0.5, 0.75]
+[camera]
+eye = [0, 4, 0]
+look_at = [0, 0, 0]
+up = [0, 0, -1]
+hfov = \"60 deg\"
+size = [16, 16]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+[[source]]
+cube = { file = \"cube.npy\", start = \"1 m\", bin_width = \"0.5 m\", values = \"density\" }
+";
+
+#[test]
+fn before_and_after_the_data_is_told_apart_and_misses_are_held() {
+    // Light from the square left 4 to 4.3 m ago; the data are from 1 to 3 m.
+    for (time, expected, held) in [
+        (4.5, [1.0, 0.0, 0.0], 0.0),
+        (6.5, [3.0; 3], 1.0),
+        (7.6, [0.0, 1.0, 0.0], 0.0),
+    ] {
+        let mut scene = square("before");
+        scene.camera.time = time;
+        let film = stage::film(&scene);
+        let met = stage::met(&film);
+        assert!(met.len() > 20 && met.len() < stage::pixels(&film));
+        for i in 0..stage::pixels(&film) {
+            let (radiance, coverage) = match met.contains(&i) {
+                true => (expected, held),
+                false => ([0.25, 0.5, 0.75], 1.0),
+            };
+            assert_eq!(film.radiance()[i], radiance);
+            assert_eq!(stage::value(&film, Aov::Coverage, i), coverage);
+        }
+    }
+}
+
+#[test]
+fn where_nothing_can_be_missing_the_coverage_channel_is_one() {
+    let mut scene = square("full");
+    scene.sources.clear();
+    let film = stage::film(&scene);
+    assert_eq!(film.mean_coverage(), None);
+    assert!(film.aov(Aov::Coverage).unwrap().iter().all(|c| *c == 1.0));
+}

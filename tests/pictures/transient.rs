@@ -1,0 +1,281 @@
+//! Frames of a moving camera against an independent renderer of transient light.
+//!
+//! The reference frames, cubes and masks come from a path tracer that simulates light in flight and
+//! knows nothing of this program (tests/data/transient/README.md). They hold world-frame radiance: no
+//! Doppler or searchlight factor. Scores are relRMSE = √(Σ(a−b)²/Σb²). The limits are those that a
+//! careful implementation of the same reconstruction reaches on these very data, times 1.25.
+//!
+//! The same comparison is made with one error planted at a time (no retardation, reversed aberration,
+//! no aberration, depth for distance): each must fail by far, or the test would prove nothing.
+
+use std::path::Path;
+
+use crate::common::frames::{Frame, frames, reference};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::scene::{self, Overrides};
+
+const SOURCES: [(&str, &str); 3] = [
+    (
+        "lightmap",
+        "file = \"scenes/corner/lightmap.npz\"\nstart = \"1.75 m\"\nclock = \"world\"\nuv = 0",
+    ),
+    (
+        "world",
+        "file = \"tests/data/transient/capture_world.npz\"\nstart = \"1.75 m\"\nclock = \"world\"",
+    ),
+    (
+        "camera",
+        "file = \"tests/data/transient/capture_camera.npz\"\nstart = \"7.2 m\"\nclock = \"capture\"",
+    ),
+];
+
+const CAPTURE: &str = "[source.cube.capture]
+eye = [3.2, 3.0, 4.6]
+look_at = [-0.4, 1.0, -0.6]
+hfov = \"45 deg\"
+";
+
+/// The scene as frame `frame` sees it, radiance from source `source` reconstructed by `filter`.
+fn text(frame: &Frame, source: usize, filter: &str) -> String {
+    let (_, cube) = SOURCES[source];
+    let capture = if source == 0 { "" } else { CAPTURE };
+    format!(
+        "outside = \"black\"
+[display]
+back_faces = \"black\"
+samples_per_pixel = 16
+[camera]
+eye = {:?}
+look_at = {:?}
+hfov = \"{:?} deg\"
+size = [96, 96]
+velocity = {{ beta = {:?} }}
+clock_zero = \"{:?} m\"
+time = \"0 m\"
+[effects]
+searchlight = false
+[[object]]
+name = \"corner\"
+gltf = \"scenes/corner/corner.glb\"
+[[source]]
+name = \"light\"
+objects = [\"corner\"]
+[source.cube]
+bin_width = \"0.05 m\"
+values = \"per_bin\"
+filter = \"{filter}\"
+{cube}
+{capture}",
+        frame.eye,
+        frame.look_at(),
+        frame.hfov,
+        frame.beta,
+        frame.time
+    )
+}
+
+/// Mean radiance per pixel of the scene `text`.
+fn picture(text: &str) -> Vec<f64> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = scene::parse(text, "test scene", root, &Overrides::default()).unwrap();
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let film = render(&prepared, &Silent).unwrap();
+    film.radiance().iter().map(|rgb| rgb[0]).collect()
+}
+
+/// relRMSE over the pixels that `mask` chooses.
+fn score(got: &[f64], truth: &[f64], mask: impl Fn(usize) -> bool) -> f64 {
+    let (mut error, mut norm) = (0.0, 0.0);
+    for i in (0..truth.len()).filter(|i| mask(*i)) {
+        error += (got[i] - truth[i]).powi(2);
+        norm += truth[i].powi(2);
+    }
+    (error / norm).sqrt()
+}
+
+fn everywhere(_: usize) -> bool {
+    true
+}
+
+#[test]
+fn lightmap_frames_match_the_transient_renderer() {
+    for frame in frames() {
+        let truth = reference(&frame.name);
+        for (filter, limit) in [
+            ("linear", 1.25 * frame.limit.linear),
+            ("cubic", 1.25 * frame.limit.cubic),
+            ("cubic_means", frame.limit.means + 0.01),
+        ] {
+            let got = score(&picture(&text(&frame, 0, filter)), &truth, everywhere);
+            assert!(
+                got <= limit,
+                "{} {filter}: relRMSE {got:.4} above {limit:.4}",
+                frame.name
+            );
+        }
+    }
+}
+
+#[test]
+fn captures_reprojected_match_the_transient_renderer_where_they_saw_the_scene() {
+    for frame in frames() {
+        let truth = reference(&frame.name);
+        let interior = crate::common::frames::mask(&format!("interior_{}", frame.name));
+        for (source, limit) in [
+            (1, frame.limit.world_interior),
+            (2, frame.limit.camera_interior),
+        ] {
+            let limit = 1.25 * limit + 0.003;
+            let image = picture(&text(&frame, source, "cubic_means"));
+            let got = score(&image, &truth, |i| interior[i] == 1.0);
+            let name = SOURCES[source].0;
+            assert!(
+                got <= limit,
+                "{} {name}: relRMSE {got:.4} above {limit:.4}",
+                frame.name
+            );
+        }
+    }
+}
+
+#[test]
+fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it() {
+    // Bin k of the reference holds the energy that arrives in [7.85 + 0.05 k, 7.85 + 0.05 (k + 1)] m; a
+    // picture at the bin's centre is its density, value/0.05, to second order in the width.
+    let path = crate::common::frames::data("reference_cube.npz");
+    let [height, width, bins, _] = nullray::io::npy::load(&path, None).unwrap().shape;
+    assert_eq!([height, width, bins], [64, 64, 183]);
+    let values = crate::common::arrays::array_at(&path, "radiance");
+    let slice = |k: usize| values.iter().skip(k).step_by(bins).map(|v| v / 0.05);
+    let energy = |k: &usize| slice(*k).map(|v| v * v).sum::<f64>();
+    let brightest = (0..bins).max_by(|a, b| energy(a).total_cmp(&energy(b)));
+    let brightest = brightest.unwrap();
+    let slices = [-20, -10, 0, 10, 20].map(|off| brightest.checked_add_signed(off).unwrap());
+    let (mut got, mut truth) = (Vec::new(), Vec::new());
+    for k in slices {
+        let camera = Frame {
+            eye: [0.3, 3.4, 6.0],
+            forward: [-0.7, -2.5, -6.6],
+            hfov: 45.0,
+            beta: [0.0; 3],
+            time: 7.85 + 0.05 * (k as f64 + 0.5),
+            ..frames()[0].clone()
+        };
+        let text = text(&camera, 0, "cubic_means").replace("[96, 96]", "[64, 64]");
+        got.extend(picture(&text));
+        truth.extend(slice(k));
+        // Alone, a slice a metre from the brightest has a tenth of its energy and more of the noise.
+        let last = got.len() - 64 * 64..;
+        let alone = score(&got[last.clone()], &truth[last], everywhere);
+        assert!(alone <= 0.03, "bin {k} of {slices:?}: relRMSE {alone:.4}");
+    }
+    let all = score(&got, &truth, everywhere);
+    assert!(all <= 0.025, "bins {slices:?}: relRMSE {all:.4}");
+}
+
+#[test]
+fn without_retardation_every_frame_is_wrong() {
+    for frame in frames() {
+        let wrong = text(&frame, 0, "cubic").replace(
+            "searchlight = false",
+            "searchlight = false\nretardation = false",
+        );
+        let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
+        assert!(got > 0.6, "{}: {got:.4}", frame.name);
+    }
+}
+
+#[test]
+fn with_reversed_or_no_aberration_every_moving_frame_is_wrong() {
+    for frame in frames().iter().filter(|f| f.beta != [0.0; 3]) {
+        let reversed = Frame {
+            beta: frame.beta.map(|b| -b),
+            ..frame.clone()
+        };
+        let none = text(frame, 0, "cubic").replace(
+            "searchlight = false",
+            "searchlight = false\naberration = false",
+        );
+        for wrong in [text(&reversed, 0, "cubic"), none] {
+            let got = score(&picture(&wrong), &reference(&frame.name), everywhere);
+            assert!(got > 0.6, "{}: {got:.4}", frame.name);
+        }
+    }
+}
+
+#[test]
+fn taking_depth_for_distance_would_be_noticed() {
+    // Depth along the optical axis in place of distance: the retarded time of a pixel at angle θ from
+    // the axis is late by r(1 − cos θ). Planted here by the angle at which it is largest.
+    for frame in frames().iter().filter(|f| f.beta == [0.0; 3]) {
+        let truth = reference(&frame.name);
+        let times = depth_for_distance(frame);
+        let got = score(&times, &truth, everywhere);
+        assert!(got > 0.6, "{}: {got:.4}", frame.name);
+    }
+}
+
+/// The frame as a renderer shows it that delays light by depth: pixel by pixel, the camera clock is
+/// set ahead by the difference.
+fn depth_for_distance(frame: &Frame) -> Vec<f64> {
+    use nullray::render::aov::Aov;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let base = text(frame, 0, "cubic").replace("samples_per_pixel = 16", "samples_per_pixel = 1");
+    let scene = scene::parse(&base, "test scene", root, &Overrides::default()).unwrap();
+    let request = Request {
+        aovs: vec![
+            Aov::Distance,
+            Aov::DirectionX,
+            Aov::DirectionY,
+            Aov::DirectionZ,
+        ],
+        pixel_centers: true,
+        ..Request::default()
+    };
+    let film = |scene: &scene::model::Scene| {
+        let plan = Plan::new(scene, &request).unwrap();
+        render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap()
+    };
+    let seen = film(&scene);
+    let aov = |a| seen.aov(a).unwrap();
+    let forward = scene.camera.axes[2];
+    let late: Vec<f64> = (0..aov(Aov::Distance).len())
+        .map(|i| {
+            let d = glam::DVec3::new(
+                aov(Aov::DirectionX)[i],
+                aov(Aov::DirectionY)[i],
+                aov(Aov::DirectionZ)[i],
+            );
+            aov(Aov::Distance)[i] * (1.0 - d.dot(forward))
+        })
+        .collect();
+    // One rendering per step of lateness; each pixel takes the nearest.
+    let step = 0.05;
+    let steps = late
+        .iter()
+        .copied()
+        .filter(|l| l.is_finite())
+        .fold(0.0, f64::max)
+        / step;
+    let films: Vec<_> = (0..=steps.ceil() as usize)
+        .map(|k| {
+            let mut later = scene.clone();
+            later.camera.time += k as f64 * step;
+            film(&later)
+        })
+        .collect();
+    late.iter()
+        .enumerate()
+        .map(|(i, l)| {
+            if l.is_finite() {
+                films[(l / step).round() as usize].radiance()[i][0]
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,206 @@
+//! Metrics against numpy, scikit-image and the published FLIP: `tests/data/compare`.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use nullray::validate::compare::{Comparison, Errors, Options, Picture, Region, compare};
+
+use crate::compare::pictures::{codes, light};
+
+/// Expected values of one picture by metric.
+fn expected(picture: &str, width: u32) -> HashMap<String, f64> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/compare/metrics.csv");
+    let text = std::fs::read_to_string(path).unwrap();
+    let rows = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let rows = rows.filter(|row| row[0] == picture && row[1] == width.to_string());
+    rows.map(|row| (row[3].to_string(), row[4].parse().unwrap()))
+        .collect()
+}
+
+/// Every kind of picture, at a size within one tile and at one of several.
+static CASES: LazyLock<Vec<(HashMap<String, f64>, Comparison)>> = LazyLock::new(|| {
+    let mut cases = Vec::new();
+    for (width, height) in [(61, 47), (600, 300)] {
+        for (name, [r, c]) in [
+            ("light", light(width, height)),
+            ("codes", codes(width, height)),
+        ] {
+            let compared = compare(&r, &c, &Options::default()).unwrap();
+            cases.push((expected(name, width), compared));
+        }
+    }
+    cases
+});
+
+fn close(got: f64, expected: f64, relative: f64) {
+    let error = (got - expected).abs();
+    assert!(error <= relative * expected.abs(), "{got} for {expected}");
+}
+
+fn check(metric: &str, relative: f64, of: impl Fn(&Errors) -> f64) {
+    for (expected, compared) in CASES.iter() {
+        close(
+            of(compared.radiance.as_ref().unwrap()),
+            expected[metric],
+            relative,
+        );
+    }
+}
+
+#[test]
+fn means_are_those_of_numpy() {
+    check("bias", 1e-10, |e| e.bias);
+    check("mae", 1e-12, |e| e.mae);
+    check("rmse", 1e-12, |e| e.rmse);
+    check("relrmse", 1e-12, |e| e.relrmse.unwrap());
+    check("max", 1e-15, |e| e.max);
+}
+
+#[test]
+fn mean_relative_square_error_is_that_of_imgtool() {
+    check("mrse", 1e-12, |e| e.mrse);
+}
+
+#[test]
+fn percentiles_are_those_of_numpy_within_a_bin() {
+    check("p50", 1.0 / 1024.0, |e| e.p50);
+    check("p90", 1.0 / 1024.0, |e| e.p90);
+    check("p99", 1.0 / 1024.0, |e| e.p99);
+    check("p99.9", 1.0 / 1024.0, |e| e.p99_9);
+}
+
+#[test]
+fn signal_to_noise_and_similarity_are_those_of_scikit_image() {
+    check("psnr", 1e-12, |e| e.psnr.unwrap());
+    check("ssim", 1e-9, |e| e.ssim.unwrap());
+}
+
+#[test]
+fn flip_is_that_of_the_published_tool() {
+    for (expected, compared) in CASES.iter() {
+        let flip = compared.flip.as_ref().unwrap();
+        close(flip.mean, expected["flip"], 2e-5);
+        close(flip.max, expected["flip_max"], 1e-3);
+    }
+}
+
+#[test]
+fn exposures_are_those_of_the_published_tool() {
+    for (expected, compared) in CASES.iter() {
+        let flip = compared.flip.as_ref().unwrap();
+        let Some([start, stop]) = flip.exposures else {
+            assert!(!expected.contains_key("flip_start"));
+            continue;
+        };
+        close(start, expected["flip_start"], 1e-6);
+        close(stop, expected["flip_stop"], 1e-6);
+        assert_eq!(f64::from(flip.steps), expected["flip_steps"]);
+    }
+}
+
+#[test]
+fn equal_pictures_have_no_error() {
+    let [r, _] = light(61, 47);
+    let compared = compare(&r, &r, &Options::default()).unwrap();
+    let e = compared.radiance.unwrap();
+    assert_eq!([e.bias, e.mae, e.rmse, e.max, e.p99_9, e.mrse], [0.0; 6]);
+    assert_eq!((e.relrmse, e.psnr, e.max_at), (Some(0.0), None, None));
+    assert!((e.ssim.unwrap() - 1.0).abs() < 1e-12);
+    assert_eq!(compared.flip.unwrap().max, 0.0);
+}
+
+#[test]
+fn black_pictures_are_equal() {
+    let black = |name: &str| {
+        let mut picture = light(16, 16)[0].clone();
+        for channel in &mut picture.layers.channels {
+            channel.samples = nullray::io::image::Samples::F32(vec![0.0; 256]);
+        }
+        picture.name = name.into();
+        picture
+    };
+    let compared = compare(&black("a"), &black("b"), &Options::default()).unwrap();
+    assert_eq!(compared.flip.unwrap().mean, 0.0);
+    let e = compared.radiance.unwrap();
+    assert_eq!((e.relrmse, e.ssim), (Some(0.0), Some(1.0)));
+}
+
+/// The part of both pictures from `[x, y]` on.
+fn part(pair: &[Picture; 2], [x, y]: [usize; 2], [w, h]: [usize; 2]) -> [Picture; 2] {
+    pair.clone().map(|mut picture| {
+        let width = picture.layers.width as usize;
+        for channel in &mut picture.layers.channels {
+            let all = channel.samples.to_f64();
+            let rows = (y..y + h).flat_map(|y| all[y * width + x..y * width + x + w].to_vec());
+            channel.samples = nullray::io::image::Samples::F64(rows.collect());
+        }
+        (picture.layers.width, picture.layers.height) = (w as u32, h as u32);
+        picture
+    })
+}
+
+#[test]
+fn a_crop_has_the_errors_of_the_part() {
+    let pair = light(61, 47);
+    let options = Options {
+        region: Region {
+            crop: Some([5, 7, 30, 20]),
+            mask: None,
+        },
+        ..Options::default()
+    };
+    let cropped = compare(&pair[0], &pair[1], &options).unwrap();
+    let [r, c] = part(&pair, [5, 7], [30, 20]);
+    let alone = compare(&r, &c, &Options::default()).unwrap();
+    let (a, b) = (cropped.radiance.unwrap(), alone.radiance.unwrap());
+    assert_eq!(
+        (a.count, a.max, a.rmse, a.p90),
+        (b.count, b.max, b.rmse, b.p90)
+    );
+    assert_eq!(a.max_at.map(|[x, y]| [x - 5, y - 7]), b.max_at);
+}
+
+#[test]
+fn a_mask_is_a_crop_where_it_has_its_shape() {
+    let [r, c] = light(61, 47);
+    let crop = [5, 7, 30, 20];
+    let inside = |i: u32| (5..35).contains(&(i % 61)) && (7..27).contains(&(i / 61));
+    let mask: Vec<bool> = (0..61 * 47).map(inside).collect();
+    let with = |region: Region| {
+        let options = Options {
+            region,
+            ..Options::default()
+        };
+        compare(&r, &c, &options).unwrap()
+    };
+    let cropped = with(Region {
+        crop: Some(crop),
+        mask: None,
+    });
+    let masked = with(Region {
+        crop: None,
+        mask: Some(mask),
+    });
+    assert_eq!(cropped, masked);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let [r, c] = light(600, 300);
+    let options = Options {
+        maps: true,
+        ..Options::default()
+    };
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| compare(&r, &c, &options).unwrap())
+    };
+    assert_eq!(with(1), with(3));
+}

@@ -1,0 +1,209 @@
+//! `nullray compare` as its users meet it.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use nullray::io::image::{Samples, exr, npz, png};
+use nullray::validate::compare::{Encoding, Picture};
+
+use crate::compare::pictures::light;
+
+/// A folder with `exact.*`, and `mine.*`, which is a candidate.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, picture) in ["exact", "mine"].iter().zip(light(61, 47)) {
+        let path = |extension: &str| folder.path().join(format!("{name}.{extension}"));
+        exr::write(&path("exr"), &picture.layers).unwrap();
+        npz::write(&path("npz"), &picture.layers).unwrap();
+        let light = picture.layers.radiance().unwrap();
+        let codes: Vec<u8> = light
+            .iter()
+            .flatten()
+            .map(|v| (v * 100.0).min(255.0) as u8)
+            .collect();
+        png::write(&path("png"), 61, 47, &codes, &[]).unwrap();
+    }
+    folder
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nullray"));
+    command
+        .arg("compare")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// A message as one line, without the frame that is drawn around it.
+fn message(output: &Output) -> String {
+    let text = text(&output.stderr);
+    let words = text.split_whitespace().filter(|word| *word != "│");
+    words.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn all_formats_are_compared() {
+    let folder = folder();
+    for extension in ["exr", "npz", "png"] {
+        let pair = ["exact", "mine"].map(|name| format!("{name}.{extension}"));
+        let output = run(folder.path(), &[&pair[0], &pair[1]]);
+        assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+        let table = text(&output.stdout);
+        assert!(
+            table.contains("RMSE") && table.contains("radiance.G") && table.contains("FLIP"),
+            "{table}"
+        );
+    }
+}
+
+#[test]
+fn formats_of_one_encoding_hold_the_same() {
+    let folder = folder();
+    let output = run(
+        folder.path(),
+        &["exact.exr", "exact.npz", "--tolerance", "max=0"],
+    );
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+}
+
+#[test]
+fn beyond_a_tolerance_the_exit_code_is_1_and_the_metric_is_named() {
+    let folder = folder();
+    let pair = ["exact.exr", "mine.exr"];
+    let with = |limits: &[&str]| {
+        let limits = limits.iter().flat_map(|limit| ["--tolerance", limit]);
+        run(
+            folder.path(),
+            &pair.into_iter().chain(limits).collect::<Vec<_>>(),
+        )
+    };
+    assert_eq!(code(&with(&["rmse=1", "psnr=20", "radiance.R:max=10"])), 0);
+    let beyond = with(&["rmse=1", "flip=0.01", "ssim=0.9999"]);
+    assert_eq!(code(&beyond), 1);
+    let message = text(&beyond.stderr);
+    assert!(
+        message.contains("flip is 0.059") && message.contains("at most 0.01"),
+        "{message}"
+    );
+    assert!(
+        message.contains("ssim is") && !message.contains("rmse is"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bad_input_has_exit_code_2() {
+    let folder = folder();
+    let unknown = run(
+        folder.path(),
+        &["exact.exr", "mine.exr", "--tolerance", "wrmse=1"],
+    );
+    assert_eq!(code(&unknown), 2);
+    assert!(message(&unknown).contains("no such metric"));
+    let mixed = run(folder.path(), &["exact.exr", "mine.png"]);
+    assert_eq!(code(&mixed), 2);
+    assert!(message(&mixed).contains("sRGB codes"));
+    assert_eq!(code(&run(folder.path(), &["exact.exr", "absent.exr"])), 2);
+    assert_eq!(
+        code(&run(
+            folder.path(),
+            &["exact.exr", "mine.exr", "--report", "exact.exr"]
+        )),
+        2
+    );
+}
+
+#[test]
+fn all_pictures_and_the_report_are_written() {
+    let folder = folder();
+    let arguments = [
+        "exact.exr",
+        "mine.exr",
+        "--maps",
+        "maps.exr",
+        "--error-map",
+        "map.png",
+        "--strip",
+        "strip.png",
+        "--report",
+        "report.html",
+    ];
+    let output = run(folder.path(), &arguments);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let maps = exr::read(&folder.path().join("maps.exr")).unwrap();
+    let names: Vec<_> = maps.channels.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "difference.radiance.B",
+            "difference.radiance.G",
+            "difference.radiance.R",
+            "flip"
+        ]
+    );
+    for name in ["map.png", "strip.png"] {
+        assert!(png::read(&folder.path().join(name)).unwrap().width > 61);
+    }
+    let html = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert_eq!(html.matches("data:image/png;base64,").count(), 3);
+    assert!(
+        html.contains("<svg") && !html.contains("http"),
+        "a page that needs no network"
+    );
+}
+
+#[test]
+fn json_holds_every_metric() {
+    let folder = folder();
+    let output = run(
+        folder.path(),
+        &["exact.npz", "mine.npz", "--json", "--crop", "5,6,20,21"],
+    );
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["pixels"], 420);
+    assert!(json["radiance"]["p99.9"].is_number() && json["flip"]["mean"].is_number());
+    assert_eq!(json["channels"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn png_of_both_depths_and_with_alpha_are_read_as_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep.png");
+    let file = fs::File::create(&path).unwrap();
+    let mut encoder = ::png::Encoder::new(file, 2, 1);
+    encoder.set_color(::png::ColorType::GrayscaleAlpha);
+    encoder.set_depth(::png::BitDepth::Sixteen);
+    let mut writer = encoder.write_header().unwrap();
+    writer
+        .write_image_data(&[0x80, 0, 0xff, 0xff, 0, 0, 0, 0])
+        .unwrap();
+    drop(writer);
+    let picture = Picture::read(&path, Encoding::Srgb).unwrap();
+    let names: Vec<_> = picture
+        .layers
+        .channels
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
+    assert_eq!(names, ["radiance.R", "radiance.G", "radiance.B", "A"]);
+    let code = 32768.0f32 / 65535.0;
+    assert_eq!(
+        picture.layers.channels[2].samples,
+        Samples::F32(vec![code, 0.0])
+    );
+    assert_eq!(
+        picture.layers.channels[3].samples,
+        Samples::F32(vec![1.0, 0.0])
+    );
+}

@@ -32,7 +32,13 @@
 //! | [`figures`] | space-time diagrams, overlays, isochrones, contact sheets |
 //! | [`validate`] | comparison, bundles for other programs, studies of time against error, the self-test |
 //!
-//! A picture in ten lines:
+//! # The guide
+//!
+//! [Cameras](camera::guide), [light and data](light::guide), [diagrams](figures::guide), [validation](validate::guide),
+//! [accuracy](spacetime::guide), [speed](accel::guide). The format of scene files is described in [`scene`].
+//!
+//! # A picture in ten lines
+
 //!
 //! ```
 //! use nullray::io::image::png;

@@ -17,6 +17,9 @@
 //! sizes away. What is outside, or NaN, hits nothing. This is the only module that knows obvhs, and the
 //! only way of a ray from f64 to f32.
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 mod build;
 mod exact;
 mod pack;

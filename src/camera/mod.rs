@@ -21,6 +21,9 @@
 //! What a camera does not need is not in its type: a camera at rest has no boost, and one whose rays
 //! share their event carries none along with each ray ([`Departure`]).
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 mod accelerated;
 mod departure;
 mod film;

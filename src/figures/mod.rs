@@ -1,5 +1,8 @@
 //! Figures: space-time diagrams, what is drawn over pictures, contact sheets, and the text and drawing they share.
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 pub mod contact_sheet;
 pub mod diagram;
 pub mod drawing;

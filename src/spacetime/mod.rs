@@ -11,6 +11,9 @@
 //!
 //! Nothing here knows of images, meshes or files.
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 mod boost;
 mod doppler;
 mod event;

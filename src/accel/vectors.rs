@@ -1,23 +1,23 @@
-//! Plain loops, compiled for the widest vectors that the processor has.
+//! Plain loops over arrays, compiled for the widest vectors that the processor has.
 //!
-//! A [`Loop`] is ordinary code over arrays. It is compiled several times, with different instructions; which
-//! copy runs is decided when it runs. Sums, products, quotients and roots are rounded as IEEE 754 says
-//! whatever the width, and nothing is fused that is written apart: results are the same bit for bit.
+//! A [`VectorLoop`] is ordinary Rust. [`dispatch`] holds a copy of it for each instruction set and picks one at run
+//! time. IEEE 754 rounds sums, products, quotients and roots the same at every width, and the compiler fuses nothing
+//! that is written apart: results are the same bit for bit.
 //!
-//! A loop gets those instructions only where it is inlined without fail: what it calls for each element is
-//! `#[inline(always)]`, and closures are kept out of it.
+//! A loop gets the wide instructions only where all of it is inlined: whatever it calls per element is
+//! `#[inline(always)]`, and it contains no closures.
 
 #![allow(unsafe_code)]
 
-/// A loop over arrays.
-pub(crate) trait Loop {
-    /// Does it. Implementations are `#[inline(always)]`.
+/// A loop over arrays, with what it reads and writes.
+pub(crate) trait VectorLoop {
+    /// Runs the loop. Implementations are `#[inline(always)]`.
     fn run(self);
 }
 
-/// Runs `work` with the widest vectors.
+/// Runs `work` with the widest vectors that this processor has.
 #[inline]
-pub(crate) fn widest(work: impl Loop) {
+pub(crate) fn dispatch(work: impl VectorLoop) {
     #[cfg(target_arch = "x86_64")]
     {
         if x86::has_avx512() {
@@ -32,7 +32,7 @@ pub(crate) fn widest(work: impl Loop) {
     work.run();
 }
 
-/// Says that element `at` of `slice` will be read soon. Whether it exists does not matter.
+/// Loads element `at` of `slice` into the cache, to be read soon. Does nothing if `at` is out of bounds.
 #[inline(always)]
 pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
     #[cfg(target_arch = "x86_64")]
@@ -47,7 +47,7 @@ pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::Loop;
+    use super::VectorLoop;
 
     /// Whether [`avx512`] may be called.
     #[inline]
@@ -66,12 +66,12 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2")]
-    pub fn avx512(work: impl Loop) {
+    pub fn avx512(work: impl VectorLoop) {
         work.run();
     }
 
     #[target_feature(enable = "avx2")]
-    pub fn avx2(work: impl Loop) {
+    pub fn avx2(work: impl VectorLoop) {
         work.run();
     }
 }
@@ -82,7 +82,7 @@ mod tests {
 
     struct Directions<'a>(&'a [f64], &'a mut [f64]);
 
-    impl Loop for Directions<'_> {
+    impl VectorLoop for Directions<'_> {
         #[inline(always)]
         fn run(self) {
             for (x, y) in self.0.iter().zip(self.1) {
@@ -96,7 +96,7 @@ mod tests {
         let x: Vec<f64> = (0..1003).map(|i| libm::exp(f64::from(i) * 0.01)).collect();
         let (mut narrow, mut wide) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         Directions(&x, &mut narrow).run();
-        widest(Directions(&x, &mut wide));
+        dispatch(Directions(&x, &mut wide));
         assert_eq!(narrow, wide);
         #[cfg(target_arch = "x86_64")]
         if x86::has_avx2() {

@@ -5,7 +5,7 @@
 //! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
 //! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
 
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// The sample positions of every pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +77,7 @@ impl Sampler {
             *y = sub_cell(i, self.columns, pixel.rotate_left(31));
         }
         let [width, height] = self.cell;
-        widest(Jitter {
+        dispatch(Jitter {
             pixels,
             salt: (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15),
             cell: [i as f64, j as f64],
@@ -104,7 +104,7 @@ struct Jitter<'a> {
     y: &'a mut [f64],
 }
 
-impl Loop for Jitter<'_> {
+impl VectorLoop for Jitter<'_> {
     #[inline(always)]
     fn run(self) {
         jitter(self.pixels, self.salt, self.cell, self.size, self.x, self.y);

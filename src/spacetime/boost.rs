@@ -214,7 +214,7 @@ pub(crate) struct Tangents<'a> {
 
 impl<To: Frame, From: Frame> Boost<To, From> {
     /// Boosts light paths along the unit vectors `directions` in media of index `index`; all slices are of one
-    /// length. A plain loop, for [`widest`](crate::accel::vectors::widest).
+    /// length. A plain loop, to be compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn tangents(&self, index: &[f64], directions: &[DVec3], to: Tangents) {
         let count = directions.len();

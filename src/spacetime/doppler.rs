@@ -87,8 +87,8 @@ impl Quantity {
         1.0 / power(w.0, self.exponent())
     }
 
-    /// [`Quantity::radiance_factor`] in place of each wavelength ratio. A plain loop, for
-    /// [`widest`](crate::accel::vectors::widest).
+    /// [`Quantity::radiance_factor`] in place of each wavelength ratio. A plain loop,
+    /// to be compiled for wide vectors.
     #[inline(always)]
     pub(crate) fn radiance_factors(self, ratios: &mut [f64]) {
         match self.exponent() {

@@ -6,7 +6,7 @@ use super::light::{Detail, Light};
 use super::run::{Run, Traced};
 use super::stats::{Counter, Meter, Stage};
 use super::surfaces::Surfaces;
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::Departure;
 use crate::colour;
 use crate::light::time_texture::Coverage;
@@ -198,7 +198,7 @@ fn weigh(response: &Response, ratios: &[f64], factors: &mut Vec<f64>) {
         None => factors.resize(ratios.len(), 1.0),
         Some(quantity) => {
             factors.extend_from_slice(ratios);
-            widest(Powers { quantity, factors });
+            dispatch(Powers { quantity, factors });
         }
     }
 }
@@ -209,7 +209,7 @@ struct Powers<'a> {
     factors: &'a mut [f64],
 }
 
-impl Loop for Powers<'_> {
+impl VectorLoop for Powers<'_> {
     #[inline(always)]
     fn run(self) {
         self.quantity.radiance_factors(self.factors);

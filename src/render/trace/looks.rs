@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{Departure, View};
 use crate::render::film::Tile;
 use crate::render::sampler::{Sampler, pixel_key};
@@ -59,7 +59,7 @@ impl<D: Departure> Looks<D> {
             self.moments.extend(tile.coordinates().map(moment));
         }
         let [x, y] = &mut self.film;
-        widest(Sights {
+        dispatch(Sights {
             view,
             pixels: &self.pixels,
             offsets: [&self.offsets[0], &self.offsets[1]],
@@ -109,7 +109,7 @@ struct Sights<'a, V: View> {
     from: &'a mut [V::From],
 }
 
-impl<V: View> Loop for Sights<'_, V> {
+impl<V: View> VectorLoop for Sights<'_, V> {
     #[inline(always)]
     fn run(self) {
         film_points(

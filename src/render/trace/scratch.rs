@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::surfaces::{Found, Rays, index_along};
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::accel::{Bvh, Hit, Origins, Tally};
 use crate::camera::Departure;
 use crate::spacetime::{Boost, Displacement, Event, NullRay, Rest, Tangents, World};
@@ -60,7 +60,7 @@ impl Scratch {
         self.local.resize(count, DVec3::ZERO);
         self.times.resize(count, 0.0);
         self.ratios.resize(count, 0.0);
-        widest(Carry {
+        dispatch(Carry {
             boost,
             indices: &self.indices,
             directions: rays.directions,
@@ -84,7 +84,7 @@ impl Scratch {
         }
         self.origins.resize(from.len(), DVec3::ZERO);
         self.origin_times.resize(from.len(), 0.0);
-        widest(Leave {
+        dispatch(Leave {
             boost,
             origin,
             from,
@@ -166,7 +166,7 @@ struct Carry<'a> {
     tangents: Tangents<'a>,
 }
 
-impl Loop for Carry<'_> {
+impl VectorLoop for Carry<'_> {
     #[inline(always)]
     fn run(self) {
         self.boost
@@ -183,7 +183,7 @@ struct Leave<'a, D> {
     times: &'a mut [f64],
 }
 
-impl<D: Departure> Loop for Leave<'_, D> {
+impl<D: Departure> VectorLoop for Leave<'_, D> {
     #[inline(always)]
     fn run(self) {
         leave(self.boost, self.origin, self.from, self.places, self.times);

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::plane::Plane;
 use super::region::Region;
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// Pixels from a window's centre to its edge.
 const RADIUS: usize = 3;
@@ -37,7 +37,7 @@ pub(super) fn mean(pair: [Plane; 2], size: [usize; 2], region: &Region, range: f
             let rows = top..(top + STRIP).min(inner.end);
             let mut strip = Strip::new(pair, width, range);
             let mut found = (0.0, 0);
-            widest(Summing {
+            dispatch(Summing {
                 strip: &mut strip,
                 rows,
                 region,
@@ -73,7 +73,7 @@ struct Summing<'t, 'a> {
     found: &'t mut (f64, u64),
 }
 
-impl Loop for Summing<'_, '_> {
+impl VectorLoop for Summing<'_, '_> {
     #[inline(always)]
     fn run(self) {
         *self.found = self.strip.sum(self.rows, self.region);

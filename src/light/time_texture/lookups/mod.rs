@@ -13,7 +13,7 @@ use glam::DVec2;
 use super::axis::Timeline;
 use super::cube::Samples;
 use super::{Sampled, TimeTexture};
-use crate::accel::vectors::{Loop, widest};
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::scene::model::TimeFilter;
 use place::{Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use read::read;
@@ -85,10 +85,10 @@ impl TimeTexture {
         let count = count.min(BATCH);
         let timeline = self.timeline();
         match timeline.filter {
-            TimeFilter::Nearest => widest(Plan::<Nearest, 1>::new(self, lookups, count)),
-            TimeFilter::Linear => widest(Plan::<Linear, 2>::new(self, lookups, count)),
-            TimeFilter::Cubic => widest(Plan::<Cubic, 4>::new(self, lookups, count)),
-            TimeFilter::CubicMeans => widest(Plan::<CubicMeans, 6>::new(self, lookups, count)),
+            TimeFilter::Nearest => dispatch(Plan::<Nearest, 1>::new(self, lookups, count)),
+            TimeFilter::Linear => dispatch(Plan::<Linear, 2>::new(self, lookups, count)),
+            TimeFilter::Cubic => dispatch(Plan::<Cubic, 4>::new(self, lookups, count)),
+            TimeFilter::CubicMeans => dispatch(Plan::<CubicMeans, 6>::new(self, lookups, count)),
         }
         lookups.others.clear();
         for at in 0..count {
@@ -123,7 +123,7 @@ impl<'a, F, const N: usize> Plan<'a, F, N> {
     }
 }
 
-impl<F: Filter<N>, const N: usize> Loop for Plan<'_, F, N> {
+impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
     #[inline(always)]
     fn run(self) {
         let Lookups {

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 use super::plane::Plane;
 use super::region::Region;
-use crate::accel::vectors::widest;
+use crate::accel::vectors::dispatch;
 use filter::Filters;
 use tile::{Exposing, HEIGHT, Tile, WIDTH};
 
@@ -84,7 +84,7 @@ pub(super) fn evaluate(question: &Question) -> Flip {
     let tone_mapped = range.is_some();
     let tiles = corners.into_par_iter().map(|corner| {
         let mut tile = Tile::new(question, &filters, corner, tone_mapped);
-        widest(Exposing {
+        dispatch(Exposing {
             tile: &mut tile,
             gains: &exposures,
         });

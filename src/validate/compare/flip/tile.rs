@@ -7,7 +7,7 @@ use super::colour::{OPPONENT, apply, clip, hunt_lab, hyab, lab, power, power_of_
 use super::filter::Filters;
 use super::tone;
 use super::{Question, Sum};
-use crate::accel::vectors::Loop;
+use crate::accel::vectors::VectorLoop;
 use crate::colour::srgb_decode;
 use crate::validate::compare::plane::Plane;
 use crate::validate::compare::region::Region;
@@ -69,7 +69,7 @@ pub(super) struct Exposing<'t, 'a> {
     pub gains: &'t [f32],
 }
 
-impl Loop for Exposing<'_, '_> {
+impl VectorLoop for Exposing<'_, '_> {
     #[inline(always)]
     fn run(self) {
         for gain in self.gains {

@@ -1,13 +1,18 @@
 //! A value and where it stands in the file.
 //!
-//! `toml::Spanned` loses its spans inside tagged, untagged and flattened enums of serde; the structs of
-//! the file format are plain for that reason, and alternatives are told apart when they are resolved.
+//! Places are lost inside tagged, untagged and flattened enums of serde, which buffer what they read; the structs
+//! of the file format are plain for that reason, and alternatives are told apart when they are resolved.
 
 use std::borrow::Cow;
+use std::fmt;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::tree::PLACED;
 
 /// A value and the byte range of the text that says it; of a table with a header, the header.
 #[derive(Debug, Clone)]
@@ -28,12 +33,34 @@ impl<T> At<T> {
     }
 }
 
+/// Asks [`tree`](super::tree) for start, end and value.
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let spanned = toml::Spanned::<T>::deserialize(deserializer)?;
+        deserializer.deserialize_tuple_struct(PLACED, 3, AtVisitor(PhantomData))
+    }
+}
+
+struct AtVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for AtVisitor<T> {
+    type Value = At<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value of a scene file")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<At<T>, A::Error> {
+        let parts = (
+            seq.next_element()?,
+            seq.next_element()?,
+            seq.next_element()?,
+        );
+        let (Some(start), Some(end), Some(value)) = parts else {
+            return Err(A::Error::invalid_length(0, &self));
+        };
         Ok(At {
-            span: spanned.span(),
-            value: spanned.into_inner(),
+            value,
+            span: start..end,
         })
     }
 }

@@ -128,6 +128,7 @@ mod report;
 mod resolve;
 mod schema;
 mod suggest;
+mod tree;
 mod values;
 
 pub use load::{load, load_diagram, parse, parse_diagram};

@@ -11,6 +11,7 @@ use super::overrides::Edit;
 use super::place::{Place, Step, place_of};
 use super::schema;
 use super::suggest::nearest;
+use super::tree;
 use crate::error::{Error, Problem, Result};
 
 /// The text of a scene, and who said what in it.
@@ -26,13 +27,13 @@ pub(super) struct Report {
 impl Report {
     /// Parses the text into the file's structure.
     pub fn read(&self) -> Result<file::Scene> {
-        toml::from_str(&self.text).map_err(|error| {
-            let span = error.span().unwrap_or(0..0);
+        tree::read(&self.text).map_err(|error| {
+            let span = error.span.unwrap_or(0..0);
             let place = place_of(&self.text, &span);
             if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
-                return self.not_toml(span, error.message());
+                return self.not_toml(span, &error.message);
             }
-            let (what, help) = explain(error.message(), &place);
+            let (what, help) = explain(&error.message, &place);
             self.refuse_at(&place, &span, what, help)
         })
     }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use nullray::figures::diagram::model::Diagram;
 use nullray::io::files;
 use nullray::scene::Overrides;
-use nullray::scene::model::diagram::Diagram;
 use nullray::scene::model::{Panel, Scene};
-use nullray::{Result, scene};
+use nullray::{Result, figures, scene};
 
 /// The text of the built-in scene.
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");
@@ -24,8 +24,8 @@ pub fn load(path: Option<&Path>, overrides: &Overrides) -> Result<Scene> {
 /// The space-time diagram of a command: of the file that was named, or of the built-in scene.
 pub fn load_diagram(path: Option<&Path>, overrides: &Overrides) -> Result<Diagram> {
     match path {
-        Some(path) => scene::load_diagram(path, overrides),
-        None => scene::parse_diagram(TEXT, NAME, Path::new(FOLDER), overrides),
+        Some(path) => figures::diagram::load(path, overrides),
+        None => figures::diagram::parse(TEXT, NAME, Path::new(FOLDER), overrides),
     }
 }
 

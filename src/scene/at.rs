@@ -16,7 +16,7 @@ use super::tree::PLACED;
 
 /// A value and the byte range of the text that says it; of a table with a header, the header.
 #[derive(Debug, Clone)]
-pub(super) struct At<T> {
+pub(crate) struct At<T> {
     pub value: T,
     pub span: Range<usize>,
 }

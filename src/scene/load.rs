@@ -4,10 +4,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::model::{Scene, diagram::Diagram};
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+
+use super::at::At;
+use super::file;
+use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve;
+use super::resolve::{self, Context, Outline};
 use crate::error::{Error, Result};
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
@@ -25,7 +30,7 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
 }
 
 /// The text of the scene file at `path`.
-pub(super) fn text_of(path: &Path) -> Result<String> {
+pub(crate) fn text_of(path: &Path) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let help = "a scene is a TOML file in UTF-8";
@@ -34,7 +39,7 @@ pub(super) fn text_of(path: &Path) -> Result<String> {
 }
 
 /// The folder against which relative paths in the scene file at `path` resolve.
-pub(super) fn base(path: &Path) -> &Path {
+pub(crate) fn base(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
@@ -48,29 +53,19 @@ pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Resu
     resolve::scene(report, base, &file)
 }
 
-/// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else that of what its
-/// scene says of world lines. No mesh and no cube is looked for.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_diagram(path: &Path, overrides: &Overrides) -> Result<Diagram> {
-    let name = path.display().to_string();
-    parse_diagram(&text_of(path)?, &name, base(path), overrides)
-}
-
-/// As [`load_diagram`], from the text of a scene called `name`; relative paths in it resolve against `base`.
-///
-/// # Errors
-/// As [`load`].
-pub fn parse_diagram(
+/// Reads the text of a file whose `[diagram]` is a `D`; what it means is resolved by `resolve`, from what the
+/// scene has of world lines. No mesh and no cube is looked for.
+pub(crate) fn parse_diagram<D: DeserializeOwned + JsonSchema, T>(
     text: &str,
     name: &str,
     base: &Path,
     overrides: &Overrides,
-) -> Result<Diagram> {
+    resolve: impl FnOnce(&Context, &Outline, Option<&At<D>>) -> Result<T>,
+) -> Result<T> {
     let report = report(text, name, overrides)?;
-    let file = report.read()?;
-    resolve::diagram(report, base, &file)
+    let file: file::Scene<D> = report.read()?;
+    let cx = Context::new(report, base, &file.speed_of_light)?;
+    resolve(&cx, &Outline::new(&cx, &file)?, file.diagram.as_ref())
 }
 
 /// The text of a scene, with its overrides.

@@ -27,7 +27,7 @@
 //! | `[display]` | exposure, background, back faces, samples per pixel |
 //! | `[[panel]]` | a variant of the scene, by what it changes; each is a picture of its own |
 //! | `[sheet]` | how the panels are put on one page |
-//! | `[diagram]` | a space-time diagram, of the scene or of its own: a file may hold it alone |
+//! | `[diagram]` | a space-time diagram, of the scene or of its own: a file may hold it alone ([`figures::diagram`](crate::figures::diagram)) |
 //!
 //! ## Numbers and units
 //!
@@ -86,18 +86,6 @@
 //! emitting object's clock; `"capture"` is arrival at the capture camera: the frame's time of emission
 //! plus η × *distance* (not depth) to its pinhole.
 //!
-//! ## Diagrams
-//!
-//! `[diagram]` names frames, world lines and events, in any order, and what is drawn between them. Its numbers
-//! are plain, in its `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an
-//! acceleration is one per unit. What the scene has (`of = "camera"`, `"sensor"` or an object's name) is
-//! converted from metres. x is the component along `direction`; what is beside that line is projected onto
-//! it, and light that goes there is then steeper than 45 degrees.
-//!
-//! With `dimensions = "2+1"` there is y besides, the component along `across`, and `[ct, x, y]` is an event. Light
-//! cones are cones, `simultaneity` without `to` is a plane, and below everything is its shadow on the floor.
-//! Grids of frames, hyperbolae and wedges are lines of 1+1 dimensions, and refused.
-//!
 //! ## Names, paths and overrides
 //!
 //! Relative paths resolve against the scene file's folder. Objects and sources have unique names; without
@@ -131,7 +119,16 @@ mod suggest;
 mod tree;
 mod values;
 
-pub use load::{load, load_diagram, parse, parse_diagram};
+pub use load::{load, parse};
 pub use overrides::Overrides;
 pub use panel::{load_panel, parse_panel};
 pub use schema::schema;
+
+// For `[diagram]`, which `figures` reads from the same file.
+pub(crate) use at::At;
+pub(crate) use file::Velocity as VelocityTable;
+pub(crate) use load::{base, parse_diagram, text_of};
+pub(crate) use resolve::{Body, Context, Filming, Outline, refuse_duplicates, velocity};
+pub(crate) use schema::with_diagram;
+pub(crate) use suggest::nearest;
+pub(crate) use values::{Number, Numbers, Vector};

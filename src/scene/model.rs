@@ -1,7 +1,6 @@
 //! The scene, resolved: every quantity typed and in metres, every name looked up, nothing loaded.
 
 mod camera;
-pub mod diagram;
 mod panel;
 
 use std::path::PathBuf;

@@ -32,7 +32,7 @@ pub struct Overrides {
 }
 
 /// An edit that was made.
-pub(super) struct Edit {
+pub(crate) struct Edit {
     /// As it stood on the command line.
     pub flag: String,
     /// What it set.

@@ -7,14 +7,14 @@ use toml_edit::{Array, Document, InlineTable, Item, TableLike, Value};
 
 /// A step from a table or array to a value in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Step {
+pub(crate) enum Step {
     Key(String),
     Index(usize),
 }
 
 /// A path of keys and indices from the root of the document.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Place(pub Vec<Step>);
+pub(crate) struct Place(pub Vec<Step>);
 
 impl Place {
     /// Whether this place is `other` or lies within it.

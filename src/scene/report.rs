@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use miette::LabeledSpan;
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::file;
@@ -15,7 +17,7 @@ use super::tree;
 use crate::error::{Error, Problem, Result};
 
 /// The text of a scene, and who said what in it.
-pub(super) struct Report {
+pub(crate) struct Report {
     /// The scene's name.
     pub name: String,
     /// The text, after edits.
@@ -26,14 +28,14 @@ pub(super) struct Report {
 
 impl Report {
     /// Parses the text into the file's structure.
-    pub fn read(&self) -> Result<file::Scene> {
+    pub(super) fn read<D: DeserializeOwned + JsonSchema>(&self) -> Result<file::Scene<D>> {
         tree::read(&self.text).map_err(|error| {
             let span = error.span.unwrap_or(0..0);
             let place = place_of(&self.text, &span);
             if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
                 return self.not_toml(span, &error.message);
             }
-            let (what, help) = explain(&error.message, &place);
+            let (what, help) = explain(&schema::with_diagram::<D>(), &error.message, &place);
             self.refuse_at(&place, &span, what, help)
         })
     }
@@ -70,7 +72,11 @@ impl Report {
 
     /// The refusal of a text without the key `key` at its root.
     pub fn missing(&self, key: &str) -> Error {
-        let (what, help) = explain(&format!("missing field `{key}`"), &Place::default());
+        let (what, help) = explain(
+            &schema::schema(),
+            &format!("missing field `{key}`"),
+            &Place::default(),
+        );
         self.refuse_at(&Place::default(), &(0..0), what, help)
     }
 
@@ -126,10 +132,9 @@ fn cite(help: &mut String, edit: Option<&Edit>) {
 }
 
 /// What a message of serde means at `place`, and what would be right.
-fn explain(message: &str, place: &Place) -> (String, String) {
-    let schema = schema::schema();
+fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
     let described = |place: &[Step]| {
-        let node = schema::at(&schema, place)?;
+        let node = schema::at(schema, place)?;
         Some(format!(
             "`{}`: {}",
             last_key(place)?,
@@ -137,7 +142,7 @@ fn explain(message: &str, place: &Place) -> (String, String) {
         ))
     };
     if message.starts_with("unknown field") {
-        return unknown_key(&schema, place);
+        return unknown_key(schema, place);
     }
     if let Some(key) = ticked(message, "missing field ") {
         let mut missing = place.0.clone();

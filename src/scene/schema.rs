@@ -1,5 +1,6 @@
 //! The JSON schema of a scene file, made from the types that parse it, and questions to it.
 
+use schemars::JsonSchema;
 use serde_json::{Map, Value};
 
 use super::file;
@@ -7,8 +8,16 @@ use super::place::Step;
 
 /// The JSON schema (draft 2020-12) of a scene file, for editors: descriptions, defaults, and what is
 /// refused.
+///
+/// Of `[diagram]` it says only that it is a table; [`figures::diagram::schema`](crate::figures::diagram::schema)
+/// is the whole file's.
 pub fn schema() -> Value {
-    let mut schema = schemars::schema_for!(file::Scene).to_value();
+    with_diagram::<file::AnyTable>()
+}
+
+/// The schema of a file whose `[diagram]` is a `D`.
+pub(crate) fn with_diagram<D: JsonSchema>() -> Value {
+    let mut schema = schemars::schema_for!(file::Scene<D>).to_value();
     tidy(&mut schema);
     schema
 }

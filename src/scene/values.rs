@@ -13,18 +13,18 @@ use crate::spacetime::units::{Dimension, LARGEST, Measure};
 
 /// A finite number of magnitude at most 10³⁰.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Number(pub f64);
+pub(crate) struct Number(pub f64);
 
 /// N finite numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Numbers<const N: usize>(pub [f64; N]);
+pub(crate) struct Numbers<const N: usize>(pub [f64; N]);
 
 /// Three finite numbers: a position in metres, a direction, a colour.
-pub(super) type Vector = Numbers<3>;
+pub(crate) type Vector = Numbers<3>;
 
 /// One number, or three.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum NumberOrVector {
+pub(crate) enum NumberOrVector {
     Number(f64),
     Vector([f64; 3]),
 }

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use nullray::Result;
 use nullray::figures::diagram;
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::drawing::{self, Drawing, pdf, png, svg};
 use nullray::render::metadata;
 use nullray::scene::Overrides;
-use nullray::scene::model::diagram::Diagram;
 
 use super::args::DiagramArguments;
 use super::failure::refused;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use nullray::figures;
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::pixel_probe::{self, Summary};
 use nullray::io::files;
+use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
-use nullray::scene::model::diagram::Diagram;
-use nullray::scene::{self, Overrides};
 use nullray::{Error, Result};
 
 use super::overrides;
@@ -49,7 +50,7 @@ pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram
         Some(path) => path.parent().unwrap_or(Path::new("")),
         None => Path::new(files::BUILT_IN),
     };
-    scene::parse_diagram(&scene.text, &scene.name, base, &Overrides::default())
+    figures::diagram::parse(&scene.text, &scene.name, base, &Overrides::default())
 }
 
 /// The frames that a diagram can be drawn in.

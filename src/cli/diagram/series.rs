@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use nullray::figures::diagram::Series;
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::drawing::{self, Drawing, apng, png};
-use nullray::scene::model::diagram::Diagram;
 use nullray::{Error, Result};
 
 use super::{Output, Pages};

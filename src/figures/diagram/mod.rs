@@ -1,7 +1,7 @@
 //! Space-time diagrams, for teachers: what is where as data, and the drawing made from it.
 //!
 //! ```text
-//! scene file → scene::model::diagram::Diagram ── layout ──▶ Layout ── draw ──▶ Drawing → svg, pdf, png
+//! scene file ── load ──▶ model::Diagram ── layout ──▶ Layout ── draw ──▶ Drawing → svg, pdf, png
 //! ```
 //!
 //! A diagram shows ct upwards and one direction of space to the right, in the coordinates of any inertial
@@ -20,15 +20,27 @@
 //! (oblique projection). A light cone is then |Δ(x, y)| = |Δct|, and what is simultaneous in a frame a plane,
 //! Δct = β·Δ(x, y). What is straight below things is drawn on the floor, at the lowest ct.
 //!
+//! # The table of a scene file
+//!
+//! `[diagram]` names frames, world lines and events, in any order, and what is drawn between them. Its numbers
+//! are plain, in its `unit`, times as ct: `[ct, x]` is an event, `velocity = 0.6` is β along x, an
+//! acceleration is one per unit. What the scene has (`of = "camera"`, `"sensor"` or an object's name) is
+//! converted from metres. x is the component along `direction`; what is beside that line is projected onto
+//! it, and light that goes there is then steeper than 45 degrees.
+//!
+//! With `dimensions = "2+1"` there is y besides, the component along `across`, and `[ct, x, y]` is an event. Light
+//! cones are cones, `simultaneity` without `to` is a plane, and below everything is its shadow on the floor.
+//! Grids of frames, hyperbolae and wedges are lines of 1+1 dimensions, and refused.
+//!
 //! ```
-//! use nullray::{figures::diagram, scene};
+//! use nullray::figures::diagram;
 //! # fn main() -> nullray::Result<()> {
 //! let text = r#"
 //!     [diagram]
 //!     frame = [{ name = "S'", velocity = 0.6 }]
 //!     event = [{ name = "A", at = [1, 0], frame = "S'" }]
 //! "#;
-//! let model = scene::parse_diagram(text, "a clock", ".".as_ref(), &Default::default())?;
+//! let model = diagram::parse(text, "a clock", ".".as_ref(), &Default::default())?;
 //! let layout = diagram::layout(&model);
 //! // A second of the moving clock takes 5/4 s of the other.
 //! assert!((layout.panels[0].events[0].at.ct - 1.25).abs() < 1e-15);
@@ -38,9 +50,16 @@
 //! # }
 //! ```
 
+mod animation;
 mod draw;
+mod file;
 mod layout;
+mod load;
+pub mod model;
+mod resolve;
 mod series;
+mod spot;
+mod track;
 
 pub use draw::draw;
 pub use layout::{
@@ -48,4 +67,5 @@ pub use layout::{
     Nappe, Now, Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine, layout,
 };
 pub(crate) use layout::{limits, number, round_step};
+pub use load::{load, parse, schema};
 pub use series::Series;

@@ -3,8 +3,8 @@
 use super::draw::{Habits, draw_next};
 use super::layout::{Limits, layout, limits};
 use crate::error::Result;
+use crate::figures::diagram::model::{Animation, Diagram};
 use crate::figures::drawing::Drawing;
-use crate::scene::model::diagram::{Animation, Diagram};
 
 /// Pictures whose automatic limits make those of all.
 const LOOKED_AT: u32 = 16;

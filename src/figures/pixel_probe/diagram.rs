@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use super::{Lamp, Met, Sighting};
+use crate::figures::diagram::model::{
+    Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
+};
 use crate::figures::diagram::{limits, number, round_step};
 use crate::figures::text::RichText;
 use crate::figures::text::rich::escaped;
-use crate::scene::model::diagram::{
-    Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
-};
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
 
 /// About how many ticks clocks have from the first to the last event.

@@ -30,7 +30,7 @@ pub use trace::trace;
 
 use glam::DVec3;
 
-use crate::scene::model::diagram::Track;
+use crate::figures::diagram::model::Track;
 use crate::spacetime::{self, Direction, Event, InertialFrame, Velocity, World};
 
 /// What one pixel sees. Lengths and times are in metres.

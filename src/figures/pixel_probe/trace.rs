@@ -6,13 +6,13 @@ use super::{Lamp, Met, Reception, Sighting};
 use crate::accel::Precision;
 use crate::camera::{Apart, Look, Pinhole, rotation_matrix};
 use crate::error::{Error, Result};
+use crate::figures::diagram::model::Track;
 use crate::render::aov::Aov;
 use crate::render::film::{Film, Tile};
 use crate::render::plan::{Plan, Request};
 use crate::render::prepare::{Light, Prepared};
 use crate::render::progress::Progress;
 use crate::render::render_tiles;
-use crate::scene::model::diagram::Track;
 use crate::scene::model::{Assembly, CameraModel, Equations, Object, Pivot, Scene, SourceKind};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{Displacement, Event, InertialFrame, World};
@@ -255,7 +255,7 @@ impl Exposed<'_> {
         let place = vector([Aov::ObjectEventX, Aov::ObjectEventY, Aov::ObjectEventZ]);
         let zero = object.frame().event_to_world(Event::new(0.0, place));
         let track = Track::from(WorldLine::inertial(object.velocity, zero));
-        let event = |moment: Option<crate::scene::model::diagram::Moment>| Some(moment?.event);
+        let event = |moment: Option<crate::figures::diagram::model::Moment>| Some(moment?.event);
         Met {
             object: index,
             name: object.name.clone(),

@@ -93,7 +93,7 @@ impl Camera {
     deny_unknown_fields,
     expecting = "a table like { beta = [0.9, 0, 0] } or { gamma = 7, direction = [1, 0, 0] }"
 )]
-pub(in crate::scene) struct Velocity {
+pub(crate) struct Velocity {
     /// v/c: a vector of length below 1, or a number in (−1, 1) along `direction`.
     pub beta: Option<At<NumberOrVector>>,
     /// 1/√(1 − β²), at least 1, along `direction`.

@@ -4,7 +4,6 @@
 //! plain structs; which keys exclude each other is told apart in `resolve`.
 
 mod camera;
-pub(super) mod diagram;
 mod motion;
 mod object;
 mod panel;
@@ -20,8 +19,8 @@ use super::at::At;
 use super::values::{Number, Vector};
 use crate::spacetime::units::{Percentage, Speed, Wavelength};
 
-pub(super) use camera::{Camera, Velocity};
-pub(super) use diagram::Diagram;
+pub(super) use camera::Camera;
+pub(crate) use camera::Velocity;
 pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{
     BadVertices, BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform,
@@ -35,7 +34,7 @@ pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilt
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a scene")]
 #[schemars(title = "nullray scene")]
-pub(in crate::scene) struct Scene {
+pub(in crate::scene) struct Scene<D = AnyTable> {
     /// The speed of light, with which times in seconds become metres. Any positive speed, for teaching.
     /// Default: "299792458 m/s".
     #[serde(default = "Scene::speed_of_light")]
@@ -76,8 +75,13 @@ pub(in crate::scene) struct Scene {
     #[serde(default)]
     pub sheet: Sheet,
     /// A space-time diagram of the scene, or of its own.
-    pub diagram: Option<At<Diagram>>,
+    pub diagram: Option<At<D>>,
 }
+
+/// A table that rooms above read.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(expecting = "a table")]
+pub(in crate::scene) struct AnyTable {}
 
 impl Scene {
     fn speed_of_light() -> At<Speed> {

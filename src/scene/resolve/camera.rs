@@ -130,7 +130,7 @@ mod tests {
             text: format!("[camera]\ngltf = 'a.glb'\nnode = 'cam'\n{keys}").into(),
             edits: Vec::new(),
         };
-        let file = report.read().unwrap();
+        let file: crate::scene::file::Scene = report.read().unwrap();
         let mut cx = Context::new(report, folder.path(), &file.speed_of_light).unwrap();
         cx.read_gltf_camera = upright;
         resolve(&cx, file.camera.as_ref().unwrap()).unwrap()

@@ -20,10 +20,10 @@ pub(super) const BELOW: f64 = 0.999;
 pub(super) const ABOVE: f64 = 1.001;
 
 /// Reads the pose of a camera from a glTF file: the named node's, or the only one.
-pub(super) type ReadGltfCamera = fn(&Path, Option<&str>) -> Result<GltfCamera>;
+pub(crate) type ReadGltfCamera = fn(&Path, Option<&str>) -> Result<GltfCamera>;
 
 /// The surroundings of a scene that is being resolved.
-pub(super) struct Context<'a> {
+pub(crate) struct Context<'a> {
     /// The text, for refusals.
     pub report: Report,
     /// The folder against which relative paths resolve.

@@ -4,10 +4,10 @@
 mod binding;
 mod camera;
 mod context;
-mod diagram;
 mod equations;
 mod motion;
 mod object;
+mod outline;
 mod panel;
 mod path;
 mod pose;
@@ -17,16 +17,18 @@ mod settings;
 mod shape;
 mod source;
 mod transform;
-mod velocity;
+pub(crate) mod velocity;
 mod worldline;
 
 use std::path::Path;
 
 use super::file;
-use super::model::{Scene, diagram::Diagram};
+use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
-use context::Context;
+pub(crate) use context::Context;
+pub(crate) use object::refuse_duplicates;
+pub(crate) use outline::{Body, Filming, Outline};
 
 /// The scene that `file`, read from the report's text, means; relative paths resolve against `base`.
 pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<Scene> {
@@ -61,12 +63,6 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
     };
     equations::check(&cx, file, &scene)?;
     Ok(scene)
-}
-
-/// The space-time diagram that `file` means: its `[diagram]`, or that of the scene.
-pub(super) fn diagram(report: Report, base: &Path, file: &file::Scene) -> Result<Diagram> {
-    let cx = Context::new(report, base, &file.speed_of_light)?;
-    diagram::resolve(&cx, file)
 }
 
 fn without_camera(cx: &Context, file: &file::Scene) -> Error {

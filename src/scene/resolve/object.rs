@@ -36,7 +36,7 @@ pub(super) fn resolve_all(
 }
 
 /// Refuses a name that two objects, or two sources, have.
-pub(super) fn refuse_duplicates<'a>(
+pub(crate) fn refuse_duplicates<'a>(
     cx: &Context,
     names: impl Iterator<Item = &'a At<String>>,
     thing: &str,

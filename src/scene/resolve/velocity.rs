@@ -24,7 +24,7 @@ pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Re
 }
 
 /// The velocity that the table `v` at `span` says; a number without a direction goes along `otherwise`.
-pub(super) fn said(
+pub(crate) fn said(
     cx: &Context,
     v: &file::Velocity,
     span: &Range<usize>,
@@ -73,7 +73,7 @@ fn only_one_way(cx: &Context, v: &file::Velocity) -> Result<()> {
 }
 
 /// β along a direction; a negative one is against it.
-pub(super) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityError> {
+pub(crate) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, VelocityError> {
     if beta.abs() >= 1.0 {
         return Err(VelocityError::NotSlowerThanLight(beta.abs()));
     }
@@ -134,7 +134,7 @@ impl Said<'_> {
 }
 
 /// The refusal of a velocity that stands at `span`.
-pub(super) fn refusal(cx: &Context, span: &Range<usize>, error: VelocityError) -> Error {
+pub(crate) fn refusal(cx: &Context, span: &Range<usize>, error: VelocityError) -> Error {
     let help = match error {
         VelocityError::NotSlowerThanLight(_) => {
             "|β| is below 1; for speeds so near 1 that β rounds to it, give one_minus_beta, gamma \

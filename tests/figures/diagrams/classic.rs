@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use nullray::figures::diagram;
 use nullray::figures::drawing::{Drawing, Item, Text, pdf, png, svg};
-use nullray::scene::load_diagram;
 
 fn files() -> Vec<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/diagrams");
@@ -15,9 +15,8 @@ fn files() -> Vec<PathBuf> {
 }
 
 fn drawn(file: &std::path::Path) -> Drawing {
-    let model = load_diagram(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
-    nullray::figures::diagram::draw(&nullray::figures::diagram::layout(&model), &model.style)
-        .unwrap()
+    let model = diagram::load(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
+    diagram::draw(&diagram::layout(&model), &model.style).unwrap()
 }
 
 fn texts(items: &[Item]) -> Vec<&Text> {
@@ -69,7 +68,7 @@ fn no_label_is_on_another() {
 fn no_label_is_on_another_while_the_diagram_moves() {
     let mut moving = 0;
     for file in files() {
-        let model = load_diagram(&file, &Default::default()).unwrap();
+        let model = diagram::load(&file, &Default::default()).unwrap();
         let Some(series) = nullray::figures::diagram::Series::new(&model) else {
             continue;
         };

@@ -11,12 +11,12 @@ mod solid;
 use std::path::Path;
 
 use nullray::Result;
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::diagram::{Layout, Panel, Point};
-use nullray::scene::model::diagram::Diagram;
-use nullray::scene::{Overrides, parse_diagram};
+use nullray::scene::Overrides;
 
 fn parsed(text: &str) -> Result<Diagram> {
-    parse_diagram(text, "test", Path::new(""), &Overrides::default())
+    nullray::figures::diagram::parse(text, "test", Path::new(""), &Overrides::default())
 }
 
 fn laid_out(body: &str) -> Layout {

@@ -1,7 +1,7 @@
 //! Series of pictures: boosts and sweeping lines of simultaneity.
 
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::diagram::{Panel, Series, layout};
-use nullray::scene::model::diagram::Diagram;
 
 use crate::diagrams::{event, near, parsed, slope};
 

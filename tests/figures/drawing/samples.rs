@@ -203,7 +203,7 @@ pub fn classics() -> Vec<(String, Drawing)> {
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let drawn = files.iter().map(|file| {
-        let model = nullray::scene::load_diagram(file, &Default::default()).unwrap();
+        let model = nullray::figures::diagram::load(file, &Default::default()).unwrap();
         let layout = nullray::figures::diagram::layout(&model);
         let drawing = nullray::figures::diagram::draw(&layout, &model.style).unwrap();
         let name = file.file_stem().unwrap().to_str().unwrap();

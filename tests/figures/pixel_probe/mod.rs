@@ -8,10 +8,10 @@ mod refused;
 use std::path::Path;
 
 use nullray::Result;
+use nullray::figures::diagram::model::Diagram;
 use nullray::figures::pixel_probe::{Met, Sighting, trace};
 use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
-use nullray::scene::model::diagram::Diagram;
 use nullray::scene::{self, Overrides};
 
 const NO_LIMIT: u64 = 1 << 40;
@@ -83,7 +83,8 @@ fn met(camera: &str) -> (Sighting, Met) {
 
 /// The diagram of a scene, for its unit and style.
 fn base(text: &str) -> Diagram {
-    scene::parse_diagram(text, "test scene", Path::new(""), &Overrides::default()).unwrap()
+    nullray::figures::diagram::parse(text, "test scene", Path::new(""), &Overrides::default())
+        .unwrap()
 }
 
 #[track_caller]

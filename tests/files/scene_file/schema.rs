@@ -1,6 +1,6 @@
 //! The JSON schema, and the reference scene against it.
 
-use nullray::scene::schema;
+use nullray::figures::diagram::schema;
 use serde_json::Value;
 
 use crate::scene_file::motion::camera;
@@ -143,7 +143,7 @@ fn the_diagram_of_the_reference_scene_is_accepted() {
     // One view, as a boost asks for.
     let table = table.join("\n").replace("[\"world\", \"S'\"]", "\"world\"");
     let text = format!("{REFERENCE}\n{table}\n");
-    let parse = nullray::scene::parse_diagram;
+    let parse = nullray::figures::diagram::parse;
     let diagram = parse(&text, "reference", "".as_ref(), &Default::default());
     let diagram = diagram.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(diagram.lines.len(), 8);

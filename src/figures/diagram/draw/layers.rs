@@ -3,8 +3,8 @@
 use super::page::Map;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Area, Axes, Axis, Bead, Kind, Now, Panel, Point, Tick};
+use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Arrow, Colour, Fill, Item, Path, Stroke};
-use crate::scene::model::diagram::{Colour as Name, Style};
 
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;

@@ -11,9 +11,9 @@ mod words;
 
 use super::layout::Layout;
 use crate::error::Result;
+use crate::figures::diagram::model::Style;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
 use crate::figures::text::RichText;
-use crate::scene::model::diagram::Style;
 use labels::Ground;
 pub(crate) use labels::Habits;
 use page::Page;

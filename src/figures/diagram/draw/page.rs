@@ -1,9 +1,9 @@
 //! Where a panel is on its page.
 
 use crate::figures::diagram::layout::{Panel, Point};
+use crate::figures::diagram::model::Style;
 use crate::figures::drawing::Path;
 use crate::figures::text::Rect;
-use crate::scene::model::diagram::Style;
 
 /// Width of a view, points: 120 mm.
 const WIDTH: f64 = 340.0;

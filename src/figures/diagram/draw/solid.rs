@@ -7,8 +7,8 @@ use super::layers::{Pen, frame_colour, line_colour};
 use super::page::Map;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Nappe, Panel, Plane, Point};
+use crate::figures::diagram::model::Colour as Name;
 use crate::figures::drawing::{Colour, Item, Path, Stroke};
-use crate::scene::model::diagram::Colour as Name;
 
 /// Opacity of lines behind a surface, of 255.
 const BEHIND: u8 = 95;

@@ -1,8 +1,8 @@
 //! Colours and lines: the palette of Okabe and Ito (2008), told apart by people of any colour vision, and in
 //! grey by the lines' patterns.
 
+use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Cap, Colour, Stroke};
-use crate::scene::model::diagram::{Colour as Name, Style};
 
 /// The colours of world lines, and of frames other than the view's own, that say none.
 const LINES: [Name; 5] = [Name::Blue, Name::Red, Name::Green, Name::Purple, Name::Sky];

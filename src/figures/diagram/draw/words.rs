@@ -6,8 +6,8 @@ use super::page::Map;
 use super::solid;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Panel, Placed, Point, Segment, Tick};
+use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::Colour;
-use crate::scene::model::diagram::{Colour as Name, Style};
 
 /// Size of numbers at ticks, in parts of the type's.
 const SMALL: f64 = 0.8;

@@ -5,7 +5,7 @@
 use super::limits::Limits;
 use super::types::{Axes, Axis, GridLine, Point, Tick, number};
 use super::view::View;
-use crate::scene::model::diagram::Reference;
+use crate::figures::diagram::model::Reference;
 
 /// About how many ticks the longer side of a diagram has.
 const TICKS: f64 = 7.0;

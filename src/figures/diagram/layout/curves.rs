@@ -7,7 +7,7 @@ use super::limits::Limits;
 use super::solid;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
 use super::view::View;
-use crate::scene::model::diagram::{self as model, Line, Side, Track};
+use crate::figures::diagram::model::{self as model, Line, Side, Track};
 use crate::spacetime::Displacement;
 
 /// The largest deviation from straight, in parts of the diagram's size: 0.02 mm on 200 mm.

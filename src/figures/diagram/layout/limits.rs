@@ -2,7 +2,7 @@
 
 use super::types::Point;
 use super::view::View;
-use crate::scene::model::diagram::{self as model, Track};
+use crate::figures::diagram::model::{self as model, Track};
 
 /// The part of an automatic diagram that is empty on each side.
 const MARGIN: f64 = 0.13;

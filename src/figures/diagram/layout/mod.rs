@@ -9,7 +9,7 @@ mod solid;
 mod types;
 mod view;
 
-use crate::scene::model::diagram::{Diagram, SliceKind};
+use crate::figures::diagram::model::{Diagram, SliceKind};
 pub(crate) use axes::round_step;
 pub use limits::Limits;
 pub use room::{Nappe, Plane, Solid};
@@ -62,7 +62,7 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
 
 fn events(view: &View) -> Vec<Spot> {
     let marks = view.diagram.events.iter();
-    let spot = |mark: &crate::scene::model::diagram::Mark| Spot {
+    let spot = |mark: &crate::figures::diagram::model::Mark| Spot {
         at: view.point(mark.event),
         label: mark.label.clone(),
         dot: mark.dot,

@@ -3,7 +3,7 @@
 use super::limits::Limits;
 use super::types::{Bead, Now};
 use super::view::View;
-use crate::scene::model::diagram as model;
+use crate::figures::diagram::model;
 use crate::spacetime::Event;
 
 pub(super) fn of(view: &View, limits: &Limits) -> Option<Now> {

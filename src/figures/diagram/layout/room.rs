@@ -1,7 +1,7 @@
 //! The parts that a layout of 2+1 dimensions has besides, and what they hide.
 
 use super::types::{Curve, Panel, Point};
-use crate::scene::model::diagram::Colour;
+use crate::figures::diagram::model::Colour;
 
 /// One half of a light cone in 2+1 dimensions, up to the circle on which its light is at one time.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,7 @@ use super::limits::Limits;
 use super::room::{Nappe, Plane, Solid};
 use super::types::{ALOFT, ASIDE, Curve, Point, WorldLine};
 use super::view::View;
-use crate::scene::model::diagram::{Cone, Slice, SliceKind};
+use crate::figures::diagram::model::{Cone, Slice, SliceKind};
 
 /// Pieces of each side of a rim.
 const PIECES: u32 = 64;

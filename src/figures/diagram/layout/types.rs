@@ -2,7 +2,7 @@
 
 use super::limits::Limits;
 use super::room::{Nappe, Plane, Solid};
-use crate::scene::model::diagram::Colour;
+use crate::figures::diagram::model::Colour;
 
 /// One along y on the page: to the right and upwards. It is 0.5 long.
 pub(super) const ASIDE: f64 = 0.4;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::types::Point;
-use crate::scene::model::diagram::{Diagram, Reference};
+use crate::figures::diagram::model::{Diagram, Reference};
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
 
 /// A frame in whose coordinates a diagram is drawn.

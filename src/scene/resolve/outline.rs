@@ -2,43 +2,46 @@
 
 use glam::DVec3;
 
+use super::context::Context;
+use super::{camera, object, velocity};
 use crate::error::Result;
+use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::CameraModel;
-use crate::scene::model::diagram::Track;
 use crate::scene::names;
-use crate::scene::resolve::context::Context;
-use crate::scene::resolve::{camera, object, velocity};
 use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Event, Velocity, World};
 
 /// World lines and events of a scene.
-pub(super) struct Stage {
+pub(crate) struct Outline {
+    /// The camera.
     pub camera: Option<Filming>,
+    /// The objects.
     pub objects: Vec<Body>,
     /// Emissions of pulses, by name.
     pub pulses: Vec<(String, Event<World>)>,
 }
 
 /// The camera, and the world line of its pinhole.
-pub(super) struct Filming {
+pub(crate) struct Filming {
     pub model: CameraModel,
     pub line: WorldLine,
 }
 
 /// An object's name and world line.
-pub(super) struct Body {
+pub(crate) struct Body {
     pub name: String,
     pub velocity: Velocity,
     pub origin: Event<World>,
 }
 
-impl Stage {
-    pub fn new(cx: &Context, file: &file::Scene) -> Result<Stage> {
-        Ok(Stage {
-            camera: filming(cx, file)?,
-            objects: bodies(cx, file)?,
-            pulses: pulses(cx, file)?,
+impl Outline {
+    /// That of the scene which `file` means.
+    pub(in crate::scene) fn new<D>(cx: &Context, file: &file::Scene<D>) -> Result<Outline> {
+        Ok(Outline {
+            camera: filming(cx, &file.camera)?,
+            objects: bodies(cx, &file.object)?,
+            pulses: pulses(cx, &file.source)?,
         })
     }
 
@@ -64,22 +67,6 @@ impl Stage {
         let bodies = self.objects.iter().map(|body| body.name.as_str());
         camera.chain(bodies).collect()
     }
-
-    /// The world line of this name.
-    pub fn track(&self, name: &str) -> Option<Track> {
-        if let Some(camera) = &self.camera {
-            match (name, camera.model.sensor) {
-                ("camera" | "pinhole", _) => return Some(camera.line.clone().into()),
-                ("sensor", Some(sensor)) => {
-                    let forward = camera.model.axes[2];
-                    return Some(Track::sensor(camera.line.clone(), sensor, forward));
-                }
-                _ => {}
-            }
-        }
-        let body = self.objects.iter().find(|body| body.name == name)?;
-        Some(body.track())
-    }
 }
 
 impl Filming {
@@ -91,14 +78,8 @@ impl Filming {
     }
 }
 
-impl Body {
-    pub fn track(&self) -> Track {
-        WorldLine::inertial(self.velocity, self.origin).into()
-    }
-}
-
-fn filming(cx: &Context, file: &file::Scene) -> Result<Option<Filming>> {
-    let Some(at) = &file.camera else {
+fn filming(cx: &Context, camera: &Option<At<file::Camera>>) -> Result<Option<Filming>> {
+    let Some(at) = camera else {
         return Ok(None);
     };
     let model = camera::resolve(cx, at)?;
@@ -107,10 +88,10 @@ fn filming(cx: &Context, file: &file::Scene) -> Result<Option<Filming>> {
     Ok(Some(Filming { model, line }))
 }
 
-fn bodies(cx: &Context, file: &file::Scene) -> Result<Vec<Body>> {
-    let entries = file.object.iter();
+fn bodies(cx: &Context, objects: &[At<file::Object>]) -> Result<Vec<Body>> {
+    let entries = objects.iter();
     let names = names::unique(entries.map(|at| object::entry_names(&at.value)).collect());
-    let body = |(at, name): (&crate::scene::at::At<file::Object>, String)| {
+    let body = |(at, name): (&At<file::Object>, String)| {
         let origin = &at.value.origin;
         Ok(Body {
             name,
@@ -118,11 +99,11 @@ fn bodies(cx: &Context, file: &file::Scene) -> Result<Vec<Body>> {
             origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
         })
     };
-    file.object.iter().zip(names).map(body).collect()
+    objects.iter().zip(names).map(body).collect()
 }
 
-fn pulses(cx: &Context, file: &file::Scene) -> Result<Vec<(String, Event<World>)>> {
-    let pulses = file.source.iter().filter_map(|at| {
+fn pulses(cx: &Context, sources: &[At<file::Source>]) -> Result<Vec<(String, Event<World>)>> {
+    let pulses = sources.iter().filter_map(|at| {
         let pulse = at.value.pulse.as_ref()?;
         let name = at.value.name.as_ref().map(|name| name.value.clone());
         Some((name.unwrap_or_else(|| "pulse".into()), &pulse.value))

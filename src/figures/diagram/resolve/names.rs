@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::stage::Stage;
-use super::{event, frame, line, settings, world};
+use super::{settings, stage};
 use crate::error::{Error, Result};
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::file::diagram::{OneOrMany, Speed, Spot};
-use crate::scene::model::diagram::{Diagram, Line, Mark, Reference, Track};
-use crate::scene::resolve::context::Context;
-use crate::scene::resolve::object::refuse_duplicates;
-use crate::scene::resolve::velocity;
-use crate::scene::suggest::nearest;
+use crate::figures::diagram::file;
+use crate::figures::diagram::model::{Diagram, Line, Mark, Reference, Track};
+use crate::figures::diagram::spot::{OneOrMany, Speed, Spot};
+use crate::scene::At;
+use crate::scene::Context;
+use crate::scene::Outline;
+use crate::scene::nearest;
+use crate::scene::refuse_duplicates;
+use crate::scene::velocity;
 use crate::spacetime::units::quoted;
 use crate::spacetime::{Event, InertialFrame, Rest, Velocity, World};
 
@@ -28,6 +28,14 @@ enum Slot<T> {
     Known(T),
 }
 
+/// How each kind of thing with a name is resolved.
+#[derive(Clone, Copy)]
+pub(super) struct Resolvers {
+    pub frame: fn(&mut Names, &At<file::DiagramFrame>) -> Result<Reference>,
+    pub line: fn(&mut Names, &At<file::DiagramLine>) -> Result<Line>,
+    pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Mark>,
+}
+
 /// The names of a diagram.
 pub(super) struct Names<'a> {
     pub cx: &'a Context<'a>,
@@ -38,7 +46,8 @@ pub(super) struct Names<'a> {
     pub direction: DVec3,
     /// Along which y is measured, in 2+1 dimensions.
     pub across: Option<DVec3>,
-    pub stage: &'a Stage,
+    pub scene: &'a Outline,
+    resolvers: Resolvers,
     /// The world, then those of the file, then the camera's unless the file has one of that name.
     frames: Vec<Slot<Reference>>,
     lines: Vec<Slot<Line>>,
@@ -51,7 +60,8 @@ impl<'a> Names<'a> {
         file: &'a file::Diagram,
         unit: f64,
         (direction, across): (DVec3, Option<DVec3>),
-        stage: &'a Stage,
+        scene: &'a Outline,
+        resolvers: Resolvers,
     ) -> Result<Self> {
         refuse_duplicates(cx, file.frame.iter().map(|at| &at.value.name), "frame")?;
         refuse_duplicates(
@@ -71,7 +81,8 @@ impl<'a> Names<'a> {
             unit,
             direction,
             across,
-            stage,
+            scene,
+            resolvers,
             frames: vec![Slot::Known(world())],
             lines: file.worldline.iter().map(|_| Slot::Unasked).collect(),
             events: file.event.iter().map(|_| Slot::Unasked).collect(),
@@ -80,10 +91,10 @@ impl<'a> Names<'a> {
             .frames
             .extend(file.frame.iter().map(|_| Slot::Unasked));
         let taken = file.frame.iter().any(|at| at.value.name.value == "camera");
-        if let (Some(camera), false) = (&stage.camera, taken) {
+        if let (Some(camera), false) = (&scene.camera, taken) {
             names
                 .frames
-                .extend(frame::of_camera(camera).map(Slot::Known));
+                .extend(stage::camera_frame(camera).map(Slot::Known));
         }
         Ok(names)
     }
@@ -133,7 +144,7 @@ impl<'a> Names<'a> {
         let Some(at) = i.checked_sub(1).and_then(|i| file.frame.get(i)) else {
             return Ok(world());
         };
-        let known = frame::resolve(self, at)?;
+        let known = (self.resolvers.frame)(self, at)?;
         answer(&mut self.frames, i, &known);
         Ok(known)
     }
@@ -150,7 +161,7 @@ impl<'a> Names<'a> {
                 .report
                 .refuse(span, "there is no such world line", ""));
         };
-        let known = line::resolve(self, at)?;
+        let known = (self.resolvers.line)(self, at)?;
         answer(&mut self.lines, i, &known);
         Ok(known)
     }
@@ -163,7 +174,7 @@ impl<'a> Names<'a> {
         let Some(at) = file.event.get(i) else {
             return Err(self.cx.report.refuse(span, "there is no such event", ""));
         };
-        let known = event::resolve(self, at)?;
+        let known = (self.resolvers.event)(self, at)?;
         answer(&mut self.events, i, &known);
         Ok(known)
     }
@@ -225,11 +236,11 @@ impl<'a> Names<'a> {
         if let Some(i) = self.line_names().iter().position(|name| *name == at.value) {
             return Ok(self.line(i, &at.span)?.track);
         }
-        if let Some(track) = self.stage.track(&at.value) {
+        if let Some(track) = stage::track(self.scene, &at.value) {
             return Ok(track);
         }
         let mut all = self.line_names();
-        all.extend(self.stage.names());
+        all.extend(self.scene.names());
         Err(unknown(self.cx, &at.value, &at.span, &all, "world line"))
     }
 
@@ -241,7 +252,8 @@ impl<'a> Names<'a> {
         if self.event_names().contains(&name.as_str()) {
             return Ok(None);
         }
-        let known = self.line_names().contains(&name.as_str()) || self.stage.track(name).is_some();
+        let known =
+            self.line_names().contains(&name.as_str()) || stage::track(self.scene, name).is_some();
         if !known {
             let mut all = self.event_names();
             all.extend(self.line_names());
@@ -379,4 +391,16 @@ fn unknown(cx: &Context, name: &str, span: &Range<usize>, names: &[&str], thing:
 /// A name in quotes; the primes of frames need no escape.
 fn in_quotes(name: &str) -> String {
     quoted(name).replace("\\'", "'")
+}
+
+/// The frame of the scene file itself.
+fn world() -> Reference {
+    Reference {
+        name: "world".into(),
+        frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
+        axes: true,
+        grid: false,
+        ticks: None,
+        colour: None,
+    }
 }

@@ -2,16 +2,16 @@
 
 use glam::DVec3;
 
-use super::stage::Stage;
 use crate::error::{Error, Result};
+use crate::figures::diagram::file;
+use crate::figures::diagram::file as said;
+use crate::figures::diagram::model::{Colour, Style, Unit, part_across};
 use crate::figures::text::RichText;
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::file::diagram as said;
+use crate::scene::At;
+use crate::scene::Context;
+use crate::scene::Outline;
 use crate::scene::model::SPEED_OF_LIGHT;
-use crate::scene::model::diagram::{Colour, Style, Unit, part_across};
-use crate::scene::resolve::context::Context;
-use crate::scene::values::{Number, Numbers};
+use crate::scene::{Number, Numbers};
 use crate::spacetime::{Direction, World};
 
 /// Points of a metre of paper.
@@ -55,9 +55,9 @@ pub(super) fn unit(diagram: &file::Diagram) -> Unit {
 }
 
 /// The direction along which x is measured.
-pub(super) fn direction(cx: &Context, diagram: &file::Diagram, stage: &Stage) -> Result<DVec3> {
+pub(super) fn direction(cx: &Context, diagram: &file::Diagram, scene: &Outline) -> Result<DVec3> {
     let Some(at) = &diagram.direction else {
-        let motion = stage.direction().and_then(Direction::<World>::new);
+        let motion = scene.direction().and_then(Direction::<World>::new);
         return Ok(motion.map_or(DVec3::X, Direction::unit));
     };
     let unit = Direction::<World>::new(at.value.vec()).ok_or_else(|| {
@@ -72,7 +72,7 @@ pub(super) fn across(
     cx: &Context,
     diagram: &file::Diagram,
     direction: DVec3,
-    stage: &Stage,
+    scene: &Outline,
 ) -> Result<Option<DVec3>> {
     let three = matches!(&diagram.dimensions, Some(at) if at.value == said::Dimensions::Three);
     let of_three = [
@@ -88,7 +88,7 @@ pub(super) fn across(
         return Ok(None);
     }
     let Some(at) = &diagram.across else {
-        let moving = stage.directions().find_map(|v| part_across(direction, v));
+        let moving = scene.directions().find_map(|v| part_across(direction, v));
         return Ok(moving.or_else(|| upright(direction)));
     };
     let part = part_across(direction, at.value.vec()).ok_or_else(|| {

@@ -2,25 +2,11 @@
 
 use super::names::Names;
 use super::settings;
-use super::stage::Filming;
 use crate::error::Result;
-use crate::scene::at::At;
-use crate::scene::file::diagram::DiagramFrame;
-use crate::scene::model::diagram::{Moment, Reference, Track};
+use crate::figures::diagram::file::DiagramFrame;
+use crate::figures::diagram::model::{Moment, Reference};
+use crate::scene::At;
 use crate::spacetime::{InertialFrame, Rest};
-
-/// The frame of the camera at the time of the shot.
-pub(super) fn of_camera(camera: &Filming) -> Option<Reference> {
-    let moment = Track::from(camera.line.clone()).at(camera.model.time)?;
-    Some(Reference {
-        name: "camera".into(),
-        frame: moment.frame(),
-        axes: false,
-        grid: false,
-        ticks: None,
-        colour: None,
-    })
-}
 
 pub(super) fn resolve(names: &mut Names, at: &At<DiagramFrame>) -> Result<Reference> {
     let frame = &at.value;
@@ -58,7 +44,7 @@ fn moment(names: &mut Names, frame: &DiagramFrame) -> Result<Option<Moment>> {
         return Ok(None);
     };
     let track = names.track(of)?;
-    let camera = names.stage.camera.as_ref();
+    let camera = names.scene.camera.as_ref();
     let shot = camera.filter(|_| ["camera", "pinhole", "sensor"].contains(&of.value.as_str()));
     let default = shot.map_or(0.0, |camera| camera.model.time);
     let time = frame.proper_time.as_ref();

@@ -13,23 +13,24 @@ mod names;
 mod settings;
 mod stage;
 
-use super::context::Context;
 use crate::error::Result;
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::model::diagram::{Diagram, Reference};
-use names::Names;
-use stage::Stage;
+use crate::figures::diagram::file;
+use crate::figures::diagram::model::Diagram;
+use crate::scene::{At, Context, Outline};
+use names::{Names, Resolvers};
 
-/// The diagram that `file` says, or the one of its scene.
-pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
+/// The diagram that `table` says, or the one of the scene.
+pub(super) fn resolve(
+    cx: &Context,
+    scene: &Outline,
+    table: Option<&At<file::Diagram>>,
+) -> Result<Diagram> {
     let nothing = At::nowhere(file::Diagram::default());
-    let at = file.diagram.as_ref().unwrap_or(&nothing);
+    let at = table.unwrap_or(&nothing);
     let said = &at.value;
-    let stage = Stage::new(cx, file)?;
     let unit = settings::unit(said);
-    let direction = settings::direction(cx, said, &stage)?;
-    let across = settings::across(cx, said, direction, &stage)?;
+    let direction = settings::direction(cx, said, scene)?;
+    let across = settings::across(cx, said, direction, scene)?;
     let mut diagram = Diagram {
         name: cx.report.name.clone(),
         text: cx.report.text.to_string(),
@@ -59,7 +60,13 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
         now: None,
         style: settings::style(cx, &said.style)?,
     };
-    let mut names = Names::new(cx, said, unit.metres, (direction, across), &stage)?;
+    let resolvers = Resolvers {
+        frame: frame::resolve,
+        line: line::resolve,
+        event: event::resolve,
+    };
+    let axes = (direction, across);
+    let mut names = Names::new(cx, said, unit.metres, axes, scene, resolvers)?;
     names.resolve_all(&mut diagram)?;
     element::resolve_all(&mut names, said, &mut diagram)?;
     if across.is_some() {
@@ -68,21 +75,8 @@ pub(super) fn resolve(cx: &Context, file: &file::Scene) -> Result<Diagram> {
     diagram.views = names.views()?;
     diagram.animation = animation::resolve(&mut names, said, &diagram.views)?;
     if content::is_empty(said) {
-        content::of_scene(cx, at, &stage, &mut diagram)?;
+        content::of_scene(cx, at, scene, &mut diagram)?;
     }
     content::refuse_empty_limits(cx, said, &diagram)?;
     Ok(diagram)
-}
-
-/// The frame of the scene file itself.
-fn world() -> Reference {
-    use crate::spacetime::{Event, InertialFrame, Velocity};
-    Reference {
-        name: "world".into(),
-        frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
-        axes: true,
-        grid: false,
-        ticks: None,
-        colour: None,
-    }
 }

@@ -7,11 +7,13 @@ use glam::DVec3;
 use super::event::said_twice;
 use super::names::Names;
 use super::settings;
+use super::stage;
 use crate::error::{Error, Result};
-use crate::scene::at::At;
-use crate::scene::file::diagram::{DiagramLine, LineCircle, LineSegment, Spot};
-use crate::scene::model::diagram::{Line, Track};
-use crate::scene::values::{Number, Numbers};
+use crate::figures::diagram::file::{DiagramLine, LineCircle, LineSegment};
+use crate::figures::diagram::model::{Line, Track};
+use crate::figures::diagram::spot::Spot;
+use crate::scene::At;
+use crate::scene::{Number, Numbers};
 use crate::spacetime::worldline::{Segment, WorldLine, WorldLineError};
 use crate::spacetime::{Event, World};
 
@@ -79,8 +81,8 @@ fn track(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
 }
 
 fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
-    names.stage.track(&of.value).ok_or_else(|| {
-        let known = names.stage.names().join(", ");
+    stage::track(names.scene, &of.value).ok_or_else(|| {
+        let known = names.scene.names().join(", ");
         let what = format!(
             "the scene has no world line of {}",
             crate::spacetime::units::quoted(&of.value)

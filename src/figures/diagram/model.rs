@@ -1,14 +1,10 @@
 //! A space-time diagram, resolved: every name looked up, every event solved for. Metres throughout.
 
-mod animation;
-mod track;
-
 use glam::DVec3;
 
 use crate::spacetime::{Direction, Event, InertialFrame, Rest, World};
 
-pub use animation::{Animation, Boost, Now, Sweep};
-pub use track::{Moment, Track};
+pub use super::track::{Moment, Track};
 
 /// A space-time diagram. Indices into `lines` and `frames` are those of these lists.
 #[derive(Debug, Clone)]
@@ -289,6 +285,52 @@ pub struct Words {
     /// Where their middle is.
     pub at: Event<World>,
     /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// What changes from picture to picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Animation {
+    /// How many pictures, 2 at least.
+    pub frames: u32,
+    /// Pictures per second.
+    pub fps: f64,
+    /// Where the view is boosted to.
+    pub boost: Option<Boost>,
+    /// The line of simultaneity that sweeps.
+    pub sweep: Option<Sweep>,
+}
+
+/// A view that is boosted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Boost {
+    /// The frame that it becomes.
+    pub to: usize,
+    /// Whether it goes back again.
+    pub back: bool,
+}
+
+/// A line of simultaneity that sweeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// The frame.
+    pub frame: usize,
+    /// Its times in the first and in the last picture, metres.
+    pub times: [f64; 2],
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+/// All that is simultaneous in a frame, with the readings of the clocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Now {
+    /// The frame.
+    pub frame: usize,
+    /// Its time, metres.
+    pub ct: f64,
+    /// Decimals of the readings, in the diagram's unit.
+    pub decimals: usize,
+    /// The colour; none for the frame's.
     pub colour: Option<Colour>,
 }
 

@@ -3,10 +3,10 @@
 use super::names::Names;
 use super::settings;
 use crate::error::Result;
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::file::diagram as said;
-use crate::scene::model::diagram::{Animation, Boost, Sweep};
+use crate::figures::diagram::file;
+use crate::figures::diagram::file as said;
+use crate::figures::diagram::model::{Animation, Boost, Sweep};
+use crate::scene::At;
 
 /// The most pictures.
 const MOST: u32 = 10_000;

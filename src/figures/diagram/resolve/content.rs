@@ -3,15 +3,15 @@
 //! Of a scene: the world lines of camera, sensor and objects, the events of pulses with their light, and
 //! the light by which the camera sees each object's origin at its time.
 
-use super::frame;
 use super::settings::settable;
-use super::stage::{Filming, Stage};
+use super::stage;
 use crate::error::Result;
+use crate::figures::diagram::file;
+use crate::figures::diagram::model::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
 use crate::figures::text::rich::escaped;
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::model::diagram::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
-use crate::scene::resolve::context::Context;
+use crate::scene::At;
+use crate::scene::Context;
+use crate::scene::{Filming, Outline};
 use crate::spacetime::{Event, World};
 
 /// The most objects that have world lines of their own.
@@ -42,17 +42,17 @@ pub(super) fn is_empty(said: &file::Diagram) -> bool {
 pub(super) fn of_scene<T>(
     cx: &Context,
     at: &At<T>,
-    stage: &Stage,
+    scene: &Outline,
     diagram: &mut Diagram,
 ) -> Result<()> {
-    if let Some(camera) = &stage.camera {
-        film(stage, camera, diagram);
+    if let Some(camera) = &scene.camera {
+        film(scene, camera, diagram);
     }
-    for body in stage.objects.iter().take(MOST) {
+    for body in scene.objects.iter().take(MOST) {
         let name = settable(cx, at, &escaped(&body.name)).unwrap_or_else(|_| "object".into());
-        add_body(diagram, name, body.track());
+        add_body(diagram, name, stage::of_body(body));
     }
-    for (name, event) in &stage.pulses {
+    for (name, event) in &scene.pulses {
         let label = settable(cx, at, &escaped(name)).ok();
         diagram.events.push(mark(name, label, *event));
         diagram.cones.push(Cone {
@@ -63,7 +63,7 @@ pub(super) fn of_scene<T>(
             shade: false,
         });
     }
-    see(stage, diagram);
+    see(scene, diagram);
     if diagram.lines.is_empty() && diagram.events.is_empty() {
         let what = "there is nothing to draw";
         let help = "add [[diagram.worldline]], [[diagram.event]] and the like, or a scene";
@@ -72,12 +72,12 @@ pub(super) fn of_scene<T>(
     Ok(())
 }
 
-fn film(stage: &Stage, camera: &Filming, diagram: &mut Diagram) {
+fn film(scene: &Outline, camera: &Filming, diagram: &mut Diagram) {
     if !diagram.frames.iter().any(|f| f.name == "camera") {
-        diagram.frames.extend(frame::of_camera(camera));
+        diagram.frames.extend(stage::camera_frame(camera));
     }
     for name in ["camera", "sensor"] {
-        if let Some(track) = stage.track(name) {
+        if let Some(track) = stage::track(scene, name) {
             diagram.lines.push(line(name.into(), track));
         }
     }
@@ -123,16 +123,16 @@ fn add_body(diagram: &mut Diagram, name: String, track: Track) {
 }
 
 /// The light by which the camera sees the objects' origins.
-fn see(stage: &Stage, diagram: &mut Diagram) {
-    let Some(camera) = &stage.camera else { return };
+fn see(scene: &Outline, diagram: &mut Diagram) {
+    let Some(camera) = &scene.camera else { return };
     let Some(shot) = camera.line.state(camera.model.time) else {
         return;
     };
     diagram
         .events
         .push(mark("shot", Some("shot".into()), shot.event));
-    let bodies = stage.objects.iter().take(MOST);
-    let seen = bodies.filter_map(|body| body.track().emits_to(shot.event));
+    let bodies = scene.objects.iter().take(MOST);
+    let seen = bodies.filter_map(|body| stage::of_body(body).emits_to(shot.event));
     diagram.signals.extend(seen.map(|emission| Signal {
         from: emission.event,
         to: shot.event,

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::names::Names;
 use crate::error::{Error, Result};
-use crate::scene::at::At;
-use crate::scene::file::diagram::DiagramEvent;
-use crate::scene::model::diagram::{Mark, Moment, Track};
+use crate::figures::diagram::file::DiagramEvent;
+use crate::figures::diagram::model::{Mark, Moment, Track};
+use crate::scene::At;
 use crate::spacetime::{Event, World};
 
 const WHAT: &str = "this event is said twice";

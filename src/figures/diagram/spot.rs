@@ -7,14 +7,12 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::VelocityTable;
-use crate::scene::at::At;
-use crate::scene::values::{Number, Numbers};
+use crate::scene::{At, Number, Numbers, VelocityTable};
 
 /// An event: its name, [ct, x], or [ct, x, y].
 #[derive(Debug, Clone, JsonSchema)]
 #[schemars(untagged)]
-pub(in crate::scene) enum Spot {
+pub(super) enum Spot {
     Name(String),
     At(Numbers<2>),
     Deep(Numbers<3>),
@@ -23,7 +21,7 @@ pub(in crate::scene) enum Spot {
 /// A velocity: β along the diagram's direction, or a table.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
-pub(in crate::scene) enum Speed {
+pub(super) enum Speed {
     Beta(Number),
     Table(Box<VelocityTable>),
 }
@@ -31,7 +29,7 @@ pub(in crate::scene) enum Speed {
 /// One name, or several.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
-pub(in crate::scene) enum OneOrMany {
+pub(super) enum OneOrMany {
     One(String),
     Many(Vec<At<String>>),
 }

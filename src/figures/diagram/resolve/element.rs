@@ -6,14 +6,14 @@ use super::event::{at_own_time, found, meeting};
 use super::names::Names;
 use super::settings::{self, colour, words};
 use crate::error::Result;
-use crate::scene::at::At;
-use crate::scene::file;
-use crate::scene::file::diagram as said;
-use crate::scene::file::diagram::OneOrMany;
-use crate::scene::model::diagram::{
+use crate::figures::diagram::file;
+use crate::figures::diagram::file as said;
+use crate::figures::diagram::model::{
     Arrow, Cone, Diagram, Hyperbola, Interval, Region, Side, Signal, Slice, SliceKind, Track,
     Wedge, Words, WorldSheet,
 };
+use crate::figures::diagram::spot::{OneOrMany, Spot};
+use crate::scene::{At, Number};
 use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
 
@@ -265,7 +265,7 @@ fn hyperbola(names: &mut Names, at: &At<said::Hyperbola>) -> Result<Hyperbola> {
 fn to_vertex(
     names: &mut Names,
     about: Event<World>,
-    spot: &At<said::Spot>,
+    spot: &At<Spot>,
 ) -> Result<Displacement<World>> {
     let n = names.direction;
     let step = names.event(spot)? - about;
@@ -282,7 +282,7 @@ fn to_vertex(
     Err(names.cx.refuse(spot, what, "name another event"))
 }
 
-fn nonzero(names: &Names, at: &At<crate::scene::values::Number>) -> Result<f64> {
+fn nonzero(names: &Names, at: &At<Number>) -> Result<f64> {
     match at.value.0 {
         0.0 => {
             let what = "an interval of 0 is the light cone, which is no hyperbola";

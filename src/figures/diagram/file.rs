@@ -1,22 +1,11 @@
 //! `[diagram]`: a space-time diagram, by its frames, world lines, events and what is drawn between them.
 
-mod animation;
-mod elements;
-mod spot;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Velocity;
-use crate::scene::at::At;
-use crate::scene::values::{Number, Numbers, Vector};
+use super::spot::{OneOrMany, Speed, Spot};
+use crate::scene::{At, Number, Numbers, Vector};
 use crate::spacetime::units::Length;
-
-pub(in crate::scene) use animation::{Animation, Now};
-pub(in crate::scene) use elements::{
-    Arrow, Hyperbola, Interval, LightCone, Region, Sheet, Side, Signal, Slice, Text, Wedge,
-};
-pub(in crate::scene) use spot::{OneOrMany, Speed, Spot};
 
 /// A space-time diagram: ct upwards, one direction of space to the right, light at 45 degrees. Numbers are
 /// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x], or [ct, x, y] in 2+1 dimensions.
@@ -26,7 +15,7 @@ pub(in crate::scene) use spot::{OneOrMany, Speed, Spot};
     deny_unknown_fields,
     expecting = "a table like { title = \"Time dilation\" }"
 )]
-pub(in crate::scene) struct Diagram {
+pub(super) struct Diagram {
     /// A line above the diagram.
     pub title: Option<At<String>>,
     /// What a number of this table means: "m", "mm", "cm", "km", or a time, of which a length is what
@@ -88,7 +77,7 @@ pub(in crate::scene) struct Diagram {
 /// How many dimensions of space-time a diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[schemars(inline)]
-pub(in crate::scene) enum Dimensions {
+pub(super) enum Dimensions {
     #[serde(rename = "1+1")]
     Two,
     #[serde(rename = "2+1")]
@@ -99,7 +88,7 @@ pub(in crate::scene) enum Dimensions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
-pub(in crate::scene) enum Unit {
+pub(super) enum Unit {
     M,
     Mm,
     Cm,
@@ -121,7 +110,7 @@ pub(in crate::scene) enum Unit {
     deny_unknown_fields,
     expecting = "a table like { name = \"S'\", velocity = 0.6 }"
 )]
-pub(in crate::scene) struct DiagramFrame {
+pub(super) struct DiagramFrame {
     /// Unique name; "world" is that of the scene's own frame.
     pub name: At<String>,
     /// Velocity: β along the diagram's direction, or a table as elsewhere. Excludes `of`.
@@ -152,7 +141,7 @@ pub(in crate::scene) struct DiagramFrame {
     deny_unknown_fields,
     expecting = "a table like { name = \"ship\", at = [0, 0], velocity = 0.6 }"
 )]
-pub(in crate::scene) struct DiagramLine {
+pub(super) struct DiagramLine {
     /// Unique name.
     pub name: At<String>,
     /// What stands beside it; "" is nothing. Default: the name.
@@ -199,7 +188,7 @@ pub(in crate::scene) struct DiagramLine {
     deny_unknown_fields,
     expecting = "a table like { duration = 2, acceleration = 0.5 }"
 )]
-pub(in crate::scene) struct LineSegment {
+pub(super) struct LineSegment {
     /// The own time that it takes, above 0. Only the last stretch may leave it out.
     pub duration: Option<At<Number>>,
     /// Proper acceleration along the diagram's direction. Default: none; it coasts.
@@ -212,7 +201,7 @@ pub(in crate::scene) struct LineSegment {
     deny_unknown_fields,
     expecting = "a table like { radius = 1, period = 10 }"
 )]
-pub(in crate::scene) struct LineCircle {
+pub(super) struct LineCircle {
     /// Its radius, above 0.
     pub radius: At<Number>,
     /// World time of a revolution, more than light takes to go round.
@@ -225,7 +214,7 @@ pub(in crate::scene) struct LineCircle {
     deny_unknown_fields,
     expecting = "a table like { name = \"A\", at = [0, 0] }"
 )]
-pub(in crate::scene) struct DiagramEvent {
+pub(super) struct DiagramEvent {
     /// Unique name.
     pub name: At<String>,
     /// What stands beside it; "" is nothing. Default: the name.
@@ -255,7 +244,7 @@ pub(in crate::scene) struct DiagramEvent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
-pub(in crate::scene) enum Colour {
+pub(super) enum Colour {
     Black,
     Grey,
     Blue,
@@ -273,7 +262,7 @@ pub(in crate::scene) enum Colour {
     deny_unknown_fields,
     expecting = "a table like { theme = \"dark\" }"
 )]
-pub(in crate::scene) struct DiagramStyle {
+pub(super) struct DiagramStyle {
     /// "light" or "dark". Default: "light".
     pub theme: Option<Theme>,
     /// Width of the page, like "120 mm". Default: "120 mm" for each view.
@@ -294,10 +283,237 @@ pub(in crate::scene) struct DiagramStyle {
 #[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
-pub(in crate::scene) enum Theme {
+pub(super) enum Theme {
     Light,
     Dark,
 }
 
-/// The velocity of a frame or world line, as a table.
-pub(in crate::scene) type VelocityTable = Velocity;
+/// The light cone of an event.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table like { of = \"A\" }")]
+pub(super) struct LightCone {
+    /// The event.
+    pub of: At<Spot>,
+    /// Whether its future is drawn. Default: true, unless `past` is said.
+    pub future: Option<bool>,
+    /// Whether its past is drawn. Default: true, unless `future` is said.
+    pub past: Option<bool>,
+    /// How far from its apex it is drawn in 2+1 dimensions, above 0. Default: as far as the contents go.
+    pub height: Option<At<Number>>,
+    /// Whether what is within the cone is shaded. Default: false; in 2+1 dimensions it is always.
+    pub shade: Option<bool>,
+}
+
+/// Light from an event or a world line to a world line, and on to others.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { from = \"A\", to = \"ship\" }"
+)]
+pub(super) struct Signal {
+    /// The event of its emission, or the world line that emits it.
+    pub from: At<Spot>,
+    /// The time of the world line's own clock when it does.
+    pub proper_time: Option<At<Number>>,
+    /// Emits one after the other in these distances of the world line's own time, above 0, from its
+    /// beginning (or its time 0) to its end (or `count` of them). Excludes `proper_time`.
+    pub every: Option<At<Number>>,
+    /// How many; needed where the world line has no end. At most 1000.
+    pub count: Option<At<u32>>,
+    /// The world line that receives it; of several the first sends it on to the next.
+    pub to: At<OneOrMany>,
+    /// What stands beside it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: that of light.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A line of equal time, or of equal place, of a frame.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { frame = \"S'\", event = \"A\" }"
+)]
+pub(super) struct Slice {
+    /// The frame. Default: "world".
+    pub frame: Option<At<String>>,
+    /// An event on the line.
+    pub event: At<Spot>,
+    /// The world line at which it ends; it goes there from the event, and for a line of equal place to the
+    /// first crossing after the world line's time 0, or else the last before. Default: it has no ends.
+    pub to: Option<At<String>>,
+    /// What stands beside it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: the frame's.
+    pub colour: Option<At<Colour>>,
+}
+
+/// The interval between two events.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { from = \"A\", to = \"B\" }"
+)]
+pub(super) struct Interval {
+    /// One event.
+    pub from: At<Spot>,
+    /// The other.
+    pub to: At<Spot>,
+    /// What stands beside it; "" is nothing. Default: its value.
+    pub label: Option<At<String>>,
+    /// The colour. Default: grey.
+    pub colour: Option<At<Colour>>,
+}
+
+/// The events of one interval from an event: said by one of them, or by its value.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table like { proper_time = 1 }")]
+pub(super) struct Hyperbola {
+    /// The event that the interval is from. Default: [0, 0].
+    pub about: Option<At<Spot>>,
+    /// An event on it.
+    pub through: Option<At<Spot>>,
+    /// The proper time from `about` to it, above 0 into the future and below 0 into the past.
+    pub proper_time: Option<At<Number>>,
+    /// The proper distance from `about` to it, above 0 to the right and below 0 to the left.
+    pub proper_length: Option<At<Number>>,
+    /// What stands beside it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: grey.
+    pub colour: Option<At<Colour>>,
+}
+
+/// What lies between two world lines: that of a rod, from end to end.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { between = [\"rear\", \"front\"] }"
+)]
+pub(super) struct Sheet {
+    /// The two world lines.
+    pub between: At<[At<String>; 2]>,
+    /// What stands on it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: that of the first world line.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A shaded region with straight edges.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { corners = [\"A\", \"B\", [0, 1]] }"
+)]
+pub(super) struct Region {
+    /// Its corners, in order: 3 or more events.
+    pub corners: At<Vec<At<Spot>>>,
+    /// What stands on it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: grey.
+    pub colour: Option<At<Colour>>,
+}
+
+/// An arrow: the four-velocity of a world line, or from event to event.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { of = \"ship\", proper_time = 1 }"
+)]
+pub(super) struct Arrow {
+    /// The world line whose four-velocity it is.
+    pub of: Option<At<String>>,
+    /// The time of the world line's own clock. Default: 0.
+    pub proper_time: Option<At<Number>>,
+    /// How long a four-velocity is drawn, above 0. Default: 1.
+    pub length: Option<At<Number>>,
+    /// The event from which it goes. Excludes `of`.
+    pub from: Option<At<Spot>>,
+    /// The event to which it goes. Excludes `of`.
+    pub to: Option<At<Spot>>,
+    /// What stands beside it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: that of the world line.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A quarter of the diagram between the light rays through an event, and these rays: the horizons of those
+/// who accelerate away from the event for ever.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { of = [0, 0], side = \"right\" }"
+)]
+pub(super) struct Wedge {
+    /// The event.
+    pub of: At<Spot>,
+    /// Which: "right", "left", "future" or "past". Default: "right".
+    pub side: Option<At<Side>>,
+    /// What stands on it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: grey.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A quarter of the diagram.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub(super) enum Side {
+    Right,
+    Left,
+    Future,
+    Past,
+}
+
+/// Words at an event.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { at = [1, 2], text = \"here\" }"
+)]
+pub(super) struct Text {
+    /// The words.
+    pub text: At<String>,
+    /// Where their middle is.
+    pub at: At<Spot>,
+    /// The colour. Default: black.
+    pub colour: Option<At<Colour>>,
+}
+
+/// A series of pictures: the view is boosted to a frame step by step, or a line of simultaneity sweeps
+/// over the diagram, or both.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { boost_to = \"S'\", frames = 49 }"
+)]
+pub(super) struct Animation {
+    /// How many pictures, 2 to 10000. Default: 49.
+    pub frames: Option<At<u32>>,
+    /// Pictures per second of an animated file, above 0. Default: 24.
+    pub fps: Option<At<Number>>,
+    /// The frame in whose coordinates the last picture is; from that of the view there in equal steps of
+    /// rapidity.
+    pub boost_to: Option<At<String>>,
+    /// Whether it goes there and back again, in these pictures. Default: false.
+    pub back: Option<bool>,
+    /// A line of simultaneity that sweeps from one time to another, with the readings of the clocks on it.
+    pub now: Option<At<Now>>,
+}
+
+/// A line of simultaneity that sweeps.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { frame = \"S'\", from = 0, to = 5 }"
+)]
+pub(super) struct Now {
+    /// The frame in which all on the line is simultaneous. Default: "world".
+    pub frame: Option<At<String>>,
+    /// The time of that frame in the first picture.
+    pub from: At<Number>,
+    /// The time of that frame in the last picture.
+    pub to: At<Number>,
+    /// The colour. Default: the frame's.
+    pub colour: Option<At<Colour>>,
+}

@@ -9,54 +9,8 @@
 //! w being the rapidity of the frame to which is boosted: rapidities along a line add, so that each step is
 //! the same boost. Its origin goes from that of the first view to that of the other in equal steps.
 
-use super::{Colour, Diagram, Reference};
+use super::model::{Boost, Colour, Diagram, Now, Reference, Sweep};
 use crate::spacetime::{InertialFrame, Velocity};
-
-/// What changes from picture to picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Animation {
-    /// How many pictures, 2 at least.
-    pub frames: u32,
-    /// Pictures per second.
-    pub fps: f64,
-    /// Where the view is boosted to.
-    pub boost: Option<Boost>,
-    /// The line of simultaneity that sweeps.
-    pub sweep: Option<Sweep>,
-}
-
-/// A view that is boosted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Boost {
-    /// The frame that it becomes.
-    pub to: usize,
-    /// Whether it goes back again.
-    pub back: bool,
-}
-
-/// A line of simultaneity that sweeps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweep {
-    /// The frame.
-    pub frame: usize,
-    /// Its times in the first and in the last picture, metres.
-    pub times: [f64; 2],
-    /// The colour; none for the frame's.
-    pub colour: Option<Colour>,
-}
-
-/// All that is simultaneous in a frame, with the readings of the clocks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Now {
-    /// The frame.
-    pub frame: usize,
-    /// Its time, metres.
-    pub ct: f64,
-    /// Decimals of the readings, in the diagram's unit.
-    pub decimals: usize,
-    /// The colour; none for the frame's.
-    pub colour: Option<Colour>,
-}
 
 impl Diagram {
     /// Picture `k` of the animation, counted from 0; the diagram as it stands where there is none.

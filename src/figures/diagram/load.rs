@@ -1,0 +1,35 @@
+//! From a scene file, or its text, to the diagram that it means.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::file;
+use super::model::Diagram;
+use super::resolve;
+use crate::error::Result;
+use crate::scene::{self, Overrides};
+
+/// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else that of what its
+/// scene says of world lines. No mesh and no cube is looked for.
+///
+/// # Errors
+/// As [`scene::load`].
+pub fn load(path: &Path, overrides: &Overrides) -> Result<Diagram> {
+    let name = path.display().to_string();
+    parse(&scene::text_of(path)?, &name, scene::base(path), overrides)
+}
+
+/// As [`load`], from the text of a scene called `name`; relative paths in it resolve against `base`.
+///
+/// # Errors
+/// As [`scene::load`].
+pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Result<Diagram> {
+    scene::parse_diagram(text, name, base, overrides, resolve::resolve)
+}
+
+/// The JSON schema (draft 2020-12) of a scene file with its `[diagram]`, for editors: descriptions, defaults,
+/// and what is refused.
+pub fn schema() -> Value {
+    scene::with_diagram::<file::Diagram>()
+}

@@ -1,0 +1,39 @@
+//! World lines of what the scene has.
+
+use crate::figures::diagram::model::{Reference, Track};
+use crate::scene::{Body, Filming, Outline};
+use crate::spacetime::worldline::WorldLine;
+
+/// The world line of this name.
+pub(super) fn track(scene: &Outline, name: &str) -> Option<Track> {
+    if let Some(camera) = &scene.camera {
+        match (name, camera.model.sensor) {
+            ("camera" | "pinhole", _) => return Some(camera.line.clone().into()),
+            ("sensor", Some(sensor)) => {
+                let forward = camera.model.axes[2];
+                return Some(Track::sensor(camera.line.clone(), sensor, forward));
+            }
+            _ => {}
+        }
+    }
+    let body = scene.objects.iter().find(|body| body.name == name)?;
+    Some(of_body(body))
+}
+
+/// The world line of an object.
+pub(super) fn of_body(body: &Body) -> Track {
+    WorldLine::inertial(body.velocity, body.origin).into()
+}
+
+/// The frame of the camera at the time of the shot.
+pub(super) fn camera_frame(camera: &Filming) -> Option<Reference> {
+    let moment = Track::from(camera.line.clone()).at(camera.model.time)?;
+    Some(Reference {
+        name: "camera".into(),
+        frame: moment.frame(),
+        axes: false,
+        grid: false,
+        ticks: None,
+        colour: None,
+    })
+}

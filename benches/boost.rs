@@ -132,7 +132,7 @@ fn look_all(view: &impl View, image: usize) {
         for columns in (0..image).step_by(256) {
             out.clear();
             let last = image.min(columns + 256);
-            out.extend((columns..last).map(|x| view.look(x as f64 + 0.5, row as f64 + 0.5, 0.0)));
+            out.extend((columns..last).map(|x| view.ray(x as f64 + 0.5, row as f64 + 0.5, 0.0)));
             black_box(&out);
         }
     }

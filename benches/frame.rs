@@ -312,8 +312,8 @@ fn world_directions(scene: &Prepared) -> Vec<DVec3> {
     let look = |(y, x): (usize, usize)| {
         let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
         match &scene.camera.view {
-            AnyView::Still(view) => view.look(x, y, 0.0).d.unit(),
-            AnyView::Moving(view) => view.look(x, y, 0.0).d.unit(),
+            AnyView::Still(view) => view.ray(x, y, 0.0).d.unit(),
+            AnyView::Moving(view) => view.ray(x, y, 0.0).d.unit(),
             other => panic!("the peer has no {:?} camera", other.kind()),
         }
     };

@@ -17,8 +17,8 @@
 
 use glam::DVec3;
 
-use super::inertial::Exposure;
-use super::{Apart, Look, Pinhole, Shot, View};
+use super::inertial::ExposureTime;
+use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
 use crate::spacetime::worldline::{State, Vicinity, WorldLine};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
@@ -34,7 +34,7 @@ pub struct Accelerated {
     event: Event<World>,
     /// The camera at that time, where there is no exposure.
     instant: Option<Placed>,
-    exposure: Exposure,
+    exposure: ExposureTime,
     aberration: bool,
 }
 
@@ -51,8 +51,8 @@ struct Placed {
     moved: Displacement<World>,
 }
 
-/// How an element sees.
-struct Sight {
+/// The ray of a sensor element.
+struct ElementRay {
     d: Direction<World>,
     seen: Direction<Camera>,
     ratio: f64,
@@ -63,7 +63,7 @@ struct Sight {
 impl Accelerated {
     /// The view of `model`, which moves along `line`; its shutter opens at `shot`.
     pub fn new(model: &CameraModel, line: WorldLine, shot: &Shot, aberration: bool) -> Self {
-        let exposure = Exposure::of(model);
+        let exposure = ExposureTime::of(model);
         let mut camera = Accelerated {
             line,
             film: shot.pinhole.clone(),
@@ -87,7 +87,7 @@ impl Accelerated {
         times.iter().all(|t| {
             let placed = self.placed(*t);
             let mut corners = self.film.corners().into_iter();
-            placed.is_some_and(|p| corners.all(|[x, y]| self.sight(&p, x, y).is_some()))
+            placed.is_some_and(|p| corners.all(|[x, y]| self.element_ray(&p, x, y).is_some()))
         })
     }
 
@@ -109,18 +109,18 @@ impl Accelerated {
 
     /// What a camera without a sensor sees: its velocity and place at the moment are all that counts.
     #[inline]
-    fn look_from_point(&self, x: f64, y: f64, moment: f64) -> Option<Look<Apart>> {
+    fn ray_from_point(&self, x: f64, y: f64, moment: f64) -> Option<CameraRay> {
         let time = self.time + moment * self.exposure.duration;
         let (event, velocity) = self.line.place(time)?;
         let seen = self.film.direction(x, y);
         let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(seen);
-        Some(Look {
+        Some(CameraRay {
             d: match self.aberration {
                 true => d,
                 false => Direction::from_unit(seen.unit()),
             },
             ratio,
-            from: Apart {
+            origin: RayOrigin {
                 displacement: event - self.event,
                 delay: 1.0,
                 weight: self.exposure.weight,
@@ -130,10 +130,10 @@ impl Accelerated {
 
     /// What the element at film point `(x, y)` sees.
     #[inline]
-    fn sight(&self, camera: &Placed, x: f64, y: f64) -> Option<Sight> {
+    fn element_ray(&self, camera: &Placed, x: f64, y: f64) -> Option<ElementRay> {
         let Some(sensor) = self.sensor else {
             let seen = self.film.direction(x, y);
-            return Some(camera.sight(seen, Displacement::new(0.0, DVec3::ZERO)));
+            return Some(camera.element_ray(seen, Displacement::new(0.0, DVec3::ZERO)));
         };
         let element = self.film.vector(x, y) * -sensor.focal_length;
         match sensor.assembly {
@@ -147,7 +147,7 @@ impl Accelerated {
 
     /// The element at `element` from the pinhole on a rigid body, in its frame.
     #[inline]
-    fn rigid(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
+    fn rigid(&self, camera: &Placed, element: DVec3) -> Option<ElementRay> {
         let apex = Displacement::new(0.0, element);
         let crossing = |v: &Vicinity| {
             let own = v.crossing(apex, element.length_squared())?;
@@ -155,7 +155,7 @@ impl Accelerated {
         };
         let near = camera.vicinity.as_ref().and_then(crossing);
         let (own, from) = near.or_else(|| self.rigid_anywhere(camera, apex))?;
-        Some(camera.sight(along(own.x - element)?, from))
+        Some(camera.element_ray(along(own.x - element)?, from))
     }
 
     /// Where light left the pinhole for a place on its body, in its frame and the world, where the
@@ -173,7 +173,7 @@ impl Accelerated {
 
     /// The element at `element` from the pinhole, as the world measures, on a ship of its own.
     #[inline]
-    fn ships(&self, camera: &Placed, element: DVec3) -> Option<Sight> {
+    fn ships(&self, camera: &Placed, element: DVec3) -> Option<ElementRay> {
         let camera_from_world = camera.state.frame().frame_from_world();
         let at = Displacement::new(0.0, element);
         let crossing = |v: &Vicinity| {
@@ -191,7 +191,7 @@ impl Accelerated {
         let from = near.or_else(anywhere)?;
         let d = along(from.x - element)?;
         let (seen, ratio) = camera_from_world.direction(d);
-        Some(Sight {
+        Some(ElementRay {
             d,
             seen,
             ratio: 1.0 / ratio,
@@ -207,9 +207,9 @@ type Passage = (Displacement<Camera>, Displacement<World>);
 impl Placed {
     /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
     #[inline]
-    fn sight(&self, seen: Direction<Camera>, from: Displacement<World>) -> Sight {
+    fn element_ray(&self, seen: Direction<Camera>, from: Displacement<World>) -> ElementRay {
         let (d, ratio) = self.world_from_camera.direction(seen);
-        Sight {
+        ElementRay {
             d,
             seen,
             ratio,
@@ -229,25 +229,25 @@ fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
 }
 
 /// What an element sees whose light never passed the pinhole.
-fn nothing() -> Look<Apart> {
-    Look {
+fn nothing() -> CameraRay {
+    CameraRay {
         d: Direction::from_unit(DVec3::NAN),
         ratio: f64::NAN,
-        from: Apart {
+        origin: RayOrigin {
             weight: 0.0,
-            ..Apart::NOWHERE_ELSE
+            ..RayOrigin::AT_SHOT
         },
     }
 }
 
 impl View for Accelerated {
-    type From = Apart;
-    const EXPOSED: bool = true;
+    const SHARED_ORIGIN: bool = false;
+    const USES_TIME: bool = true;
 
     #[inline]
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         if self.sensor.is_none() {
-            return self.look_from_point(x, y, moment).unwrap_or_else(nothing);
+            return self.ray_from_point(x, y, moment).unwrap_or_else(nothing);
         }
         let later;
         let camera = match &self.instant {
@@ -260,18 +260,18 @@ impl View for Accelerated {
                 &later
             }
         };
-        let Some(sight) = self.sight(camera, x, y) else {
+        let Some(ray) = self.element_ray(camera, x, y) else {
             return nothing();
         };
-        Look {
+        CameraRay {
             d: if self.aberration {
-                sight.d
+                ray.d
             } else {
-                Direction::from_unit(sight.seen.unit())
+                Direction::from_unit(ray.seen.unit())
             },
-            ratio: sight.ratio,
-            from: Apart {
-                displacement: camera.moved + sight.from,
+            ratio: ray.ratio,
+            origin: RayOrigin {
+                displacement: camera.moved + ray.from,
                 delay: 1.0,
                 weight: self.exposure.weight,
             },

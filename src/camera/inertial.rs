@@ -19,7 +19,7 @@
 
 use glam::DVec3;
 
-use super::{Apart, Look, Pinhole, Shot, View};
+use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Records};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
 
@@ -31,28 +31,28 @@ pub struct Inertial {
     /// The pinhole's displacement per metre of camera time.
     four_velocity: Displacement<World>,
     focal_length: f64,
-    exposure: Exposure,
+    exposure: ExposureTime,
     aberration: bool,
 }
 
-/// How long a camera looks, and what its samples weigh.
+/// The exposure time of a camera, and the weight of its samples.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Exposure {
+pub(super) struct ExposureTime {
     /// Camera time, metres; 0 for an instant.
     pub duration: f64,
     pub weight: f64,
 }
 
-impl Exposure {
+impl ExposureTime {
     /// That of `model`.
     pub fn of(model: &CameraModel) -> Self {
         let Some(shutter) = model.shutter else {
-            return Exposure {
+            return ExposureTime {
                 duration: 0.0,
                 weight: 1.0,
             };
         };
-        Exposure {
+        ExposureTime {
             duration: shutter.duration,
             weight: match shutter.records {
                 Records::Mean => 1.0,
@@ -79,18 +79,18 @@ impl Inertial {
             world_from_camera,
             four_velocity: world_from_camera.displacement(Displacement::new(1.0, DVec3::ZERO)),
             focal_length,
-            exposure: Exposure::of(model),
+            exposure: ExposureTime::of(model),
             aberration,
         }
     }
 }
 
 impl View for Inertial {
-    type From = Apart;
-    const EXPOSED: bool = true;
+    const SHARED_ORIGIN: bool = false;
+    const USES_TIME: bool = true;
 
     #[inline(always)]
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         let (seen, length) = self.film.direction_and_length(x, y);
         let (d, ratio) = self.world_from_camera.direction(seen);
         let d = if self.aberration {
@@ -99,10 +99,10 @@ impl View for Inertial {
             Direction::from_unit(seen.unit())
         };
         let since = moment * self.exposure.duration - self.focal_length * length;
-        Look {
+        CameraRay {
             d,
             ratio,
-            from: Apart {
+            origin: RayOrigin {
                 displacement: self.four_velocity * since,
                 delay: 1.0,
                 weight: self.exposure.weight,

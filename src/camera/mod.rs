@@ -18,25 +18,25 @@
 //! | [`Turning`] | without acceleration, with a sensor that rotates | the pinhole's world line |
 //! | [`Paper`] | by the equations of Jarabo et al. 2015 | one event, with their times |
 //!
-//! What a camera does not need is not in its type: a camera at rest has no boost, and one whose rays
-//! share their event carries none along with each ray ([`Departure`]).
+//! What a camera does not need is not in its type: a camera at rest has no boost, and one whose rays all
+//! leave the event of the shot stores no origins ([`View::SHARED_ORIGIN`]).
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
 mod accelerated;
-mod departure;
 mod film;
 mod inertial;
+mod origin;
 mod paper;
 mod point;
 mod shot;
 mod turning;
 
 pub use accelerated::Accelerated;
-pub use departure::{Apart, Departure, Together};
 pub use film::Pinhole;
 pub use inertial::Inertial;
+pub use origin::RayOrigin;
 pub use paper::Paper;
 pub use point::{Moving, Point, Still, Unaberrated};
 pub use shot::{AnyView, Camera, Kind, Shot};
@@ -45,36 +45,25 @@ pub(crate) use turning::rotation_matrix;
 
 use crate::spacetime::{Direction, World};
 
-/// What one film point sees along.
+/// The ray of one film point.
 #[derive(Debug, Clone, Copy)]
-pub struct Look<D> {
+pub struct CameraRay {
     /// The look direction in the world.
     pub d: Direction<World>,
     /// W for a source at rest in the world.
     pub ratio: f64,
     /// Where the ray leaves.
-    pub from: D,
-}
-
-impl<D: Departure> Look<D> {
-    /// The same, with where the ray leaves said in full.
-    pub fn apart(self) -> Look<Apart> {
-        Look {
-            d: self.d,
-            ratio: self.ratio,
-            from: self.from.into(),
-        }
-    }
+    pub origin: RayOrigin,
 }
 
 /// From film points to rays of the world.
 pub trait View: Sync {
-    /// Where its rays leave.
-    type From: Departure;
+    /// Whether all rays leave the event of the shot, with [`RayOrigin::AT_SHOT`].
+    const SHARED_ORIGIN: bool;
 
-    /// Whether it looks at different moments of an exposure.
-    const EXPOSED: bool;
+    /// Whether rays depend on the moment of the exposure.
+    const USES_TIME: bool;
 
-    /// What is seen at film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Self::From>;
+    /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay;
 }

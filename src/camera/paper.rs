@@ -13,8 +13,8 @@
 //! and pinhole that accelerate alike, d′ of Eq. 16. An exposure T′ lasts T′/D for each direction
 //! (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
 
-use super::inertial::Exposure;
-use super::{Apart, Look, Pinhole, Shot, View};
+use super::inertial::ExposureTime;
+use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Motion};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 use glam::DVec3;
@@ -28,7 +28,7 @@ pub struct Paper {
     gamma: f64,
     /// World time by Eq. 11 less that of the shot.
     early: f64,
-    exposure: Exposure,
+    exposure: ExposureTime,
     aberration: bool,
 }
 
@@ -47,7 +47,7 @@ impl Paper {
                 true => model.origin.ct + model.time / gamma - shot.event.ct,
                 false => 0.0,
             },
-            exposure: Exposure::of(model),
+            exposure: ExposureTime::of(model),
             aberration,
         }
     }
@@ -71,11 +71,11 @@ fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
 }
 
 impl View for Paper {
-    type From = Apart;
-    const EXPOSED: bool = true;
+    const SHARED_ORIGIN: bool = false;
+    const USES_TIME: bool = true;
 
     #[inline]
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         let seen = self.film.direction(x, y);
         let (d, doppler) = self.world_from_camera.direction(seen);
         let along = self.beta.dot(d.unit());
@@ -90,14 +90,14 @@ impl View for Paper {
             self.early + since / self.gamma,
             self.beta * (self.gamma * since),
         );
-        Look {
+        CameraRay {
             d: if self.aberration {
                 d
             } else {
                 Direction::from_unit(seen.unit())
             },
             ratio: doppler,
-            from: Apart {
+            origin: RayOrigin {
                 displacement,
                 delay: (1.0 - along * along).sqrt(),
                 weight,

@@ -1,6 +1,6 @@
 //! Point cameras at one moment: all rays leave one event.
 
-use super::{Look, Pinhole, Shot, Together, View};
+use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
 use crate::spacetime::{Boost, Camera, Direction, World};
 
 /// A camera at rest in the world: no boost.
@@ -30,52 +30,52 @@ impl Moving {
 }
 
 impl View for Still {
-    type From = Together;
-    const EXPOSED: bool = false;
+    const SHARED_ORIGIN: bool = true;
+    const USES_TIME: bool = false;
 
     #[inline(always)]
-    fn look(&self, x: f64, y: f64, _: f64) -> Look<Together> {
-        Look {
+    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
+        CameraRay {
             d: Direction::from_unit(self.0.direction(x, y).unit()),
             ratio: 1.0,
-            from: Together,
+            origin: RayOrigin::AT_SHOT,
         }
     }
 }
 
 impl View for Moving {
-    type From = Together;
-    const EXPOSED: bool = false;
+    const SHARED_ORIGIN: bool = true;
+    const USES_TIME: bool = false;
 
     #[inline(always)]
-    fn look(&self, x: f64, y: f64, _: f64) -> Look<Together> {
+    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
         let seen = self.pinhole.direction(x, y);
         let (d, ratio) = self.world_from_camera.direction(seen);
-        Look {
+        CameraRay {
             d,
             ratio,
-            from: Together,
+            origin: RayOrigin::AT_SHOT,
         }
     }
 }
 
 impl View for Unaberrated {
-    type From = Together;
-    const EXPOSED: bool = false;
+    const SHARED_ORIGIN: bool = true;
+    const USES_TIME: bool = false;
 
     #[inline(always)]
-    fn look(&self, x: f64, y: f64, _: f64) -> Look<Together> {
+    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
         let seen = self.0.pinhole.direction(x, y);
         let (_, ratio) = self.0.world_from_camera.direction(seen);
-        Look {
+        CameraRay {
             d: Direction::from_unit(seen.unit()),
             ratio,
-            from: Together,
+            origin: RayOrigin::AT_SHOT,
         }
     }
 }
 
-/// Any of them, told apart at each look: for work that is not worth compiling three times.
+/// Any of them, matched at each ray: for work that is not worth compiling three times.
 #[derive(Debug, Clone, Copy)]
 #[allow(missing_docs)]
 pub enum Point<'a> {
@@ -85,15 +85,15 @@ pub enum Point<'a> {
 }
 
 impl View for Point<'_> {
-    type From = Together;
-    const EXPOSED: bool = false;
+    const SHARED_ORIGIN: bool = true;
+    const USES_TIME: bool = false;
 
     #[inline]
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Together> {
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         match self {
-            Point::Still(view) => view.look(x, y, moment),
-            Point::Moving(view) => view.look(x, y, moment),
-            Point::Unaberrated(view) => view.look(x, y, moment),
+            Point::Still(view) => view.ray(x, y, moment),
+            Point::Moving(view) => view.ray(x, y, moment),
+            Point::Unaberrated(view) => view.ray(x, y, moment),
         }
     }
 }

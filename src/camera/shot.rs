@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::turning::rotation_matrix;
 use super::{
-    Accelerated, Apart, Inertial, Look, Moving, Paper, Pinhole, Point, Still, Turning, Unaberrated,
+    Accelerated, CameraRay, Inertial, Moving, Paper, Pinhole, Point, Still, Turning, Unaberrated,
     View,
 };
 use crate::error::{Error, Result};
@@ -159,15 +159,15 @@ impl AnyView {
     }
 
     /// What is seen at film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
-    pub fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+    pub fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         match self {
-            AnyView::Still(view) => view.look(x, y, moment).apart(),
-            AnyView::Moving(view) => view.look(x, y, moment).apart(),
-            AnyView::Unaberrated(view) => view.look(x, y, moment).apart(),
-            AnyView::Inertial(view) => view.look(x, y, moment),
-            AnyView::Accelerated(view) => view.look(x, y, moment),
-            AnyView::Turning(view) => view.look(x, y, moment),
-            AnyView::Paper(view) => view.look(x, y, moment),
+            AnyView::Still(view) => view.ray(x, y, moment),
+            AnyView::Moving(view) => view.ray(x, y, moment),
+            AnyView::Unaberrated(view) => view.ray(x, y, moment),
+            AnyView::Inertial(view) => view.ray(x, y, moment),
+            AnyView::Accelerated(view) => view.ray(x, y, moment),
+            AnyView::Turning(view) => view.ray(x, y, moment),
+            AnyView::Paper(view) => view.ray(x, y, moment),
         }
     }
 

@@ -38,8 +38,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::inertial::Exposure;
-use super::{Apart, Look, Pinhole, Shot, View};
+use super::inertial::ExposureTime;
+use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 
@@ -59,7 +59,7 @@ pub struct Turning {
     time: f64,
     /// The turn at that time, where there is no exposure.
     instant: Option<DMat3>,
-    exposure: Exposure,
+    exposure: ExposureTime,
     aberration: bool,
 }
 
@@ -89,7 +89,7 @@ impl Turning {
             let own = sensor.own_focal_length(forward, velocity);
             (own, own / sensor.focal_length)
         });
-        let exposure = Exposure::of(model);
+        let exposure = ExposureTime::of(model);
         let turn = rotation_matrix(rotation.axis, rotation.rate * model.time);
         Turning {
             film: Pinhole::new(model).stretched(stretch),
@@ -165,12 +165,12 @@ impl Turning {
 
     /// Where the ray of `element` leaves, relative to the shot, and what it weighs.
     #[inline]
-    fn departure(&self, element: &Element, t: f64) -> Apart {
+    fn origin(&self, element: &Element, t: f64) -> RayOrigin {
         let covered = self.elements == Elements::Aberrated && self.covered(element, t);
         let weight = if covered { 0.0 } else { self.exposure.weight };
         let displacement = self.world_from_camera.displacement(element.from);
         match self.equations {
-            Equations::Exact => Apart {
+            Equations::Exact => RayOrigin {
                 displacement,
                 delay: 1.0,
                 weight,
@@ -178,7 +178,7 @@ impl Turning {
             // Eq. 11 with the element's own γ, from the camera's place: t′/γ in place of t.
             Equations::Paper2015 => {
                 let camera_time = self.time + t;
-                Apart {
+                RayOrigin {
                     displacement: Displacement::new(
                         camera_time / gamma(element.v) - self.time,
                         DVec3::ZERO,
@@ -222,23 +222,23 @@ fn gamma(v: DVec3) -> f64 {
 }
 
 impl View for Turning {
-    type From = Apart;
-    const EXPOSED: bool = true;
+    const SHARED_ORIGIN: bool = false;
+    const USES_TIME: bool = true;
 
     #[inline]
-    fn look(&self, x: f64, y: f64, moment: f64) -> Look<Apart> {
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
         let t = moment * self.exposure.duration;
         let element = self.element(self.film.vector(x, y), t);
         let l = Direction::from_unit(element.l);
         let (d, ratio) = self.world_from_camera.direction(l);
-        Look {
+        CameraRay {
             d: if self.aberration {
                 d
             } else {
                 Direction::from_unit(element.l)
             },
             ratio: ratio * element.ratio,
-            from: self.departure(&element, t),
+            origin: self.origin(&element, t),
         }
     }
 }

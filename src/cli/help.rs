@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use nullray::render::aov;
+use nullray::render::aov::Aov;
 
 pub const PROGRAM: &str = "\
 Examples:
@@ -127,8 +127,8 @@ pub fn render_long() -> String {
             .rsplit_once("\n\n")
             .map_or(RENDER, |(examples, _)| examples)
     );
-    for (_, name, meaning) in aov::TABLE {
-        let _ = write!(text, "\n  {name:<17}{meaning}");
+    for aov in Aov::ALL {
+        let _ = write!(text, "\n  {:<17}{}", aov.name(), aov.meaning());
     }
     text + "\n\n" + SAMPLES
 }

@@ -37,7 +37,6 @@ impl Account {
 
     /// Notes a picture.
     pub fn picture(&mut self, stats: Stats, seconds: f64) {
-        use nullray::render::trace::Meter;
         self.pictures += 1;
         self.rendered_in += seconds;
         self.stats.merge(stats);

@@ -10,101 +10,130 @@ use serde::{Serialize, Serializer};
 
 /// Makes the enumeration and its table from one list.
 macro_rules! aovs {
-    ($($variant:ident, $name:literal, $meaning:literal, $definition:literal;)*) => {
+    ($($variant:ident, $name:literal, $combine:ident, $meaning:literal, $definition:literal;)*) => {
         /// One auxiliary channel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Aov {
             $(#[doc = $meaning] $variant,)*
         }
 
-        /// Channel, name, meaning with unit and frame; in the order of [`Aov`].
-        pub const TABLE: &[(Aov, &str, &str)] = &[$((Aov::$variant, $name, $meaning),)*];
-
         impl Aov {
+            /// All channels, in order.
+            pub const ALL: &[Aov] = &[$(Aov::$variant,)*];
+
+            /// The channel's name in files.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Aov::$variant => $name,)*
+                }
+            }
+
+            /// Meaning, with unit and frame.
+            pub fn meaning(self) -> &'static str {
+                match self {
+                    $(Aov::$variant => $meaning,)*
+                }
+            }
+
             /// The formula of one ray's value; [`crate::validate::export`] explains the symbols.
             pub fn definition(self) -> &'static str {
                 match self {
                     $(Aov::$variant => $definition,)*
                 }
             }
+
+            /// How a pixel's value comes from its samples.
+            pub(crate) fn combine(self) -> Combine {
+                match self {
+                    $(Aov::$variant => Combine::$combine,)*
+                }
+            }
         }
     };
 }
 
+/// How a pixel's value comes from its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Combine {
+    /// An integer, that of the sample nearest to the pixel's centre; −1 where that hit nothing.
+    NearestIdentity,
+    /// That of the sample nearest to the pixel's centre; NaN where that hit nothing.
+    Nearest,
+    /// The mean over the samples that hit a surface.
+    MeanOfHits,
+    /// The mean over all samples.
+    MeanOfAll,
+    /// The film's own: the part of the radiance that is known.
+    Coverage,
+    /// The film's own: the standard error of the radiance.
+    StandardError,
+}
+
 aovs! {
-    Object, "object", "index of the object in the scene file, −1 where nothing is met",
+    Object, "object", NearestIdentity, "index of the object in the scene file, −1 where nothing is met",
         "k, the object of which the ray X(s) meets a triangle at the smallest s > 0";
-    Primitive, "primitive", "index of the triangle in the object, in the order of its file",
+    Primitive, "primitive", NearestIdentity, "index of the triangle in the object, in the order of its file",
         "index of that triangle, (a, b, c), in the order of the object's geometry";
-    BarycentricU, "barycentric.u", "weight of the triangle's second corner",
+    BarycentricU, "barycentric.u", Nearest, "weight of the triangle's second corner",
         "u of p = (1 − u − v) a + u b + v c, p the place of object_event";
-    BarycentricV, "barycentric.v", "weight of the triangle's third corner",
+    BarycentricV, "barycentric.v", Nearest, "weight of the triangle's third corner",
         "v of p = (1 − u − v) a + u b + v c";
-    UvU, "uv.u", "texture coordinate u (set 0)",
+    UvU, "uv.u", Nearest, "texture coordinate u (set 0)",
         "first component of (1 − u − v) t_a + u t_b + v t_c, t the corners' TEXCOORD_0";
-    UvV, "uv.v", "texture coordinate v (set 0), 0 at the top row",
+    UvV, "uv.v", Nearest, "texture coordinate v (set 0), 0 at the top row",
         "second component of (1 − u − v) t_a + u t_b + v t_c";
-    EventCt, "event.ct", "emission event: world time × c, metres",
+    EventCt, "event.ct", MeanOfHits, "emission event: world time × c, metres",
         "time of E = X(s) = P + s (−η, d)";
-    EventX, "event.x", "emission event: world x, metres",
+    EventX, "event.x", MeanOfHits, "emission event: world x, metres",
         "x of E = X(s) = P + s (−η, d)";
-    EventY, "event.y", "emission event: world y, metres",
+    EventY, "event.y", MeanOfHits, "emission event: world y, metres",
         "y of E = X(s) = P + s (−η, d)";
-    EventZ, "event.z", "emission event: world z, metres",
+    EventZ, "event.z", MeanOfHits, "emission event: world z, metres",
         "z of E = X(s) = P + s (−η, d)";
-    ObjectEventCt, "object_event.ct", "emission event: the object's own time × c, metres",
+    ObjectEventCt, "object_event.ct", MeanOfHits, "emission event: the object's own time × c, metres",
         "time of M_k⁻¹ (E − O_k)";
-    ObjectEventX, "object_event.x", "emission event: object x, metres",
+    ObjectEventX, "object_event.x", MeanOfHits, "emission event: object x, metres",
         "x of M_k⁻¹ (E − O_k)";
-    ObjectEventY, "object_event.y", "emission event: object y, metres",
+    ObjectEventY, "object_event.y", MeanOfHits, "emission event: object y, metres",
         "y of M_k⁻¹ (E − O_k)";
-    ObjectEventZ, "object_event.z", "emission event: object z, metres",
+    ObjectEventZ, "object_event.z", MeanOfHits, "emission event: object z, metres",
         "z of M_k⁻¹ (E − O_k)";
-    DirectionX, "direction.x", "look direction in the world, x",
+    DirectionX, "direction.x", MeanOfAll, "look direction in the world, x",
         "x of d, where L (−1, d′) = W₀ (−1, d)";
-    DirectionY, "direction.y", "look direction in the world, y",
+    DirectionY, "direction.y", MeanOfAll, "look direction in the world, y",
         "y of d, where L (−1, d′) = W₀ (−1, d)";
-    DirectionZ, "direction.z", "look direction in the world, z",
+    DirectionZ, "direction.z", MeanOfAll, "look direction in the world, z",
         "z of d, where L (−1, d′) = W₀ (−1, d)";
-    Distance, "distance", "world distance from the pinhole event to the emission event, metres",
+    Distance, "distance", MeanOfHits, "world distance from the pinhole event to the emission event, metres",
         "s of E = P + s (−η, d)";
-    WavelengthRatio, "wavelength_ratio", "observed / emitted wavelength",
+    WavelengthRatio, "wavelength_ratio", MeanOfHits, "observed / emitted wavelength",
         "W = (κ·u_k)/(κ·u_camera), κ = (−1, d), u the four-velocities, a·b = a_x b_x + a_y b_y + a_z b_z − a_ct b_ct";
-    NormalX, "normal.x", "geometric normal in the object's rest frame, x",
+    NormalX, "normal.x", MeanOfHits, "geometric normal in the object's rest frame, x",
         "x of (b − a) × (c − a), normalised";
-    NormalY, "normal.y", "geometric normal in the object's rest frame, y",
+    NormalY, "normal.y", MeanOfHits, "geometric normal in the object's rest frame, y",
         "y of (b − a) × (c − a), normalised";
-    NormalZ, "normal.z", "geometric normal in the object's rest frame, z",
+    NormalZ, "normal.z", MeanOfHits, "geometric normal in the object's rest frame, z",
         "z of (b − a) × (c − a), normalised";
-    Coverage, "coverage", "part of the pixel whose radiance is known, 0 to 1",
+    Coverage, "coverage", Coverage, "part of the pixel whose radiance is known, 0 to 1",
         "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
-    StandardError, "standard_error", "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
+    StandardError, "standard_error", StandardError, "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
         "√(sample variance / n) of the n samples' (R + G + B)/3";
 }
 
 impl Aov {
-    /// The channel's name in files.
-    pub fn name(self) -> &'static str {
-        self.row().1
-    }
-
-    /// Meaning, with unit and frame.
-    pub fn meaning(self) -> &'static str {
-        self.row().2
-    }
-
-    fn row(self) -> &'static (Aov, &'static str, &'static str) {
-        &TABLE[self as usize]
+    /// The channel that files name so.
+    pub fn named(name: &str) -> Option<Aov> {
+        Aov::ALL.iter().copied().find(|aov| aov.name() == name)
     }
 
     /// Whether the channel belongs to one sample rather than to the mean of all.
     pub fn is_of_one_sample(self) -> bool {
-        self <= Aov::UvV
+        matches!(self.combine(), Combine::Nearest | Combine::NearestIdentity)
     }
 
     /// Whether the channel holds integers.
     pub fn is_identity(self) -> bool {
-        matches!(self, Aov::Object | Aov::Primitive)
+        self.combine() == Combine::NearestIdentity
     }
 }
 
@@ -129,20 +158,17 @@ pub fn parse(list: &str) -> Result<Vec<Aov>, String> {
 
 fn named(word: &str) -> Vec<Aov> {
     let is_named = |name: &str| word == "all" || name == word || group(name) == word;
-    TABLE
-        .iter()
-        .filter(|row| is_named(row.1))
-        .map(|row| row.0)
-        .collect()
+    let all = Aov::ALL.iter().copied();
+    all.filter(|aov| is_named(aov.name())).collect()
 }
 
 fn group(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// The names of all groups, in the order of the table.
+/// The names of all groups, in order.
 pub fn groups() -> Vec<&'static str> {
-    let mut groups: Vec<_> = TABLE.iter().map(|row| group(row.1)).collect();
+    let mut groups: Vec<_> = Aov::ALL.iter().map(|aov| group(aov.name())).collect();
     groups.dedup();
     groups.push("radiance");
     groups
@@ -159,20 +185,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_in_the_order_of_the_enumeration() {
-        for (i, (aov, _, _)) in TABLE.iter().enumerate() {
-            assert_eq!(*aov as usize, i);
-        }
-    }
-
-    #[test]
     fn groups_channels_and_all_are_understood() {
         assert_eq!(parse("event").unwrap().len(), 4);
         assert_eq!(
             parse("object, event.ct,object").unwrap(),
             [Aov::Object, Aov::EventCt]
         );
-        assert_eq!(parse("all").unwrap().len(), TABLE.len());
+        assert_eq!(parse("all").unwrap().len(), Aov::ALL.len());
         assert_eq!(parse("radiance").unwrap(), []);
         assert!(parse("depth").unwrap_err().contains("depth"));
     }

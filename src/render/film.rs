@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::accel::Precision;
 use crate::io::image::{Channel, Samples};
 use crate::light::time_texture::Coverage;
-use crate::render::aov::Aov;
+use crate::render::aov::{Aov, Combine};
 
 /// Edge length of a tile in pixels.
 pub const TILE: u32 = 16;
@@ -103,7 +103,7 @@ impl Layout {
 pub struct TileFilm {
     tile: Tile,
     radiance: Vec<[f64; 3]>,
-    /// Samples that met nothing.
+    /// Samples that hit nothing.
     unmet: u64,
     /// Of all samples of the tile.
     coverage: Coverage,
@@ -112,8 +112,8 @@ pub struct TileFilm {
     /// For the standard error, with m the mean of R, G, B: m₀ of the first sample, Σ (m − m₀) and
     /// Σ (m − m₀)². Equal samples give exactly 0.
     spread: Vec<[f64; 3]>,
-    /// Samples that met a surface.
-    met: Vec<u32>,
+    /// Samples that hit a surface.
+    hits: Vec<u32>,
     /// Squared distance from the pixel's centre of the nearest sample so far.
     nearest: Vec<f64>,
     aovs: Vec<Vec<f64>>,
@@ -132,7 +132,7 @@ impl TileFilm {
             coverage: Coverage::NONE,
             held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
             spread: vec![[f64::NAN, 0.0, 0.0]; some(layout.channels.contains(&Aov::StandardError))],
-            met: vec![0; some(aovs)],
+            hits: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
             aovs: vec![vec![0.0; n]; layout.channels.len()],
         }
@@ -179,8 +179,8 @@ impl TileFilm {
     }
 
     /// Notes a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
-    pub fn is_nearest_to_centre(&mut self, pixel: usize, offset: [f64; 2], met: bool) -> bool {
-        self.met[pixel] += met as u32;
+    pub fn is_nearest_to_centre(&mut self, pixel: usize, offset: [f64; 2], hit: bool) -> bool {
+        self.hits[pixel] += hit as u32;
         let [x, y] = offset.map(|o| o - 0.5);
         let distance = x * x + y * y;
         let nearest = distance < self.nearest[pixel];
@@ -203,16 +203,16 @@ impl TileFilm {
     /// The finished value of `aov` in `pixel` after `samples` samples.
     fn aov(&self, channel: usize, aov: Aov, pixel: usize, samples: u32) -> f64 {
         let sum = self.aovs[channel][pixel];
-        match aov {
-            Aov::Coverage => self
+        match aov.combine() {
+            Combine::Coverage => self
                 .held
                 .get(pixel)
                 .map_or(1.0, |held| held / samples as f64),
-            Aov::StandardError => self.standard_error(pixel, samples as f64),
-            Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => sum / samples as f64,
-            _ if aov.is_of_one_sample() => sum,
-            // 0/0 = NaN where nothing was met.
-            _ => sum / self.met[pixel] as f64,
+            Combine::StandardError => self.standard_error(pixel, samples as f64),
+            Combine::MeanOfAll => sum / samples as f64,
+            Combine::Nearest | Combine::NearestIdentity => sum,
+            // 0/0 = NaN where nothing was hit.
+            Combine::MeanOfHits => sum / self.hits[pixel] as f64,
         }
     }
 
@@ -317,7 +317,7 @@ impl Film {
         Some(&self.aovs[channel])
     }
 
-    /// The part of all samples that met a surface, 0 to 1.
+    /// The part of all samples that hit a surface, 0 to 1.
     pub fn met(&self) -> f64 {
         let samples = self.radiance.len() as f64 * self.layout.samples as f64;
         1.0 - self.unmet as f64 / samples

@@ -213,7 +213,7 @@ fn unit(bits: u32) -> f64 {
     bits as f64 * (1.0 / 4_294_967_296.0)
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit cones every output bit.
 #[inline(always)]
 fn hash(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -5,14 +5,15 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::camera::{AnyView, Departure};
 use crate::error::{Error, Result};
-use crate::render::film::{Film, Layout, Tile, TileFilm};
-use crate::render::prepare::{Light, Prepared};
+use crate::render::film::{Film, Tile, TileFilm};
+use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    self, Aim, AovRecorder, Meter, NoAovs, Pipeline, Radiance, Recorder, Stats, Surfaces, Unmetered,
+    CameraRays, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
+    TracedRays, record,
 };
+use crate::spacetime::Direction;
 
 /// Renders a prepared scene on rayon's current thread pool.
 ///
@@ -28,7 +29,12 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
 /// As [`render`].
 pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(Film, Stats)> {
     let tiles = 0..Tile::count(scene.layout.size);
-    metered(scene, &Work { tiles, progress })
+    let total = Mutex::new(Stats::default());
+    let film = tiles_with(scene, tiles, progress, Some(&total))?;
+    Ok((
+        film,
+        total.into_inner().unwrap_or_else(PoisonError::into_inner),
+    ))
 }
 
 /// Renders some tiles of the image alone, by [`Tile::of_image`], each with the bits that it has in the whole;
@@ -37,108 +43,110 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 /// # Errors
 /// As [`render`].
 pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
-    Ok(metered::<Unmetered>(scene, &Work { tiles, progress })?.0)
+    tiles_with(scene, tiles, progress, None)
 }
 
-fn metered<M: Meter>(scene: &Prepared, work: &Work) -> Result<(Film, M)> {
-    match &scene.camera.view {
-        AnyView::Still(view) => scene.seen(view, work),
-        AnyView::Moving(view) => scene.seen(view, work),
-        AnyView::Unaberrated(view) => scene.seen(view, work),
-        AnyView::Inertial(view) => scene.seen(view, work),
-        AnyView::Accelerated(view) => scene.seen(view.as_ref(), work),
-        AnyView::Turning(view) => scene.seen(view, work),
-        AnyView::Paper(view) => scene.seen(view, work),
-    }
-}
-
-/// Which tiles are rendered, and who is told.
-struct Work<'a> {
+/// The same; what it costs is added to `total`.
+fn tiles_with(
+    scene: &Prepared,
     tiles: Range<u64>,
-    progress: &'a dyn Progress,
-}
-
-// Each step fixes one type of the pipeline; every combination is compiled for itself.
-impl Prepared {
-    fn seen<D: Departure, M: Meter>(&self, view: &dyn Aim<D>, work: &Work) -> Result<(Film, M)> {
-        let (event, index) = (self.camera.shot.event, self.ray_index);
-        match self.frames.as_slice() {
-            [rest] if rest.frame.velocity().is_rest() => {
-                self.met(view, trace::Still::new(rest, event, index), work)
-            }
-            [rest] => self.met(view, trace::Moving::new(rest, event, index), work),
-            frames => self.met(view, trace::Frames::new(frames, event, index), work),
-        }
-    }
-
-    fn met<D: Departure, S: Surfaces, M: Meter>(
-        &self,
-        view: &dyn Aim<D>,
-        surfaces: S,
-        work: &Work,
-    ) -> Result<(Film, M)> {
-        match &self.light {
-            Light::Constant(light) => self.lit(view, surfaces, light, work),
-            Light::TimeResolved(light) => self.lit(view, surfaces, light, work),
-        }
-    }
-
-    fn lit<D: Departure, S: Surfaces, R: Radiance, M: Meter>(
-        &self,
-        view: &dyn Aim<D>,
-        surfaces: S,
-        radiance: &R,
-        work: &Work,
-    ) -> Result<(Film, M)> {
-        let pipeline = Pipeline {
-            view,
-            surfaces,
-            radiance,
-            event: self.camera.shot.event,
-            index: self.ray_index,
-            background: self.background,
-            sampler: self.sampler,
-            method: self.method,
-        };
-        if self.layout.channels.is_empty() {
-            run(&pipeline, &NoAovs, &self.layout, work)
-        } else {
-            let recorder = AovRecorder {
-                channels: self.layout.channels.clone(),
-            };
-            run(&pipeline, &recorder, &self.layout, work)
-        }
-    }
-}
-
-fn run<D: Departure, S: Surfaces, R: Radiance, A: Recorder, M: Meter>(
-    pipeline: &Pipeline<'_, D, S, R>,
-    recorder: &A,
-    layout: &Layout,
-    work: &Work,
-) -> Result<(Film, M)> {
-    let finished = Mutex::new((Film::new(layout.clone()), M::default()));
-    work.tiles.clone().into_par_iter().try_for_each_init(
-        trace::Buffers::default,
-        |buffers, index| {
+    progress: &dyn Progress,
+    total: Option<&Mutex<Stats>>,
+) -> Result<Film> {
+    let pipeline = Pipeline::new(scene);
+    let layout = &scene.layout;
+    let film = Mutex::new(Film::new(layout.clone()));
+    tiles
+        .into_par_iter()
+        .try_for_each_init(Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
-            let mut meter = M::default();
+            let mut meter = Meter::new(total.is_some());
             for sample in 0..layout.samples {
-                if work.progress.is_cancelled() {
+                if progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
-                pipeline.sample(tile, sample, recorder, buffers, &mut tile_film, &mut meter);
-                work.progress.rays_done(tile.pixels() as u64);
+                pipeline.sample(tile, sample, buffers, &mut tile_film, &mut meter);
+                progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
-            let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
-            finished.0.place(&tile_film);
-            finished.1.merge(meter);
+            let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
+            film.place(&tile_film);
+            if let (Some(total), Some(stats)) = (total, meter.into_stats()) {
+                let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+                total.merge(stats);
+            }
             Ok(())
-        },
-    )?;
-    Ok(finished
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner))
+        })?;
+    Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// From film points to radiance.
+struct Pipeline<'a> {
+    scene: &'a Prepared,
+    surfaces: Surfaces<'a>,
+}
+
+/// Buffers of one thread's tile.
+#[derive(Debug, Default)]
+struct Buffers {
+    camera_rays: CameraRays,
+    hits: HitBuffer,
+    shading: Shading,
+}
+
+impl<'a> Pipeline<'a> {
+    fn new(scene: &'a Prepared) -> Self {
+        let event = scene.camera.shot.event;
+        Pipeline {
+            scene,
+            surfaces: Surfaces::new(&scene.frames, event, scene.ray_index),
+        }
+    }
+
+    /// Renders sample `index` of every pixel of `tile`.
+    fn sample(
+        &self,
+        tile: Tile,
+        index: u32,
+        buffers: &mut Buffers,
+        film: &mut TileFilm,
+        meter: &mut Meter,
+    ) {
+        let (scene, surfaces) = (self.scene, &self.surfaces);
+        let Buffers {
+            camera_rays,
+            hits,
+            shading,
+        } = buffers;
+        meter.start();
+        scene
+            .camera
+            .view
+            .generate(camera_rays, &scene.sampler, tile, index);
+        meter.lap(Stage::CameraRays);
+        let rays = camera_rays.rays(scene.method);
+        surfaces.nearest(&rays, hits, meter);
+        let traced = TracedRays {
+            surfaces,
+            rays,
+            hits,
+            event: scene.camera.shot.event,
+            index: scene.ray_index,
+        };
+        let (radiance, ratios) = (scene.light.radiance(), &camera_rays.ratios);
+        shading.shade(radiance, &traced, scene.background, ratios, film, meter);
+        let channels = scene.layout.channels.as_slice();
+        if !channels.is_empty() {
+            for (ray, ratio) in ratios.iter().enumerate() {
+                let sees = traced.rays.origin(ray).sees();
+                let observed = traced.observed(ray, *ratio).filter(|_| sees);
+                let d = Direction::from_unit(camera_rays.directions[ray]);
+                let offset = camera_rays.offset(ray);
+                record(channels, ray, offset, d, observed.as_ref(), film);
+            }
+        }
+        meter.count(Counter::Rays, tile.pixels() as u64);
+        meter.lap(Stage::Film);
+    }
 }

@@ -278,8 +278,8 @@ fn focal_length(figure: u32, name: &str) -> f64 {
     let sensor = scene.camera.sensor.unwrap();
     let pixels = 0.01;
     let pitch = 2.0 * sensor.focal_length * libm::tan(0.5 * scene.camera.horizontal_fov) / width;
-    let look = camera.view.look(0.5 * width + pixels, 0.5 * height, 0.5);
-    let (seen, _) = camera.shot.frame.frame_from_world().direction(look.d);
+    let ray = camera.view.ray(0.5 * width + pixels, 0.5 * height, 0.5);
+    let (seen, _) = camera.shot.frame.frame_from_world().direction(ray.d);
     let [right, _, forward] = scene.camera.axes.map(|axis| axis.dot(seen.unit()));
     pixels * pitch * forward / right
 }
@@ -317,7 +317,7 @@ fn a_camera_longer_in_its_own_frame_sees_as_from_further_back() {
     let scene = panel(5, "world-0.99");
     let camera = Camera::new(&scene).unwrap();
     let [width, height] = scene.camera.size.map(f64::from);
-    let from = camera.view.look(0.5 * width, 0.5 * height, 0.5).from;
+    let from = camera.view.ray(0.5 * width, 0.5 * height, 0.5).origin;
     assert!((from.displacement.ct + 1.809).abs() < 1e-3, "{from:?}");
 }
 
@@ -375,7 +375,7 @@ fn edges_of_a_turning_sensor_see_the_wavelengths_that_its_figure_derives() {
         let camera = Camera::new(&scene).unwrap();
         let [width, height] = scene.camera.size.map(f64::from);
         for (x, expected) in [(0.0, left), (width, right)] {
-            let observed = 550.0 * camera.view.look(x, 0.5 * height, 0.5).ratio;
+            let observed = 550.0 * camera.view.ray(x, 0.5 * height, 0.5).ratio;
             assert!((observed - expected).abs() < 0.1, "{name}: {observed} nm");
         }
     }
@@ -393,7 +393,7 @@ fn a_turning_sensor_covers_what_its_figure_derives() {
         let [width, height] = scene.camera.size.map(f64::from);
         let sees = |part: f64| {
             let x = 0.5 * width * (1.0 + part);
-            camera.view.look(x, 0.5 * height, 0.5).from.sees()
+            camera.view.ray(x, 0.5 * height, 0.5).origin.sees()
         };
         for (side, limit) in [(-1.0, left), (1.0, right)] {
             let limit: f64 = limit.unwrap_or(1.0);

@@ -1,15 +1,15 @@
-//! Rays with what each has met, found by other means than tracing them.
+//! Rays with what each has met, hit by other means than tracing them.
 
 use glam::DVec3;
 
-use crate::camera::Apart;
+use crate::camera::RayOrigin;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
-use crate::render::trace::{Exposed, Found};
+use crate::render::trace::{RadianceSink, SurfaceHit};
 
 /// A ray, and what it has met.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seeing {
+pub(super) struct BundleRay {
     /// Look direction in the world, a unit vector.
     pub d: DVec3,
     /// World time that the light is on its way, metres, per metre.
@@ -17,7 +17,7 @@ pub(super) struct Seeing {
     /// W for a source at rest in the world.
     pub ratio: f64,
     /// What is met.
-    pub found: Option<Found>,
+    pub hit: Option<SurfaceHit>,
 }
 
 /// One sample of each pixel of a tile: for each pixel, in order, one ray or several.
@@ -25,8 +25,8 @@ pub(super) struct Seeing {
 pub(super) struct Bundle {
     pub directions: Vec<DVec3>,
     pub ratios: Vec<f64>,
-    pub from: Vec<Apart>,
-    pub found: Vec<Option<Found>>,
+    pub origins: Vec<RayOrigin>,
+    pub hits: Vec<Option<SurfaceHit>>,
     /// Of each ray, its pixel and its part of the pixel's sample.
     parts: Vec<(u32, f64)>,
     /// The first ray of each pixel, whose channels are recorded.
@@ -38,28 +38,28 @@ impl Bundle {
     pub fn clear(&mut self) {
         self.directions.clear();
         self.ratios.clear();
-        self.from.clear();
-        self.found.clear();
+        self.origins.clear();
+        self.hits.clear();
         self.parts.clear();
         self.firsts.clear();
     }
 
     /// The rays that are added from now on are the next pixel's.
     pub fn next_pixel(&mut self) {
-        self.firsts.push(self.found.len() as u32);
+        self.firsts.push(self.hits.len() as u32);
     }
 
     /// Adds a ray, which is `part` of its pixel's sample.
     #[inline]
-    pub fn add(&mut self, seeing: Seeing, part: f64) {
+    pub fn add(&mut self, seeing: BundleRay, part: f64) {
         let pixel = (self.firsts.len() - 1) as u32;
         self.directions.push(seeing.d);
         self.ratios.push(seeing.ratio);
-        self.from.push(Apart {
+        self.origins.push(RayOrigin {
             delay: seeing.delay,
-            ..Apart::NOWHERE_ELSE
+            ..RayOrigin::AT_SHOT
         });
-        self.found.push(seeing.found);
+        self.hits.push(seeing.hit);
         self.parts.push((pixel, part));
     }
 
@@ -91,7 +91,7 @@ impl Blend<'_> {
     }
 }
 
-impl Exposed for Blend<'_> {
+impl RadianceSink for Blend<'_> {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {
         let (pixel, part) = self.parts[ray];

@@ -5,18 +5,15 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::bundle::Bundle;
-use crate::accel::Method;
-use crate::camera::Together;
+use crate::camera::Point;
 use crate::error::{Error, Result};
-use crate::render::film::{Film, Layout, Tile, TileFilm};
-use crate::render::prepare::{Light, Prepared};
+use crate::render::film::{Film, Tile, TileFilm};
+use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    Aim, AovRecorder, Developer, Frames, Looks, NoAovs, Radiance, Rays, Recorder, Scratch,
-    Surfaces, Traced, Unmetered,
+    CameraRays, HitBuffer, Meter, RayGenerator, Rays, Shading, Surfaces, TracedRays, record,
 };
-use crate::spacetime::{Direction, Event, World};
+use crate::spacetime::{Direction, World};
 
 /// Finds out what samples see.
 pub(super) trait Painter: Sync {
@@ -30,10 +27,10 @@ pub(super) trait Painter: Sync {
     fn paint(&self, eye: &Eye, tile: Tile, space: &mut Self::Space, bundle: &mut Bundle);
 }
 
-/// One sample of each pixel of a tile: how it looks at the scene.
+/// One sample of each pixel of a tile: its camera ray.
 pub(super) struct Eye<'a> {
-    pub looks: &'a Looks<Together>,
-    surfaces: &'a Frames<'a>,
+    pub camera_rays: &'a CameraRays,
+    surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
     pub index: f64,
 }
@@ -42,96 +39,57 @@ impl Eye<'_> {
     /// The look direction of a pixel's sample.
     #[inline]
     pub fn direction(&self, pixel: usize) -> Direction<World> {
-        Direction::from_unit(self.looks.directions[pixel])
+        Direction::from_unit(self.camera_rays.directions[pixel])
     }
 
     /// The W that a ray along `d` must have for a source at rest in the world, so that what it meets in rest
     /// frame `frame` is seen with the wavelength that the pixel's own direction gives.
     #[inline]
     pub fn ratio(&self, pixel: usize, frame: u32, d: Direction<World>) -> f64 {
-        let (_, rho) = self.surfaces.turned(frame, self.direction(pixel));
-        self.ratio_of(self.looks.ratios[pixel] * rho, frame, d)
+        let (_, rho) = self.surfaces.direction(frame, self.direction(pixel));
+        self.ratio_of(self.camera_rays.ratios[pixel] * rho, frame, d)
     }
 
     /// The same where what is met is seen with wavelength ratio `w`.
     #[inline]
     pub fn ratio_of(&self, w: f64, frame: u32, d: Direction<World>) -> f64 {
-        let (_, rho) = self.surfaces.turned(frame, d);
+        let (_, rho) = self.surfaces.direction(frame, d);
         w / rho
     }
 }
 
 /// A scene, and who sees it.
-struct Stage<'a, R> {
-    view: &'a dyn Aim<Together>,
-    surfaces: Frames<'a>,
-    radiance: &'a R,
-    event: Event<World>,
-    index: f64,
-    background: [f64; 3],
-    sampler: Sampler,
-    method: Method,
+struct Stage<'a> {
+    scene: &'a Prepared,
+    view: Point<'a>,
+    surfaces: Surfaces<'a>,
 }
 
 /// Buffers of one thread.
 #[derive(Default)]
 struct Buffers<T> {
-    looks: Looks<Together>,
+    camera_rays: CameraRays,
     bundle: Bundle,
     sums: Vec<[f64; 3]>,
-    scratch: Scratch,
-    developer: Developer,
+    hits: HitBuffer,
+    shading: Shading,
     space: T,
 }
 
 /// The film of `scene` as `painter` paints it.
-pub(super) fn film(
+pub(super) fn film<P: Painter>(
     scene: &Prepared,
-    painter: &impl Painter,
-    progress: &dyn Progress,
-) -> Result<Film> {
-    match &scene.light {
-        Light::Constant(light) => lit(scene, light, painter, progress),
-        Light::TimeResolved(light) => lit(scene, light, painter, progress),
-    }
-}
-
-fn lit<R: Radiance>(
-    scene: &Prepared,
-    radiance: &R,
-    painter: &impl Painter,
-    progress: &dyn Progress,
-) -> Result<Film> {
-    let view = scene.camera.view.point();
-    let view = view.ok_or_else(crate::approximate::projection::apart)?;
-    let event = scene.camera.shot.event;
-    let stage = Stage {
-        view: &view,
-        // The index is that of each ray.
-        surfaces: Frames::new(&scene.frames, event, 1.0),
-        radiance,
-        event,
-        index: scene.ray_index,
-        background: scene.background,
-        sampler: scene.sampler,
-        method: scene.method,
-    };
-    if scene.layout.channels.is_empty() {
-        return run(&stage, &NoAovs, &scene.layout, painter, progress);
-    }
-    let recorder = AovRecorder {
-        channels: scene.layout.channels.clone(),
-    };
-    run(&stage, &recorder, &scene.layout, painter, progress)
-}
-
-fn run<R: Radiance, A: Recorder, P: Painter>(
-    stage: &Stage<R>,
-    recorder: &A,
-    layout: &Layout,
     painter: &P,
     progress: &dyn Progress,
 ) -> Result<Film> {
+    let view = scene.camera.view.point();
+    let stage = Stage {
+        scene,
+        view: view.ok_or_else(crate::approximate::projection::apart)?,
+        // The index is that of each ray.
+        surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, 1.0),
+    };
+    let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
     (0..Tile::count(layout.size))
         .into_par_iter()
@@ -143,16 +101,21 @@ fn run<R: Radiance, A: Recorder, P: Painter>(
                 if progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
-                let Buffers { looks, bundle, .. } = buffers;
-                stage.view.aim(looks, &stage.sampler, tile, sample);
+                let Buffers {
+                    camera_rays,
+                    bundle,
+                    ..
+                } = buffers;
+                let sampler = &scene.sampler;
+                stage.view.generate(camera_rays, sampler, tile, sample);
                 let eye = Eye {
-                    looks,
+                    camera_rays,
                     surfaces: &stage.surfaces,
-                    index: stage.index,
+                    index: scene.ray_index,
                 };
                 bundle.clear();
                 painter.paint(&eye, tile, &mut buffers.space, bundle);
-                stage.develop(buffers, recorder, &mut tile_film);
+                stage.shade(buffers, &mut tile_film);
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
@@ -163,51 +126,54 @@ fn run<R: Radiance, A: Recorder, P: Painter>(
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-impl<R: Radiance> Stage<'_, R> {
-    /// Adds what the rays of the bundle have met to `film`.
-    fn develop<T, A: Recorder>(&self, buffers: &mut Buffers<T>, recorder: &A, film: &mut TileFilm) {
+impl Stage<'_> {
+    /// Adds the radiance of the rays of the bundle to `film`.
+    fn shade<T>(&self, buffers: &mut Buffers<T>, film: &mut TileFilm) {
         let Buffers {
-            looks,
+            camera_rays,
             bundle,
             sums,
-            scratch,
-            developer,
+            hits,
+            shading,
             ..
         } = buffers;
+        let scene = self.scene;
         let firsts = bundle.firsts.iter();
-        let unmet = firsts.filter(|ray| bundle.found[**ray as usize].is_none());
+        let unmet = firsts.filter(|ray| bundle.hits[**ray as usize].is_none());
         film.add_unmet(unmet.count() as u64);
-        scratch.hold(&bundle.found);
-        let traced = Traced {
+        hits.set(&bundle.hits);
+        let traced = TracedRays {
             surfaces: &self.surfaces,
             rays: Rays {
                 directions: &bundle.directions,
-                from: &bundle.from,
-                method: self.method,
+                origins: Some(&bundle.origins),
+                method: scene.method,
             },
-            scratch,
-            event: self.event,
+            hits,
+            event: scene.camera.shot.event,
             index: 1.0,
         };
-        let (background, ratios) = (self.background, &bundle.ratios);
+        let (radiance, ratios) = (scene.light.radiance(), &bundle.ratios);
         let mut blend = bundle.blend(sums, film);
-        let meter = &mut Unmetered::default();
-        developer.develop(
-            self.radiance,
+        let meter = &mut Meter::off();
+        shading.shade(
+            radiance,
             &traced,
-            background,
+            scene.background,
             ratios,
             &mut blend,
             meter,
         );
         blend.finish();
-        if !A::RECORDS {
+        let channels = scene.layout.channels.as_slice();
+        if channels.is_empty() {
             return;
         }
         for (pixel, &ray) in bundle.firsts.iter().enumerate() {
-            let seen = traced.seen(ray as usize, ratios[ray as usize]);
-            let d = Direction::from_unit(looks.directions[pixel]);
-            recorder.record(pixel, looks.offset(pixel), d, seen.as_ref(), film);
+            let observed = traced.observed(ray as usize, ratios[ray as usize]);
+            let d = Direction::from_unit(camera_rays.directions[pixel]);
+            let offset = camera_rays.offset(pixel);
+            record(channels, pixel, offset, d, observed.as_ref(), film);
         }
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::batch::{Batch, Cuts, Parts};
 use super::bins::Grid;
-use super::bundle::{Bundle, Seeing};
+use super::bundle::{Bundle, BundleRay};
 use super::cull::Frustum;
 use super::divide::Divider;
 use super::draw::{Eye, Painter};
@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::{Found, RestFrame};
+use crate::render::trace::{RestFrame, SurfaceHit};
 use crate::spacetime::{Direction, Displacement};
 
 /// All triangles of a scene in homogeneous film coordinates.
@@ -166,28 +166,28 @@ struct Met<'a> {
 impl Met<'_> {
     /// The ray that meets the point at its own event of emission, or at the one that is interpolated.
     #[inline]
-    fn at_emission(&self, eye: &Eye, pixel: usize) -> Option<Seeing> {
-        let found = |s: f64| Found {
+    fn at_emission(&self, eye: &Eye, pixel: usize) -> Option<BundleRay> {
+        let hit = |s: f64| SurfaceHit {
             hit: Hit { s, ..self.hit },
             frame: self.frame,
         };
         let Some([time, w]) = self.attributes else {
             let image = self.sight.image(self.x)?;
-            return Some(Seeing {
+            return Some(BundleRay {
                 d: image.d.unit(),
                 delay: eye.index,
                 ratio: eye.ratio(pixel, self.frame, image.d),
-                found: Some(found(image.s)),
+                hit: Some(hit(image.s)),
             });
         };
         let local = Displacement::new(time, self.x - self.sight.origin());
         let world = self.rest.frame.world_from_frame().displacement(local);
         let (s, d) = (world.x.length(), Direction::new(world.x)?);
-        Some(Seeing {
+        Some(BundleRay {
             d: d.unit(),
             delay: -world.ct / s,
             ratio: eye.ratio_of(w, self.frame, d),
-            found: Some(found(s)),
+            hit: Some(hit(s)),
         })
     }
 }
@@ -200,7 +200,7 @@ impl Painter for Triangles<'_> {
     }
 
     fn paint(&self, eye: &Eye, tile: Tile, space: &mut Space, bundle: &mut Bundle) {
-        space.cover(tile, |pixel| eye.looks.offset(pixel));
+        space.cover(tile, |pixel| eye.camera_rays.offset(pixel));
         for pixel in 0..tile.pixels() {
             bundle.next_pixel();
             let nearest = space.nearest[pixel];
@@ -209,11 +209,11 @@ impl Painter for Triangles<'_> {
                 let met = self.met(facet, space.x[pixel], space.y[pixel]);
                 met.at_emission(eye, pixel)
             });
-            let nothing = Seeing {
+            let nothing = BundleRay {
                 d: eye.direction(pixel).unit(),
                 delay: eye.index,
                 ratio: 1.0,
-                found: None,
+                hit: None,
             };
             bundle.add(seeing.flatten().unwrap_or(nothing), 1.0);
         }

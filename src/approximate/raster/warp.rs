@@ -8,16 +8,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bundle::{Bundle, Seeing};
+use super::bundle::{Bundle, BundleRay};
 use super::draw::{Eye, Painter};
 use super::{Lookup, Map, Warp, moves};
 use crate::accel::Method;
-use crate::camera::Together;
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
+use crate::render::trace::{HitBuffer, Meter, Rays, SurfaceHit, Surfaces};
 use crate::spacetime::Direction;
 
 /// Texels of one batch of rays: part of a row, which is coherent.
@@ -28,7 +27,7 @@ const RUN: u64 = 256;
 pub(super) struct Warped {
     map: Map,
     lookup: Lookup,
-    texels: Vec<Option<Found>>,
+    texels: Vec<Option<SurfaceHit>>,
 }
 
 impl Warped {
@@ -41,17 +40,17 @@ impl Warped {
         }
         let map = warp.map;
         let event = scene.camera.shot.event;
-        let surfaces = Frames::new(&scene.frames, event, scene.ray_index);
+        let surfaces = Surfaces::unbuffered(&scene.frames, event, scene.ray_index);
         let runs = map.texels().div_ceil(RUN);
         let texels = (0..runs)
             .into_par_iter()
-            .map_init(Scratch::default, |scratch, run| {
+            .map_init(HitBuffer::default, |hits, run| {
                 if progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
                 let texels = run * RUN..map.texels().min((run + 1) * RUN);
                 let directions = texels.map(|t| map.direction(t));
-                Ok(met(&surfaces, directions, scene.method, scratch))
+                Ok(met(&surfaces, directions, scene.method, hits))
             })
             .collect::<Result<Vec<_>>>()?;
         Ok(Warped {
@@ -63,22 +62,19 @@ impl Warped {
 }
 
 fn met(
-    surfaces: &Frames,
+    surfaces: &Surfaces,
     directions: impl Iterator<Item = DVec3>,
     method: Method,
-    scratch: &mut Scratch,
-) -> Vec<Option<Found>> {
+    hits: &mut HitBuffer,
+) -> Vec<Option<SurfaceHit>> {
     let directions: Vec<_> = directions.collect();
-    let from = vec![Together; directions.len()];
     let rays = Rays {
         directions: &directions,
-        from: &from,
+        origins: None,
         method,
     };
-    surfaces.nearest(rays, scratch, &mut Unmetered::default());
-    (0..directions.len())
-        .map(|ray| scratch.found(ray))
-        .collect()
+    surfaces.nearest(&rays, hits, &mut Meter::off());
+    (0..directions.len()).map(|ray| hits.hit(ray)).collect()
 }
 
 impl Painter for Warped {
@@ -100,14 +96,14 @@ impl Painter for Warped {
 impl Warped {
     /// What a texel shows to a pixel's sample.
     #[inline]
-    fn seen(&self, eye: &Eye, pixel: usize, texel: u32) -> Seeing {
-        let found = self.texels[texel as usize];
+    fn seen(&self, eye: &Eye, pixel: usize, texel: u32) -> BundleRay {
+        let hit = self.texels[texel as usize];
         let d = Direction::from_unit(self.map.direction(texel.into()));
-        Seeing {
+        BundleRay {
             d: d.unit(),
             delay: eye.index,
-            ratio: found.map_or(1.0, |found| eye.ratio(pixel, found.frame, d)),
-            found,
+            ratio: hit.map_or(1.0, |hit| eye.ratio(pixel, hit.frame, d)),
+            hit,
         }
     }
 }

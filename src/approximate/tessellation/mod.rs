@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Slivers need less where they lie along the line of sight. Of a triangle with longest edge along a and
-//! height h over it no piece reaches farther across a than h, so that with q(e) = |c × Ce|²/|c|³ also
+//! height h over it no piece cones farther across a than h, so that with q(e) = |c × Ce|²/|c|³ also
 //!
 //! ```text
 //! δ ≤ (√q(a) L + √q(b) h)²/6,      b across a in its plane.
@@ -34,12 +34,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::approximate::projection::{Observer, Sight};
-use crate::camera::Together;
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::{Found, Frames, Rays, Scratch, Surfaces, Unmetered};
+use crate::render::trace::{HitBuffer, Meter, Rays, SurfaceHit, Surfaces};
 use crate::scene::model::Scene;
 
 /// What tessellation a picture needs.
@@ -91,7 +90,7 @@ pub struct Worst {
 /// What a pixel sees.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
-    found: Found,
+    found: SurfaceHit,
     pixel: [u32; 2],
     bend: Bend,
 }
@@ -152,28 +151,27 @@ pub fn forecast(
 fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Result<Vec<Sample>> {
     let size = prepared.layout.size;
     let event = prepared.camera.shot.event;
-    let surfaces = Frames::new(&prepared.frames, event, prepared.ray_index);
-    let tile = |scratch: &mut Scratch, index: u64| {
+    let surfaces = Surfaces::unbuffered(&prepared.frames, event, prepared.ray_index);
+    let tile = |hits: &mut HitBuffer, index: u64| {
         if progress.is_cancelled() {
             return Err(Error::Cancelled);
         }
         let tile = Tile::of_image(size, index);
         let centre = |(column, row): (u32, u32)| [column, row].map(|p| f64::from(p) + 0.5);
-        let look = |[x, y]: [f64; 2]| prepared.camera.view.look(x, y, 0.0).d.unit();
+        let look = |[x, y]: [f64; 2]| prepared.camera.view.ray(x, y, 0.0).d.unit();
         let directions: Vec<_> = tile.coordinates().map(centre).map(look).collect();
-        let from = vec![Together; directions.len()];
         let rays = Rays {
             directions: &directions,
-            from: &from,
+            origins: None,
             method: prepared.method,
         };
-        surfaces.nearest(rays, scratch, &mut Unmetered::default());
+        surfaces.nearest(&rays, hits, &mut Meter::off());
         progress.rays_done(tile.pixels() as u64);
         let met = tile
             .coordinates()
             .enumerate()
             .filter_map(|(ray, (column, row))| {
-                let found = scratch.found(ray)?;
+                let found = hits.hit(ray)?;
                 let bend = bend(prepared, &sights[found.frame as usize], found)?;
                 Some(Sample {
                     found,
@@ -185,20 +183,20 @@ fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Re
     };
     let tiles = (0..Tile::count(size))
         .into_par_iter()
-        .map_init(Scratch::default, tile)
+        .map_init(HitBuffer::default, tile)
         .collect::<Result<Vec<_>>>()?;
     Ok(tiles.into_iter().flatten().collect())
 }
 
 /// Where the ray met the triangle, metres in the rest frame.
-fn place(prepared: &Prepared, found: Found) -> DVec3 {
+fn place(prepared: &Prepared, found: SurfaceHit) -> DVec3 {
     let rest = &prepared.frames[found.frame as usize];
     let [a, b, c] = rest.bvh.corners(found.hit.slot);
     a + (b - a) * found.hit.u + (c - a) * found.hit.v
 }
 
 /// How errors grow in the triangle that was met; none behind the camera.
-fn bend(prepared: &Prepared, sight: &Sight, found: Found) -> Option<Bend> {
+fn bend(prepared: &Prepared, sight: &Sight, found: SurfaceHit) -> Option<Bend> {
     let bvh = &prepared.frames[found.frame as usize].bvh;
     let [p, q, r] = bvh.corners(found.hit.slot);
     let edges = [q - p, r - q, p - r];

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Lamp, Met, Reception, Sighting};
 use crate::accel::Precision;
-use crate::camera::{Apart, Look, Pinhole, rotation_matrix};
+use crate::camera::{CameraRay, Pinhole, rotation_matrix};
 use crate::error::{Error, Result};
 use crate::figures::diagram::model::Track;
 use crate::render::aov::Aov;
@@ -57,14 +57,14 @@ pub fn trace(
         (object.uvs, object.textures) = (false, false);
     }
     let mut prepared = Prepared::new(scene, &plan, progress)?;
-    let (look, moment) = look(&prepared, pixel);
-    if !look.from.sees() || !look.d.unit().is_finite() {
+    let (ray, moment) = camera_ray(&prepared, pixel);
+    if !ray.origin.sees() || !ray.d.unit().is_finite() {
         let what = "no light reaches this element of the sensor through the pinhole";
         let help = "take another pixel, or another time";
         return Err(Error::invalid(&scene.name, place(pixel), what, help));
     }
     let arrival = Arrival::new(scene, &prepared, pixel, moment)?;
-    let reception = arrival.reception(look);
+    let reception = arrival.reception(ray);
     let mut exposed = Exposed {
         prepared: &mut prepared,
         pixel,
@@ -81,8 +81,8 @@ pub fn trace(
     Ok(Sighting {
         pixel,
         reception,
-        direction: look.d,
-        index: prepared.ray_index * look.from.delay,
+        direction: ray.d,
+        index: prepared.ray_index * ray.origin.delay,
         camera: arrival.line.clone().into(),
         element: arrival.track(),
         met,
@@ -109,12 +109,12 @@ fn within(scene: &Scene, pixel: [u32; 2]) -> Result<()> {
 }
 
 /// The ray of a pixel's centre, and its moment of the exposure, as rendered.
-fn look(prepared: &Prepared, [column, row]: [u32; 2]) -> (Look<Apart>, f64) {
+fn camera_ray(prepared: &Prepared, [column, row]: [u32; 2]) -> (CameraRay, f64) {
     let sampler = &prepared.sampler;
     let [x, y] = sampler.offset(column, row, 0);
     let moment = sampler.moment(column, row, 0);
     let (x, y) = (f64::from(column) + x, f64::from(row) + y);
-    (prepared.camera.view.look(x, y, moment), moment)
+    (prepared.camera.view.ray(x, y, moment), moment)
 }
 
 /// How far to follow a ray that meets nothing: as far as the farthest origin of an object is from the pinhole.
@@ -169,8 +169,8 @@ impl<'a> Arrival<'a> {
         })
     }
 
-    fn reception(&self, look: Look<Apart>) -> Reception {
-        let pinhole = self.shot + look.from.displacement;
+    fn reception(&self, ray: CameraRay) -> Reception {
+        let pinhole = self.shot + ray.origin.displacement;
         let event = self.element().unwrap_or(pinhole);
         let passing = Track::from(self.line.clone()).where_zero(|e| e.ct - pinhole.ct);
         let time = self.state.proper_time;
@@ -277,7 +277,7 @@ impl Exposed<'_> {
     fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<Lamp>> {
         let all = match &self.prepared.light {
             Light::TimeResolved(light) => light.pulses.clone(),
-            Light::Constant(_) => return Ok(Vec::new()),
+            _ => return Ok(Vec::new()),
         };
         let emission = self.emission(film);
         let mut lamps = Vec::new();

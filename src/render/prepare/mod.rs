@@ -1,10 +1,10 @@
 //! Loads and builds what the plan lists, and nothing else.
 
+mod emitters;
 mod geometry;
-mod light;
 
+pub(crate) use emitters::scaling;
 pub use geometry::object_mesh;
-pub(crate) use light::scaling;
 
 use crate::accel::Method;
 use crate::camera::Camera;
@@ -13,7 +13,7 @@ use crate::render::film::Layout;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
-use crate::render::trace::{BaseColours, RestFrame, TimeResolved};
+use crate::render::trace::{BaseColours, Radiance, RestFrame, TimeResolved};
 use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
@@ -41,13 +41,26 @@ pub struct Prepared {
     pub built_in: f64,
 }
 
-/// Radiance of surfaces: constant, or varying with time.
+/// Radiance of surfaces: constant, varying with time, or of the caller's own.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Light {
     /// Base colours only.
     Constant(BaseColours),
     /// Cubes, pulses, base colours.
     TimeResolved(TimeResolved),
+    /// Whatever the caller puts in place of what the scene says.
+    Custom(Box<dyn Radiance>),
+}
+
+impl Light {
+    pub(crate) fn radiance(&self) -> &dyn Radiance {
+        match self {
+            Light::Constant(radiance) => radiance,
+            Light::TimeResolved(radiance) => radiance,
+            Light::Custom(radiance) => radiance.as_ref(),
+        }
+    }
 }
 
 impl Prepared {
@@ -57,7 +70,7 @@ impl Prepared {
     /// Broken files, and [`Error::Cancelled`] when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         let camera = Camera::new(scene)?;
-        let mut light = light::Builder::new(scene, plan);
+        let mut light = emitters::Builder::new(scene, plan);
         let mut warnings = Vec::new();
         let mut built_in = 0.0;
         let mut frames = Vec::with_capacity(plan.frames.len());

@@ -1,24 +1,24 @@
-//! Runs: points of one patch that consecutive rays of a batch have met.
+//! Runs: points of one patch that consecutive rays of a batch have hit.
 
 use glam::DVec2;
 
-use super::emission::SurfacePoint;
-use super::record::Seen;
-use super::scratch::Scratch;
-use super::surfaces::{Found, Patch, Rays, RestFrame, Surfaces};
+use super::camera_rays::Rays;
+use super::hits::{HitBuffer, SurfaceHit};
+use super::point::{ObservedPoint, SurfacePoint};
+use super::rest_frame::{Patch, RestFrame};
+use super::surfaces::Surfaces;
 use crate::accel::Hit;
-use crate::camera::{Apart, Departure};
 use crate::spacetime::{Direction, Event, NullRay, Rest, WavelengthRatio, World};
 
-/// Rays of a batch with what they have met.
+/// Rays of a batch with their hits.
 #[derive(Debug)]
-pub struct Traced<'a, D, S> {
-    /// What there is to meet.
-    pub surfaces: &'a S,
+pub struct TracedRays<'a> {
+    /// What there is to hit.
+    pub surfaces: &'a Surfaces<'a>,
     /// The rays.
-    pub rays: Rays<'a, D>,
-    /// What they have met.
-    pub scratch: &'a Scratch,
+    pub rays: Rays<'a>,
+    /// Their nearest hits.
+    pub hits: &'a HitBuffer,
     /// The event of the shot.
     pub event: Event<World>,
     /// Refractive index that delays the rays.
@@ -27,11 +27,11 @@ pub struct Traced<'a, D, S> {
 
 /// Points of one patch.
 #[derive(Debug)]
-pub struct Run<'a, D, S> {
+pub struct Run<'a> {
     /// The batch.
-    pub traced: &'a Traced<'a, D, S>,
-    /// Which of its rays meet them.
-    pub members: &'a [u32],
+    pub(super) traced: &'a TracedRays<'a>,
+    /// Which of its rays hit them.
+    pub(super) members: &'a [u32],
     /// The patch.
     pub patch: &'a Patch,
     /// Its rest frame.
@@ -40,105 +40,116 @@ pub struct Run<'a, D, S> {
     pub frame: u32,
 }
 
-impl<'a, D: Departure, S: Surfaces> Traced<'a, D, S> {
+impl<'a> TracedRays<'a> {
     /// The world ray `ray`.
     #[inline(always)]
-    pub(super) fn ray(&self, ray: usize) -> NullRay<World> {
+    fn ray(&self, ray: usize) -> NullRay<World> {
         let d = Direction::from_unit(self.rays.directions[ray]);
-        if D::TOGETHER {
-            return NullRay::new(self.event, d, self.index);
+        match self.rays.origins {
+            None => NullRay::new(self.event, d, self.index),
+            Some(origins) => {
+                let origin = &origins[ray];
+                let event = self.event + origin.displacement;
+                NullRay::new(event, d, self.index * origin.delay)
+            }
         }
-        let Apart {
-            displacement,
-            delay,
-            ..
-        } = self.rays.from[ray].into();
-        NullRay::new(self.event + displacement, d, self.index * delay)
     }
 
-    /// The surface point that ray `ray` has met on `patch` at `hit`, and ω_rest/ω_world of its light.
+    /// The surface point where ray `ray` hit `patch`, and ω_rest/ω_world of its light.
     #[inline(always)]
-    pub(super) fn point(
-        &self,
-        ray: usize,
-        hit: Hit,
-        frame: u32,
-        patch: &'a Patch,
-    ) -> (SurfacePoint<'a>, f64) {
-        let (local, rho) = self.surfaces.local(frame, ray, &self.rays, self.scratch);
+    fn point(&self, ray: usize, hit: Hit, frame: u32, patch: &'a Patch) -> (SurfacePoint<'a>, f64) {
+        let (local, rho) = self.surfaces.local(frame, ray, &self.rays, self.hits);
         let point = SurfacePoint {
             rest: self.surfaces.rest(frame),
             frame,
             patch,
             hit,
             ray: self.ray(ray),
-            from: self.rays.from[ray].into(),
+            origin: self.rays.origin(ray),
             local,
         };
         (point, rho)
     }
-}
 
-impl<'a, D: Departure, S: Surfaces> Traced<'a, D, S> {
-    /// What ray `ray` sees, if anything; `ratio` is its W for sources at rest in the world.
-    pub(crate) fn seen(&self, ray: usize, ratio: f64) -> Option<Seen<'a>> {
-        let Found { hit, frame } = self.scratch.found(ray)?;
+    /// The point that ray `ray` has hit, if any; `ratio` is its W for sources at rest in the world.
+    pub(crate) fn observed(&self, ray: usize, ratio: f64) -> Option<ObservedPoint<'a>> {
+        let SurfaceHit { hit, frame } = self.hits.hit(ray)?;
         let patch = self.surfaces.rest(frame).patch(hit.triangle);
         let (point, rho) = self.point(ray, hit, frame, patch);
         let w = WavelengthRatio(ratio * rho);
-        Some(Seen { point, w })
+        Some(ObservedPoint { point, w })
     }
 }
 
-impl<'a, D: Departure, S: Surfaces> Run<'a, D, S> {
-    /// The hit of member `k`; all members have met something.
+impl<'a> Run<'a> {
+    /// How many points.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.members.len()
+    }
+
+    /// The hit of member `k`; all members have hit something.
     #[inline(always)]
     pub(super) fn hit(&self, k: usize) -> Option<Hit> {
-        self.traced.scratch.hits()[self.members[k] as usize]
+        self.traced.hits.hits()[self.members[k] as usize]
     }
 
     /// The points, in order.
     #[inline(always)]
-    pub(super) fn points(&self) -> impl Iterator<Item = SurfacePoint<'a>> + use<'a, D, S> {
+    pub fn points(&self) -> impl Iterator<Item = SurfacePoint<'a>> + use<'a> {
         let (traced, frame, patch) = (self.traced, self.frame, self.patch);
         self.members.iter().filter_map(move |&ray| {
-            let hit = traced.scratch.hits()[ray as usize]?;
+            let hit = traced.hits.hits()[ray as usize]?;
             Some(traced.point(ray as usize, hit, frame, patch).0)
         })
     }
 
-    /// World time of the emission event of member `k`, whose hit is at `s`.
+    /// World times of the emission events of members `begin` and on.
     #[inline(always)]
-    pub(super) fn world_time(&self, k: usize, s: f64) -> f64 {
-        let ray = self.traced.ray(self.members[k] as usize);
-        ray.origin.ct + ray.tangent.ct * s
+    pub(super) fn world_times(&self, begin: usize, times: &mut [f64]) {
+        for (k, time) in (begin..).zip(times) {
+            if let Some(hit) = self.hit(k) {
+                let ray = self.traced.ray(self.members[k] as usize);
+                *time = ray.origin.ct + ray.tangent.ct * hit.s;
+            }
+        }
     }
 
-    /// The object's own time there.
+    /// The object's own times there.
     #[inline(always)]
-    pub(super) fn object_time(&self, k: usize, s: f64) -> f64 {
-        let local = self.local(k).0;
-        (local.origin.ct + local.tangent.ct * s) - self.patch.object_origin.ct
+    pub(super) fn object_times(&self, begin: usize, times: &mut [f64]) {
+        let zero = self.patch.object_origin.ct;
+        let members = &self.members[begin..begin + times.len()];
+        self.each_local(members, |k, local, _| {
+            if let Some(hit) = self.hit(begin + k) {
+                times[k] = (local.origin.ct + local.tangent.ct * hit.s) - zero;
+            }
+        });
     }
 
-    /// Member `k` in the rest frame, and ω_rest/ω_world of its light.
+    /// W of all members, whose W for sources at rest in the world is in `world`, by ray.
     #[inline(always)]
-    pub(super) fn local(&self, k: usize) -> (NullRay<Rest>, f64) {
-        let Traced {
+    pub(super) fn ratios(&self, world: &[f64], ratios: &mut Vec<f64>) {
+        ratios.clear();
+        self.each_local(self.members, |k, _, rho| {
+            ratios.push(world[self.members[k] as usize] * rho);
+        });
+    }
+
+    #[inline(always)]
+    fn each_local(&self, members: &[u32], each: impl FnMut(usize, NullRay<Rest>, f64)) {
+        let TracedRays {
             surfaces,
             rays,
-            scratch,
+            hits,
             ..
-        } = &self.traced;
-        surfaces.local(self.frame, self.members[k] as usize, rays, scratch)
+        } = self.traced;
+        surfaces.each_local(self.frame, members, rays, hits, each);
     }
 
-    /// Texture coordinates of set `set` at `hit`; NaN where the object has none.
+    /// Texture coordinates of set `set` at `hit`, where the object has them.
     #[inline(always)]
-    pub(super) fn uv(&self, set: usize, hit: &Hit) -> DVec2 {
-        let mesh = self.rest.meshes.get(self.patch.mesh as usize);
-        let primitive = hit.triangle - self.patch.object_first;
-        let uv = mesh.and_then(|mesh| mesh.uv(set, primitive, [hit.u, hit.v]));
-        uv.unwrap_or(DVec2::NAN)
+    pub(super) fn uv(&self, set: usize, hit: &Hit) -> Option<DVec2> {
+        self.rest.uv(self.patch, set, hit)
     }
 }

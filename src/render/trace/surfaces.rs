@@ -1,398 +1,273 @@
-//! What a ray can meet: static meshes in their rest frames.
+//! What rays can hit: static meshes in their rest frames, as they are seen from one event.
 //!
 //! All objects at rest relative to each other share one [`RestFrame`] with one BVH. A world ray is
-//! carried into each frame with its parameter unchanged, so the nearest hit over all frames is the
-//! one with the smallest s. Three implementations: one frame at rest in the world, where nothing is
-//! boosted; one that moves, without a loop over frames; and any number of them.
+//! boosted into each frame with its parameter unchanged, so the nearest hit over all frames is the
+//! one with the smallest s. Of one frame the boosted rays are kept for shading, and one at rest in the world
+//! needs no boost; of several frames a ray is boosted again into the one that it hit.
 
-use glam::DVec3;
-
-use super::Scratch;
-use super::occlusion::{Question, Questions, shadow_ray};
-use super::reach::{Fan, Reach};
+use super::camera_rays::Rays;
+use super::cone::{DirectionBounds, VisibleCone};
+use super::hits::HitBuffer;
+use super::occlusion::{OcclusionQueries, OcclusionQuery, shadow_ray};
+use super::rest_frame::RestFrame;
 use super::stats::{Meter, Stage};
-use crate::accel::{Bvh, Hit, Method, Segment, Tally};
-use crate::camera::Departure;
-use crate::mesh::Mesh;
-use crate::spacetime::{
-    Boost, Direction, Displacement, Event, InertialFrame, NullRay, Rest, World,
-};
+use crate::accel::{Method, Segment};
+use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
-/// Everything at rest in one inertial frame.
+/// The surfaces of all rest frames, as they are seen from one event.
 #[derive(Debug)]
-pub struct RestFrame {
-    /// The frame; its origin is that of its first object.
-    pub frame: InertialFrame<Rest>,
-    /// All triangles, in rest-frame coordinates relative to the frame's origin.
-    pub bvh: Bvh,
-    /// Runs of triangles that look alike, ascending by first triangle.
-    pub patches: Vec<Patch>,
-    /// Per object of the frame: triangles and texture coordinates, where something needs them.
-    pub meshes: Vec<Mesh>,
-}
+pub struct Surfaces<'a>(Frames<'a>);
 
-/// A run of triangles of one object with one emitter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
-    /// First triangle (index in the frame's BVH).
-    pub first: u32,
-    /// Index of the object in the scene.
-    pub object: u32,
-    /// Index into [`RestFrame::meshes`].
-    pub mesh: u32,
-    /// Triangle of the frame's BVH that is triangle 0 of the object.
-    pub object_first: u32,
-    /// The object's origin event in the frame: subtract it for the object's own coordinates.
-    pub object_origin: Event<Rest>,
-    /// Index into the emitters.
-    pub emitter: u32,
-    /// Whether the back face is black.
-    pub black_back: bool,
-}
-
-impl RestFrame {
-    /// The patch that triangle `triangle` belongs to.
-    #[inline]
-    pub fn patch(&self, triangle: u32) -> &Patch {
-        self.patch_and_end(triangle).0
-    }
-
-    /// The same, and the first triangle after it.
-    #[inline]
-    pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
-        let after = self.patches.partition_point(|p| p.first <= triangle);
-        let after = after.max(1);
-        let end = self.patches.get(after).map_or(u32::MAX, |next| next.first);
-        (&self.patches[after - 1], end)
-    }
-}
-
-/// A hit and the rest frame that it is in.
-#[derive(Debug, Clone, Copy)]
-pub struct Found {
-    /// The hit; its s is the world distance in metres.
-    pub hit: Hit,
-    /// Index of the rest frame.
-    pub frame: u32,
-}
-
-/// Rays of one batch: look directions in the world, and where each leaves.
-#[derive(Debug, Clone, Copy)]
-pub struct Rays<'a, D> {
-    /// Look directions, unit vectors of the world.
-    pub directions: &'a [DVec3],
-    /// Where each leaves, relative to the event of the shot.
-    pub from: &'a [D],
-    /// How they are traced.
-    pub method: Method,
-}
-
-/// The nearest surfaces along rays of a camera, and occlusion between any events.
-pub trait Surfaces: Sync {
-    /// Makes `scratch` hold the nearest hit along each of `rays`.
-    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M);
-
-    /// The rest frame of index `frame`.
-    fn rest(&self, frame: u32) -> &RestFrame;
-
-    /// Ray `ray` of `rays`, whose nearest hits are in `scratch`, in the coordinates of rest frame `frame`, in
-    /// which it has met something, and ω_rest/ω_world of its light.
-    fn local<D: Departure>(
-        &self,
-        frame: u32,
-        ray: usize,
-        rays: &Rays<D>,
-        scratch: &Scratch,
-    ) -> (NullRay<Rest>, f64);
-
-    /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
-    fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64);
-
-    /// Answers `questions`, in which `index` is that of the medium.
-    fn occlude(
-        &self,
-        questions: &mut Questions,
-        index: f64,
-        method: Method,
-        tally: &mut impl Tally,
-    );
-}
-
-/// One rest frame, at rest in the world.
 #[derive(Debug)]
-pub struct Still<'a> {
+enum Frames<'a> {
+    /// One rest frame, at rest in the world: nothing is boosted.
+    Still(Frame<'a>),
+    /// One rest frame, which moves: its rays stay in the hit buffer.
+    One(Frame<'a>),
+    /// Any number of rest frames, and where each is seen, as far as that is known.
+    Many(Vec<Frame<'a>>, Vec<Option<VisibleCone>>),
+}
+
+/// One rest frame.
+#[derive(Debug)]
+struct Frame<'a> {
     rest: &'a RestFrame,
-    origin: Event<Rest>,
+    /// The event of the shot in it.
+    shot: Event<Rest>,
     index: f64,
 }
 
-/// One rest frame, which moves.
-#[derive(Debug)]
-pub struct Moving<'a> {
-    rest: &'a RestFrame,
-    /// The camera's event in it.
-    origin: Event<Rest>,
-    index: f64,
-}
-
-/// Any number of rest frames.
-#[derive(Debug)]
-pub struct Frames<'a> {
-    frames: Vec<Moving<'a>>,
-    /// Where each is seen, as far as that is known.
-    reaches: Vec<Option<Reach>>,
-}
-
-impl<'a> Still<'a> {
-    /// `rest` seen from `camera` in a medium of index `index`.
-    pub fn new(rest: &'a RestFrame, camera: Event<World>, index: f64) -> Self {
-        Still {
-            rest,
-            origin: shifted(rest, camera),
-            index,
-        }
-    }
-}
-
-/// Rest coordinates of a world event, for a frame at rest in the world.
-fn shifted(rest: &RestFrame, event: Event<World>) -> Event<Rest> {
-    let d = event - rest.frame.origin();
-    Event::new(d.ct, d.x)
-}
-
-/// `origin` moved by where a ray leaves; bit for bit the same where all leave together.
-#[inline(always)]
-fn leaving<D: Departure>(
-    origin: Event<Rest>,
-    from: D,
-    displacement: impl FnOnce(Displacement<World>) -> Displacement<Rest>,
-) -> Event<Rest> {
-    match D::TOGETHER {
-        true => origin,
-        false => origin + displacement(from.into().displacement),
-    }
-}
-
-/// The index of the medium along a ray.
-#[inline(always)]
-pub(super) fn index_along<D: Departure>(index: f64, from: D) -> f64 {
-    match D::TOGETHER {
-        true => index,
-        false => index * from.into().delay,
-    }
-}
-
-impl Surfaces for Still<'_> {
-    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
-        let Still { rest, origin, .. } = self;
-        scratch.start(rays.directions.len(), 1);
-        scratch.leave(rest.frame.frame_from_world(), *origin, rays.from);
-        meter.lap(Stage::Boosts);
-        let directions = Some(rays.directions);
-        scratch.meet(
-            0,
-            &rest.bvh,
-            &rays,
-            origin.x,
-            directions,
-            meter.visibility(),
-        );
-        meter.lap(Stage::Visibility);
+impl<'a> Surfaces<'a> {
+    /// `rests` seen from the event `shot` in a medium of index `index`, by rays that [`Surfaces::nearest`] traces.
+    pub fn new(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
+        Surfaces(match rests {
+            [rest] if rest.frame.velocity().is_rest() => {
+                let d = shot - rest.frame.origin();
+                Frames::Still(Frame {
+                    rest,
+                    shot: Event::new(d.ct, d.x),
+                    index,
+                })
+            }
+            [rest] => Frames::One(Frame::new(rest, shot, index)),
+            _ => return Surfaces::unbuffered(rests, shot, index),
+        })
     }
 
-    #[inline]
-    fn rest(&self, _: u32) -> &RestFrame {
-        self.rest
-    }
-
-    #[inline(always)]
-    fn local<D: Departure>(
-        &self,
-        _: u32,
-        ray: usize,
-        rays: &Rays<D>,
-        scratch: &Scratch,
-    ) -> (NullRay<Rest>, f64) {
-        let index = index_along(self.index, rays.from[ray]);
-        let local = NullRay {
-            origin: scratch.left(ray, self.origin),
-            tangent: Displacement::new(-index, rays.directions[ray]),
-        };
-        (local, 1.0)
-    }
-
-    #[inline]
-    fn turned(&self, _: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        (Direction::from_unit(d.unit()), 1.0)
-    }
-
-    fn occlude(&self, questions: &mut Questions, _: f64, method: Method, tally: &mut impl Tally) {
-        questions.ask(&self.rest.bvh, method, tally, |q| Segment {
-            ray: shadow_ray(q.local.origin.x, q.local.at(q.hit.s).x, q.d.unit()),
-            s_max: q.distance,
-            skip: Some(q.hit.triangle),
-        });
-    }
-}
-
-impl<'a> Moving<'a> {
-    /// `rest` seen from `camera` in a medium of index `index`.
-    pub fn new(rest: &'a RestFrame, camera: Event<World>, index: f64) -> Self {
-        Moving {
-            rest,
-            origin: rest.frame.event_from_world(camera),
-            index,
-        }
-    }
-
-    fn boost(&self) -> &Boost<Rest, World> {
-        self.rest.frame.frame_from_world()
-    }
-
-    /// Meets `rays` with this frame, which has index `frame`.
-    fn meet<D: Departure, M: Meter>(
-        &self,
-        frame: u32,
-        rays: Rays<D>,
-        scratch: &mut Scratch,
-        meter: &mut M,
-    ) {
-        scratch.carry(self.boost(), self.index, rays);
-        scratch.leave(self.boost(), self.origin, rays.from);
-        meter.lap(Stage::Boosts);
-        let (bvh, origin) = (&self.rest.bvh, self.origin.x);
-        scratch.meet(frame, bvh, &rays, origin, None, meter.visibility());
-        meter.lap(Stage::Visibility);
-    }
-
-    #[inline]
-    fn ray<D: Departure>(&self, d: Direction<World>, from: D) -> (NullRay<Rest>, f64) {
-        let index = index_along(self.index, from);
-        let (tangent, ratio) = self.boost().tangent_and_ratio(index, d);
-        let origin = leaving(self.origin, from, |d| self.boost().displacement(d));
-        (NullRay { origin, tangent }, ratio)
-    }
-
-    /// `question` about a point seen along `seen` in this frame.
-    fn segment(
-        &self,
-        question: &Question,
-        seen: &NullRay<Rest>,
-        index: f64,
-        skip: Option<u32>,
-    ) -> Segment {
-        let direction = self.boost().tangent(index, question.d).x;
-        Segment {
-            ray: shadow_ray(seen.origin.x, seen.at(question.hit.s).x, direction),
-            s_max: question.distance,
-            skip,
-        }
-    }
-}
-
-impl Surfaces for Moving<'_> {
-    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
-        scratch.start(rays.directions.len(), 1);
-        self.meet(0, rays, scratch, meter);
-    }
-
-    #[inline]
-    fn rest(&self, _: u32) -> &RestFrame {
-        self.rest
-    }
-
-    #[inline(always)]
-    fn local<D: Departure>(
-        &self,
-        _: u32,
-        ray: usize,
-        _: &Rays<D>,
-        scratch: &Scratch,
-    ) -> (NullRay<Rest>, f64) {
-        scratch.carried(ray, self.origin)
-    }
-
-    #[inline]
-    fn turned(&self, _: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        self.boost().direction(d)
-    }
-
-    fn occlude(
-        &self,
-        questions: &mut Questions,
-        index: f64,
-        method: Method,
-        tally: &mut impl Tally,
-    ) {
-        questions.ask(&self.rest.bvh, method, tally, |q| {
-            self.segment(q, &q.local, index, Some(q.hit.triangle))
-        });
-    }
-}
-
-impl<'a> Frames<'a> {
-    /// `rests` seen from `camera` in a medium of index `index`.
-    pub fn new(rests: &'a [RestFrame], camera: Event<World>, index: f64) -> Self {
-        let frame = |rest| Moving::new(rest, camera, index);
+    /// The same for hits that may come from elsewhere: nothing but the hits is read from the hit buffer.
+    pub fn unbuffered(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
+        let frame = |rest| Frame::new(rest, shot, index);
         let frames: Vec<_> = rests.iter().map(frame).collect();
-        let reach = |frame: &Moving| Reach::of(frame.rest, frame.origin, index);
-        Frames {
-            reaches: frames.iter().map(reach).collect(),
-            frames,
-        }
+        let cone = |frame: &Frame| VisibleCone::of(frame.rest, frame.shot, index);
+        let cones = frames.iter().map(cone).collect();
+        Surfaces(Frames::Many(frames, cones))
     }
-}
 
-impl Surfaces for Frames<'_> {
-    fn nearest<D: Departure, M: Meter>(&self, rays: Rays<D>, scratch: &mut Scratch, meter: &mut M) {
-        scratch.start(rays.directions.len(), self.frames.len());
-        let fan = D::TOGETHER.then(|| Fan::of(rays.directions));
-        for (k, (frame, reach)) in self.frames.iter().zip(&self.reaches).enumerate() {
-            let missed = fan
-                .zip(*reach)
-                .is_some_and(|(fan, reach)| reach.misses(&fan));
-            if !missed {
-                frame.meet(k as u32, rays, scratch, meter);
+    /// Fills `hits` with the nearest hit along each of `rays`.
+    pub fn nearest(&self, rays: &Rays, hits: &mut HitBuffer, meter: &mut Meter) {
+        let count = rays.directions.len();
+        match &self.0 {
+            Frames::Still(frame) => {
+                hits.start(count, 1);
+                hits.boost_origins(frame.boost(), frame.shot, rays);
+                meter.lap(Stage::Boosts);
+                let (bvh, directions) = (&frame.rest.bvh, Some(rays.directions));
+                hits.intersect(0, bvh, rays, frame.shot.x, directions, meter);
+                meter.lap(Stage::Visibility);
+            }
+            Frames::One(frame) => {
+                hits.start(count, 1);
+                frame.intersect(0, rays, hits, meter);
+            }
+            Frames::Many(frames, cones) => {
+                hits.start(count, frames.len());
+                // The cones hold for rays from the event of the shot alone.
+                let bounds = match rays.origins {
+                    None => Some(DirectionBounds::of(rays.directions)),
+                    Some(_) => None,
+                };
+                for (k, (frame, cone)) in frames.iter().zip(cones).enumerate() {
+                    let outside = bounds.zip(*cone).is_some_and(|(b, cone)| cone.misses(&b));
+                    if !outside {
+                        frame.intersect(k as u32, rays, hits, meter);
+                    }
+                }
             }
         }
     }
 
+    /// The rest frame of index `frame`.
     #[inline]
-    fn rest(&self, frame: u32) -> &RestFrame {
-        self.frames[frame as usize].rest
+    pub fn rest(&self, frame: u32) -> &'a RestFrame {
+        match &self.0 {
+            Frames::Still(only) | Frames::One(only) => only.rest,
+            Frames::Many(frames, _) => frames[frame as usize].rest,
+        }
     }
 
-    #[inline]
-    fn local<D: Departure>(
+    /// Ray `ray` of `rays`, whose nearest hits are in `hits`, in the coordinates of rest frame `frame`, in
+    /// which it has hit something, and ω_rest/ω_world of its light.
+    #[inline(always)]
+    pub(super) fn local(
         &self,
         frame: u32,
         ray: usize,
-        rays: &Rays<D>,
-        _: &Scratch,
+        rays: &Rays,
+        hits: &HitBuffer,
     ) -> (NullRay<Rest>, f64) {
-        let d = Direction::from_unit(rays.directions[ray]);
-        self.frames[frame as usize].ray(d, rays.from[ray])
+        match &self.0 {
+            Frames::Still(only) => only.shifted_ray(ray, rays, hits),
+            Frames::One(only) => hits.boosted(ray, only.shot),
+            Frames::Many(frames, _) => frames[frame as usize].boosted_ray(ray, rays),
+        }
     }
 
-    #[inline]
-    fn turned(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
-        self.frames[frame as usize].boost().direction(d)
-    }
-
-    fn occlude(
+    /// Calls `each` with what [`Surfaces::local`] gives for each of `members`, all of which have hit `frame`: the
+    /// kind of surfaces is matched once.
+    #[inline(always)]
+    pub(super) fn each_local(
         &self,
-        questions: &mut Questions,
+        frame: u32,
+        members: &[u32],
+        rays: &Rays,
+        hits: &HitBuffer,
+        mut each: impl FnMut(usize, NullRay<Rest>, f64),
+    ) {
+        let members = members.iter().map(|ray| *ray as usize).enumerate();
+        match &self.0 {
+            Frames::Still(only) => {
+                for (k, ray) in members {
+                    let (local, rho) = only.shifted_ray(ray, rays, hits);
+                    each(k, local, rho);
+                }
+            }
+            Frames::One(only) => {
+                for (k, ray) in members {
+                    let (local, rho) = hits.boosted(ray, only.shot);
+                    each(k, local, rho);
+                }
+            }
+            Frames::Many(frames, _) => {
+                let frame = &frames[frame as usize];
+                for (k, ray) in members {
+                    let (local, rho) = frame.boosted_ray(ray, rays);
+                    each(k, local, rho);
+                }
+            }
+        }
+    }
+
+    /// Look direction in rest frame `frame`, and ω_rest/ω_world of light from there.
+    #[inline]
+    pub fn direction(&self, frame: u32, d: Direction<World>) -> (Direction<Rest>, f64) {
+        match &self.0 {
+            Frames::Still(_) => (Direction::from_unit(d.unit()), 1.0),
+            Frames::One(only) => only.boost().direction(d),
+            Frames::Many(frames, _) => frames[frame as usize].boost().direction(d),
+        }
+    }
+
+    /// Answers `queries`, in which `index` is that of the medium.
+    pub fn occlude(
+        &self,
+        queries: &mut OcclusionQueries,
         index: f64,
         method: Method,
-        tally: &mut impl Tally,
+        meter: &mut Meter,
     ) {
-        for (k, frame) in self.frames.iter().enumerate() {
-            questions.ask(&frame.rest.bvh, method, tally, |q| {
-                let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
-                let d = Direction::from_unit(q.seen.tangent.x);
-                let (seen, _) = frame.ray(d, q.from);
-                frame.segment(q, &seen, index, skip)
-            });
+        match &self.0 {
+            Frames::Still(only) => {
+                queries.answer(&only.rest.bvh, method, meter.occlusion(), |q| Segment {
+                    ray: shadow_ray(q.local.origin.x, q.local.at(q.hit.s).x, q.d.unit()),
+                    s_max: q.distance,
+                    skip: Some(q.hit.triangle),
+                });
+            }
+            Frames::One(only) => {
+                queries.answer(&only.rest.bvh, method, meter.occlusion(), |q| {
+                    only.segment(q, &q.local, index, Some(q.hit.triangle))
+                });
+            }
+            Frames::Many(frames, _) => {
+                for (k, frame) in frames.iter().enumerate() {
+                    queries.answer(&frame.rest.bvh, method, meter.occlusion(), |q| {
+                        let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
+                        let index_along = frame.index * q.origin.delay;
+                        let d = Direction::from_unit(q.ray.tangent.x);
+                        let (tangent, _) = frame.boost().tangent_and_ratio(index_along, d);
+                        let origin = frame.origin(Some(q.origin.displacement));
+                        frame.segment(q, &NullRay { origin, tangent }, index, skip)
+                    });
+                }
+            }
+        }
+    }
+}
+
+impl<'a> Frame<'a> {
+    fn new(rest: &'a RestFrame, shot: Event<World>, index: f64) -> Self {
+        Frame {
+            rest,
+            shot: rest.frame.event_from_world(shot),
+            index,
+        }
+    }
+
+    fn boost(&self) -> &'a Boost<Rest, World> {
+        self.rest.frame.frame_from_world()
+    }
+
+    /// Intersects `rays` with this frame, which has index `frame`.
+    fn intersect(&self, frame: u32, rays: &Rays, hits: &mut HitBuffer, meter: &mut Meter) {
+        hits.boost_tangents(self.boost(), self.index, rays);
+        hits.boost_origins(self.boost(), self.shot, rays);
+        meter.lap(Stage::Boosts);
+        hits.intersect(frame, &self.rest.bvh, rays, self.shot.x, None, meter);
+        meter.lap(Stage::Visibility);
+    }
+
+    /// Ray `ray` in this frame, which is at rest in the world.
+    #[inline(always)]
+    fn shifted_ray(&self, ray: usize, rays: &Rays, hits: &HitBuffer) -> (NullRay<Rest>, f64) {
+        let local = NullRay {
+            origin: hits.origin(ray, self.shot),
+            tangent: Displacement::new(-rays.index(self.index, ray), rays.directions[ray]),
+        };
+        (local, 1.0)
+    }
+
+    /// Ray `ray`, boosted into this frame.
+    #[inline(always)]
+    fn boosted_ray(&self, ray: usize, rays: &Rays) -> (NullRay<Rest>, f64) {
+        let d = Direction::from_unit(rays.directions[ray]);
+        let index = rays.index(self.index, ray);
+        let (tangent, rho) = self.boost().tangent_and_ratio(index, d);
+        let origin = self.origin(rays.origins.map(|all| all[ray].displacement));
+        (NullRay { origin, tangent }, rho)
+    }
+
+    /// The event `displacement` from that of the shot; bit for bit the same where there is none.
+    #[inline(always)]
+    fn origin(&self, displacement: Option<Displacement<World>>) -> Event<Rest> {
+        match displacement {
+            None => self.shot,
+            Some(displacement) => self.shot + self.boost().displacement(displacement),
+        }
+    }
+
+    /// The segment of `query` in this frame, in which `seen` is the ray that hit the point.
+    fn segment(
+        &self,
+        query: &OcclusionQuery,
+        seen: &NullRay<Rest>,
+        index: f64,
+        skip: Option<u32>,
+    ) -> Segment {
+        let direction = self.boost().tangent(index, query.d).x;
+        Segment {
+            ray: shadow_ray(seen.origin.x, seen.at(query.hit.s).x, direction),
+            s_max: query.distance,
+            skip,
         }
     }
 }

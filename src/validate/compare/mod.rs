@@ -53,7 +53,7 @@ pub use tolerance::{Breach, Tolerance};
 
 use crate::error::Result;
 use crate::io::image::{Channel, Layers};
-use crate::render::aov;
+use crate::render::aov::Aov;
 use errors::Sums;
 use plane::Plane;
 
@@ -282,12 +282,10 @@ pub(crate) fn is_light(name: &str) -> bool {
 
 /// Whether the channel is auxiliary: NaN in it says that no surface is met.
 pub(crate) fn is_auxiliary(name: &str) -> bool {
-    aov::TABLE.iter().any(|row| row.1 == name)
+    Aov::named(name).is_some()
 }
 
 /// Whether the channel holds indices, whose differences mean nothing.
 pub(crate) fn is_identity(channel: &Channel) -> bool {
-    aov::TABLE
-        .iter()
-        .any(|row| row.1 == channel.name && row.0.is_identity())
+    Aov::named(&channel.name).is_some_and(Aov::is_identity)
 }

@@ -10,7 +10,7 @@ use super::bundle::{
 use super::glb::Run;
 use crate::camera::{Camera, Kind};
 use crate::mesh::Mesh;
-use crate::render::aov::{Aov, TABLE};
+use crate::render::aov::Aov;
 use crate::render::metadata;
 use crate::render::plan::{Lit, lit_by};
 use crate::render::prepare::scaling;
@@ -195,9 +195,9 @@ pub(super) fn channels(rendered: &[Aov]) -> Vec<ChannelEntry> {
         where_nothing_is_met: Some("scene.background"),
         in_reference: !rendered.is_empty(),
     });
-    let auxiliary = TABLE.iter().map(|(aov, name, meaning)| ChannelEntry {
-        name,
-        meaning,
+    let auxiliary = Aov::ALL.iter().map(|aov| ChannelEntry {
+        name: aov.name(),
+        meaning: aov.meaning(),
         definition: aov.definition(),
         where_nothing_is_met: missing(*aov),
         in_reference: rendered.contains(aov),

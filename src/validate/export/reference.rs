@@ -4,7 +4,7 @@ use super::Files;
 use super::bundle::ReferenceEntry;
 use crate::error::Result;
 use crate::io::image::{Layers, exr, npz, png};
-use crate::render::aov::{Aov, TABLE};
+use crate::render::aov::Aov;
 use crate::render::metadata::metadata;
 use crate::render::plan::Plan;
 use crate::render::prepare::Prepared;
@@ -15,7 +15,7 @@ use crate::scene::model::Scene;
 
 /// All channels that one ray for each pixel has: of a single sample there is no standard error.
 pub fn channels() -> Vec<Aov> {
-    let all = TABLE.iter().map(|row| row.0);
+    let all = Aov::ALL.iter().copied();
     all.filter(|aov| *aov != Aov::StandardError).collect()
 }
 

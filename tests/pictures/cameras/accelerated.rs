@@ -24,7 +24,7 @@ fn light_takes_longer_to_the_sensor_of_a_rigid_camera_that_accelerates_away_from
         scene.camera.motion = Motion::Accelerated(DVec3::Z * g);
         scene.camera.sensor = sensor(f, Assembly::Rigid);
         let camera = Camera::new(&scene).unwrap();
-        let from = camera.view.look(1.0, 1.0, 0.0).from.displacement;
+        let from = camera.view.ray(1.0, 1.0, 0.0).origin.displacement;
         let own = camera.shot.frame.frame_from_world().displacement(from);
         let expected = -0.5 * (f + f / (1.0 - g * f));
         // What is left of the sensor's light cone when it meets the pinhole: no way across.
@@ -142,16 +142,16 @@ fn an_exposure_under_acceleration_begins_with_the_instant_and_follows_the_world_
     assert_eq!(camera.view.kind(), Kind::Accelerated);
     let line = scene.camera.world_line().unwrap();
     for moment in [0.0, 0.25, 1.0] {
-        let look = camera.view.look(0.4, 1.7, moment);
+        let ray = camera.view.ray(0.4, 1.7, moment);
         let mut instant = scene.clone();
         instant.camera.shutter = None;
         instant.camera.time = 1.0 + 2.0 * moment;
         let then = Camera::new(&instant).unwrap();
-        let expected = then.view.look(0.4, 1.7, 0.0);
-        assert!((look.d.unit() - expected.d.unit()).length() < 1e-15);
-        assert!((look.ratio - expected.ratio).abs() < 1e-15);
+        let expected = then.view.ray(0.4, 1.7, 0.0);
+        assert!((ray.d.unit() - expected.d.unit()).length() < 1e-15);
+        assert!((ray.ratio - expected.ratio).abs() < 1e-15);
         let state = line.state(instant.camera.time).unwrap();
         let gone: Displacement<_> = state.event - camera.shot.event;
-        assert_eq!(look.from.displacement, gone);
+        assert_eq!(ray.origin.displacement, gone);
     }
 }

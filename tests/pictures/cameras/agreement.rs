@@ -21,7 +21,7 @@ const FILM: [[f64; 2]; 6] = [
 /// The largest difference of look directions and of W over the film.
 fn difference(a: &AnyView, b: &AnyView) -> f64 {
     let differ = |[x, y]: [f64; 2]| {
-        let (a, b) = (a.look(x, y, 0.5), b.look(x, y, 0.5));
+        let (a, b) = (a.ray(x, y, 0.5), b.ray(x, y, 0.5));
         (a.d.unit() - b.d.unit())
             .length()
             .max((a.ratio / b.ratio - 1.0).abs())
@@ -89,7 +89,7 @@ fn a_shutter_that_is_open_for_no_time_shows_the_instant() {
     });
     let exposed = view(&scene);
     assert_eq!(difference(&exposed, &instant), 0.0);
-    let from = exposed.look(0.2, 0.3, 1.0).from;
+    let from = exposed.ray(0.2, 0.3, 1.0).origin;
     assert!(from.displacement.ct < 2e-30 && from.displacement.ct > 1e-30);
 }
 
@@ -106,8 +106,8 @@ fn without_acceleration_a_camera_on_a_world_line_is_inertial() {
         assert_eq!(accelerated.kind(), Kind::Accelerated);
         assert!(difference(&accelerated, &inertial) < 1e-14, "{assembly:?}");
         for [x, y] in FILM {
-            let (a, b) = (accelerated.look(x, y, 0.0), inertial.look(x, y, 0.0));
-            let (a, b) = (a.from.displacement, b.from.displacement);
+            let (a, b) = (accelerated.ray(x, y, 0.0), inertial.ray(x, y, 0.0));
+            let (a, b) = (a.origin.displacement, b.origin.displacement);
             assert!((a.ct - b.ct).abs() < 1e-14 && (a.x - b.x).length() < 1e-14);
         }
     }
@@ -149,7 +149,7 @@ fn a_focal_length_fixed_in_the_world_is_gamma_times_longer_along_the_motion_only
         scene.effects.aberration = false;
         scene.camera.velocity = Velocity::from_beta(beta).unwrap();
         scene.camera.sensor = sensor(0.05, Assembly::WorldLength);
-        let d = view(&scene).look(2.0, 1.0, 0.0).d.unit();
+        let d = view(&scene).ray(2.0, 1.0, 0.0).d.unit();
         d.x / -d.z
     };
     // γ = 5/4 at β = 0.6. At 45° the world sees √(½ + ½/γ²) of the rod.

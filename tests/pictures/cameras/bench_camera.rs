@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use nullray::camera::{Apart, Camera, Look};
+use nullray::camera::{Camera, CameraRay};
 use nullray::scene::model::{Assembly, Motion, Scene, Sensor};
 use nullray::scene::{self, Overrides};
 use nullray::spacetime::worldline::Segment;
@@ -40,9 +40,9 @@ pub fn start(acceleration: DVec3) -> Motion {
 }
 
 /// What the sensor element at (px, py) across sees, seen from behind a camera that looks along +z.
-pub fn element(scene: &Scene, px: f64, py: f64) -> (Camera, Look<Apart>) {
+pub fn element(scene: &Scene, px: f64, py: f64) -> (Camera, CameraRay) {
     let f = scene.camera.sensor.unwrap().focal_length;
     let camera = Camera::new(scene).unwrap();
-    let look = camera.view.look(1.0 + px / f, 1.0 + py / f, 0.0);
-    (camera, look)
+    let ray = camera.view.ray(1.0 + px / f, 1.0 + py / f, 0.0);
+    (camera, ray)
 }

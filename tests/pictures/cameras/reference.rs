@@ -21,14 +21,14 @@ struct Allowed {
 
 fn note(row: &Row, scene: &Scene, worst: &mut [Worst; 3], allowed: impl Fn(f64) -> Allowed) {
     let (px, py) = (row.number("px"), row.number("py"));
-    let (camera, look) = element(scene, px, py);
-    let event = camera.shot.event + look.from.displacement;
+    let (camera, ray) = element(scene, px, py);
+    let event = camera.shot.event + ray.origin.displacement;
     let d = row.vector(if row.has("dx") { "d" } else { "l" });
     let w = row.number("W");
     let allowed = allowed(w);
     let place = || format!("line {}", row.line);
-    worst[0].note((look.d.unit() - d).length(), allowed.direction, place);
-    worst[1].note(look.ratio / w - 1.0, allowed.ratio, place);
+    worst[0].note((ray.d.unit() - d).length(), allowed.direction, place);
+    worst[1].note(ray.ratio / w - 1.0, allowed.ratio, place);
     let p = Event::<nullray::spacetime::World>::new(row.number("Pct"), passage(row));
     let off = (event.ct - p.ct).abs().max((event.x - p.x).length());
     worst[2].note(off, allowed.event, place);

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use nullray::render::aov;
+use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::scene::{self, Overrides};
 
 use crate::pipeline::stage;
 
 fn bits(film: &Film) -> Vec<u64> {
-    let aovs = aov::TABLE.iter().flat_map(|row| film.aov(row.0).unwrap());
+    let aovs = Aov::ALL.iter().flat_map(|aov| film.aov(*aov).unwrap());
     let radiance = film.radiance().iter().flatten();
     radiance.chain(aovs).map(|v| v.to_bits()).collect()
 }

@@ -258,7 +258,7 @@ fn far_from_the_origin_and_from_time_zero_the_picture_is_the_same() {
         origin.ct += 2f64.powi(30);
     }
     let (a, b) = (stage::film(&near), stage::film(&far));
-    for aov in nullray::render::aov::TABLE.iter().map(|row| row.0) {
+    for aov in nullray::render::aov::Aov::ALL.iter().copied() {
         if !aov.name().starts_with("event") {
             assert!(
                 channel_bits(&a, aov) == channel_bits(&b, aov),

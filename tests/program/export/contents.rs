@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nullray::io::gltf;
 use nullray::io::image;
-use nullray::render::aov::TABLE;
+use nullray::render::aov::Aov;
 use nullray::render::metadata;
 use nullray::scene::model::BadVertices;
 use nullray::validate::export::{Cubes, Options, README, schema};
@@ -140,7 +140,8 @@ fn agree(
 
 #[test]
 fn the_page_defines_each_channel_as_the_table_does() {
-    for (aov, name, meaning) in TABLE {
+    for aov in Aov::ALL {
+        let (name, meaning) = (&aov.name(), &aov.meaning());
         let row = format!("| `{name}` | {meaning} | {} |", aov.definition());
         assert!(README.contains(&row), "{row}");
     }
@@ -150,7 +151,7 @@ fn the_page_defines_each_channel_as_the_table_does() {
         README
     );
     let channels = exported.bundle.json["channels"].as_array().unwrap();
-    assert_eq!(channels.len(), TABLE.len() + 3);
+    assert_eq!(channels.len(), Aov::ALL.len() + 3);
 }
 
 #[test]

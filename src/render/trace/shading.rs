@@ -1,32 +1,30 @@
-//! What a batch of rays has met, onto the film: runs of points of one patch, their radiance, the observer's
+//! From the hits of a batch to the film: runs of points of one patch, their radiance, the observer's
 //! factor W⁻ᵖ and colours.
 
-use super::emission::{Colouring, Radiance, Response};
-use super::light::{Detail, Light};
-use super::run::{Run, Traced};
+use super::emitted::{Colouring, Detail, Emitted, Response};
+use super::radiance::Radiance;
+use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
-use super::surfaces::Surfaces;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::camera::Departure;
 use crate::colour;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
 
-/// Takes what the rays of a batch bring.
-pub trait Exposed {
+/// Where the radiance of the rays of a batch goes.
+pub trait RadianceSink {
     /// Adds the radiance of ray `ray`.
     fn add(&mut self, ray: usize, radiance: [f64; 3]);
     /// Adds how much of the radiance of ray `ray` is known.
     fn add_coverage(&mut self, ray: usize, coverage: Coverage);
     /// Notes rays whose radiance is fully known.
     fn add_held(&mut self, rays: &[u32]);
-    /// Notes rays that met nothing.
+    /// Notes rays that hit nothing.
     fn add_unmet(&mut self, rays: u64);
 }
 
 /// One ray per pixel.
-impl Exposed for TileFilm {
+impl RadianceSink for TileFilm {
     #[inline(always)]
     fn add(&mut self, ray: usize, radiance: [f64; 3]) {
         TileFilm::add(self, ray, radiance);
@@ -46,23 +44,23 @@ impl Exposed for TileFilm {
     }
 }
 
-/// Buffers for developing one tile.
+/// Buffers for shading one tile.
 #[derive(Debug, Default)]
-pub struct Developer {
-    /// Rays that met a surface that shines.
-    met: Vec<u32>,
+pub struct Shading {
+    /// Rays that hit a surface that shines.
+    lit: Vec<u32>,
     /// Rays whose radiance is fully known without asking the surface: of the background, and black backs.
     plain: Vec<u32>,
-    runs: Vec<Stretch>,
-    light: Light,
+    runs: Vec<Span>,
+    emitted: Emitted,
     /// W of each point of a run, and the factor on its radiance.
     ratios: Vec<f64>,
     factors: Vec<f64>,
 }
 
-/// Consecutive rays in `met` that meet one patch of one frame.
+/// Consecutive rays in `lit` that hit one patch of one frame.
 #[derive(Debug, Clone, Copy)]
-struct Stretch {
+struct Span {
     begin: usize,
     end: usize,
     frame: u32,
@@ -70,81 +68,94 @@ struct Stretch {
     triangle: u32,
 }
 
-impl Developer {
-    /// Adds what `traced` rays have met to `film`; `ratios` are their W for sources at rest in the world.
-    pub(crate) fn develop<D: Departure, S: Surfaces, R: Radiance, M: Meter>(
+impl Shading {
+    /// Adds the radiance of `traced` rays to `sink`; `ratios` are their W for sources at rest in the world.
+    pub(crate) fn shade(
         &mut self,
-        radiance: &R,
-        traced: &Traced<D, S>,
+        radiance: &dyn Radiance,
+        traced: &TracedRays,
         background: [f64; 3],
         ratios: &[f64],
-        film: &mut impl Exposed,
-        meter: &mut M,
+        sink: &mut impl RadianceSink,
+        meter: &mut Meter,
     ) {
-        let has_gaps = R::HAS_GAPS || !D::TOGETHER;
-        self.sort(traced, background, film);
-        if has_gaps {
-            film.add_held(&self.plain);
+        let origins = traced.rays.origins;
+        let has_gaps = radiance.has_gaps() || origins.is_some();
+        match origins {
+            None => self.sort(traced, background, |_| 1.0, sink),
+            Some(origins) => self.sort(traced, background, |ray| origins[ray].weight, sink),
         }
-        meter.count(Counter::Hits, self.met.len() as u64);
+        if has_gaps {
+            sink.add_held(&self.plain);
+        }
+        meter.count(Counter::Hits, self.lit.len() as u64);
         meter.lap(Stage::Film);
         for at in 0..self.runs.len() {
-            let stretch = self.runs[at];
-            let rest = traced.surfaces.rest(stretch.frame);
+            let span = self.runs[at];
+            let rest = traced.surfaces.rest(span.frame);
             let run = Run {
                 traced,
-                members: &self.met[stretch.begin..stretch.end],
-                patch: rest.patch(stretch.triangle),
+                members: &self.lit[span.begin..span.end],
+                patch: rest.patch(span.triangle),
                 rest,
-                frame: stretch.frame,
+                frame: span.frame,
             };
-            radiance.emit(&run, &mut self.light, meter);
+            radiance.emit(&run, &mut self.emitted, meter);
             meter.lap(Stage::Radiance);
-            self.ratios.clear();
-            let ratio = |k: usize| ratios[run.members[k] as usize] * run.local(k).1;
-            self.ratios.extend((0..run.members.len()).map(ratio));
-            weigh(&self.light.response, &self.ratios, &mut self.factors);
-            if !D::TOGETHER {
+            // W in two parts: camera over world, and world over the rest frame.
+            run.ratios(ratios, &mut self.ratios);
+            weigh(&self.emitted.response, &self.ratios, &mut self.factors);
+            if let Some(origins) = origins {
                 for (factor, ray) in self.factors.iter_mut().zip(run.members) {
-                    *factor *= traced.rays.from[*ray as usize].into().weight;
+                    *factor *= origins[*ray as usize].weight;
                 }
             }
-            colour_in(&self.light, &self.ratios, &self.factors, run.members, film);
+            add_colours(
+                &self.emitted,
+                &self.ratios,
+                &self.factors,
+                run.members,
+                sink,
+            );
             if has_gaps {
-                cover(&self.light.details, run.members, film);
+                cover(&self.emitted.details, run.members, sink);
             }
             meter.lap(Stage::Film);
         }
     }
 
-    /// Finds the runs, and develops rays that met nothing or the black back of something.
-    fn sort<D: Departure, S: Surfaces>(
+    /// Finds the runs, and adds the radiance of rays that hit nothing or the black back of something. `weight` says
+    /// what a ray's radiance counts for; 0 for an element of the sensor that no light reaches.
+    #[inline(always)]
+    fn sort(
         &mut self,
-        traced: &Traced<D, S>,
+        traced: &TracedRays,
         background: [f64; 3],
-        film: &mut impl Exposed,
+        weight: impl Fn(usize) -> f64,
+        sink: &mut impl RadianceSink,
     ) {
-        self.met.clear();
+        self.lit.clear();
         self.plain.clear();
         self.runs.clear();
         let mut unmet = 0;
-        // The triangles of the patch that was met last.
+        // The triangles of the patch that was hit last.
         let (mut frame, mut first, mut end, mut black_back) = (u32::MAX, 0, 0, false);
-        for (ray, hit) in traced.scratch.hits().iter().enumerate() {
-            let weight = weight(traced.rays.from[ray]);
-            if !D::TOGETHER && weight == 0.0 {
-                film.add_coverage(ray, Coverage::OCCLUDED);
-                film.add(ray, [0.0; 3]);
+        for (ray, hit) in traced.hits.hits().iter().enumerate() {
+            let weight = weight(ray);
+            if weight == 0.0 {
+                sink.add_coverage(ray, Coverage::OCCLUDED);
+                sink.add(ray, [0.0; 3]);
                 unmet += 1;
                 continue;
             }
             let Some(hit) = hit else {
-                film.add(ray, background.map(|c| c * weight));
+                sink.add(ray, background.map(|c| c * weight));
                 self.plain.push(ray as u32);
                 unmet += 1;
                 continue;
             };
-            let in_frame = traced.scratch.frame(ray);
+            // Another patch begins another run.
+            let in_frame = traced.hits.frame(ray);
             if in_frame != frame || !(first..end).contains(&hit.triangle) {
                 let (patch, after) = traced.surfaces.rest(in_frame).patch_and_end(hit.triangle);
                 (frame, first, end) = (in_frame, patch.first, after);
@@ -152,20 +163,20 @@ impl Developer {
                 self.begin(frame, hit.triangle);
             }
             if black_back && !hit.front {
-                film.add(ray, [0.0; 3]);
+                sink.add(ray, [0.0; 3]);
                 self.plain.push(ray as u32);
                 continue;
             }
-            self.met.push(ray as u32);
+            self.lit.push(ray as u32);
         }
         self.begin(u32::MAX, 0);
         self.runs.pop();
-        film.add_unmet(unmet);
+        sink.add_unmet(unmet);
     }
 
     /// Ends a run where the next begins.
     fn begin(&mut self, frame: u32, triangle: u32) {
-        let begin = self.met.len();
+        let begin = self.lit.len();
         match self.runs.last_mut() {
             Some(last) if last.begin == begin => {
                 self.runs.pop();
@@ -173,21 +184,12 @@ impl Developer {
             Some(last) => last.end = begin,
             None => {}
         }
-        self.runs.push(Stretch {
+        self.runs.push(Span {
             begin,
             end: begin,
             frame,
             triangle,
         });
-    }
-}
-
-/// What a ray's radiance counts for.
-#[inline(always)]
-fn weight<D: Departure>(from: D) -> f64 {
-    match D::TOGETHER {
-        true => 1.0,
-        false => from.into().weight,
     }
 }
 
@@ -216,35 +218,36 @@ impl VectorLoop for Powers<'_> {
     }
 }
 
-/// Adds the light of a run, times `factors`, to the pixels of its members.
-fn colour_in(
-    light: &Light,
+/// Adds the radiance of a run, times `factors`, to the pixels of its members.
+fn add_colours(
+    emitted: &Emitted,
     ratios: &[f64],
     factors: &[f64],
     members: &[u32],
-    film: &mut impl Exposed,
+    sink: &mut impl RadianceSink,
 ) {
-    if let (Colouring::Channels, []) = (light.response.colour, light.details.as_slice()) {
-        return expose(&light.radiance, factors, members, film);
+    if let (Colouring::Channels, []) = (emitted.response.colour, emitted.details.as_slice()) {
+        return add_scaled(&emitted.radiance, factors, members, sink);
     }
-    let mut details = light.details.iter().peekable();
+    let mut details = emitted.details.iter().peekable();
     for (k, ray) in members.iter().enumerate() {
         let mut unscaled = [0.0; 3];
         let mut wavelength_scale = 1.0;
         if let Some(detail) = details.next_if(|detail| detail.at == k) {
             (unscaled, wavelength_scale) = (detail.unscaled, detail.wavelength_scale);
         }
-        let colour = match light.response.colour {
-            Colouring::Channels => light.radiance[k],
-            Colouring::ShiftedLine(wavelength) => {
-                line(light.radiance[k], wavelength * wavelength_scale * ratios[k])
-            }
-            Colouring::UnshiftedLine(wavelength) => line(light.radiance[k], wavelength),
+        let colour = match emitted.response.colour {
+            Colouring::Channels => emitted.radiance[k],
+            Colouring::ShiftedLine(wavelength) => line(
+                emitted.radiance[k],
+                wavelength * wavelength_scale * ratios[k],
+            ),
+            Colouring::UnshiftedLine(wavelength) => line(emitted.radiance[k], wavelength),
         };
         let factor = factors[k];
         let [r, g, b] = colour;
         let [r0, g0, b0] = unscaled;
-        film.add(
+        sink.add(
             *ray as usize,
             [r0 + factor * r, g0 + factor * g, b0 + factor * b],
         );
@@ -252,9 +255,14 @@ fn colour_in(
 }
 
 /// Adds radiance times `factors`, and nothing else.
-fn expose(radiance: &[[f64; 3]], factors: &[f64], members: &[u32], film: &mut impl Exposed) {
+fn add_scaled(
+    radiance: &[[f64; 3]],
+    factors: &[f64],
+    members: &[u32],
+    sink: &mut impl RadianceSink,
+) {
     for ((ray, [r, g, b]), factor) in members.iter().zip(radiance).zip(factors) {
-        film.add(*ray as usize, [factor * r, factor * g, factor * b]);
+        sink.add(*ray as usize, [factor * r, factor * g, factor * b]);
     }
 }
 
@@ -264,12 +272,12 @@ fn line([r, g, b]: [f64; 3], wavelength: f64) -> [f64; 3] {
 }
 
 /// Adds how much of the radiance of a run is known.
-fn cover(details: &[Detail], members: &[u32], film: &mut impl Exposed) {
+fn cover(details: &[Detail], members: &[u32], sink: &mut impl RadianceSink) {
     let mut begin = 0;
     for detail in details {
-        film.add_held(&members[begin..detail.at]);
-        film.add_coverage(members[detail.at] as usize, detail.coverage);
+        sink.add_held(&members[begin..detail.at]);
+        sink.add_coverage(members[detail.at] as usize, detail.coverage);
         begin = detail.at + 1;
     }
-    film.add_held(&members[begin..]);
+    sink.add_held(&members[begin..]);
 }

@@ -14,11 +14,11 @@
 //! N_ct + N_x·m + ρ |N_x| < 0,   since   k·N = N_ct + N_x·d.
 //! ```
 //!
-//! Light in a medium is not null, and rays that leave apart have no common origin: both are let pass.
+//! Light in a medium is not null, and rays with origins of their own share no event: both are let pass.
 
 use glam::DVec3;
 
-use super::surfaces::RestFrame;
+use super::rest_frame::RestFrame;
 use crate::spacetime::{Displacement, Event, Rest, World};
 
 /// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
@@ -26,15 +26,15 @@ const SLACK: f64 = 1e-11;
 
 /// The directions in which a rest frame is seen from one event.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(super) struct VisibleCone {
     normal: Displacement<World>,
     length: f64,
     slack: f64,
 }
 
-impl Reach {
+impl VisibleCone {
     /// None where every direction may meet something, or nothing is known.
-    pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<Reach> {
+    pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<VisibleCone> {
         let (lo, hi) = rest.bvh.bounds()?;
         let centre = (lo + hi) * 0.5 - camera.x;
         let distance = centre.length();
@@ -46,37 +46,37 @@ impl Reach {
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
         let normal = Displacement::new(-cosine, centre / distance);
         let normal = rest.frame.world_from_frame().displacement(normal);
-        Some(Reach {
+        Some(VisibleCone {
             normal,
             length: normal.x.length(),
             slack: SLACK * rest.frame.velocity().gamma(),
         })
     }
 
-    /// Whether no ray of `fan` can meet anything.
+    /// Whether no ray of `bounds` can meet anything.
     #[inline]
-    pub fn misses(&self, fan: &Fan) -> bool {
-        let most = self.normal.ct + self.normal.x.dot(fan.middle) + fan.radius * self.length;
+    pub fn misses(&self, bounds: &DirectionBounds) -> bool {
+        let most = self.normal.ct + self.normal.x.dot(bounds.middle) + bounds.radius * self.length;
         most < -self.slack
     }
 }
 
 /// Directions about a middle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fan {
+pub(super) struct DirectionBounds {
     middle: DVec3,
     /// The largest distance of a unit vector from the middle.
     radius: f64,
 }
 
-impl Fan {
+impl DirectionBounds {
     /// Of unit vectors.
-    pub fn of(directions: &[DVec3]) -> Fan {
+    pub fn of(directions: &[DVec3]) -> DirectionBounds {
         let sum = directions.iter().fold(DVec3::ZERO, |sum, d| sum + *d);
         let middle = sum / directions.len().max(1) as f64;
         let square = |d: &DVec3| (*d - middle).length_squared();
         let largest = directions.iter().map(square).fold(0.0, f64::max);
-        Fan {
+        DirectionBounds {
             middle,
             radius: largest.sqrt() * (1.0 + 1e-9),
         }
@@ -124,10 +124,10 @@ mod tests {
                 .frame
                 .event_from_world(Event::new(next(), vector(next)));
             let towards = vector(next).normalize();
-            let fan: Vec<_> = (0..16)
+            let bounds: Vec<_> = (0..16)
                 .map(|_| (towards + vector(next) * 0.02).normalize())
                 .collect();
-            let met = fan.iter().any(|d| {
+            let met = bounds.iter().any(|d| {
                 let d = Direction::from_unit(*d);
                 let ray = Ray {
                     origin: camera.x,
@@ -136,8 +136,8 @@ mod tests {
                 };
                 rest.bvh.closest(&ray, f64::INFINITY).is_some()
             });
-            let reach = Reach::of(&rest, camera, 1.0);
-            let missed = reach.is_some_and(|reach| reach.misses(&Fan::of(&fan)));
+            let cone = VisibleCone::of(&rest, camera, 1.0);
+            let missed = cone.is_some_and(|cone| cone.misses(&DirectionBounds::of(&bounds)));
             assert!(!(met && missed), "{rest:?} is met along {towards}");
             counts[usize::from(!met)] += usize::from(met || missed);
         }
@@ -157,7 +157,7 @@ mod tests {
     fn a_medium_lets_everything_pass() {
         let rest = body(&mut numbers(1), 0.3);
         let camera = Event::new(0.0, DVec3::splat(100.0));
-        assert!(Reach::of(&rest, camera, 1.0).is_some());
-        assert!(Reach::of(&rest, camera, 1.3).is_none());
+        assert!(VisibleCone::of(&rest, camera, 1.0).is_some());
+        assert!(VisibleCone::of(&rest, camera, 1.3).is_none());
     }
 }

@@ -1,0 +1,190 @@
+//! Camera rays of a batch: offset in the pixel → film point → look direction, W, origin.
+
+use glam::DVec3;
+
+use crate::accel::Method;
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::camera::{AnyView, RayOrigin, View};
+use crate::render::film::Tile;
+use crate::render::sampler::{Sampler, pixel_key};
+
+/// One camera ray for every pixel of a tile.
+#[derive(Debug, Default)]
+pub struct CameraRays {
+    pixels: Vec<u64>,
+    offsets: [Vec<f64>; 2],
+    film: [Vec<f64>; 2],
+    moments: Vec<f64>,
+    /// Look directions in the world, unit vectors.
+    pub(crate) directions: Vec<DVec3>,
+    /// W for a source at rest in the world.
+    pub(crate) ratios: Vec<f64>,
+    /// Where each ray leaves; empty where all leave the event of the shot.
+    origins: Vec<RayOrigin>,
+}
+
+/// Rays of one batch.
+#[derive(Debug, Clone, Copy)]
+pub struct Rays<'a> {
+    /// Look directions, unit vectors of the world.
+    pub directions: &'a [DVec3],
+    /// Where each leaves; none if all leave the event of the shot.
+    pub origins: Option<&'a [RayOrigin]>,
+    /// How they are traced.
+    pub method: Method,
+}
+
+impl Rays<'_> {
+    /// Where ray `ray` leaves.
+    #[inline(always)]
+    pub(crate) fn origin(&self, ray: usize) -> RayOrigin {
+        self.origins.map_or(RayOrigin::AT_SHOT, |all| all[ray])
+    }
+
+    /// The index of the medium along ray `ray`.
+    #[inline(always)]
+    pub(super) fn index(&self, index: f64, ray: usize) -> f64 {
+        self.origins.map_or(index, |all| index * all[ray].delay)
+    }
+}
+
+impl CameraRays {
+    /// Where in its pixel sample `ray` lies.
+    pub(crate) fn offset(&self, ray: usize) -> [f64; 2] {
+        [self.offsets[0][ray], self.offsets[1][ray]]
+    }
+
+    /// The rays, to be traced by `method`.
+    pub(crate) fn rays(&self, method: Method) -> Rays<'_> {
+        Rays {
+            directions: &self.directions,
+            origins: (!self.origins.is_empty()).then_some(&self.origins),
+            method,
+        }
+    }
+
+    fn resize<V: View>(&mut self, count: usize) {
+        self.pixels.resize(count, 0);
+        for axis in 0..2 {
+            self.offsets[axis].resize(count, 0.0);
+            self.film[axis].resize(count, 0.0);
+        }
+        self.directions.resize(count, DVec3::ZERO);
+        self.ratios.resize(count, 0.0);
+        let own_origins = if V::SHARED_ORIGIN { 0 } else { count };
+        self.origins.resize(own_origins, RayOrigin::AT_SHOT);
+    }
+}
+
+/// A view of whatever kind, matched once per batch.
+pub trait RayGenerator: Sync {
+    /// Generates the rays of sample `index` of every pixel of `tile`.
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32);
+}
+
+impl RayGenerator for AnyView {
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
+        match self {
+            AnyView::Still(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Moving(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Unaberrated(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Inertial(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Accelerated(view) => view.as_ref().generate(rays, sampler, tile, index),
+            AnyView::Turning(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Paper(view) => view.generate(rays, sampler, tile, index),
+        }
+    }
+}
+
+impl<V: View> RayGenerator for V {
+    fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
+        rays.resize::<V>(tile.pixels());
+        let [left, top] = tile.corner;
+        let rows = rays.pixels.chunks_mut(tile.size[0].max(1) as usize);
+        for (row, pixels) in (top..).zip(rows) {
+            for (column, pixel) in (left..).zip(pixels) {
+                *pixel = pixel_key(column, row);
+            }
+        }
+        let [x, y] = &mut rays.offsets;
+        sampler.offsets(&rays.pixels, index, x, y);
+        if V::USES_TIME {
+            let moment = |(column, row)| sampler.moment(column, row, index);
+            rays.moments.clear();
+            rays.moments.extend(tile.coordinates().map(moment));
+        }
+        let [x, y] = &mut rays.film;
+        dispatch(Generate {
+            view: self,
+            pixels: &rays.pixels,
+            offsets: [&rays.offsets[0], &rays.offsets[1]],
+            x,
+            y,
+            moments: &rays.moments,
+            directions: &mut rays.directions,
+            ratios: &mut rays.ratios,
+            origins: &mut rays.origins,
+        });
+    }
+}
+
+/// The loop over film points.
+struct Generate<'a, V> {
+    view: &'a V,
+    pixels: &'a [u64],
+    offsets: [&'a [f64]; 2],
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+    moments: &'a [f64],
+    directions: &'a mut [DVec3],
+    ratios: &'a mut [f64],
+    origins: &'a mut [RayOrigin],
+}
+
+impl<V: View> VectorLoop for Generate<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let [in_x, in_y] = self.offsets;
+        film_points(self.pixels, in_x, in_y, self.x, self.y);
+        let (film, outputs) = (
+            [&*self.x, &*self.y],
+            (self.directions, self.ratios, self.origins),
+        );
+        camera_rays(self.view, film, self.moments, outputs);
+    }
+}
+
+/// Film points in pixels: the corner of each pixel and the offset in it.
+#[inline(always)]
+fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mut [f64]) {
+    let count = pixels.len();
+    let (in_x, in_y) = (&in_x[..count], &in_y[..count]);
+    let (x, y) = (&mut x[..count], &mut y[..count]);
+    for k in 0..count {
+        x[k] = f64::from(pixels[k] as u32) + in_x[k];
+        y[k] = f64::from((pixels[k] >> 32) as u32) + in_y[k];
+    }
+}
+
+/// The view's ray at each film point.
+#[inline(always)]
+fn camera_rays<V: View>(
+    view: &V,
+    [x, y]: [&[f64]; 2],
+    moments: &[f64],
+    (directions, ratios, origins): (&mut [DVec3], &mut [f64], &mut [RayOrigin]),
+) {
+    // Slices of known length leave no bounds checks in the loop.
+    let count = x.len();
+    let (y, directions) = (&y[..count], &mut directions[..count]);
+    let ratios = &mut ratios[..count];
+    for k in 0..count {
+        let moment = if V::USES_TIME { moments[k] } else { 0.0 };
+        let ray = view.ray(x[k], y[k], moment);
+        directions[k] = ray.d.unit();
+        ratios[k] = ray.ratio;
+        if !V::SHARED_ORIGIN {
+            origins[k] = ray.origin;
+        }
+    }
+}

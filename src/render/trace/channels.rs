@@ -1,0 +1,69 @@
+//! Auxiliary channels of a sample.
+
+use super::point::ObservedPoint;
+use crate::render::aov::{Aov, Combine};
+use crate::render::film::TileFilm;
+use crate::spacetime::{Direction, World};
+
+/// Records `channels`, those of the film in its order, of a sample at `offset` in `pixel` that looks along `d`.
+pub(crate) fn record(
+    channels: &[Aov],
+    pixel: usize,
+    offset: [f64; 2],
+    d: Direction<World>,
+    observed: Option<&ObservedPoint>,
+    film: &mut TileFilm,
+) {
+    let nearest = film.is_nearest_to_centre(pixel, offset, observed.is_some());
+    for (channel, aov) in channels.iter().enumerate() {
+        match aov.combine() {
+            Combine::NearestIdentity | Combine::Nearest if !nearest => {}
+            Combine::NearestIdentity => {
+                film.set_aov(channel, pixel, value(*aov, d, observed).unwrap_or(-1.0));
+            }
+            Combine::Nearest => {
+                film.set_aov(channel, pixel, value(*aov, d, observed).unwrap_or(f64::NAN));
+            }
+            Combine::MeanOfHits | Combine::MeanOfAll => {
+                if let Some(value) = value(*aov, d, observed) {
+                    film.add_aov(channel, pixel, value);
+                }
+            }
+            Combine::Coverage | Combine::StandardError => {}
+        }
+    }
+}
+
+/// The channel's value, or none where the sample has none. Coverage and standard error are the film's own.
+fn value(aov: Aov, d: Direction<World>, observed: Option<&ObservedPoint>) -> Option<f64> {
+    let point = observed.map(|o| &o.point);
+    let uv = || Some(point?.uv(0).unwrap_or(glam::DVec2::NAN));
+    let event = || Some(point?.event());
+    let object_event = || point.map(|p| p.rest_event() - p.patch.object_origin);
+    let normal = || point.map(|p| p.rest.bvh.normal(&p.hit));
+    match aov {
+        Aov::Object => Some(point?.patch.object as f64),
+        Aov::Primitive => Some(point?.primitive() as f64),
+        Aov::BarycentricU => Some(point?.hit.u),
+        Aov::BarycentricV => Some(point?.hit.v),
+        Aov::UvU => Some(uv()?.x),
+        Aov::UvV => Some(uv()?.y),
+        Aov::EventCt => Some(event()?.ct),
+        Aov::EventX => Some(event()?.x.x),
+        Aov::EventY => Some(event()?.x.y),
+        Aov::EventZ => Some(event()?.x.z),
+        Aov::ObjectEventCt => Some(object_event()?.ct),
+        Aov::ObjectEventX => Some(object_event()?.x.x),
+        Aov::ObjectEventY => Some(object_event()?.x.y),
+        Aov::ObjectEventZ => Some(object_event()?.x.z),
+        Aov::DirectionX => Some(d.unit().x),
+        Aov::DirectionY => Some(d.unit().y),
+        Aov::DirectionZ => Some(d.unit().z),
+        Aov::Distance => Some(point?.hit.s),
+        Aov::WavelengthRatio => Some(observed?.w.0),
+        Aov::NormalX => Some(normal()?.x),
+        Aov::NormalY => Some(normal()?.y),
+        Aov::NormalZ => Some(normal()?.z),
+        Aov::Coverage | Aov::StandardError => None,
+    }
+}

@@ -1,0 +1,142 @@
+//! The radiance that leaves a run of points, before the observer's factors.
+
+use super::occlusion::OcclusionQueries;
+use crate::accel::Segment;
+use crate::light::pulse::{Incident, Irradiance};
+use crate::light::time_texture::{Coverage, Located, Lookups, Sampled};
+use crate::spacetime::Quantity;
+
+/// Radiance that leaves a surface, per channel, in its rest frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Emission {
+    /// Radiance to which the factors apply.
+    pub radiance: [f64; 3],
+    /// Radiance that stands for missing data and is shown as it is.
+    pub unscaled: [f64; 3],
+    /// How much of it the data hold.
+    pub coverage: Coverage,
+    /// Emitted wavelength over that of the declared line.
+    pub wavelength_scale: f64,
+}
+
+/// What an observer makes of emitted radiance; resolved from quantity and switches beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// The declared quantity where the searchlight effect is on; its factor is applied.
+    pub scaled: Option<Quantity>,
+    /// The colour.
+    pub colour: Colouring,
+}
+
+/// How radiance becomes a colour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Colouring {
+    /// The channels are colours as they stand.
+    Channels,
+    /// The mean of the channels is the radiance of a line of this emitted wavelength, metres.
+    ShiftedLine(f64),
+    /// The same, shown in its emitted colour.
+    UnshiftedLine(f64),
+}
+
+/// What leaves the points of a run towards the camera, point by point.
+#[derive(Debug)]
+pub struct Emitted {
+    /// What becomes of it at the observer.
+    pub(super) response: Response,
+    /// Radiance to which the factors apply, per channel.
+    pub(super) radiance: Vec<[f64; 3]>,
+    /// What else there is to know of some points, in their order.
+    pub(super) details: Vec<Detail>,
+    pub(super) lookups: Box<Lookups>,
+    /// What may stand in the way of light.
+    pub(super) queries: OcclusionQueries,
+    pub(super) segments: Vec<Segment>,
+    pub(super) blocked: Vec<bool>,
+    /// Of one pulse, by the point that it may fall on.
+    pub(super) arriving: Vec<(usize, Incident)>,
+    /// Of all pulses, by point.
+    pub(super) incident: Vec<Irradiance>,
+    /// Where points lie in the image of a capture camera.
+    pub(super) located: Vec<Located>,
+    /// Times of emission.
+    pub(super) times: Vec<f64>,
+}
+
+/// A point whose radiance is not fully known, or has another wavelength than the response says.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detail {
+    /// The point's place in the run.
+    pub at: usize,
+    /// As in [`Emission`].
+    pub unscaled: [f64; 3],
+    pub coverage: Coverage,
+    pub wavelength_scale: f64,
+}
+
+impl Default for Emitted {
+    fn default() -> Self {
+        Emitted {
+            response: Response {
+                scaled: None,
+                colour: Colouring::Channels,
+            },
+            radiance: Vec::new(),
+            details: Vec::new(),
+            lookups: Box::default(),
+            queries: OcclusionQueries::default(),
+            segments: Vec::new(),
+            blocked: Vec::new(),
+            arriving: Vec::new(),
+            incident: Vec::new(),
+            located: Vec::new(),
+            times: Vec::new(),
+        }
+    }
+}
+
+impl Emission {
+    /// Radiance that is fully known.
+    pub fn full(radiance: [f64; 3]) -> Self {
+        Emission {
+            radiance,
+            unscaled: [0.0; 3],
+            coverage: Coverage::HELD,
+            wavelength_scale: 1.0,
+        }
+    }
+
+    /// Radiance from a cube.
+    pub(super) fn stored(sampled: Sampled) -> Self {
+        Emission {
+            unscaled: sampled.unscaled,
+            coverage: sampled.coverage,
+            ..Emission::full(sampled.radiance)
+        }
+    }
+}
+
+impl Emitted {
+    /// Forgets the last run, and begins one of this response.
+    pub fn start(&mut self, response: Response) {
+        self.response = response;
+        self.radiance.clear();
+        self.details.clear();
+    }
+
+    /// Adds what the next point emits.
+    pub fn push(&mut self, emission: Emission) {
+        let plain = emission.coverage == Coverage::HELD
+            && emission.wavelength_scale == 1.0
+            && emission.unscaled == [0.0; 3];
+        if !plain {
+            self.details.push(Detail {
+                at: self.radiance.len(),
+                unscaled: emission.unscaled,
+                coverage: emission.coverage,
+                wavelength_scale: emission.wavelength_scale,
+            });
+        }
+        self.radiance.push(emission.radiance);
+    }
+}

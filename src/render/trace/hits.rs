@@ -1,0 +1,226 @@
+//! The nearest hits of a batch so far, and its rays in the rest frame that was intersected last.
+
+use glam::DVec3;
+
+use super::camera_rays::Rays;
+use super::stats::Meter;
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::accel::{Bvh, Hit, NoTally, Origins};
+use crate::camera::RayOrigin;
+use crate::spacetime::{Boost, Displacement, Event, NullRay, Rest, Tangents, World};
+
+/// A hit and the rest frame that it is in.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceHit {
+    /// The hit; its s is the world distance in metres.
+    pub hit: Hit,
+    /// Index of the rest frame.
+    pub frame: u32,
+}
+
+/// Buffers of one tile, reused from batch to batch.
+#[derive(Debug, Default)]
+pub struct HitBuffer {
+    /// The nearest hit of each ray.
+    hits: Vec<Option<Hit>>,
+    /// Its rest frame; empty where there is one.
+    frames: Vec<u32>,
+    /// Index of the medium along each ray.
+    indices: Vec<f64>,
+    /// Tangents in the frame that was intersected last, and ω_rest/ω_world.
+    local: Vec<DVec3>,
+    times: Vec<f64>,
+    ratios: Vec<f64>,
+    /// Where each ray leaves, in the frame that was intersected last; empty where all leave one event.
+    origins: Vec<DVec3>,
+    origin_times: Vec<f64>,
+}
+
+impl HitBuffer {
+    /// Makes room for `rays` rays that may hit `frames` rest frames.
+    pub(super) fn start(&mut self, rays: usize, frames: usize) {
+        self.hits.clear();
+        self.hits.resize(rays, None);
+        self.frames.clear();
+        if frames > 1 {
+            self.frames.resize(rays, 0);
+        }
+    }
+
+    /// Takes over hits in several rest frames that were found without [`Surfaces::nearest`](super::Surfaces).
+    pub(crate) fn set(&mut self, hits: &[Option<SurfaceHit>]) {
+        self.hits.clear();
+        self.hits.extend(hits.iter().map(|h| h.map(|h| h.hit)));
+        self.frames.clear();
+        self.frames
+            .extend(hits.iter().map(|h| h.map_or(0, |h| h.frame)));
+    }
+
+    /// Boosts the tangents of `rays` into a rest frame.
+    pub(super) fn boost_tangents(&mut self, boost: &Boost<Rest, World>, index: f64, rays: &Rays) {
+        let count = rays.directions.len();
+        self.indices.clear();
+        self.indices
+            .extend((0..count).map(|ray| rays.index(index, ray)));
+        self.local.resize(count, DVec3::ZERO);
+        self.times.resize(count, 0.0);
+        self.ratios.resize(count, 0.0);
+        dispatch(BoostTangents {
+            boost,
+            indices: &self.indices,
+            directions: rays.directions,
+            tangents: Tangents {
+                space: &mut self.local,
+                time: &mut self.times,
+                ratio: &mut self.ratios,
+            },
+        });
+    }
+
+    /// Boosts the origins of `rays`, which are relative to `shot`, into a rest frame.
+    pub(super) fn boost_origins(
+        &mut self,
+        boost: &Boost<Rest, World>,
+        shot: Event<Rest>,
+        rays: &Rays,
+    ) {
+        let origins = rays.origins.unwrap_or_default();
+        self.origins.resize(origins.len(), DVec3::ZERO);
+        self.origin_times.resize(origins.len(), 0.0);
+        if !origins.is_empty() {
+            dispatch(BoostOrigins {
+                boost,
+                shot,
+                origins,
+                places: &mut self.origins,
+                times: &mut self.origin_times,
+            });
+        }
+    }
+
+    /// Intersects `rays` with the surfaces of `frame`, from `origin` if they share one, and keeps what is nearer
+    /// than the hits so far: along `directions`, or along the tangents that were boosted last.
+    pub(super) fn intersect(
+        &mut self,
+        frame: u32,
+        bvh: &Bvh,
+        rays: &Rays,
+        origin: DVec3,
+        directions: Option<&[DVec3]>,
+        meter: &mut Meter,
+    ) {
+        let (hits, frames) = (&mut self.hits, &mut self.frames);
+        let replaced = |ray: usize| {
+            if let Some(known) = frames.get_mut(ray) {
+                *known = frame;
+            }
+        };
+        let origins = match self.origins.as_slice() {
+            [] => Origins::Shared(origin),
+            origins => Origins::Each(origins),
+        };
+        let directions = directions.unwrap_or(&self.local);
+        match meter.visibility() {
+            None => bvh.closest_by(
+                rays.method,
+                origins,
+                directions,
+                hits,
+                &mut NoTally,
+                replaced,
+            ),
+            Some(counts) => {
+                bvh.closest_by(rays.method, origins, directions, hits, counts, replaced)
+            }
+        }
+    }
+
+    /// Ray `ray` in the frame that was boosted into last, and ω_rest/ω_world of its light.
+    #[inline(always)]
+    pub(super) fn boosted(&self, ray: usize, origin: Event<Rest>) -> (NullRay<Rest>, f64) {
+        let boosted = NullRay {
+            origin: self.origin(ray, origin),
+            tangent: Displacement::new(self.times[ray], self.local[ray]),
+        };
+        (boosted, self.ratios[ray])
+    }
+
+    /// Where ray `ray` leaves in that frame, if not at `origin`.
+    #[inline(always)]
+    pub(super) fn origin(&self, ray: usize, origin: Event<Rest>) -> Event<Rest> {
+        match self.origins.get(ray) {
+            Some(place) => Event::new(self.origin_times[ray], *place),
+            None => origin,
+        }
+    }
+
+    /// The nearest hit of each ray of the batch.
+    #[inline]
+    pub fn hits(&self) -> &[Option<Hit>] {
+        &self.hits
+    }
+
+    /// The nearest hit of ray `ray`.
+    #[inline]
+    pub fn hit(&self, ray: usize) -> Option<SurfaceHit> {
+        self.hits[ray].map(|hit| SurfaceHit {
+            hit,
+            frame: self.frame(ray),
+        })
+    }
+
+    /// The rest frame that ray `ray` hit.
+    #[inline(always)]
+    pub(super) fn frame(&self, ray: usize) -> u32 {
+        self.frames.get(ray).copied().unwrap_or(0)
+    }
+}
+
+/// The loop over directions.
+struct BoostTangents<'a> {
+    boost: &'a Boost<Rest, World>,
+    indices: &'a [f64],
+    directions: &'a [DVec3],
+    tangents: Tangents<'a>,
+}
+
+impl VectorLoop for BoostTangents<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.boost
+            .tangents(self.indices, self.directions, self.tangents);
+    }
+}
+
+/// The loop over origins.
+struct BoostOrigins<'a> {
+    boost: &'a Boost<Rest, World>,
+    shot: Event<Rest>,
+    origins: &'a [RayOrigin],
+    places: &'a mut [DVec3],
+    times: &'a mut [f64],
+}
+
+impl VectorLoop for BoostOrigins<'_> {
+    #[inline(always)]
+    fn run(self) {
+        boost_origins(self.boost, self.shot, self.origins, self.places, self.times);
+    }
+}
+
+#[inline(always)]
+fn boost_origins(
+    boost: &Boost<Rest, World>,
+    shot: Event<Rest>,
+    origins: &[RayOrigin],
+    places: &mut [DVec3],
+    times: &mut [f64],
+) {
+    let count = origins.len();
+    let (places, times) = (&mut places[..count], &mut times[..count]);
+    for k in 0..count {
+        let event = shot + boost.displacement(origins[k].displacement);
+        places[k] = event.x;
+        times[k] = event.ct;
+    }
+}

@@ -1,0 +1,67 @@
+//! Points of surfaces that rays have hit.
+
+use glam::{DVec2, DVec3};
+
+use super::rest_frame::{Patch, RestFrame};
+use crate::accel::Hit;
+use crate::camera::RayOrigin;
+use crate::spacetime::{Event, NullRay, Rest, WavelengthRatio, World};
+
+/// A point of a surface at the event at which its light leaves for the camera.
+#[derive(Debug)]
+pub struct SurfacePoint<'a> {
+    /// The rest frame.
+    pub rest: &'a RestFrame,
+    /// Its index.
+    pub frame: u32,
+    /// The run of triangles.
+    pub patch: &'a Patch,
+    /// The hit.
+    pub hit: Hit,
+    /// The world ray.
+    pub ray: NullRay<World>,
+    /// Where it leaves, relative to the event of the shot.
+    pub origin: RayOrigin,
+    /// The same ray in the rest frame.
+    pub local: NullRay<Rest>,
+}
+
+/// A surface point and the wavelength ratio with which the camera sees it.
+#[derive(Debug)]
+pub struct ObservedPoint<'a> {
+    /// The point.
+    pub point: SurfacePoint<'a>,
+    /// Observed / emitted wavelength.
+    pub w: WavelengthRatio,
+}
+
+impl SurfacePoint<'_> {
+    /// The emission event in the world.
+    #[inline]
+    pub fn event(&self) -> Event<World> {
+        self.ray.at(self.hit.s)
+    }
+
+    /// The emission event in the rest frame.
+    #[inline]
+    pub fn rest_event(&self) -> Event<Rest> {
+        self.local.at(self.hit.s)
+    }
+
+    /// Index of the triangle in its object.
+    #[inline]
+    pub fn primitive(&self) -> u32 {
+        self.hit.triangle - self.patch.object_first
+    }
+
+    /// The geometric unit normal, in the rest frame, on the side that the camera sees.
+    pub fn facing_normal(&self) -> DVec3 {
+        let normal = self.rest.bvh.normal(&self.hit);
+        if self.hit.front { normal } else { -normal }
+    }
+
+    /// Texture coordinates of set `set`, where the object has them.
+    pub fn uv(&self, set: usize) -> Option<DVec2> {
+        self.rest.uv(self.patch, set, &self.hit)
+    }
+}

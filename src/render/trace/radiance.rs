@@ -1,0 +1,296 @@
+//! Radiance of surfaces: what points emit at their retarded events, in their own rest frames. Base colours,
+//! which need no time, and time-resolved sources.
+
+use std::fmt::Debug;
+
+use super::emitted::{Detail, Emission, Emitted, Response};
+use super::occlusion::{any_hit, shadow_ray};
+use super::pulses;
+use super::run::Run;
+use super::stats::{Counter, Meter};
+use crate::accel::{Hit, Segment};
+use crate::io::image::Texture;
+use crate::light::time_texture::{BATCH, Capture, SurfacePoint as CapturePoint, TimeTexture};
+use crate::mesh::Wrap;
+use crate::scene::model::Pulse;
+use crate::spacetime::Quantity;
+
+/// Radiance of surfaces, run by run.
+pub trait Radiance: Debug + Send + Sync {
+    /// Whether coverage can be other than full.
+    fn has_gaps(&self) -> bool;
+
+    /// Fills `emitted` with what leaves the points of `run` towards the camera: [`Emitted::start`], then
+    /// [`Emitted::push`] for each point.
+    fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter);
+}
+
+/// Time-independent radiance: a factor and a texture.
+#[derive(Debug, Clone)]
+pub struct BaseColour {
+    /// Linear RGB.
+    pub factor: [f64; 3],
+    /// Texture, its coordinate set and wrap modes.
+    pub texture: Option<(usize, usize, [Wrap; 2])>,
+}
+
+/// Base colours of all patches.
+#[derive(Debug)]
+pub struct BaseColours {
+    /// By emitter index.
+    pub colours: Vec<BaseColour>,
+    /// Decoded textures.
+    pub textures: Vec<Texture>,
+    /// The common response.
+    pub response: Response,
+}
+
+/// All kinds of emitters, some of which vary with time.
+#[derive(Debug)]
+pub struct TimeResolved {
+    /// By emitter index.
+    pub emitters: Vec<(Emitter, Response)>,
+    /// Base colours (also albedos of pulses).
+    pub base: BaseColours,
+    /// Cubes with their time axes.
+    pub cubes: Vec<TimeTexture>,
+    /// Capture cameras and what they saw.
+    pub captures: Vec<Capture>,
+    /// By source of the scene: pulses, each with its quantity.
+    pub pulses: Vec<Option<(Pulse, Quantity)>>,
+    /// Refractive index of the medium.
+    pub index: f64,
+}
+
+/// Where the radiance of a patch comes from.
+#[derive(Debug, Clone)]
+pub enum Emitter {
+    /// A base colour.
+    Base(usize),
+    /// A cube by texture coordinates.
+    Uv {
+        /// Index of the cube.
+        cube: usize,
+        /// TEXCOORD set.
+        set: usize,
+        /// The clock of its time axis.
+        clock: EmissionClock,
+    },
+    /// A cube projected from its capture camera.
+    Capture {
+        /// Index of the cube.
+        cube: usize,
+        /// Index of the capture camera.
+        capture: usize,
+        /// The clock before the delay to the capture camera.
+        clock: EmissionClock,
+    },
+    /// The light of pulses, reflected.
+    Pulses {
+        /// Index of the albedo among the base colours.
+        albedo: usize,
+        /// Which pulses.
+        pulses: Vec<usize>,
+    },
+}
+
+/// A clock at the emission event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EmissionClock {
+    /// World time.
+    World,
+    /// The own time of the object that the point is on.
+    Object,
+}
+
+impl EmissionClock {
+    /// The times of members `begin` and on.
+    fn times(self, run: &Run, begin: usize, times: &mut [f64]) {
+        match self {
+            EmissionClock::World => run.world_times(begin, times),
+            EmissionClock::Object => run.object_times(begin, times),
+        }
+    }
+}
+
+impl BaseColours {
+    /// What colour `index` emits at `hit`.
+    fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
+        let base = &self.colours[index];
+        let Some((texture, set, wrap)) = base.texture else {
+            return base.factor;
+        };
+        let Some(uv) = run.uv(set, hit) else {
+            return base.factor;
+        };
+        let texel = self.textures[texture].sample(uv.to_array(), wrap);
+        std::array::from_fn(|c| base.factor[c] * texel[c])
+    }
+
+    /// What colour `index` emits at the points of `run`.
+    fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
+        match self.colours[index].texture {
+            None => emitted
+                .radiance
+                .resize(run.count(), self.colours[index].factor),
+            Some(_) => {
+                let hits = (0..run.count()).filter_map(|k| run.hit(k));
+                let radiance = hits.map(|hit| self.radiance(index, run, &hit));
+                emitted.radiance.extend(radiance);
+            }
+        }
+    }
+}
+
+impl Radiance for BaseColours {
+    fn has_gaps(&self) -> bool {
+        false
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
+        emitted.start(self.response);
+        self.fill(run.patch.emitter as usize, run, emitted);
+    }
+}
+
+impl Radiance for TimeResolved {
+    fn has_gaps(&self) -> bool {
+        true
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let (emitter, response) = &self.emitters[run.patch.emitter as usize];
+        emitted.start(*response);
+        match emitter {
+            Emitter::Base(colour) => self.base.fill(*colour, run, emitted),
+            Emitter::Uv { cube, set, clock } => {
+                look_up(&self.cubes[*cube], *set, *clock, run, emitted, meter);
+            }
+            Emitter::Capture {
+                cube,
+                capture,
+                clock,
+            } => {
+                let (texture, capture) = (&self.cubes[*cube], &self.captures[*capture]);
+                project(texture, capture, *clock, run, emitted, meter);
+            }
+            Emitter::Pulses { albedo, pulses } => {
+                self.reflect(*albedo, pulses, run, emitted, meter);
+            }
+        }
+    }
+}
+
+/// What `texture` holds at the points of `run`.
+fn look_up(
+    texture: &TimeTexture,
+    set: usize,
+    clock: EmissionClock,
+    run: &Run,
+    emitted: &mut Emitted,
+    meter: &mut Meter,
+) {
+    let mut begin = 0;
+    while begin < run.count() {
+        let count = (run.count() - begin).min(BATCH);
+        let lookups = &mut *emitted.lookups;
+        for at in 0..count {
+            let Some(hit) = run.hit(begin + at) else {
+                continue;
+            };
+            let uv = run.uv(set, &hit).unwrap_or(glam::DVec2::NAN);
+            lookups.u[at] = uv.x;
+            lookups.v[at] = uv.y;
+        }
+        clock.times(run, begin, &mut lookups.t[..count]);
+        texture.sample_each(lookups, count);
+        let radiance = lookups.radiance[..count].iter();
+        emitted
+            .radiance
+            .extend(radiance.map(|[r, g, b, _]| [*r, *g, *b]));
+        let details = lookups.others.iter().map(|(at, sampled)| Detail {
+            at: begin + at,
+            unscaled: sampled.unscaled,
+            coverage: sampled.coverage,
+            wavelength_scale: 1.0,
+        });
+        emitted.details.extend(details);
+        if meter.is_on() {
+            meter.count(Counter::TextureBytes, lookups.bytes_read(texture, count));
+        }
+        begin += count;
+    }
+}
+
+/// What the capture camera recorded of the points of `run`, as far as it saw them. The capture camera rests
+/// in the points' frame, and so does all that can stand between them.
+fn project(
+    texture: &TimeTexture,
+    capture: &Capture,
+    clock: EmissionClock,
+    run: &Run,
+    emitted: &mut Emitted,
+    meter: &mut Meter,
+) {
+    emitted.located.clear();
+    emitted.segments.clear();
+    for point in run.points() {
+        let captured = CapturePoint {
+            position: point.rest_event().x,
+            normal: point.facing_normal(),
+        };
+        let located = texture.locate(capture, &captured);
+        if located.is_seen() {
+            let from = captured.position;
+            emitted.segments.push(Segment {
+                ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
+                s_max: 1.0,
+                skip: Some(point.hit.triangle),
+            });
+        }
+        emitted.located.push(located);
+    }
+    emitted.times.resize(run.count(), 0.0);
+    clock.times(run, 0, &mut emitted.times);
+    let (method, counts) = (run.traced.rays.method, meter.occlusion());
+    let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
+    any_hit(&run.rest.bvh, method, segments, blocked, counts);
+    // Only points that lie in the camera's image have a segment.
+    let mut answers = 0;
+    for at in 0..emitted.located.len() {
+        let located = emitted.located[at];
+        let blocked = located.is_seen() && emitted.blocked[answers];
+        answers += usize::from(located.is_seen());
+        let sampled = texture.sample_located(capture, &located, emitted.times[at], blocked);
+        emitted.push(Emission::stored(sampled));
+    }
+}
+
+impl TimeResolved {
+    /// Reflects `pulses` at the points of `run`.
+    fn reflect(
+        &self,
+        albedo: usize,
+        pulses: &[usize],
+        run: &Run,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
+        emitted.incident.clear();
+        emitted.incident.resize(run.count(), Default::default());
+        for (pulse, quantity) in pulses.iter().filter_map(|k| self.pulses[*k].as_ref()) {
+            pulses::illuminate(run, pulse, *quantity, self.index, emitted, meter);
+        }
+        for k in 0..run.count() {
+            let Some(hit) = run.hit(k) else {
+                continue;
+            };
+            let irradiance = emitted.incident[k];
+            let albedo = self.base.radiance(albedo, run, &hit);
+            emitted.push(Emission {
+                wavelength_scale: irradiance.wavelength_scale(),
+                ..Emission::full(irradiance.reflected(albedo))
+            });
+        }
+    }
+}

@@ -5,16 +5,16 @@
 
 use std::fmt;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceSpan};
 
 /// The result of everything in this crate that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file could not be opened, read, written or renamed.
     #[error("{}: {action}: {source}", .path.display())]
@@ -49,8 +49,17 @@ pub struct Problem {
     pub what: String,
     /// What would be right. May be empty.
     pub help: String,
-    /// The text and the span that a labelled report shows.
-    pub source: Option<(NamedSource<Arc<str>>, Vec<LabeledSpan>)>,
+    /// The part of the file that a report shows.
+    pub snippet: Option<Snippet>,
+}
+
+/// A text with labels at parts of it.
+#[derive(Debug)]
+pub struct Snippet {
+    /// The whole text.
+    pub text: Arc<str>,
+    /// Bytes of the text, and what is said of them; the place of the problem comes first.
+    pub labels: Vec<(Range<usize>, String)>,
 }
 
 impl Problem {
@@ -66,7 +75,7 @@ impl Problem {
             place: place.into(),
             what: what.into(),
             help: help.into(),
-            source: None,
+            snippet: None,
         }
     }
 
@@ -74,12 +83,11 @@ impl Problem {
     pub fn labelled(
         mut self,
         text: Arc<str>,
-        span: std::ops::Range<usize>,
+        span: Range<usize>,
         label: impl Into<String>,
     ) -> Self {
-        let label = LabeledSpan::new_primary_with_span(Some(label.into()), SourceSpan::from(span));
-        let source = NamedSource::new(&self.file, text).with_language("toml");
-        self.source = Some((source, vec![label]));
+        let labels = vec![(span, label.into())];
+        self.snippet = Some(Snippet { text, labels });
         self
     }
 
@@ -135,43 +143,55 @@ impl Error {
         }
     }
 
-    fn problem(&self) -> Option<&Problem> {
+    /// What would be right, or what to do; empty where that is not known.
+    pub fn help(&self) -> &str {
         match self {
-            Error::Invalid(problem) | Error::Unsupported(problem) => Some(problem),
-            Error::Io { .. } | Error::Cancelled => None,
+            Error::Io { source, .. } => remedy(source.kind()),
+            Error::Invalid(problem) | Error::Unsupported(problem) => &problem.help,
+            Error::Cancelled => "",
         }
     }
 }
 
-/// What to do about an I/O error, where that can be said.
-fn remedy(kind: io::ErrorKind) -> Option<&'static str> {
+/// What to do about an I/O error; empty where that cannot be said.
+fn remedy(kind: io::ErrorKind) -> &'static str {
     use io::ErrorKind as Kind;
     match kind {
-        Kind::NotFound => Some("check the path; a relative one starts from the current directory"),
-        Kind::PermissionDenied => Some("check the permissions of the file and of its directory"),
-        Kind::IsADirectory => Some("name a file, not a directory"),
-        Kind::StorageFull | Kind::QuotaExceeded => Some("make room, or write to another place"),
-        Kind::ReadOnlyFilesystem => Some("write to another place"),
-        _ => None,
+        Kind::NotFound => "check the path; a relative one starts from the current directory",
+        Kind::PermissionDenied => "check the permissions of the file and of its directory",
+        Kind::IsADirectory => "name a file, not a directory",
+        Kind::StorageFull | Kind::QuotaExceeded => "free some space, or write to another place",
+        Kind::ReadOnlyFilesystem => "write to another place",
+        _ => "",
     }
 }
 
-impl Diagnostic for Error {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        if let Error::Io { source, .. } = self {
-            return Some(Box::new(remedy(source.kind())?));
+#[cfg(feature = "reports")]
+impl Error {
+    /// The error with the lines of the file that it is about, and what would be right: for people to read.
+    /// Coloured by ANSI escape codes.
+    pub fn report(&self) -> String {
+        use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+        let mut group = Level::ERROR
+            .primary_title(self.to_string())
+            .elements(None::<annotate_snippets::Message>);
+        if let Error::Invalid(problem) | Error::Unsupported(problem) = self
+            && let Some(snippet) = &problem.snippet
+        {
+            let kinds = std::iter::once(AnnotationKind::Primary);
+            let kinds = kinds.chain(std::iter::repeat(AnnotationKind::Context));
+            let labels = kinds.zip(&snippet.labels);
+            group = group.element(
+                Snippet::source(&*snippet.text)
+                    .path(&problem.file)
+                    .annotations(
+                        labels.map(|(kind, (span, label))| kind.span(span.clone()).label(label)),
+                    ),
+            );
         }
-        let problem = self.problem().filter(|p| !p.help.is_empty())?;
-        Some(Box::new(&problem.help))
-    }
-
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        let (source, _) = self.problem()?.source.as_ref()?;
-        Some(source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let (_, labels) = self.problem()?.source.as_ref()?;
-        Some(Box::new(labels.iter().cloned()))
+        if !self.help().is_empty() {
+            group = group.element(Level::HELP.message(self.help()));
+        }
+        Renderer::styled().render(&[group]) + "\n"
     }
 }

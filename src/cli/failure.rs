@@ -34,7 +34,6 @@ pub enum Done {
 
 /// Does `work`; reports what went wrong.
 pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
-    show_errors_plainly();
     match caught(work) {
         // What fails while everything is being stopped fails because of that.
         Ok(Err(_)) | Err(_) if interrupt::is_stopping() => {
@@ -44,7 +43,7 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
         Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
         Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
-            complain(&format!("{:?}\n", miette::Report::new(error)));
+            complain(&error.report());
             ExitCode::from(FAILED)
         }
         Err(what) => {
@@ -76,15 +75,6 @@ fn bug(what: &str) -> String {
          Please report it with these lines, the command and the scene file. No unfinished file is left.\n",
         env!("CARGO_PKG_VERSION")
     )
-}
-
-/// Errors say their cause themselves; paths stay in one piece, to be copied.
-fn show_errors_plainly() {
-    // Fails only where a hook is set already.
-    let _ = miette::set_hook(Box::new(|_| {
-        let options = miette::MietteHandlerOpts::new();
-        Box::new(options.without_cause_chain().break_words(false).build())
-    }));
 }
 
 /// A problem with an option of the command line.

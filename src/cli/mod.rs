@@ -74,7 +74,7 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Says `text` on standard error, as far as there is one.
+/// Writes `text` to standard error, if there is one; in colour where a terminal shows it.
 fn complain(text: &str) {
-    let _ = io::stderr().lock().write_all(text.as_bytes());
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }

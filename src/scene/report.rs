@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use miette::LabeledSpan;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -61,10 +60,9 @@ impl Report {
         let mut error = self.refuse(span, what, help);
         let edit = self.edit_within(&place_of(&self.text, other));
         if let Error::Invalid(problem) = &mut error
-            && let Some((_, labels)) = &mut problem.source
+            && let Some(snippet) = &mut problem.snippet
         {
-            let label = Some(label.to_string());
-            labels.push(LabeledSpan::new_with_span(label, other.clone()));
+            snippet.labels.push((other.clone(), label.to_string()));
             cite(&mut problem.help, edit);
         }
         error

@@ -72,7 +72,7 @@ fn single_precision_is_exact_and_nodes_outside_the_scene_can_be_named() {
 #[test]
 fn an_unknown_node_is_refused_with_the_names_there_are() {
     let error = gltf::load(&valid("hierarchy.glb"), Some("whel"), ALL).unwrap_err();
-    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    let help = error.help();
     assert!(
         help.contains("\"wheel\"") && help.contains("\"elsewhere\""),
         "{help}"

@@ -58,7 +58,7 @@ fn a_deflated_array_is_found_by_its_name_among_arrays_that_are_no_cubes() {
 #[test]
 fn an_array_that_is_not_there_is_refused_with_the_names_of_those_that_are() {
     let error = npy::load(&valid("deflated.npz"), Some("cubes")).unwrap_err();
-    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    let help = error.help();
     for name in ["\"cube\"", "\"wavelengths\"", "\"axis\""] {
         assert!(help.contains(name), "{help}");
     }

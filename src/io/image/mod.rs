@@ -5,7 +5,7 @@
 //! Every file appears at once and whole, or not at all ([`write_atomically`]). [`Texture`] is an image
 //! that surfaces show.
 //!
-//! This module is the only user of the crates `exr`, `image` and `png`.
+//! This module is the only user of the crates `exr`, `png` and `zune-jpeg`, but for the PNG of drawings.
 
 pub mod exr;
 mod file;

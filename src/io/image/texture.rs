@@ -7,7 +7,12 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use ::image::{DynamicImage, ImageError, ImageReader, ImageResult, Limits};
+use ::png::{BitDepth, Decoder, Limits, Transformations};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::guarded;
 use crate::colour::srgb_decode;
@@ -15,9 +20,9 @@ use crate::error::{Error, Result};
 use crate::mesh::Wrap;
 
 /// The longest side of an image that is decoded, pixels.
-const MAX_SIDE: u32 = 16_384;
+const MAX_SIDE: usize = 16_384;
 /// The most memory that a decoder may take, bytes.
-const MAX_BYTES: u64 = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 
 /// Linear light of 8-bit sRGB.
 static LINEAR_8: LazyLock<Vec<f64>> = LazyLock::new(|| linear_table(u8::MAX.into()));
@@ -61,40 +66,29 @@ impl Texture {
     /// Other formats, broken images, sides above 16384 pixels, more than 1 GiB decoded.
     pub fn decode(bytes: &[u8], place: &str, file: &Path) -> Result<Texture> {
         let help = "a PNG or JPEG image of at most 16384 × 16384 pixels";
-        let texture = match guarded(|| decode(bytes)) {
-            Some(Ok(image)) => Texture::new(image),
-            Some(Err(ImageError::Unsupported(e))) => {
-                return Err(Error::unsupported(file, place, e.to_string(), help));
+        match guarded(|| decode(bytes)) {
+            Some(Ok(texture)) => Ok(texture),
+            Some(Err(Refused::Unsupported(what))) => {
+                Err(Error::unsupported(file, place, what, help))
             }
-            Some(Err(e)) => {
-                let what = format!("not a readable image: {e}");
-                return Err(Error::invalid(file, place, what, help));
+            Some(Err(Refused::Broken(why))) => {
+                let what = format!("not a readable image: {why}");
+                Err(Error::invalid(file, place, what, help))
             }
-            None => None,
-        };
-        texture.ok_or_else(|| Error::invalid(file, place, "not a readable image", help))
+            None => Err(Error::invalid(file, place, "not a readable image", help)),
+        }
     }
 
-    fn new(image: DynamicImage) -> Option<Texture> {
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let stride = usize::from(image.color().channel_count());
-        let texels = match image {
-            DynamicImage::ImageLuma8(i) => Texels::Eight(i.into_raw()),
-            DynamicImage::ImageLumaA8(i) => Texels::Eight(i.into_raw()),
-            DynamicImage::ImageRgb8(i) => Texels::Eight(i.into_raw()),
-            DynamicImage::ImageRgba8(i) => Texels::Eight(i.into_raw()),
-            DynamicImage::ImageLuma16(i) => Texels::Sixteen(i.into_raw()),
-            DynamicImage::ImageLumaA16(i) => Texels::Sixteen(i.into_raw()),
-            DynamicImage::ImageRgb16(i) => Texels::Sixteen(i.into_raw()),
-            DynamicImage::ImageRgba16(i) => Texels::Sixteen(i.into_raw()),
-            _ => return None,
-        };
+    fn new(size: [usize; 2], stride: usize, texels: Texels) -> Result<Texture, Refused> {
+        let [width, height] = size;
         let samples = match &texels {
             Texels::Eight(v) => v.len(),
             Texels::Sixteen(v) => v.len(),
         };
-        let whole = width > 0 && height > 0 && samples == width * height * stride;
-        whole.then_some(Texture {
+        if width == 0 || height == 0 || samples != width * height * stride {
+            return Err(Refused::Broken("it has not all its pixels".into()));
+        }
+        Ok(Texture {
             width,
             height,
             stride,
@@ -127,14 +121,82 @@ impl Texture {
     }
 }
 
-fn decode(bytes: &[u8]) -> ImageResult<DynamicImage> {
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
-    reader.limits(limits);
-    reader.decode()
+/// Why an image cannot be shown.
+enum Refused {
+    Unsupported(String),
+    Broken(String),
+}
+
+fn decode(bytes: &[u8]) -> Result<Texture, Refused> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(bytes),
+        _ => Err(Refused::Unsupported("it is neither PNG nor JPEG".into())),
+    }
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Texture, Refused> {
+    let broken = |e: ::png::DecodingError| Refused::Broken(e.to_string());
+    let limits = Limits { bytes: MAX_BYTES };
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
+    let info = decoder.read_header_info().map_err(broken)?;
+    let size = [info.width, info.height].map(|side| side as usize);
+    check_size(size)?;
+    // Palettes become colours, and less than 8 bits become 8; 16 bits stay.
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let length = reader.output_buffer_size();
+    let length = length.filter(|length| *length <= MAX_BYTES);
+    let mut samples = vec![0; length.ok_or_else(too_large)?];
+    reader.next_frame(&mut samples).map_err(broken)?;
+    let (colour, depth) = reader.output_color_type();
+    let texels = match depth {
+        BitDepth::Sixteen => {
+            let pairs = samples.chunks_exact(2);
+            Texels::Sixteen(pairs.map(|b| u16::from_be_bytes([b[0], b[1]])).collect())
+        }
+        _ => Texels::Eight(samples),
+    };
+    Texture::new(size, colour.samples(), texels)
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Texture, Refused> {
+    let refused = |e: DecodeErrors| match e {
+        DecodeErrors::Unsupported(what) => Refused::Unsupported(format!("{what:?}")),
+        DecodeErrors::LargeDimensions(_) => too_large(),
+        e => Refused::Broken(e.to_string()),
+    };
+    let options = DecoderOptions::default()
+        .set_strict_mode(false)
+        .set_max_width(MAX_SIDE)
+        .set_max_height(MAX_SIDE);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(refused)?;
+    // Grey stays grey; all else becomes RGB.
+    let colours = match decoder.input_colorspace() {
+        Some(
+            grey_or_rgb @ (ColorSpace::Luma
+            | ColorSpace::LumaA
+            | ColorSpace::RGB
+            | ColorSpace::RGBA),
+        ) => grey_or_rgb,
+        _ => ColorSpace::RGB,
+    };
+    decoder.set_options(decoder.options().jpeg_set_out_colorspace(colours));
+    let texels = Texels::Eight(decoder.decode().map_err(refused)?);
+    let size = decoder.dimensions().unwrap_or_default().into();
+    Texture::new(size, colours.num_components(), texels)
+}
+
+fn check_size(size: [usize; 2]) -> Result<(), Refused> {
+    match size.iter().all(|side| *side <= MAX_SIDE) {
+        true => Ok(()),
+        false => Err(too_large()),
+    }
+}
+
+fn too_large() -> Refused {
+    Refused::Broken("it is over the limit of 16384 × 16384 pixels and 1 GiB".into())
 }
 
 /// The two texels on either side of coordinate `x` among `n`, and the weight of the second.

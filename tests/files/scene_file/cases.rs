@@ -1,6 +1,6 @@
 //! One row per refusal: what is changed in the valid scene, and where, what and why it is refused.
 
-use crate::scene_file::{Folder, VALID, problem, rendered};
+use crate::scene_file::{Folder, VALID, problem};
 
 pub struct Case {
     pub from: &'static str,
@@ -38,20 +38,15 @@ pub fn check(cases: &[Case]) {
         );
         let result = folder.parse(&text);
         if let Err(error) = &result {
-            let shown = rendered(error);
-            assert!(!shown.contains("Failed to read"), "{shown}");
+            assert!(error.report().contains(" --> scene.toml:"), "{error}");
         }
         let refusal = problem(result);
         let named = format!("{} → {}: {refusal} ({})", case.from, case.to, refusal.help);
         assert_eq!(refusal.place, case.place, "{named}");
         assert!(refusal.what.contains(case.what), "{named}");
         assert!(refusal.help.contains(case.help), "{named}");
-        let (_, labels) = refusal.source.as_ref().expect("a label");
-        let label = labels
-            .iter()
-            .find(|label| label.primary())
-            .unwrap_or(&labels[0]);
-        let at = &text[label.offset()..label.offset() + label.len()];
+        let snippet = refusal.snippet.as_ref().expect("a label");
+        let at = &text[snippet.labels[0].0.clone()];
         assert!(at.starts_with(case.span), "{named}: points at {at}");
     }
 }

@@ -99,12 +99,3 @@ pub fn problem<T: std::fmt::Debug>(result: Result<T>) -> Box<Problem> {
         other => panic!("not refused as invalid: {other:?}"),
     }
 }
-
-/// The report of a refusal as a terminal without colours would show it.
-pub fn rendered(error: &Error) -> String {
-    let mut text = String::new();
-    miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::unicode_nocolor())
-        .render_report(&mut text, error)
-        .unwrap();
-    text
-}

@@ -94,7 +94,7 @@ fn a_scene_beyond_the_memory_limit_names_the_option() {
         ..Request::default()
     };
     let error = Plan::new(&scene, &request).unwrap_err();
-    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    let help = error.help();
     assert!(
         error.to_string().contains("1.0 MiB") && help.contains("--max-memory"),
         "{error}"
@@ -144,7 +144,7 @@ cube = { file = \"cube.npy\", bin_width = \"1 m\", uv = 1 }
         panic!("not refused");
     };
     assert!(problem.what.contains("TEXCOORD_1"), "{problem}");
-    assert!(problem.source.is_some(), "no label");
+    assert!(problem.snippet.is_some(), "no label");
 }
 
 #[test]
@@ -187,7 +187,7 @@ gltf = \"quad.glb\"
     };
     assert!(within(texture).is_ok(), "one texture for both objects");
     let error = within(texture - 1).unwrap_err();
-    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    let help = error.help();
     assert!(
         error.to_string().contains("quad.glb") && help.contains("--max-memory"),
         "{error}"

@@ -140,7 +140,7 @@ fn a_material_that_no_object_has_is_refused_with_those_that_there_are() {
         "objects = [\"quad\"]\nmaterials = [\"pain\"]\ncube = ",
     );
     let error = Plan::new(&scene(folder.path(), &named), &Request::default()).unwrap_err();
-    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    let help = error.help();
     assert!(
         error.to_string().contains("\"pain\"") && help.contains("paint"),
         "{error}: {help}"

@@ -1,31 +1,9 @@
-//! Small triangles in homogeneous film coordinates, in batches: one for each run of triangles of a tree.
-
-use std::sync::atomic::{AtomicUsize, Ordering};
+//! Piece triangles in homogeneous film coordinates, in batches: one for each run of triangles of a tree, and
+//! which of them can reach which tile of the film.
 
 use glam::DVec3;
 
-use super::Attributes;
-use super::bins::{Bins, Grid};
-use super::cull::Frustum;
-use super::divide::Corner;
-use crate::approximate::projection::{Image, Sight};
-
-/// How many points triangles have been cut at so far, in all batches.
-#[derive(Debug, Default)]
-pub(super) struct Cuts(AtomicUsize);
-
-impl Cuts {
-    /// More are refused.
-    pub const MOST: usize = 1 << 24;
-    /// So many are counted at once.
-    const LOT: usize = 1 << 10;
-
-    /// Whether there are more than may be. Once so, it stays so; before, nobody stops for it: that it is so
-    /// in the end does not depend on threads.
-    pub fn are_too_many(&self) -> bool {
-        self.0.load(Ordering::Relaxed) > Cuts::MOST
-    }
-}
+use crate::render::film::{TILE, Tile};
 
 /// A corner of small triangles.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +16,7 @@ pub(super) struct Vertex {
 
 /// A small triangle, a part of one of the tree's.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Small {
+pub(super) struct Piece {
     /// Indices of its vertices.
     pub corners: [u32; 3],
     /// The slot of the triangle that was divided.
@@ -47,7 +25,7 @@ pub(super) struct Small {
     pub reach: [u16; 4],
 }
 
-/// Small triangles of one rest frame, by the tiles that they may reach.
+/// Piece triangles of one rest frame, by the tiles that they may reach.
 #[derive(Debug)]
 pub(super) struct Batch {
     /// Index of the rest frame.
@@ -56,121 +34,129 @@ pub(super) struct Batch {
     /// Of each vertex, where they are interpolated: time of emission relative to the shot in the rest
     /// frame, metres, and W.
     pub attributes: Vec<[f64; 2]>,
-    pub triangles: Vec<Small>,
+    pub triangles: Vec<Piece>,
     pub bins: Bins,
-}
-
-/// A batch while it is filled.
-pub(super) struct Parts<'a> {
-    sight: &'a Sight<'a>,
-    attributes: Attributes,
-    cuts: &'a Cuts,
-    /// Cuts that are not counted yet.
-    uncounted: usize,
-    /// The slot whose triangle is being divided.
-    slot: u32,
-    /// The first vertex of that triangle.
-    first: usize,
-    batch: Batch,
-}
-
-impl<'a> Parts<'a> {
-    /// An empty batch of rest frame `frame`.
-    pub fn new(frame: u32, sight: &'a Sight<'a>, attributes: Attributes, cuts: &'a Cuts) -> Self {
-        Parts {
-            sight,
-            attributes,
-            cuts,
-            uncounted: 0,
-            slot: 0,
-            first: 0,
-            batch: Batch {
-                frame,
-                vertices: Vec::new(),
-                attributes: Vec::new(),
-                triangles: Vec::new(),
-                bins: Bins::default(),
-            },
-        }
-    }
-
-    /// Begins with the triangle in `slot`.
-    pub fn begin(&mut self, slot: u32) {
-        // A triangle of which nothing was kept leaves no vertices.
-        if self
-            .batch
-            .triangles
-            .last()
-            .is_none_or(|t| (t.corners[0] as usize) < self.first)
-        {
-            self.batch.vertices.truncate(self.first);
-            self.batch.attributes.truncate(self.first);
-        }
-        self.slot = slot;
-        self.first = self.batch.vertices.len();
-    }
-
-    /// Adds a vertex and returns its index.
-    #[inline]
-    pub fn add(&mut self, weights: [f64; 2], image: &Image) -> u32 {
-        self.batch.vertices.push(Vertex {
-            film: image.film,
-            weights,
-        });
-        if self.attributes == Attributes::Vertex {
-            let (_, emission) = self.sight.emission(image.d, image.s);
-            let ratio = self.sight.wavelength_ratio(image.d);
-            self.batch.attributes.push([emission.ct, ratio]);
-        }
-        self.batch.vertices.len() as u32 - 1
-    }
-
-    /// Keeps the triangle, if it can be seen.
-    #[inline]
-    pub fn keep(&mut self, corners: &[Corner; 3], frustum: &Frustum) {
-        let [a, b, c] = corners;
-        if let Some(reach) = frustum.reach([a.image.film, b.image.film, c.image.film]) {
-            self.batch.triangles.push(Small {
-                corners: [a.index, b.index, c.index],
-                slot: self.slot,
-                reach,
-            });
-        }
-    }
-
-    /// Counts a cut; false where there are too many.
-    #[inline]
-    pub fn count_cut(&mut self) -> bool {
-        self.uncounted += 1;
-        if self.uncounted == Cuts::LOT {
-            self.count();
-        }
-        !self.cuts.are_too_many()
-    }
-
-    fn count(&mut self) {
-        self.cuts.0.fetch_add(self.uncounted, Ordering::Relaxed);
-        self.uncounted = 0;
-    }
-
-    /// The batch, sorted by the tiles of `grid`.
-    pub fn finish(mut self, grid: Grid) -> Batch {
-        self.count();
-        let mut batch = self.batch;
-        batch.bins = Bins::new(grid, &batch.triangles, |small| batch.film(small));
-        batch
-    }
 }
 
 impl Batch {
     /// The film coordinates of a triangle's corners.
     #[inline(always)]
-    pub fn film(&self, small: &Small) -> [DVec3; 3] {
-        let [a, b, c] = small.corners;
+    pub fn film(&self, piece: &Piece) -> [DVec3; 3] {
+        let [a, b, c] = piece.corners;
         [
             self.vertices[a as usize].film,
             self.vertices[b as usize].film,
             self.vertices[c as usize].film,
         ]
+    }
+}
+
+/// Triangles by tile: a list of (tile, triangle) in compressed rows.
+#[derive(Debug, Default)]
+pub(super) struct Bins {
+    /// The first tile that has any.
+    first: u64,
+    /// Where the rows of the tiles from `first` on begin, and where the last ends.
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+/// The film as a grid of tiles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// Columns and rows of pixels.
+    pub size: [u32; 2],
+}
+
+impl Grid {
+    fn across(self) -> u64 {
+        u64::from(self.size[0].div_ceil(TILE))
+    }
+
+    /// Calls `visit` with each tile that the triangle may reach.
+    fn tiles(self, piece: &Piece, film: [DVec3; 3], mut visit: impl FnMut(u64)) {
+        let [left, top, right, bottom] = piece.reach.map(|p| u32::from(p) / TILE);
+        let many = (right - left + 1) * (bottom - top + 1) > 2;
+        let edges = many.then(|| Edges::of(film));
+        for row in top..=bottom {
+            for column in left..=right {
+                let corner = [column, row].map(|t| f64::from(t * TILE));
+                if edges.as_ref().is_none_or(|e| e.reach(corner)) {
+                    visit(u64::from(row) * self.across() + u64::from(column));
+                }
+            }
+        }
+    }
+}
+
+/// The edge functions of a triangle, positive inside.
+struct Edges([DVec3; 3]);
+
+impl Edges {
+    fn of([a, b, c]: [DVec3; 3]) -> Self {
+        let e = [b.cross(c), c.cross(a), a.cross(b)];
+        let sign = a.dot(e[0]).signum();
+        Edges(e.map(|e| e * sign))
+    }
+
+    /// Whether the triangle may reach the tile with this upper left corner: none of the edges has all of
+    /// it on its outer side.
+    fn reach(&self, corner: [f64; 2]) -> bool {
+        let size = f64::from(TILE);
+        self.0.iter().all(|e| {
+            let x = corner[0] + if e.x > 0.0 { size } else { 0.0 };
+            let y = corner[1] + if e.y > 0.0 { size } else { 0.0 };
+            let terms = (e.x * x).abs() + (e.y * y).abs() + e.z.abs();
+            // As much as the sum may be off.
+            e.x * x + e.y * y + e.z >= -1e-14 * terms
+        })
+    }
+}
+
+impl Bins {
+    /// Sorts `triangles` by the tiles of `grid`; `film` gives their corners.
+    pub fn new(grid: Grid, triangles: &[Piece], film: impl Fn(&Piece) -> [DVec3; 3]) -> Self {
+        let mut pairs = Vec::with_capacity(triangles.len() + triangles.len() / 2);
+        let (mut first, mut last) = (u64::MAX, 0);
+        for (index, piece) in triangles.iter().enumerate() {
+            grid.tiles(piece, film(piece), |tile| {
+                first = first.min(tile);
+                last = last.max(tile);
+                pairs.push((tile, index as u32));
+            });
+        }
+        if pairs.is_empty() {
+            return Bins::default();
+        }
+        // A counting sort, which keeps the order within a tile.
+        let mut starts = vec![0; (last - first + 2) as usize];
+        for (tile, _) in &pairs {
+            starts[(tile - first + 1) as usize] += 1;
+        }
+        for at in 1..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![0; pairs.len()];
+        for (tile, index) in pairs {
+            let place = &mut next[(tile - first) as usize];
+            sorted[*place as usize] = index;
+            *place += 1;
+        }
+        Bins {
+            first,
+            starts,
+            triangles: sorted,
+        }
+    }
+
+    /// The triangles that may reach `tile` of an image of `size` pixels.
+    pub fn of(&self, size: [u32; 2], tile: Tile) -> &[u32] {
+        let row = tile.index(size).checked_sub(self.first);
+        let bounds = row.and_then(|row| self.starts.get(row as usize..row as usize + 2));
+        let Some(&[start, end]) = bounds else {
+            return &[];
+        };
+        &self.triangles[start as usize..end as usize]
     }
 }

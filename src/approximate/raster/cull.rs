@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use crate::approximate::projection::Sight;
+use crate::approximate::projection::Projection;
 use crate::spacetime::Displacement;
 
 /// The part of the film's surroundings where a triangle's image is to be looked for.
@@ -23,16 +23,16 @@ pub(super) struct Frustum {
 }
 
 impl Frustum {
-    pub fn of(sight: &Sight) -> Self {
+    pub fn of(projection: &Projection) -> Self {
         Frustum {
-            sides: sight.film().sides(),
-            size: sight.film().size(),
+            sides: projection.film().sides(),
+            size: projection.film().size(),
         }
     }
 
     /// Whether the triangle with these places c, and every part of it however it is divided, is seen
     /// outside the film.
-    pub fn misses(&self, sight: &Sight, [a, b, c]: [DVec3; 3]) -> bool {
+    pub fn misses(&self, projection: &Projection, [a, b, c]: [DVec3; 3]) -> bool {
         let centre = (a + b + c) / 3.0;
         let radius = centre
             .distance(a)
@@ -45,7 +45,7 @@ impl Frustum {
         }
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
         let normal = Displacement::new(-cosine, centre / distance);
-        let (t, axis) = sight.in_camera(normal);
+        let (t, axis) = projection.in_camera(normal);
         let length = axis.length();
         let narrow = t < 0.0;
         narrow

@@ -2,40 +2,157 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bundle::Bundle;
-use crate::camera::Point;
+use crate::camera::{Point, RayOrigin};
 use crate::error::{Error, Result};
+use crate::light::time_texture::Coverage;
 use crate::render::film::{Film, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    CameraRays, HitBuffer, Meter, RayGenerator, Rays, Shading, Surfaces, TracedRays, record,
+    CameraRays, HitBuffer, Meter, RadianceSink, RayGenerator, Rays, Shading, SurfaceHit, Surfaces,
+    TracedRays, record,
 };
 use crate::spacetime::{Direction, World};
 
+/// A ray, and what it has met.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShadingRay {
+    /// Look direction in the world, a unit vector.
+    pub d: DVec3,
+    /// World time that the light is on its way, metres, per metre.
+    pub delay: f64,
+    /// W for a source at rest in the world.
+    pub ratio: f64,
+    /// What is met.
+    pub hit: Option<SurfaceHit>,
+}
+
+/// One sample of each pixel of a tile: for each pixel, in order, one ray or several.
+#[derive(Debug, Default)]
+pub(super) struct RayBatch {
+    pub directions: Vec<DVec3>,
+    pub ratios: Vec<f64>,
+    pub origins: Vec<RayOrigin>,
+    pub hits: Vec<Option<SurfaceHit>>,
+    /// Of each ray, its pixel and its part of the pixel's sample.
+    parts: Vec<(u32, f64)>,
+    /// The first ray of each pixel, whose channels are recorded.
+    pub firsts: Vec<u32>,
+}
+
+impl RayBatch {
+    /// Forgets all rays.
+    pub fn clear(&mut self) {
+        self.directions.clear();
+        self.ratios.clear();
+        self.origins.clear();
+        self.hits.clear();
+        self.parts.clear();
+        self.firsts.clear();
+    }
+
+    /// The rays that are added from now on are the next pixel's.
+    pub fn next_pixel(&mut self) {
+        self.firsts.push(self.hits.len() as u32);
+    }
+
+    /// Adds a ray, which is `part` of its pixel's sample.
+    #[inline]
+    pub fn add(&mut self, ray: ShadingRay, part: f64) {
+        let pixel = (self.firsts.len() - 1) as u32;
+        self.directions.push(ray.d);
+        self.ratios.push(ray.ratio);
+        self.origins.push(RayOrigin {
+            delay: ray.delay,
+            ..RayOrigin::AT_SHOT
+        });
+        self.hits.push(ray.hit);
+        self.parts.push((pixel, part));
+    }
+
+    /// Where the rays' radiance goes: by way of `sums` to `film`, as the parts of their pixels.
+    pub fn blend<'a>(&'a self, sums: &'a mut Vec<[f64; 3]>, film: &'a mut TileFilm) -> Blend<'a> {
+        sums.clear();
+        sums.resize(self.firsts.len(), [0.0; 3]);
+        Blend {
+            parts: &self.parts,
+            sums,
+            film,
+        }
+    }
+}
+
+/// Adds up rays to samples of pixels.
+pub(super) struct Blend<'a> {
+    parts: &'a [(u32, f64)],
+    sums: &'a mut [[f64; 3]],
+    film: &'a mut TileFilm,
+}
+
+impl Blend<'_> {
+    /// Puts the samples onto the film.
+    pub fn finish(self) {
+        for (pixel, sum) in self.sums.iter().enumerate() {
+            self.film.add(pixel, *sum);
+        }
+    }
+}
+
+impl RadianceSink for Blend<'_> {
+    #[inline(always)]
+    fn add(&mut self, ray: usize, radiance: [f64; 3]) {
+        let (pixel, part) = self.parts[ray];
+        for (sum, value) in self.sums[pixel as usize].iter_mut().zip(radiance) {
+            *sum += value * part;
+        }
+    }
+
+    #[inline(always)]
+    fn add_coverage(&mut self, ray: usize, coverage: Coverage) {
+        let (pixel, part) = self.parts[ray];
+        self.film.add_coverage(pixel as usize, coverage * part);
+    }
+
+    fn add_held(&mut self, rays: &[u32]) {
+        for ray in rays {
+            self.add_coverage(*ray as usize, Coverage::HELD);
+        }
+    }
+
+    /// Samples that show nothing are counted by their first ray.
+    fn add_unmet(&mut self, _: u64) {}
+}
+
 /// Finds out what samples see.
-pub(super) trait Painter: Sync {
+pub(super) trait Visibility: Sync {
     /// What is reused from tile to tile.
-    type Space: Default;
+    type TileBuffers: Default;
 
     /// Gets ready for `tile`.
-    fn begin(&self, tile: Tile, space: &mut Self::Space);
+    fn begin(&self, tile: Tile, buffers: &mut Self::TileBuffers);
 
-    /// Fills `bundle` with what one sample of every pixel of `tile` sees.
-    fn paint(&self, eye: &Eye, tile: Tile, space: &mut Self::Space, bundle: &mut Bundle);
+    /// Fills `rays` with what one sample of every pixel of `tile` sees.
+    fn paint(
+        &self,
+        samples: &TileSamples,
+        tile: Tile,
+        buffers: &mut Self::TileBuffers,
+        rays: &mut RayBatch,
+    );
 }
 
 /// One sample of each pixel of a tile: its camera ray.
-pub(super) struct Eye<'a> {
+pub(super) struct TileSamples<'a> {
     pub camera_rays: &'a CameraRays,
     surfaces: &'a Surfaces<'a>,
     /// World time that light takes per metre; 0 where retardation is turned off.
     pub index: f64,
 }
 
-impl Eye<'_> {
+impl TileSamples<'_> {
     /// The look direction of a pixel's sample.
     #[inline]
     pub fn direction(&self, pixel: usize) -> Direction<World> {
@@ -69,17 +186,17 @@ struct Stage<'a> {
 #[derive(Default)]
 struct Buffers<T> {
     camera_rays: CameraRays,
-    bundle: Bundle,
+    rays: RayBatch,
     sums: Vec<[f64; 3]>,
     hits: HitBuffer,
     shading: Shading,
-    space: T,
+    tile: T,
 }
 
-/// The film of `scene` as `painter` paints it.
-pub(super) fn film<P: Painter>(
+/// The film of `scene` as `visibility` paints it.
+pub(super) fn film<P: Visibility>(
     scene: &Prepared,
-    painter: &P,
+    visibility: &P,
     progress: &dyn Progress,
 ) -> Result<Film> {
     let view = scene.camera.view.point();
@@ -93,28 +210,26 @@ pub(super) fn film<P: Painter>(
     let film = Mutex::new(Film::new(layout.clone()));
     (0..Tile::count(layout.size))
         .into_par_iter()
-        .try_for_each_init(Buffers::<P::Space>::default, |buffers, index| {
+        .try_for_each_init(Buffers::<P::TileBuffers>::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
-            painter.begin(tile, &mut buffers.space);
+            visibility.begin(tile, &mut buffers.tile);
             for sample in 0..layout.samples {
                 if progress.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
                 let Buffers {
-                    camera_rays,
-                    bundle,
-                    ..
+                    camera_rays, rays, ..
                 } = buffers;
                 let sampler = &scene.sampler;
                 stage.view.generate(camera_rays, sampler, tile, sample);
-                let eye = Eye {
+                let samples = TileSamples {
                     camera_rays,
                     surfaces: &stage.surfaces,
                     index: scene.ray_index,
                 };
-                bundle.clear();
-                painter.paint(&eye, tile, &mut buffers.space, bundle);
+                rays.clear();
+                visibility.paint(&samples, tile, &mut buffers.tile, rays);
                 stage.shade(buffers, &mut tile_film);
                 progress.rays_done(tile.pixels() as u64);
             }
@@ -127,34 +242,34 @@ pub(super) fn film<P: Painter>(
 }
 
 impl Stage<'_> {
-    /// Adds the radiance of the rays of the bundle to `film`.
+    /// Adds the radiance of the rays to `film`.
     fn shade<T>(&self, buffers: &mut Buffers<T>, film: &mut TileFilm) {
         let Buffers {
             camera_rays,
-            bundle,
+            rays,
             sums,
             hits,
             shading,
             ..
         } = buffers;
         let scene = self.scene;
-        let firsts = bundle.firsts.iter();
-        let unmet = firsts.filter(|ray| bundle.hits[**ray as usize].is_none());
+        let firsts = rays.firsts.iter();
+        let unmet = firsts.filter(|ray| rays.hits[**ray as usize].is_none());
         film.add_unmet(unmet.count() as u64);
-        hits.set(&bundle.hits);
+        hits.set(&rays.hits);
         let traced = TracedRays {
             surfaces: &self.surfaces,
             rays: Rays {
-                directions: &bundle.directions,
-                origins: Some(&bundle.origins),
+                directions: &rays.directions,
+                origins: Some(&rays.origins),
                 method: scene.method,
             },
             hits,
             event: scene.camera.shot.event,
             index: 1.0,
         };
-        let (radiance, ratios) = (scene.light.radiance(), &bundle.ratios);
-        let mut blend = bundle.blend(sums, film);
+        let (radiance, ratios) = (scene.light.radiance(), &rays.ratios);
+        let mut blend = rays.blend(sums, film);
         let meter = &mut Meter::off();
         shading.shade(
             radiance,
@@ -169,7 +284,7 @@ impl Stage<'_> {
         if channels.is_empty() {
             return;
         }
-        for (pixel, &ray) in bundle.firsts.iter().enumerate() {
+        for (pixel, &ray) in rays.firsts.iter().enumerate() {
             let observed = traced.observed(ray as usize, ratios[ray as usize]);
             let d = Direction::from_unit(camera_rays.directions[pixel]);
             let offset = camera_rays.offset(pixel);

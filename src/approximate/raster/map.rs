@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Lookup, Map};
+use super::method::{Lookup, Map};
 
 /// Four texels and their parts; the first has the largest.
 pub(super) type Taps = [(u32, f64); 4];

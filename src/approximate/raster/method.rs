@@ -3,6 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::approximate::projection::apart;
+use crate::camera::Kind;
+use crate::error::{Error, Result};
+use crate::render::plan::Plan;
+
 /// How a picture is made.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Method {
@@ -229,6 +234,39 @@ impl fmt::Display for Method {
             }
         }
     }
+}
+
+impl Method {
+    /// Refuses what the method cannot do of `plan`, before anything is loaded.
+    ///
+    /// # Errors
+    /// A camera whose rays leave events of their own; for warps, objects that move.
+    pub fn check(&self, plan: &Plan) -> Result<()> {
+        if *self == Method::Trace {
+            return Ok(());
+        }
+        if !matches!(plan.view, Kind::Still | Kind::Moving | Kind::Unaberrated) {
+            return Err(apart());
+        }
+        match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
+            (Method::Warp(_), Some(frame)) => {
+                let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
+                Err(moves(&object.map_or(String::new(), |o| {
+                    format!("object \"{}\"", o.name)
+                })))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+pub(super) fn moves(object: &str) -> Error {
+    Error::unsupported(
+        "object",
+        "velocity",
+        format!("a warped picture shows what rests in the world, and {object} moves"),
+        "render it by --method trace or raster, or let the camera move in place of the object",
+    )
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! Radiance, channels, sample positions and film are those of the ray tracer: only geometry and visibility
 //! are approximated, so that two films differ by nothing else.
 //!
-//! *Vertices* (Weiskopf 2001; Müller & Boblest 2014): see [`apparent`](crate::approximate::projection). A rasterizer joins
+//! *Vertices* (Weiskopf 2001; Müller & Boblest 2014): see [`projection`](crate::approximate::projection). A rasterizer joins
 //! apparent positions by straight edges and flat triangles in the camera's frame, where true edges are
 //! curved; triangles are divided into smaller ones to bring the two together (`divide`). What is seen at
 //! a film point p = (x, y, 1) is decided by homogeneous edge functions (Olano & Greer, "Triangle scan
@@ -33,8 +33,6 @@
 //! approximated; with bilinear lookup radiance is that of four texels, everything else of the nearest.
 
 mod batch;
-mod bins;
-mod bundle;
 mod cull;
 mod divide;
 mod draw;
@@ -47,11 +45,9 @@ mod warp;
 pub use method::{Attributes, Lookup, MOST_TEXELS, Map, Method, Raster, Tessellation, Warp};
 
 use crate::approximate::projection::Observer;
-use crate::camera::Kind;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render;
 use crate::render::film::Film;
-use crate::render::plan::Plan;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 
@@ -75,37 +71,4 @@ pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Res
             draw::film(scene, &looked_up, progress)
         }
     }
-}
-
-impl Method {
-    /// Refuses what the method cannot do of `plan`, before anything is loaded.
-    ///
-    /// # Errors
-    /// A camera whose rays leave events of their own; for warps, objects that move.
-    pub fn check(&self, plan: &Plan) -> Result<()> {
-        if *self == Method::Trace {
-            return Ok(());
-        }
-        if !matches!(plan.view, Kind::Still | Kind::Moving | Kind::Unaberrated) {
-            return Err(crate::approximate::projection::apart());
-        }
-        match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
-            (Method::Warp(_), Some(frame)) => {
-                let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
-                Err(moves(&object.map_or(String::new(), |o| {
-                    format!("object \"{}\"", o.name)
-                })))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-fn moves(object: &str) -> Error {
-    Error::unsupported(
-        "object",
-        "velocity",
-        format!("a warped picture shows what rests in the world, and {object} moves"),
-        "render it by --method trace or raster, or let the camera move in place of the object",
-    )
 }

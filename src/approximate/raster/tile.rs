@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::batch::{Batch, Small};
+use super::batch::{Batch, Piece};
 use crate::render::film::Tile;
 
 /// No triangle.
@@ -10,7 +10,7 @@ pub(super) const NOTHING: u32 = u32::MAX;
 
 /// A small triangle, ready to be met by samples.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Facet {
+pub(super) struct SetupTriangle {
     /// eᵢ times the sign of D: all eᵢ·p ≥ 0 inside.
     pub edges: [DVec3; 3],
     /// 1/z = depth·p.
@@ -19,17 +19,17 @@ pub(super) struct Facet {
     pixels: [u8; 4],
     /// Index of the batch and of the triangle in it.
     pub batch: u32,
-    pub triangle: u32,
+    pub piece: u32,
 }
 
-impl Facet {
+impl SetupTriangle {
     /// None where the triangle is seen edge-on.
     #[inline]
     pub fn new(
         tile: Tile,
         batch: u32,
-        triangle: u32,
-        small: &Small,
+        index: u32,
+        piece: &Piece,
         film: [DVec3; 3],
     ) -> Option<Self> {
         let [a, b, c] = film;
@@ -42,7 +42,7 @@ impl Facet {
         let depth = (edges[0] + edges[1] + edges[2]) / determinant.abs();
         let [left, top] = tile.corner;
         let [right, bottom] = [left + tile.size[0] - 1, top + tile.size[1] - 1];
-        let reach = small.reach.map(u32::from);
+        let reach = piece.reach.map(u32::from);
         let pixels = [
             reach[0].clamp(left, right) - left,
             reach[1].clamp(top, bottom) - top,
@@ -50,12 +50,12 @@ impl Facet {
             reach[3].clamp(top, bottom) - top,
         ];
         // Not for NaN either.
-        (determinant.abs() > 0.0 && depth.is_finite()).then_some(Facet {
+        (determinant.abs() > 0.0 && depth.is_finite()).then_some(SetupTriangle {
             edges,
             depth,
             pixels: pixels.map(|p| p as u8),
             batch,
-            triangle,
+            piece: index,
         })
     }
 
@@ -71,31 +71,31 @@ impl Facet {
 
 /// What is reused from tile to tile.
 #[derive(Debug, Default)]
-pub(super) struct Space {
-    pub facets: Vec<Facet>,
+pub(super) struct TileBuffers {
+    pub triangles: Vec<SetupTriangle>,
     /// Film coordinates of each pixel's sample.
     pub x: Vec<f64>,
     pub y: Vec<f64>,
     /// 1/z of the nearest so far.
     depth: Vec<f64>,
-    /// Index of its facet.
+    /// Index of its triangle.
     pub nearest: Vec<u32>,
 }
 
-impl Space {
+impl TileBuffers {
     /// Gathers the triangles that may reach `tile`.
     pub fn gather(&mut self, size: [u32; 2], tile: Tile, batches: &[Batch]) {
-        self.facets.clear();
+        self.triangles.clear();
         for (at, batch) in batches.iter().enumerate() {
             for &index in batch.bins.of(size, tile) {
-                let small = &batch.triangles[index as usize];
-                let facet = Facet::new(tile, at as u32, index, small, batch.film(small));
-                self.facets.extend(facet);
+                let piece = &batch.triangles[index as usize];
+                let triangle = SetupTriangle::new(tile, at as u32, index, piece, batch.film(piece));
+                self.triangles.extend(triangle);
             }
         }
     }
 
-    /// Finds the nearest facet at the samples with these offsets in their pixels.
+    /// Finds the nearest triangle at the samples with these offsets in their pixels.
     pub fn cover(&mut self, tile: Tile, offset: impl Fn(usize) -> [f64; 2]) {
         self.x.clear();
         self.y.clear();
@@ -109,11 +109,11 @@ impl Space {
         self.nearest.clear();
         self.nearest.resize(tile.pixels(), NOTHING);
         let width = tile.size[0] as usize;
-        for (at, facet) in self.facets.iter().enumerate() {
-            let [left, top, right, bottom] = facet.pixels.map(usize::from);
+        for (at, triangle) in self.triangles.iter().enumerate() {
+            let [left, top, right, bottom] = triangle.pixels.map(usize::from);
             for row in top..=bottom {
                 let span = row * width + left..=row * width + right;
-                facet.cover(
+                triangle.cover(
                     at as u32,
                     &self.x[span.clone()],
                     &self.y[span.clone()],
@@ -125,8 +125,8 @@ impl Space {
     }
 }
 
-impl Facet {
-    /// Replaces what lies behind this facet.
+impl SetupTriangle {
+    /// Replaces what lies behind this triangle.
     #[inline(always)]
     fn cover(&self, index: u32, x: &[f64], y: &[f64], depth: &mut [f64], nearest: &mut [u32]) {
         let [a, b, c] = self.edges;

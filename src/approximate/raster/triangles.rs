@@ -3,16 +3,14 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, Cuts, Parts};
-use super::bins::Grid;
-use super::bundle::{Bundle, BundleRay};
+use super::batch::{Batch, Grid};
 use super::cull::Frustum;
-use super::divide::Divider;
-use super::draw::{Eye, Painter};
-use super::tile::{Facet, NOTHING, Space};
-use super::{Attributes, Raster};
+use super::divide::{BatchBuilder, Cuts, Divider};
+use super::draw::{RayBatch, ShadingRay, TileSamples, Visibility};
+use super::method::{Attributes, Raster};
+use super::tile::{NOTHING, SetupTriangle, TileBuffers};
 use crate::accel::{Facing, Hit};
-use crate::approximate::projection::{Observer, Sight};
+use crate::approximate::projection::{Observer, Projection};
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
@@ -25,7 +23,7 @@ use crate::spacetime::{Direction, Displacement};
 pub(super) struct Triangles<'a> {
     size: [u32; 2],
     frames: &'a [RestFrame],
-    sights: Vec<Sight<'a>>,
+    projections: Vec<Projection<'a>>,
     batches: Vec<Batch>,
     attributes: Attributes,
 }
@@ -39,11 +37,11 @@ impl<'a> Triangles<'a> {
         raster: &Raster,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let sights = scene.frames.iter().map(|f| observer.sight(&f.frame));
+        let projections = scene.frames.iter().map(|f| observer.projection(&f.frame));
         let mut triangles = Triangles {
             size: scene.layout.size,
             frames: &scene.frames,
-            sights: sights.collect::<Result<Vec<_>>>()?,
+            projections: projections.collect::<Result<Vec<_>>>()?,
             batches: Vec::new(),
             attributes: raster.attributes,
         };
@@ -67,20 +65,23 @@ impl<'a> Triangles<'a> {
         cuts: &Cuts,
         progress: &dyn Progress,
     ) -> Result<Vec<Batch>> {
-        let (rest, sight) = (&self.frames[frame as usize], &self.sights[frame as usize]);
-        let frustum = Frustum::of(sight);
-        let divider = Divider::new(sight, &frustum, raster.tessellation);
+        let (rest, projection) = (
+            &self.frames[frame as usize],
+            &self.projections[frame as usize],
+        );
+        let frustum = Frustum::of(projection);
+        let divider = Divider::new(projection, &frustum, raster.tessellation);
         let slots = rest.bvh.len() as u32;
         let run = (slots / 64).clamp(1, 4096);
         let batch = |k: u32| {
             if progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let mut parts = Parts::new(frame, sight, raster.attributes, cuts);
+            let mut batch = BatchBuilder::new(frame, projection, raster.attributes, cuts);
             for slot in k * run..slots.min((k + 1) * run) {
-                divide(rest, &divider, slot, &mut parts);
+                divide(rest, &divider, slot, &mut batch);
             }
-            Ok(parts.finish(Grid { size: self.size }))
+            Ok(batch.finish(Grid { size: self.size }))
         };
         (0..slots.div_ceil(run))
             .into_par_iter()
@@ -88,37 +89,37 @@ impl<'a> Triangles<'a> {
             .collect()
     }
 
-    /// Where facet `facet` is met at film point (x, y).
+    /// Where triangle `triangle` is met at film point (x, y).
     #[inline]
-    fn met(&self, facet: &Facet, x: f64, y: f64) -> Met<'_> {
-        let batch = &self.batches[facet.batch as usize];
-        let small = &batch.triangles[facet.triangle as usize];
-        let lambda = facet.weights(x, y);
-        let corners = small.corners.map(|v| batch.vertices[v as usize].weights);
+    fn fragment(&self, triangle: &SetupTriangle, x: f64, y: f64) -> Fragment<'_> {
+        let batch = &self.batches[triangle.batch as usize];
+        let piece = &batch.triangles[triangle.piece as usize];
+        let lambda = triangle.weights(x, y);
+        let corners = piece.corners.map(|v| batch.vertices[v as usize].weights);
         let [u, v] = [0, 1].map(|i| (0..3).map(|k| lambda[k] * corners[k][i]).sum());
         let rest = &self.frames[batch.frame as usize];
-        let sight = &self.sights[batch.frame as usize];
-        let [a, b, c] = rest.bvh.corners(small.slot);
+        let projection = &self.projections[batch.frame as usize];
+        let [a, b, c] = rest.bvh.corners(piece.slot);
         let attributes = match self.attributes {
             Attributes::Fragment => None,
             Attributes::Vertex => {
-                let known = small.corners.map(|v| batch.attributes[v as usize]);
+                let known = piece.corners.map(|v| batch.attributes[v as usize]);
                 Some([0, 1].map(|i| (0..3).map(|k| lambda[k] * known[k][i]).sum()))
             }
         };
-        Met {
+        Fragment {
             frame: batch.frame,
             rest,
-            sight,
+            projection,
             x: a + (b - a) * u + (c - a) * v,
             attributes,
             hit: Hit {
                 s: 0.0,
                 u,
                 v,
-                triangle: rest.bvh.triangle(small.slot).0,
-                slot: small.slot,
-                front: is_front([a, b, c], sight),
+                triangle: rest.bvh.triangle(piece.slot).0,
+                slot: piece.slot,
+                front: is_front([a, b, c], projection),
             },
         }
     }
@@ -134,27 +135,27 @@ fn too_many() -> Error {
 }
 
 /// Divides the triangle in `slot`, where the side that the camera is on is there.
-fn divide(rest: &RestFrame, divider: &Divider, slot: u32, parts: &mut Parts) {
+fn divide(rest: &RestFrame, divider: &Divider, slot: u32, batch: &mut BatchBuilder) {
     let corners = rest.bvh.corners(slot);
     let (_, facing) = rest.bvh.triangle(slot);
-    if facing == Facing::FrontOnly && !is_front(corners, divider.sight) {
+    if facing == Facing::FrontOnly && !is_front(corners, divider.projection) {
         return;
     }
-    parts.begin(slot);
-    divider.divide(corners, parts);
+    batch.begin(slot);
+    divider.divide(corners, batch);
 }
 
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in
 /// the rest frame, so that this is exact, and the same for the whole triangle.
-fn is_front([a, b, c]: [DVec3; 3], sight: &Sight) -> bool {
-    (b - a).cross(c - a).dot(a - sight.origin()) < 0.0
+fn is_front([a, b, c]: [DVec3; 3], projection: &Projection) -> bool {
+    (b - a).cross(c - a).dot(a - projection.origin()) < 0.0
 }
 
 /// A point of a triangle that a sample sees.
-struct Met<'a> {
+struct Fragment<'a> {
     frame: u32,
     rest: &'a RestFrame,
-    sight: &'a Sight<'a>,
+    projection: &'a Projection<'a>,
     /// In the rest frame, metres.
     x: DVec3,
     /// Time of emission relative to the shot in the rest frame, and W, where they are interpolated.
@@ -163,59 +164,65 @@ struct Met<'a> {
     hit: Hit,
 }
 
-impl Met<'_> {
+impl Fragment<'_> {
     /// The ray that meets the point at its own event of emission, or at the one that is interpolated.
     #[inline]
-    fn at_emission(&self, eye: &Eye, pixel: usize) -> Option<BundleRay> {
+    fn at_emission(&self, samples: &TileSamples, pixel: usize) -> Option<ShadingRay> {
         let hit = |s: f64| SurfaceHit {
             hit: Hit { s, ..self.hit },
             frame: self.frame,
         };
         let Some([time, w]) = self.attributes else {
-            let image = self.sight.image(self.x)?;
-            return Some(BundleRay {
+            let image = self.projection.image(self.x)?;
+            return Some(ShadingRay {
                 d: image.d.unit(),
-                delay: eye.index,
-                ratio: eye.ratio(pixel, self.frame, image.d),
+                delay: samples.index,
+                ratio: samples.ratio(pixel, self.frame, image.d),
                 hit: Some(hit(image.s)),
             });
         };
-        let local = Displacement::new(time, self.x - self.sight.origin());
+        let local = Displacement::new(time, self.x - self.projection.origin());
         let world = self.rest.frame.world_from_frame().displacement(local);
         let (s, d) = (world.x.length(), Direction::new(world.x)?);
-        Some(BundleRay {
+        Some(ShadingRay {
             d: d.unit(),
             delay: -world.ct / s,
-            ratio: eye.ratio_of(w, self.frame, d),
+            ratio: samples.ratio_of(w, self.frame, d),
             hit: Some(hit(s)),
         })
     }
 }
 
-impl Painter for Triangles<'_> {
-    type Space = Space;
+impl Visibility for Triangles<'_> {
+    type TileBuffers = TileBuffers;
 
-    fn begin(&self, tile: Tile, space: &mut Space) {
-        space.gather(self.size, tile, &self.batches);
+    fn begin(&self, tile: Tile, buffers: &mut TileBuffers) {
+        buffers.gather(self.size, tile, &self.batches);
     }
 
-    fn paint(&self, eye: &Eye, tile: Tile, space: &mut Space, bundle: &mut Bundle) {
-        space.cover(tile, |pixel| eye.camera_rays.offset(pixel));
+    fn paint(
+        &self,
+        samples: &TileSamples,
+        tile: Tile,
+        buffers: &mut TileBuffers,
+        rays: &mut RayBatch,
+    ) {
+        buffers.cover(tile, |pixel| samples.camera_rays.offset(pixel));
         for pixel in 0..tile.pixels() {
-            bundle.next_pixel();
-            let nearest = space.nearest[pixel];
-            let seeing = (nearest != NOTHING).then(|| {
-                let facet = &space.facets[nearest as usize];
-                let met = self.met(facet, space.x[pixel], space.y[pixel]);
-                met.at_emission(eye, pixel)
+            rays.next_pixel();
+            let nearest = buffers.nearest[pixel];
+            let ray = (nearest != NOTHING).then(|| {
+                let triangle = &buffers.triangles[nearest as usize];
+                let fragment = self.fragment(triangle, buffers.x[pixel], buffers.y[pixel]);
+                fragment.at_emission(samples, pixel)
             });
-            let nothing = BundleRay {
-                d: eye.direction(pixel).unit(),
-                delay: eye.index,
+            let nothing = ShadingRay {
+                d: samples.direction(pixel).unit(),
+                delay: samples.index,
                 ratio: 1.0,
                 hit: None,
             };
-            bundle.add(seeing.flatten().unwrap_or(nothing), 1.0);
+            rays.add(ray.flatten().unwrap_or(nothing), 1.0);
         }
     }
 }

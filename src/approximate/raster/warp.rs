@@ -1,4 +1,4 @@
-//! Image-space warping: what a camera at rest sees from the event of the shot, in all directions, looked up
+//! Image-buffers warping: what a camera at rest sees from the event of the shot, in all directions, looked up
 //! by the aberrated directions of a camera in motion.
 //!
 //! The map holds what is met, not its radiance: that is worked out where it is looked up, by the ray
@@ -8,9 +8,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bundle::{Bundle, BundleRay};
-use super::draw::{Eye, Painter};
-use super::{Lookup, Map, Warp, moves};
+use super::draw::{RayBatch, ShadingRay, TileSamples, Visibility};
+use super::method::{Lookup, Map, Warp, moves};
 use crate::accel::Method;
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
@@ -77,17 +76,17 @@ fn met(
     (0..directions.len()).map(|ray| hits.hit(ray)).collect()
 }
 
-impl Painter for Warped {
-    type Space = ();
+impl Visibility for Warped {
+    type TileBuffers = ();
 
     fn begin(&self, _: Tile, (): &mut ()) {}
 
-    fn paint(&self, eye: &Eye, tile: Tile, (): &mut (), bundle: &mut Bundle) {
+    fn paint(&self, samples: &TileSamples, tile: Tile, (): &mut (), rays: &mut RayBatch) {
         for pixel in 0..tile.pixels() {
-            bundle.next_pixel();
-            let taps = self.map.taps(self.lookup, eye.direction(pixel).unit());
+            rays.next_pixel();
+            let taps = self.map.taps(self.lookup, samples.direction(pixel).unit());
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
-                bundle.add(self.seen(eye, pixel, texel), part);
+                rays.add(self.seen(samples, pixel, texel), part);
             }
         }
     }
@@ -96,13 +95,13 @@ impl Painter for Warped {
 impl Warped {
     /// What a texel shows to a pixel's sample.
     #[inline]
-    fn seen(&self, eye: &Eye, pixel: usize, texel: u32) -> BundleRay {
+    fn seen(&self, samples: &TileSamples, pixel: usize, texel: u32) -> ShadingRay {
         let hit = self.texels[texel as usize];
         let d = Direction::from_unit(self.map.direction(texel.into()));
-        BundleRay {
+        ShadingRay {
             d: d.unit(),
-            delay: eye.index,
-            ratio: hit.map_or(1.0, |hit| eye.ratio(pixel, hit.frame, d)),
+            delay: samples.index,
+            ratio: hit.map_or(1.0, |hit| samples.ratio(pixel, hit.frame, d)),
             hit,
         }
     }

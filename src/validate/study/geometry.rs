@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::statistics::quantile;
-use crate::approximate::projection::{CHANNELS as PLACES, misplacements};
+use crate::approximate::projection::{CHANNELS as PLACES, displacements};
 use crate::error::Result;
 use crate::render::aov::Aov;
 use crate::render::film::Film;
@@ -52,18 +52,18 @@ impl GeometricError {
     /// The error of `film` of `scene`, rendered at the centres of pixels, against the truth of `exact`.
     ///
     /// # Errors
-    /// As [`misplacements`].
+    /// As [`displacements`].
     pub(super) fn of(scene: &Prepared, film: &Film, exact: &Film) -> Result<Self> {
         let object = film.aov(Aov::Object).unwrap_or_default();
         let true_object = exact.aov(Aov::Object).unwrap_or_default();
         let is_seen = |i: &usize| object[*i] >= 0.0;
         let is_right = |i: &usize| object[*i] == true_object[*i];
         let all = 0..object.len();
-        let misplaced = misplacements(scene, film)?;
+        let displaced = displacements(scene, film)?;
         let pixels: Vec<_> = all
             .clone()
             .filter(is_seen)
-            .map(|i| libm::hypot(misplaced[i][0], misplaced[i][1]))
+            .map(|i| libm::hypot(displaced[i][0], displaced[i][1]))
             .collect();
         Ok(GeometricError {
             pixels: Spread::of(&pixels),

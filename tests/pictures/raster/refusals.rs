@@ -1,7 +1,7 @@
 //! What rasterizers and warps cannot do is refused in words, before and after loading.
 
 use nullray::Error;
-use nullray::approximate::projection::misplacements;
+use nullray::approximate::projection::displacements;
 use nullray::approximate::raster::{self, Method};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::progress::Silent;
@@ -88,7 +88,7 @@ fn more_points_than_can_be_kept_are_refused() {
 #[test]
 fn places_on_films_without_their_channels_are_refused() {
     let stage = prepared(&scene(&(camera("") + BODIES)), &Request::default());
-    let said = message(misplacements(&stage, &film(&stage, "trace")));
+    let said = message(displacements(&stage, &film(&stage, "trace")));
     assert!(said.contains("object_event"), "{said}");
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nullray::approximate::projection::misplacements;
+use nullray::approximate::projection::displacements;
 use nullray::approximate::raster;
 use nullray::render::aov::{self, Aov};
 use nullray::render::film::Film;
@@ -77,7 +77,7 @@ pub fn values(film: &Film, aov: Aov) -> &[f64] {
 
 /// By how many pixels the points of `film` are drawn beside their places, where they are seen.
 pub fn errors(prepared: &Prepared, film: &Film) -> Vec<f64> {
-    let all = misplacements(prepared, film).unwrap();
+    let all = displacements(prepared, film).unwrap();
     let met = values(film, Aov::Object).iter().map(|o| *o >= 0.0);
     let seen = all.into_iter().zip(met).filter(|(_, met)| *met);
     seen.map(|([x, y], _)| x.hypot(y)).collect()

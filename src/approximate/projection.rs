@@ -38,14 +38,12 @@
 //! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
 //! root: the light of an object that outruns it arrives twice, or never.
 
-mod misplaced;
-
 use glam::{DMat3, DVec3};
-
-pub use misplaced::{CHANNELS, misplacements};
 
 use crate::camera::{Camera, Pinhole, Point};
 use crate::error::{Error, Result};
+use crate::render::aov::Aov;
+use crate::render::film::Film;
 use crate::render::prepare::Prepared;
 use crate::spacetime::{
     self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
@@ -65,7 +63,7 @@ pub struct Observer {
 
 /// What an observer sees of the points at rest in one frame.
 #[derive(Debug, Clone)]
-pub struct Sight<'a> {
+pub struct Projection<'a> {
     observer: &'a Observer,
     /// The place of the shot in the frame.
     origin: DVec3,
@@ -137,11 +135,11 @@ impl Observer {
     }
 
     /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
-    /// coordinates in its object (the channel `object_event`) plus that are those of [`Sight`]. None for
+    /// coordinates in its object (the channel `object_event`) plus that are those of [`Projection`]. None for
     /// objects without triangles.
     ///
     /// # Errors
-    /// As [`Observer::sight`].
+    /// As [`Observer::projection`].
     pub fn places(&self, scene: &Prepared) -> Result<Vec<Place<'_>>> {
         let mut places = Vec::new();
         for rest in &scene.frames {
@@ -151,7 +149,7 @@ impl Observer {
                     places.resize(object + 1, None);
                 }
                 if places[object].is_none() {
-                    places[object] = Some((self.sight(&rest.frame)?, patch.object_origin.x));
+                    places[object] = Some((self.projection(&rest.frame)?, patch.object_origin.x));
                 }
             }
         }
@@ -162,10 +160,10 @@ impl Observer {
     ///
     /// # Errors
     /// A frame that moves as fast as light in the medium, or faster.
-    pub fn sight(&self, frame: &InertialFrame<Rest>) -> Result<Sight<'_>> {
+    pub fn projection(&self, frame: &InertialFrame<Rest>) -> Result<Projection<'_>> {
         let (n, stretch, velocity) = optical(frame.velocity(), self.index)?;
         let world_from_optical = Boost::new(velocity);
-        let mut sight = Sight {
+        let mut projection = Projection {
             observer: self,
             origin: frame.event_from_world(self.event).x,
             stretch: (n, stretch),
@@ -174,15 +172,15 @@ impl Observer {
             m_camera: DVec3::ZERO,
             m: DVec3::ZERO,
         };
-        let (_, seen) = sight.in_camera(Displacement::new(-1.0, DVec3::ZERO));
-        sight.m_camera = seen;
-        sight.m = self.homogeneous_from_camera * seen;
-        Ok(sight)
+        let (_, seen) = projection.in_camera(Displacement::new(-1.0, DVec3::ZERO));
+        projection.m_camera = seen;
+        projection.m = self.homogeneous_from_camera * seen;
+        Ok(projection)
     }
 }
 
 /// What is seen of an object, and where its origin is in its rest frame, metres.
-pub type Place<'a> = Option<(Sight<'a>, DVec3)>;
+pub type Place<'a> = Option<(Projection<'a>, DVec3)>;
 
 /// Direction of motion, 1/(γq) − 1 and the velocity ηβ.
 fn optical(velocity: Velocity, index: f64) -> Result<(DVec3, f64, Velocity)> {
@@ -216,7 +214,7 @@ fn outrun() -> Error {
     )
 }
 
-impl Sight<'_> {
+impl Projection<'_> {
     /// How the point `x` of the frame is seen, metres relative to the frame's origin; none for the place
     /// of the camera itself.
     #[inline]
@@ -321,4 +319,53 @@ impl Sight<'_> {
         let square = k.length_squared();
         (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt()
     }
+}
+
+/// The channels that [`displacements`] looks at.
+pub const CHANNELS: [Aov; 4] = [
+    Aov::Object,
+    Aov::ObjectEventX,
+    Aov::ObjectEventY,
+    Aov::ObjectEventZ,
+];
+
+/// Per pixel of `film`, from where its point of a surface is drawn (the pixel's centre) to where it should
+/// be, in pixels; NaN where nothing is met, and where the point is behind the camera.
+///
+/// The film has [`CHANNELS`] and one sample at the centre of each pixel.
+///
+/// # Errors
+/// A film that is not like that; as [`Observer::of`] and [`Observer::projection`].
+pub fn displacements(scene: &Prepared, film: &Film) -> Result<Vec<[f64; 2]>> {
+    let [Some(object), Some(x), Some(y), Some(z)] = CHANNELS.map(|aov| film.aov(aov)) else {
+        return Err(unfit());
+    };
+    if !film.is_centred() {
+        return Err(unfit());
+    }
+    let observer = Observer::new(scene)?;
+    let places = observer.places(scene)?;
+    let width = film.size()[0] as usize;
+    let displaced = |pixel: usize| {
+        let (projection, origin) = places.get(object[pixel] as usize)?.as_ref()?;
+        let point = DVec3::new(x[pixel], y[pixel], z[pixel]);
+        let [u, v] = projection.film_point(origin + point)?;
+        let drawn = [(pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5];
+        Some([u - drawn[0], v - drawn[1]])
+    };
+    let met = |pixel: usize| object[pixel] >= 0.0;
+    let all = 0..object.len();
+    Ok(all
+        .map(|pixel| met(pixel).then(|| displaced(pixel)).flatten())
+        .map(|found| found.unwrap_or([f64::NAN; 2]))
+        .collect())
+}
+
+fn unfit() -> Error {
+    Error::invalid(
+        "film",
+        "channels",
+        "places on a film are compared at the centres of its pixels, by the channels object and object_event",
+        "render with pixel centres and these channels",
+    )
 }

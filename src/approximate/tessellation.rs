@@ -1,7 +1,7 @@
 //! How fine a rasterizer has to tessellate, so that nothing is drawn farther than ε pixels from its place.
 //!
 //! A rasterizer that moves vertices to their apparent positions and joins them by straight edges draws a
-//! point Δ = v δ pixels off (see [`apparent`](crate::approximate::projection) for v and c). On an edge of rest length L that
+//! point Δ = v δ pixels off (see [`projection`](crate::approximate::projection) for v and c). On an edge of rest length L that
 //! runs across the line of sight, and in a triangle none of whose edges is longer,
 //!
 //! ```text
@@ -27,15 +27,16 @@
 //! [`forecast`] looks at the point behind the centre of each pixel, and takes the least L of each object: what
 //! the picture does not show needs no finer triangles. It is what `raster:uniform` takes.
 
-mod report;
+use std::fmt::{self, Formatter};
 
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::approximate::projection::{Observer, Sight};
+use crate::approximate::projection::{Observer, Projection};
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
+use crate::render::plan::count;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::{HitBuffer, Meter, Rays, SurfaceHit, Surfaces};
@@ -126,7 +127,7 @@ impl Bend {
 /// place.
 ///
 /// # Errors
-/// As [`Observer::of`] and [`Observer::sight`]; [`Error::Cancelled`] when `progress` says so.
+/// As [`Observer::of`] and [`Observer::projection`]; [`Error::Cancelled`] when `progress` says so.
 pub fn forecast(
     scene: &Scene,
     prepared: &Prepared,
@@ -134,9 +135,12 @@ pub fn forecast(
     progress: &dyn Progress,
 ) -> Result<Forecast> {
     let observer = Observer::new(prepared)?;
-    let sights = prepared.frames.iter().map(|f| observer.sight(&f.frame));
-    let sights = sights.collect::<Result<Vec<_>>>()?;
-    let samples = samples(prepared, &sights, progress)?;
+    let projections = prepared
+        .frames
+        .iter()
+        .map(|f| observer.projection(&f.frame));
+    let projections = projections.collect::<Result<Vec<_>>>()?;
+    let samples = samples(prepared, &projections, progress)?;
     let objects = (0..scene.objects.len() as u32)
         .filter_map(|object| Needed::of(scene, prepared, object, &samples, pixels))
         .collect();
@@ -148,7 +152,11 @@ pub fn forecast(
 }
 
 /// What the centres of all pixels see, row by row within tiles.
-fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Result<Vec<Sample>> {
+fn samples(
+    prepared: &Prepared,
+    projections: &[Projection],
+    progress: &dyn Progress,
+) -> Result<Vec<Sample>> {
     let size = prepared.layout.size;
     let event = prepared.camera.shot.event;
     let surfaces = Surfaces::unbuffered(&prepared.frames, event, prepared.ray_index);
@@ -172,7 +180,7 @@ fn samples(prepared: &Prepared, sights: &[Sight], progress: &dyn Progress) -> Re
             .enumerate()
             .filter_map(|(ray, (column, row))| {
                 let found = hits.hit(ray)?;
-                let bend = bend(prepared, &sights[found.frame as usize], found)?;
+                let bend = bend(prepared, &projections[found.frame as usize], found)?;
                 Some(Sample {
                     found,
                     pixel: [column, row],
@@ -196,7 +204,7 @@ fn place(prepared: &Prepared, found: SurfaceHit) -> DVec3 {
 }
 
 /// How errors grow in the triangle that was met; none behind the camera.
-fn bend(prepared: &Prepared, sight: &Sight, found: SurfaceHit) -> Option<Bend> {
+fn bend(prepared: &Prepared, projection: &Projection, found: SurfaceHit) -> Option<Bend> {
     let bvh = &prepared.frames[found.frame as usize].bvh;
     let [p, q, r] = bvh.corners(found.hit.slot);
     let edges = [q - p, r - q, p - r];
@@ -210,15 +218,15 @@ fn bend(prepared: &Prepared, sight: &Sight, found: SurfaceHit) -> Option<Bend> {
     let longest = edges.into_iter().fold(DVec3::ZERO, longer);
     let height = edges[0].cross(edges[1]).length() / longest.length();
     let x = place(prepared, found);
-    let c = sight.optical(x);
+    let c = projection.optical(x);
     let along = longest.normalize();
     let across = bvh.normal(&found.hit).cross(along);
     // c × Ce for unit vectors e of the plane: the largest is the greater eigenvalue of their products.
-    let turned = |e: DVec3| c.cross(sight.optical(x + e) - c) / c.length();
+    let turned = |e: DVec3| c.cross(projection.optical(x + e) - c) / c.length();
     let (u, v) = (turned(along), turned(across));
     let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
     let greatest = 0.5 * (uu + vv) + (0.25 * (uu - vv) * (uu - vv) + uv * uv).sqrt();
-    let [dx, dy] = sight.slide(sight.image_of(c)?.film)?;
+    let [dx, dy] = projection.slide(projection.image_of(c)?.film)?;
     let pixels = (dx * dx + dy * dy).sqrt() / c.length();
     let bend = Bend {
         most: (pixels * greatest).sqrt(),
@@ -287,4 +295,76 @@ fn longest_edge(prepared: &Prepared, frame: u32, object: u32) -> f64 {
     let own = slots.filter(|slot| rest.patch(rest.bvh.triangle(*slot).0).object == object);
     // The greatest of numbers is the same in any order.
     own.map(square).reduce(|| 0.0, f64::max).sqrt()
+}
+
+impl fmt::Display for Forecast {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let scene = self.scene.escape_debug();
+        writeln!(
+            f,
+            "{scene}: edges for an error of at most {} pixels",
+            self.pixels
+        )?;
+        if self.objects.is_empty() {
+            return writeln!(f, "  the picture shows no object");
+        }
+        let names = self.objects.iter().map(|o| o.name.chars().count());
+        let width = names.max().unwrap_or(0).clamp(6, 32);
+        writeln!(
+            f,
+            "  {:<width$}  {:>10}  {:>10}  {:>8}  {:>8}  {:>12}  worst at",
+            "object", "edges ≤ m", "longest m", "parts", "halvings", "now ≤ pixels"
+        )?;
+        for object in &self.objects {
+            object.row(f, width)?;
+        }
+        match self.finest() {
+            Some(length) => writeln!(
+                f,
+                "  for all of them: --method raster:uniform={}",
+                short(length)
+            ),
+            None => writeln!(f, "  no edge is bent: --method raster:none"),
+        }
+    }
+}
+
+impl Forecast {
+    /// The edge length that will do for all objects, metres; none where any will.
+    pub fn finest(&self) -> Option<f64> {
+        let lengths = self.objects.iter().filter_map(|o| o.edge_length);
+        lengths.reduce(f64::min)
+    }
+}
+
+impl Needed {
+    fn row(&self, f: &mut Formatter<'_>, width: usize) -> fmt::Result {
+        let name: String = self.name.chars().take(width).collect();
+        let length = self.edge_length.map_or("any".into(), short);
+        let [column, row] = self.worst.pixel;
+        writeln!(
+            f,
+            "  {:<width$}  {length:>10}  {:>10}  {:>8}  {:>8}  {:>12}  triangle {}, pixel ({column}, {row})",
+            name.escape_debug().to_string(),
+            short(self.longest_edge),
+            count(self.parts),
+            self.halvings,
+            short(self.worst.untessellated),
+            count(self.worst.triangle.into()),
+        )
+    }
+}
+
+/// Four significant digits, the last cut off rather than rounded up: a length that is allowed stays one.
+fn short(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let exponent = x.abs().log10().floor();
+    if !(-4.0..6.0).contains(&exponent) {
+        return format!("{x:.3e}");
+    }
+    let decimals = (3.0 - exponent).max(0.0);
+    let scale = 10f64.powf(decimals);
+    format!("{:.*}", decimals as usize, (x * scale).floor() / scale)
 }

@@ -48,7 +48,7 @@ pub enum Command {
     #[command(after_help = help::EXPORT)]
     Export(ExportArguments),
     /// Compare a picture with its reference: errors, maps, a report, tolerances.
-    #[command(after_help = help::COMPARE)]
+    #[command(after_help = help::compare())]
     Compare(CompareArguments),
     /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
     #[command(after_help = help::PLAN)]

@@ -6,7 +6,7 @@ use nullray::figures::drawing::{self, png};
 use nullray::io::image::{self, exr};
 use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::validate::compare::{
-    Comparison, Encoding, NotFinite, Options, Picture, Region, compare, flip, report,
+    CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip, report,
 };
 use nullray::{Error, Result};
 
@@ -40,14 +40,14 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     })
 }
 
-fn options(arguments: &CompareArguments) -> Result<Options> {
+fn options(arguments: &CompareArguments) -> Result<CompareOptions> {
     let mask = match &arguments.mask {
         Some(path) => Some(Region::mask_of(
             &Picture::read(path, Encoding::Linear)?.layers,
         )),
         None => None,
     };
-    Ok(Options {
+    Ok(CompareOptions {
         region: Region {
             crop: arguments.crop,
             mask,

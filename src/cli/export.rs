@@ -3,7 +3,7 @@
 use nullray::Result;
 use nullray::render::plan::{self, Plan};
 use nullray::scene::model::Scene;
-use nullray::validate::export::{self, Cubes, Exported, Options};
+use nullray::validate::export::{self, Cubes, ExportOptions, Exported};
 
 use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
@@ -18,7 +18,7 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
         arguments.panel.as_ref(),
         &arguments.changes.overrides(),
     )?;
-    let options = Options {
+    let options = ExportOptions {
         reference: !arguments.no_reference,
         cubes: match arguments.cubes {
             CubesArgument::Copy => Cubes::Copied,

@@ -17,7 +17,7 @@ Examples:
   nullray selftest                   test this build on this machine
   nullray help render                all options, examples and channel names
 
-Exit codes: 0 done; 1 a self-test that fails; 2 wrong arguments, bad input, or a file that cannot be read or written; \
+Exit codes: 0 done; 1 a self-test that fails, or a comparison beyond a tolerance; 2 wrong arguments, bad input, or a file that cannot be read or written; \
 101 a bug of this program; 130 stopped by Ctrl-C, with no unfinished file left.
 
 No environment variable changes what is computed; NO_COLOR turns the colours of messages off.";
@@ -81,17 +81,23 @@ shown should have been, in pixels), of emission times, and of radiance against a
 samples. The number of samples is that of --samples, whatever --spp says. On a machine that does other things too, \
 trust ratios rather than times.";
 
-pub const COMPARE: &str = "\
+/// Examples, the metrics and exit codes.
+pub fn compare() -> String {
+    format!(
+        "{COMPARE}\n{}\n\n{COMPARE_EXIT}",
+        nullray::validate::compare::help()
+    )
+}
+
+const COMPARE: &str = "\
 Examples:
   nullray compare exact.exr mine.exr --report report.html
   nullray compare exact.npz mine.npz --bin-width \"5 mm\" --json
   nullray compare exact.exr mine.exr --tolerance rmse=0.01 --tolerance geometric.p99=0.1
 
-Channels are matched by name. Metrics of --tolerance: bias, mae, rmse, relrmse, mrse, max, p50, p90, p99, p99.9, \
-psnr and ssim (at least) of the light, or of one channel (radiance.R:max); flip, flip.max; wrong_object (pixels); \
-silhouette, silhouette.max; geometric, time, time_bins, w and w_ulp with .mean, .rms, .p50, .p90, .p99 or .max; time.bias, w.bias.
+Channels are matched by name. Metrics of --tolerance:";
 
-Exit codes: 0 within all tolerances, 1 beyond one, 2 bad input.";
+const COMPARE_EXIT: &str = "Exit codes: 0 within all tolerances, 1 beyond one, 2 bad input.";
 
 pub const PLAN: &str = "\
 Examples:

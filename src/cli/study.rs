@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use nullray::figures::drawing;
 use nullray::render::metadata;
-use nullray::validate::study::{self, Options, Study};
+use nullray::validate::study::{self, Study, StudyOptions};
 use nullray::{Error, Result};
 
 use super::args::StudyArguments;
@@ -27,7 +27,7 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         arguments.panel.as_ref(),
         &arguments.changes.overrides(),
     )?;
-    let options = Options {
+    let options = StudyOptions {
         methods: arguments.methods.0.clone(),
         samples: arguments.samples.0.clone(),
         runs: arguments.runs,

@@ -12,7 +12,7 @@ use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
-use nullray::validate::compare::{Comparison, Options, Picture, compare};
+use nullray::validate::compare::{CompareOptions, Comparison, Picture, compare};
 
 /// Figure and panel; its camera, in words.
 const PANELS: [(u32, &str, &str); 19] = [
@@ -74,7 +74,7 @@ fn compared(figure: u32, panel: &str) -> Comparison {
         "exact-0.5" => picture(figure, "paper-0.5", "paper2015"),
         _ => picture(figure, panel, "paper2015"),
     };
-    compare(&exact, &paper, &Options::default()).unwrap()
+    compare(&exact, &paper, &CompareOptions::default()).unwrap()
 }
 
 /// A row of the page's table.

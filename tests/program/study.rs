@@ -10,7 +10,7 @@ use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 use nullray::validate::study::{
-    Entry, Family, Options, Study, csv, draw, parse_methods, study, table,
+    Entry, Family, Study, StudyOptions, csv, draw, parse_methods, study, table,
 };
 
 /// A cube and a floor, from a camera at 0.9 c, as rasterizers like it least.
@@ -39,14 +39,14 @@ fn parsed(text: &str) -> Scene {
     scene::parse(text, "test", Path::new("."), &Overrides::default()).unwrap()
 }
 
-fn options(methods: &str) -> Options {
-    Options {
+fn options(methods: &str) -> StudyOptions {
+    StudyOptions {
         methods: parse_methods(methods).unwrap(),
         samples: vec![1, 4],
         runs: 3,
         budget: Duration::from_secs(600),
         reference_samples: 64,
-        ..Options::default()
+        ..StudyOptions::default()
     }
 }
 
@@ -116,7 +116,7 @@ fn methods_take_turns_and_each_has_all_its_runs() {
 
 #[test]
 fn a_budget_of_nothing_measures_nothing_and_says_so() {
-    let options = Options {
+    let options = StudyOptions {
         budget: Duration::ZERO,
         ..options("trace")
     };

@@ -11,7 +11,7 @@ pub struct CompareArguments {
     /// The picture that is right: .exr, .png, .npz or .npy.
     #[arg(value_name = "REFERENCE")]
     pub reference: PathBuf,
-    /// The picture that is asked whether it is.
+    /// The picture to check against it.
     #[arg(value_name = "CANDIDATE")]
     pub candidate: PathBuf,
     /// Channels and groups of them that are compared: "radiance,event". Default: all.

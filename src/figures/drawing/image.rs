@@ -34,7 +34,7 @@ fn encode(bytes: &mut Vec<u8>, image: &RgbImage) -> Result<(), EncodingError> {
 }
 
 /// Adds `bytes` in base 64: three bytes are four digits, the last ones filled up with `=`.
-pub(super) fn push_base64(text: &mut String, bytes: &[u8]) {
+pub(crate) fn push_base64(text: &mut String, bytes: &[u8]) {
     for chunk in bytes.chunks(3) {
         let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);

@@ -46,6 +46,7 @@ mod style;
 pub mod svg;
 
 pub use file::save;
+pub(crate) use image::push_base64;
 pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 

@@ -5,10 +5,10 @@
 
 use std::borrow::Cow;
 
-use super::finite::{finite, value};
-use super::{Encoding, Options, Picture, is_identity};
+use super::options::{CompareOptions, NotFinite};
+use super::picture::{Encoding, Picture, Plane, is_auxiliary, is_identity};
 use crate::error::{Error, Result};
-use crate::io::image::{Channel, Layers};
+use crate::io::image::{Channel, Layers, Samples};
 
 /// Metadata that have to agree, and what they are.
 const SAME: [(&str, &str); 3] = [
@@ -48,7 +48,7 @@ impl Matched<'_> {
 pub(super) fn matched<'a>(
     reference: &'a Picture,
     candidate: &'a Picture,
-    options: &Options,
+    options: &CompareOptions,
 ) -> Result<Matched<'a>> {
     let pair = [reference, candidate];
     sizes(pair)?;
@@ -120,7 +120,7 @@ fn encodings([r, c]: [&Picture; 2]) -> Result<()> {
     refuse(c, "colour space", what, help)
 }
 
-fn swapped([r, c]: [&Picture; 2], options: &Options) -> Result<()> {
+fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
     let Some(method) = r.approximation() else {
         return Ok(());
     };
@@ -221,7 +221,8 @@ fn alpha<'a>(
         let (Some(at), None) = (position(&chosen[one]), position(&chosen[other])) else {
             continue;
         };
-        if (0..chosen[one][at].samples.len()).all(|i| value(&chosen[one][at].samples, i) == 1.0) {
+        let alpha = Plane::new(&pair[one].layers, chosen[one][at]);
+        if (0..chosen[one][at].samples.len()).all(|i| alpha.at(i) == 1.0) {
             notes.push(format!(
                 "{} has an alpha channel that is opaque everywhere; it is left out",
                 pair[one].name
@@ -240,7 +241,11 @@ fn alpha<'a>(
     Ok(chosen)
 }
 
-fn channels([r, c]: [&Picture; 2], [a, b]: &[Vec<&Channel>; 2], options: &Options) -> Result<()> {
+fn channels(
+    [r, c]: [&Picture; 2],
+    [a, b]: &[Vec<&Channel>; 2],
+    options: &CompareOptions,
+) -> Result<()> {
     for name in &options.channels {
         let has = |channels: &[&Channel]| {
             channels
@@ -317,4 +322,110 @@ fn groups(names: &[&str]) -> String {
         .collect();
     groups.dedup();
     groups.join(",")
+}
+
+/// The layers, with samples of light that are not finite dealt with.
+fn finite<'a>(
+    picture: &'a Picture,
+    chosen: &[&Channel],
+    options: &CompareOptions,
+    notes: &mut Vec<String>,
+) -> Result<Cow<'a, Layers>> {
+    let mut layers = Cow::Borrowed(&picture.layers);
+    for channel in chosen.iter().filter(|channel| !is_auxiliary(&channel.name)) {
+        let Some(found) = Unusable::of(channel, &picture.layers, options) else {
+            continue;
+        };
+        let treatment = match options.not_finite {
+            NotFinite::Refuse => return Err(found.refusal(picture, channel)),
+            NotFinite::Ignore => "their pixels do not count".into(),
+            NotFinite::CountAs(value) => {
+                replace(layers.to_mut(), &channel.name, value);
+                format!("they count as {value}")
+            }
+        };
+        notes.push(format!(
+            "{} of {}: {}; {treatment}",
+            channel.name,
+            picture.name,
+            found.words()
+        ));
+    }
+    Ok(layers)
+}
+
+fn replace(layers: &mut Layers, name: &str, value: f64) {
+    let channel = layers.channels.iter_mut().find(|c| c.name == name);
+    match channel.map(|channel| &mut channel.samples) {
+        Some(Samples::F32(v)) => {
+            let unusable = v.iter_mut().filter(|x| !x.is_finite());
+            unusable.for_each(|x| *x = value as f32);
+        }
+        Some(Samples::F64(v)) => {
+            let unusable = v.iter_mut().filter(|x| !x.is_finite());
+            unusable.for_each(|x| *x = value);
+        }
+        Some(Samples::U32(_) | Samples::I32(_)) | None => {}
+    }
+}
+
+/// Samples that are not finite.
+struct Unusable {
+    nan: u64,
+    infinite: u64,
+    /// Column and row of the first.
+    first: [usize; 2],
+}
+
+impl Unusable {
+    /// None where all samples of the region are finite.
+    fn of(channel: &Channel, layers: &Layers, options: &CompareOptions) -> Option<Unusable> {
+        let plane = Plane::new(layers, channel);
+        if plane.is_finite() {
+            return None;
+        }
+        let size = [layers.width, layers.height].map(|n| n as usize);
+        let pixels = options.region.pixels(size);
+        let unusable: Vec<usize> = pixels.filter(|i| !plane.at(*i).is_finite()).collect();
+        let first = *unusable.first()?;
+        let nan = unusable.iter().filter(|i| plane.at(**i).is_nan()).count();
+        Some(Unusable {
+            nan: nan as u64,
+            infinite: (unusable.len() - nan) as u64,
+            first: [first % size[0], first / size[0]],
+        })
+    }
+
+    fn words(&self) -> String {
+        let [x, y] = self.first;
+        let kinds = [(self.nan, "NaN"), (self.infinite, "infinite")];
+        let kinds: Vec<String> = (kinds.iter().filter(|(n, _)| *n > 0))
+            .map(|(n, kind)| format!("{n} {kind}"))
+            .collect();
+        format!(
+            "{} samples (the first at column {x}, row {y})",
+            kinds.join(" and ")
+        )
+    }
+
+    fn refusal(&self, picture: &Picture, channel: &Channel) -> Error {
+        let overflow = self.infinite > 0 && picture.half.contains(&channel.name);
+        let what = match overflow {
+            true => format!(
+                "{}: the channel is stored in half precision, which ends at 65504",
+                self.words()
+            ),
+            false => self.words(),
+        };
+        let help = match overflow {
+            true => "write the picture in single precision; --nan ignore leaves the pixels out",
+            false => "--nan ignore leaves the pixels out; --nan count-as=0 counts them as a value",
+        };
+        Error::invalid(
+            &picture.name,
+            format!("channel {}", channel.name),
+            what,
+            help,
+        )
+    }
 }

@@ -13,8 +13,8 @@
 
 use rayon::prelude::*;
 
-use super::plane::Plane;
-use super::region::Region;
+use super::options::Region;
+use super::picture::Plane;
 use crate::accel::vectors::{VectorLoop, dispatch};
 
 /// Pixels from a window's centre to its edge.

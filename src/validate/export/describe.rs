@@ -10,7 +10,7 @@ use super::bundle::{
 use super::glb::Run;
 use crate::camera::{Camera, Kind};
 use crate::mesh::Mesh;
-use crate::render::aov::Aov;
+use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
 use crate::render::plan::{Lit, lit_by};
 use crate::render::prepare::scaling;
@@ -206,11 +206,10 @@ pub(super) fn channels(rendered: &[Aov]) -> Vec<ChannelEntry> {
 }
 
 fn missing(aov: Aov) -> Option<&'static str> {
-    match aov {
-        Aov::DirectionX | Aov::DirectionY | Aov::DirectionZ => None,
-        Aov::Coverage | Aov::StandardError => None,
-        _ if aov.is_identity() => Some("-1"),
-        _ => Some("NaN"),
+    match aov.combine() {
+        Combine::NearestIdentity => Some("-1"),
+        Combine::Nearest | Combine::MeanOfHits => Some("NaN"),
+        Combine::MeanOfAll | Combine::Coverage | Combine::StandardError => None,
     }
 }
 

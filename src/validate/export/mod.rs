@@ -49,7 +49,7 @@ const TEXT: &str = "scene.toml";
 
 /// What is exported, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Options {
+pub struct ExportOptions {
     /// Whether reference pictures are rendered. Default: true.
     pub reference: bool,
     /// What becomes of stored cubes. Default: they are copied.
@@ -69,9 +69,9 @@ pub enum Cubes {
     Referenced,
 }
 
-impl Default for Options {
+impl Default for ExportOptions {
     fn default() -> Self {
-        Options {
+        ExportOptions {
             reference: true,
             cubes: Cubes::Copied,
             overwrite: false,
@@ -93,7 +93,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// As [`Plan::new`].
-pub fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
+pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
     let request = Request {
         aovs: reference::channels(),
         pixel_centers: true,
@@ -116,7 +116,7 @@ pub fn schema() -> serde_json::Value {
 pub fn export(
     scene: &Scene,
     target: &Path,
-    options: &Options,
+    options: &ExportOptions,
     progress: &dyn Progress,
 ) -> Result<Exported> {
     let plan = plan(scene, options)?;

@@ -4,7 +4,7 @@ use super::Files;
 use super::bundle::ReferenceEntry;
 use crate::error::Result;
 use crate::io::image::{Layers, exr, npz, png};
-use crate::render::aov::Aov;
+use crate::render::aov::{Aov, Combine};
 use crate::render::metadata::metadata;
 use crate::render::plan::Plan;
 use crate::render::prepare::Prepared;
@@ -16,7 +16,15 @@ use crate::scene::model::Scene;
 /// All channels that one ray for each pixel has: of a single sample there is no standard error.
 pub fn channels() -> Vec<Aov> {
     let all = Aov::ALL.iter().copied();
-    all.filter(|aov| *aov != Aov::StandardError).collect()
+    all.filter(|aov| match aov.combine() {
+        Combine::StandardError => false,
+        Combine::NearestIdentity
+        | Combine::Nearest
+        | Combine::MeanOfHits
+        | Combine::MeanOfAll
+        | Combine::Coverage => true,
+    })
+    .collect()
 }
 
 /// Renders `plan` of `scene` and writes its pictures.

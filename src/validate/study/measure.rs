@@ -8,7 +8,7 @@ use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verd
 use super::front::front;
 use super::geometry::{self, GeometricError};
 use super::memory::Before;
-use super::options::Options;
+use super::options::StudyOptions;
 use super::radiance::{self, RadianceError};
 use super::statistics::quantile;
 use crate::approximate::projection::Observer;
@@ -32,7 +32,7 @@ const ERRORS: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
 /// A camera whose rays leave events of their own, which has no exact film points; a method that cannot render the
 /// scene (see [`crate::approximate::raster::render`]), where it is the only one; files that are missing or broken;
 /// [`Error::Cancelled`] when `progress` says so.
-pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Study> {
+pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> Result<Study> {
     let plan = plan(scene, options)?;
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, &plan, progress)?;
@@ -74,7 +74,7 @@ pub fn study(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resul
     })
 }
 
-impl Options {
+impl StudyOptions {
     /// Camera rays of a study whose budget does not end it, for progress.
     pub fn rays(&self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
@@ -85,7 +85,7 @@ impl Options {
     }
 }
 
-fn plan(scene: &Scene, options: &Options) -> Result<Plan> {
+fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
     let request = Request {
         memory_limit: options.memory_limit,
         ..Request::default()
@@ -125,7 +125,7 @@ type Able = (Vec<(Subject, GeometricError)>, Vec<LeftOut>);
 fn geometries(
     prepared: &mut Prepared,
     plan: &Plan,
-    options: &Options,
+    options: &StudyOptions,
     progress: &dyn Progress,
 ) -> Result<Able> {
     prepared.layout.channels = geometry::channels();
@@ -167,7 +167,7 @@ struct Rounds {
 }
 
 impl Rounds {
-    fn new(options: &Options, able: &[(Subject, GeometricError)]) -> Self {
+    fn new(options: &StudyOptions, able: &[(Subject, GeometricError)]) -> Self {
         let of = |samples: &u32| {
             let job = |(subject, geometry): &(Subject, GeometricError)| Job {
                 subject: *subject,
@@ -189,7 +189,7 @@ impl Rounds {
     fn run(
         &mut self,
         prepared: &mut Prepared,
-        options: &Options,
+        options: &StudyOptions,
         truth: &Picture,
         progress: &dyn Progress,
     ) -> Result<bool> {

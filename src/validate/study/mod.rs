@@ -33,7 +33,7 @@ mod table;
 pub use entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
 pub use geometry::{GeometricError, Spread};
 pub use measure::study;
-pub use options::{METHODS, Options, parse_methods, parse_samples};
+pub use options::{METHODS, StudyOptions, parse_methods, parse_samples};
 pub use plot::draw;
 pub use radiance::RadianceError;
 pub use subject::Subject;

@@ -8,7 +8,7 @@ use crate::scene::model::MOST_SAMPLES;
 
 /// What is studied.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct StudyOptions {
     /// The methods, in any order.
     pub methods: Vec<Subject>,
     /// Samples per pixel, each of which every method is measured with; ascending.
@@ -29,9 +29,9 @@ pub const METHODS: &str = "trace; trace:fast; raster:none; raster:uniform=0.2; r
                            raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; \
                            warp:cube=256; warp:cube=1024";
 
-impl Default for Options {
+impl Default for StudyOptions {
     fn default() -> Self {
-        Options {
+        StudyOptions {
             methods: parse_methods(METHODS).unwrap_or_default(),
             samples: vec![1, 4, 16, 64],
             runs: 5,
@@ -89,7 +89,10 @@ mod tests {
 
     #[test]
     fn the_methods_of_the_default_are_all_methods() {
-        assert_eq!(Options::default().methods.len(), METHODS.split(';').count());
+        assert_eq!(
+            StudyOptions::default().methods.len(),
+            METHODS.split(';').count()
+        );
     }
 
     #[test]

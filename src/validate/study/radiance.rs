@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::io::image::Layers;
 use crate::render::film::Film;
-use crate::validate::compare::{NotFinite, Options, Picture, compare};
+use crate::validate::compare::{CompareOptions, NotFinite, Picture, compare};
 
 /// Errors of radiance, by the definitions of [`crate::validate::compare`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,9 +31,9 @@ impl RadianceError {
     /// # Errors
     /// As [`compare`].
     pub(super) fn of(film: &Film, reference: &Picture) -> Result<Self> {
-        let options = Options {
+        let options = CompareOptions {
             not_finite: NotFinite::Ignore,
-            ..Options::default()
+            ..CompareOptions::default()
         };
         let found = compare(reference, &picture("picture", film)?, &options)?;
         let errors = found.radiance.as_ref();

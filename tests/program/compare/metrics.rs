@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use nullray::validate::compare::{Comparison, Errors, Options, Picture, Region, compare};
+use nullray::validate::compare::{CompareOptions, Comparison, Errors, Picture, Region, compare};
 
 use crate::compare::pictures::{codes, light};
 
@@ -29,7 +29,7 @@ static CASES: LazyLock<Vec<(HashMap<String, f64>, Comparison)>> = LazyLock::new(
             ("light", light(width, height)),
             ("codes", codes(width, height)),
         ] {
-            let compared = compare(&r, &c, &Options::default()).unwrap();
+            let compared = compare(&r, &c, &CompareOptions::default()).unwrap();
             cases.push((expected(name, width), compared));
         }
     }
@@ -105,7 +105,7 @@ fn exposures_are_those_of_the_published_tool() {
 #[test]
 fn equal_pictures_have_no_error() {
     let [r, _] = light(61, 47);
-    let compared = compare(&r, &r, &Options::default()).unwrap();
+    let compared = compare(&r, &r, &CompareOptions::default()).unwrap();
     let e = compared.radiance.unwrap();
     assert_eq!([e.bias, e.mae, e.rmse, e.max, e.p99_9, e.mrse], [0.0; 6]);
     assert_eq!((e.relrmse, e.psnr, e.max_at), (Some(0.0), None, None));
@@ -123,7 +123,7 @@ fn black_pictures_are_equal() {
         picture.name = name.into();
         picture
     };
-    let compared = compare(&black("a"), &black("b"), &Options::default()).unwrap();
+    let compared = compare(&black("a"), &black("b"), &CompareOptions::default()).unwrap();
     assert_eq!(compared.flip.unwrap().mean, 0.0);
     let e = compared.radiance.unwrap();
     assert_eq!((e.relrmse, e.ssim), (Some(0.0), Some(1.0)));
@@ -146,16 +146,16 @@ fn part(pair: &[Picture; 2], [x, y]: [usize; 2], [w, h]: [usize; 2]) -> [Picture
 #[test]
 fn a_crop_has_the_errors_of_the_part() {
     let pair = light(61, 47);
-    let options = Options {
+    let options = CompareOptions {
         region: Region {
             crop: Some([5, 7, 30, 20]),
             mask: None,
         },
-        ..Options::default()
+        ..CompareOptions::default()
     };
     let cropped = compare(&pair[0], &pair[1], &options).unwrap();
     let [r, c] = part(&pair, [5, 7], [30, 20]);
-    let alone = compare(&r, &c, &Options::default()).unwrap();
+    let alone = compare(&r, &c, &CompareOptions::default()).unwrap();
     let (a, b) = (cropped.radiance.unwrap(), alone.radiance.unwrap());
     assert_eq!(
         (a.count, a.max, a.rmse, a.p90),
@@ -171,9 +171,9 @@ fn a_mask_is_a_crop_where_it_has_its_shape() {
     let inside = |i: u32| (5..35).contains(&(i % 61)) && (7..27).contains(&(i / 61));
     let mask: Vec<bool> = (0..61 * 47).map(inside).collect();
     let with = |region: Region| {
-        let options = Options {
+        let options = CompareOptions {
             region,
-            ..Options::default()
+            ..CompareOptions::default()
         };
         compare(&r, &c, &options).unwrap()
     };
@@ -191,9 +191,9 @@ fn a_mask_is_a_crop_where_it_has_its_shape() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let [r, c] = light(600, 300);
-    let options = Options {
+    let options = CompareOptions {
         maps: true,
-        ..Options::default()
+        ..CompareOptions::default()
     };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()

@@ -8,7 +8,7 @@ use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
 use nullray::scene::{self, Overrides};
-use nullray::validate::compare::{Comparison, Diagnosis, Kind, Options, Picture, compare};
+use nullray::validate::compare::{CompareOptions, Comparison, Diagnosis, Kind, Picture, compare};
 
 const BETA: f64 = 0.5;
 
@@ -82,9 +82,9 @@ fn exact() -> Picture {
 }
 
 fn compared(reference: &Picture, candidate: &Picture) -> Comparison {
-    let options = Options {
+    let options = CompareOptions {
         bin_width: Some(0.05),
-        ..Options::default()
+        ..CompareOptions::default()
     };
     compare(reference, candidate, &options).unwrap()
 }

@@ -1,12 +1,12 @@
 //! Pictures that cannot be compared, and why.
 
 use nullray::io::image::{Channel, Samples};
-use nullray::validate::compare::{Encoding, NotFinite, Options, Picture, compare};
+use nullray::validate::compare::{CompareOptions, Encoding, NotFinite, Picture, compare};
 
 use crate::compare::pictures::light;
 
 fn message(reference: &Picture, candidate: &Picture) -> String {
-    compare(reference, candidate, &Options::default())
+    compare(reference, candidate, &CompareOptions::default())
         .unwrap_err()
         .to_string()
 }
@@ -68,10 +68,10 @@ fn swapped_arguments_are_refused() {
         "raster:none",
     );
     says(&raster, &exact, &["look swapped", "raster:none"]);
-    assert!(compare(&exact, &raster, &Options::default()).is_ok());
-    let options = Options {
+    assert!(compare(&exact, &raster, &CompareOptions::default()).is_ok());
+    let options = CompareOptions {
         allow_swapped: true,
-        ..Options::default()
+        ..CompareOptions::default()
     };
     assert!(compare(&raster, &exact, &options).is_ok());
 }
@@ -88,9 +88,9 @@ fn samples_that_are_no_numbers_can_be_left_out_or_counted() {
     let [r, mut c] = light(8, 8);
     set(&mut c, 19, f32::NAN);
     let with = |not_finite| {
-        let options = Options {
+        let options = CompareOptions {
             not_finite,
-            ..Options::default()
+            ..CompareOptions::default()
         };
         compare(&r, &c, &options).unwrap()
     };
@@ -118,7 +118,7 @@ fn alpha_that_one_picture_has_alone_counts_where_it_is_not_opaque() {
         name: "A".into(),
         samples: Samples::F32(vec![1.0; 64]),
     });
-    let compared = compare(&r, &c, &Options::default()).unwrap();
+    let compared = compare(&r, &c, &CompareOptions::default()).unwrap();
     assert!(compared.notes[0].contains("opaque"), "{:?}", compared.notes);
     c.layers.channels[3].samples = Samples::F32(vec![0.5; 64]);
     says(&r, &c, &["alpha", "transparent"]);
@@ -127,7 +127,7 @@ fn alpha_that_one_picture_has_alone_counts_where_it_is_not_opaque() {
 #[test]
 fn a_crop_beyond_the_picture_is_refused() {
     let [r, c] = light(8, 8);
-    let mut options = Options::default();
+    let mut options = CompareOptions::default();
     options.region.crop = Some([4, 4, 5, 1]);
     let message = compare(&r, &c, &options).unwrap_err().to_string();
     assert!(message.contains("5 × 1 pixels at (4, 4)"), "{message}");

@@ -1,7 +1,7 @@
 //! Errors in pixels, metres and ulp, of surfaces that are known.
 
 use nullray::io::image::Layers;
-use nullray::validate::compare::{Options, Picture, SurfaceErrors, compare};
+use nullray::validate::compare::{CompareOptions, Picture, SurfaceErrors, compare};
 
 use crate::compare::pictures::{field, layers};
 
@@ -45,7 +45,7 @@ fn sphere(shift: [f64; 2]) -> Layers {
 
 fn surface(r: Layers, c: Layers) -> SurfaceErrors {
     let [r, c] = [r, c].map(|layers| Picture::linear("surfaces", layers));
-    compare(&r, &c, &Options::default())
+    compare(&r, &c, &CompareOptions::default())
         .unwrap()
         .surface
         .unwrap()

@@ -8,7 +8,7 @@ use nullray::io::image;
 use nullray::render::aov::Aov;
 use nullray::render::metadata;
 use nullray::scene::model::BadVertices;
-use nullray::validate::export::{Cubes, Options, README, schema};
+use nullray::validate::export::{Cubes, ExportOptions, README, schema};
 
 use super::{Exported, exported, exported_with};
 
@@ -20,7 +20,7 @@ shape = { box = { size = [1, 2, 1] } }
 colour = [0.5, 2.0, 0.25]
 "#;
 
-fn capture(options: &Options) -> Exported {
+fn capture(options: &ExportOptions) -> Exported {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let text = fs::read_to_string(scenes.join("capture.toml")).unwrap();
     let text = text.replace("size = [640, 480]", "size = [16, 12]");
@@ -29,7 +29,7 @@ fn capture(options: &Options) -> Exported {
 
 #[test]
 fn every_file_is_listed_with_its_length_and_sum() {
-    let exported = capture(&Options::default());
+    let exported = capture(&ExportOptions::default());
     let files = exported.bundle.json["files"].as_array().unwrap();
     for file in files {
         let bytes = fs::read(exported.path(file["path"].as_str().unwrap())).unwrap();
@@ -54,17 +54,17 @@ fn every_file_is_listed_with_its_length_and_sum() {
 #[test]
 fn a_cube_is_copied_as_it_is_or_named() {
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/corner/capture_rgb.npz");
-    let copied = capture(&Options::default());
+    let copied = capture(&ExportOptions::default());
     let source = &copied.bundle.json["sources"][0];
     assert_eq!(source["file"], "sources/000.npz");
     assert_eq!(
         fs::read(copied.path("sources/000.npz")).unwrap(),
         fs::read(&original).unwrap()
     );
-    let named = capture(&Options {
+    let named = capture(&ExportOptions {
         cubes: Cubes::Referenced,
         reference: false,
-        ..Options::default()
+        ..ExportOptions::default()
     });
     let source = &named.bundle.json["sources"][0];
     assert_eq!(source["is_copied"], false);
@@ -78,7 +78,7 @@ fn a_cube_is_copied_as_it_is_or_named() {
 
 #[test]
 fn a_source_says_what_it_measures_and_how_it_lies_on_surface_and_time() {
-    let exported = capture(&Options::default());
+    let exported = capture(&ExportOptions::default());
     let source = &exported.bundle.json["sources"][0];
     assert_eq!(source["name"], "recording");
     assert_eq!(source["kind"], "cube");
@@ -97,7 +97,7 @@ fn a_source_says_what_it_measures_and_how_it_lies_on_surface_and_time() {
 
 #[test]
 fn the_description_has_every_key_that_its_schema_requires_and_no_other() {
-    let exported = capture(&Options::default());
+    let exported = capture(&ExportOptions::default());
     let schema = schema();
     agree(&schema, &schema, &exported.bundle.json, "bundle");
     let stored = fs::read(exported.path("bundle.schema.json")).unwrap();
@@ -156,7 +156,7 @@ fn the_page_defines_each_channel_as_the_table_does() {
 
 #[test]
 fn the_page_names_every_key_in_code_that_it_uses() {
-    let json = capture(&Options::default()).bundle.json.to_string();
+    let json = capture(&ExportOptions::default()).bundle.json.to_string();
     for key in [
         "shot_event",
         "world_from_camera",
@@ -213,7 +213,7 @@ fn textures_go_with_the_geometry() {
     fs::write(picture.path().join("quad.gltf"), textured()).unwrap();
     let text = "camera = { eye = [0, 0, 2], look_at = [0, 0, 0], size = [8, 6] }\n\
                 [[object]]\ngltf = \"quad.gltf\"\n[display]\nback_faces = \"two_sided\"\n";
-    let exported = exported_with(text, picture.path(), &Options::default());
+    let exported = exported_with(text, picture.path(), &ExportOptions::default());
     let part = &exported.bundle.json["objects"][0]["parts"][0];
     assert_eq!(part["has_texture"], true);
     assert!(exported.bundle.json["objects"][0]["positions"].is_null());

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use nullray::render::progress::Silent;
 use nullray::scene::{self, Overrides};
-use nullray::validate::export::{Options, export};
+use nullray::validate::export::{ExportOptions, export};
 use tempfile::TempDir;
 
 /// An export in a directory of its own.
@@ -25,10 +25,10 @@ impl Exported {
 }
 
 fn exported(text: &str) -> Exported {
-    exported_with(text, Path::new("."), &Options::default())
+    exported_with(text, Path::new("."), &ExportOptions::default())
 }
 
-fn exported_with(text: &str, base: &Path, options: &Options) -> Exported {
+fn exported_with(text: &str, base: &Path, options: &ExportOptions) -> Exported {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("bundle");
     let scene = scene::parse(text, "test", base, &Overrides::default()).unwrap();

@@ -7,16 +7,16 @@ use std::sync::atomic::AtomicBool;
 use nullray::Error;
 use nullray::render::progress::{Progress, Silent};
 use nullray::scene::{self, Overrides};
-use nullray::validate::export::{Options, export};
+use nullray::validate::export::{ExportOptions, export};
 
 const SCENE: &str = "camera = { eye = [0, 0, 4], look_at = [0, 0, 0], size = [8, 6] }\n\
                      object = [{ shape = { box = { size = [1, 1, 1] } } }]";
 
 fn write(target: &Path, overwrite: bool, progress: &dyn Progress) -> Result<(), Error> {
     let scene = scene::parse(SCENE, "test", Path::new("."), &Overrides::default())?;
-    let options = Options {
+    let options = ExportOptions {
         overwrite,
-        ..Options::default()
+        ..ExportOptions::default()
     };
     export(&scene, target, &options, progress).map(|_| ())
 }

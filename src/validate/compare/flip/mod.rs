@@ -19,18 +19,15 @@
 mod colour;
 mod filter;
 mod tile;
-mod tone;
 
 use rayon::prelude::*;
 
-use super::plane::Plane;
-use super::region::Region;
+pub use super::options::PIXELS_PER_DEGREE;
+
 use crate::accel::vectors::dispatch;
 use filter::Filters;
-use tile::{Exposing, HEIGHT, Tile, WIDTH};
-
-/// Pixels per degree of visual angle on a 3840-pixel display of 0.7 m seen from 0.7 m: 3840 π/180.
-pub const PIXELS_PER_DEGREE: f64 = 67.020_643;
+pub(super) use tile::Question;
+use tile::{Exposing, HEIGHT, Sum, Tile, WIDTH};
 
 /// ꟻLIP of two pictures.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -48,27 +45,6 @@ pub struct Flip {
     /// The error of each pixel, 0 outside of the region; where it was asked for.
     #[serde(skip)]
     pub map: Option<Vec<f32>>,
-}
-
-/// What ꟻLIP is asked of.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Question<'a> {
-    /// Linear red, green and blue of the reference.
-    pub reference: [Plane<'a>; 3],
-    /// The candidate's.
-    pub candidate: [Plane<'a>; 3],
-    /// Columns and rows.
-    pub size: [usize; 2],
-    /// Pixels over which the mean is taken.
-    pub region: &'a Region,
-    /// Whether values above 1 are light that an exposure can show.
-    pub high_range: bool,
-    /// Whether values are sRGB codes.
-    pub encoded: bool,
-    /// Of the observer.
-    pub pixels_per_degree: f64,
-    /// Whether the map is wanted.
-    pub map: bool,
 }
 
 /// Evaluates ꟻLIP, or HDR-ꟻLIP for pictures of high range.
@@ -99,14 +75,6 @@ pub(super) fn evaluate(question: &Question) -> Flip {
     let mut map = vec![0.0; width * height];
     done.iter().for_each(|tile| tile.place(&mut map, width));
     flip(question, range, exposures.len(), &sums, Some(map))
-}
-
-/// Errors of a tile's pixels in the region.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    sum: f64,
-    count: u64,
-    max: f32,
 }
 
 fn flip(
@@ -159,7 +127,7 @@ fn exposures(question: &Question) -> Option<Range> {
         luminances.retain(|y| *y > 0.0);
         middle = median(&mut luminances);
     }
-    let white = tone::inverse(0.85);
+    let white = colour::inverse_tone_map(0.85);
     (largest > 0.0 && largest.is_finite()).then(|| Range {
         start: libm::log2f(white / largest),
         stop: libm::log2f(white / middle),

@@ -3,14 +3,14 @@
 //! Rows go through the horizontal filters into rings that hold as many as the vertical filters reach; a
 //! row of errors comes out as soon as its ring is full. All of a tile stays in a core's own cache.
 
-use super::colour::{OPPONENT, apply, clip, hunt_lab, hyab, lab, power, power_of_definition};
+use super::colour::{
+    OPPONENT, apply, clip, hunt_lab, hyab, lab, power, power_of_definition, tone_map,
+};
 use super::filter::Filters;
-use super::tone;
-use super::{Question, Sum};
 use crate::accel::vectors::VectorLoop;
 use crate::colour::srgb_decode;
-use crate::validate::compare::plane::Plane;
-use crate::validate::compare::region::Region;
+use crate::validate::compare::options::Region;
+use crate::validate::compare::picture::Plane;
 
 /// Columns of a tile; whole groups of lanes.
 pub(super) const WIDTH: usize = 512;
@@ -27,6 +27,35 @@ const LARGE_PART: f32 = 0.4;
 const LARGE_ERROR: f32 = 0.95;
 
 type Lanes = [f32; LANES];
+
+/// What ꟻLIP is asked of.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::validate::compare) struct Question<'a> {
+    /// Linear red, green and blue of the reference.
+    pub reference: [Plane<'a>; 3],
+    /// The candidate's.
+    pub candidate: [Plane<'a>; 3],
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Pixels over which the mean is taken.
+    pub region: &'a Region,
+    /// Whether values above 1 are light that an exposure can show.
+    pub high_range: bool,
+    /// Whether values are sRGB codes.
+    pub encoded: bool,
+    /// Of the observer.
+    pub pixels_per_degree: f64,
+    /// Whether the map is wanted.
+    pub map: bool,
+}
+
+/// Errors of a tile's pixels in the region.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Sum {
+    pub sum: f64,
+    pub count: u64,
+    pub max: f32,
+}
 
 /// A tile under evaluation.
 pub(super) struct Tile<'a> {
@@ -252,7 +281,7 @@ impl Ring {
         let count = r.len();
         let rgb = [&mut r[..], &mut g[..count], &mut b[..count]];
         match gain {
-            Some(gain) => oppose(rgb, &unusable[..count], |x| tone::map(x * gain)),
+            Some(gain) => oppose(rgb, &unusable[..count], |x| tone_map(x * gain)),
             None => oppose(rgb, &unusable[..count], |x| x),
         }
         let before = first + radius - left;

@@ -2,14 +2,16 @@
 
 use std::fmt::Write;
 
-use super::legend::ErrorMap;
-use super::number;
-use super::strip::displays;
-use super::table::{columns, rows, surface_rows};
+use super::pictures::{ErrorMap, displays};
+use super::table::{lines, rows};
 use crate::error::Result;
 use crate::figures::drawing::png::{self, Raster};
+use crate::figures::drawing::push_base64;
 use crate::io::image::RgbImage;
-use crate::validate::compare::{Comparison, Histogram, Picture};
+use crate::validate::compare::comparison::Comparison;
+use crate::validate::compare::errors::Histogram;
+use crate::validate::compare::metrics::{METRICS, number};
+use crate::validate::compare::picture::Picture;
 
 /// Pictures with longer sides are reduced by a whole factor.
 const LONGEST: u32 = 1600;
@@ -96,12 +98,13 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage) -> Result<()> {
             .collect(),
         scale: 1.0,
     };
-    let data = base64(&png::write(&raster)?);
-    let _ = writeln!(
+    let caption = escaped(caption);
+    let _ = write!(
         html,
-        "<figure><div class=\"view\"><img alt=\"{0}\" src=\"data:image/png;base64,{data}\"></div><figcaption>{0}</figcaption></figure>",
-        escaped(caption)
+        "<figure><div class=\"view\"><img alt=\"{caption}\" src=\"data:image/png;base64,"
     );
+    push_base64(html, &png::write(&raster)?);
+    let _ = writeln!(html, "\"></div><figcaption>{caption}</figcaption></figure>");
     Ok(())
 }
 
@@ -160,13 +163,17 @@ fn block([x, y]: [u32; 2], k: u32, [width, height]: [u32; 2]) -> impl Iterator<I
 fn errors(html: &mut String, comparison: &Comparison) {
     html.push_str("<h2>Errors</h2>\n<table><tr><th></th>");
     let rows = rows(comparison);
-    for (name, _) in rows.first().map(|(_, e)| columns(e)).into_iter().flatten() {
-        let _ = write!(html, "<th>{name}</th>");
+    let first = rows.first();
+    for (heading, _) in first
+        .into_iter()
+        .flat_map(|(_, e)| METRICS.iter().filter_map(|m| m.cell(e)))
+    {
+        let _ = write!(html, "<th>{heading}</th>");
     }
     html.push_str("</tr>\n");
     for (name, errors) in rows {
         let _ = write!(html, "<tr><th>{}</th>", escaped(name));
-        for (_, value) in columns(errors) {
+        for (_, value) in METRICS.iter().filter_map(|m| m.cell(errors)) {
             let _ = write!(html, "<td>{value}</td>");
         }
         html.push_str("</tr>\n");
@@ -180,7 +187,7 @@ fn errors(html: &mut String, comparison: &Comparison) {
             number(flip.max)
         );
     }
-    for (name, value) in surface_rows(comparison) {
+    for (name, value) in lines(comparison) {
         let _ = write!(html, "<tr><th>{name}</th><td>{value}</td></tr>");
     }
     html.push_str("</table>\n");
@@ -247,33 +254,4 @@ fn escaped(text: &str) -> String {
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
-}
-
-/// RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let value =
-            chunk.iter().fold(0u32, |v, b| v << 8 | u32::from(*b)) << (8 * (3 - chunk.len()));
-        for k in 0..4 {
-            let digit = DIGITS[(value >> (18 - 6 * k)) as usize & 63];
-            text.push(if k <= chunk.len() { digit.into() } else { '=' });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_become_base64_as_the_standard_has_it() {
-        let texts = ["", "f", "fo", "foo", "foob", "fooba", "foobar"];
-        let expected = [
-            "", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy",
-        ];
-        assert_eq!(texts.map(|t| base64(t.as_bytes())), expected);
-    }
 }

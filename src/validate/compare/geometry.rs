@@ -1,26 +1,92 @@
-//! Geometric error: how many pixels a surface point is from where it should be.
-//!
-//! The reference says which point X(p) of the surface pixel p shows, in coordinates that move with the
-//! object. The candidate shows the point Y there. It belongs at p + δ with X(p + δ) = Y, and with the Jacobian
-//! J = ∂X/∂p (metres per pixel, 3 × 2) of the reference
-//!
-//! ```text
-//! δ = (JᵀJ)⁻¹ Jᵀ (Y − X(p))          the least squares solution: what is off the surface does not count
-//! ```
-//!
-//! which is Newton's step: where it leads out of the pixel it is repeated from the pixel it leads to, as
-//! long as that shows the same object. The error is |δ|; the point is seen displaced by −δ.
-//!
-//! J comes from differences of neighbours on the same object: central ones, exact to second order, where both
-//! neighbours lie on the centre's triangle or the two one-sided differences nearly agree; otherwise that on the centre's
-//! triangle, or the shorter one, so that creases and one part of an object in front of another do
-//! not pollute it. A pixel without a neighbour on its object in a direction has no error unless Y = X(p).
+//! Points of surfaces that pixels show, and how far each is from where it should be; `surface` says the definition.
 
 use glam::{DVec2, DVec3};
 
-use super::Map;
-use super::points::{Points, place};
-use crate::validate::compare::plane::Plane;
+use super::picture::Plane;
+use crate::io::image::Layers;
+
+const OBJECT_POINT: [&str; 3] = ["object_event.x", "object_event.y", "object_event.z"];
+const BARYCENTRIC: [&str; 3] = ["barycentric.u", "barycentric.v", "barycentric.v"];
+const WORLD_POINT: [&str; 3] = ["event.x", "event.y", "event.z"];
+
+/// Channels of surface points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Points<'a> {
+    width: usize,
+    height: usize,
+    pub object: Option<Plane<'a>>,
+    pub primitive: Option<Plane<'a>>,
+    /// Places in the object's own frame.
+    material: Option<[Plane<'a>; 3]>,
+    /// Places in the world.
+    world: Option<[Plane<'a>; 3]>,
+    /// Places on the triangle; the third coordinate adds nothing.
+    pub barycentric: Option<[Plane<'a>; 3]>,
+    pub time: Option<Plane<'a>>,
+}
+
+impl<'a> Points<'a> {
+    /// The channels that there are.
+    pub fn new(layers: &'a Layers) -> Self {
+        let plane = |name| Plane::find(layers, name);
+        Points {
+            width: layers.width as usize,
+            height: layers.height as usize,
+            object: plane("object"),
+            primitive: plane("primitive"),
+            material: Plane::group(layers, OBJECT_POINT),
+            world: Plane::group(layers, WORLD_POINT),
+            barycentric: Plane::group(layers, BARYCENTRIC),
+            time: plane("event.ct").or_else(|| plane("object_event.ct")),
+        }
+    }
+
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// The planes of both pictures in which the same point of a surface has the same place: in the object's
+    /// frame, or else in the world's, which is right for what rests there.
+    pub fn places(pair: &[Points<'a>; 2]) -> Option<[[Plane<'a>; 3]; 2]> {
+        let both =
+            |of: fn(&Points<'a>) -> Option<[Plane<'a>; 3]>| Some([of(&pair[0])?, of(&pair[1])?]);
+        both(|p| p.material).or_else(|| both(|p| p.world))
+    }
+
+    /// The object that a pixel shows, below 0 for none; none where there is no such channel.
+    pub fn object_at(&self, index: usize) -> Option<f64> {
+        // EXR files of other programs hold −1 as the largest count.
+        let id = self.object?.at(index);
+        Some(if id.is_nan() || id >= 4_294_967_295.0 {
+            -1.0
+        } else {
+            id
+        })
+    }
+
+    /// The triangle that a pixel shows.
+    pub fn primitive_at(&self, index: usize) -> Option<f64> {
+        Some(self.primitive?.at(index))
+    }
+
+    /// Whether both pictures show one object at this pixel; where neither has the channel, always.
+    pub fn same_object(&self, other: &Points, index: usize) -> bool {
+        match (self.object_at(index), other.object_at(index)) {
+            (Some(a), Some(b)) => a == b && a >= 0.0,
+            _ => true,
+        }
+    }
+}
+
+/// A place; NaN where nothing is met.
+#[inline]
+pub(super) fn place(planes: &[Plane; 3], index: usize) -> DVec3 {
+    DVec3::new(
+        planes[0].at(index),
+        planes[1].at(index),
+        planes[2].at(index),
+    )
+}
 
 /// Newton's steps.
 const MOST_STEPS: usize = 12;
@@ -30,7 +96,7 @@ const SMOOTH: f64 = 0.25;
 const EDGE_ON: f64 = 1e-4;
 
 /// The geometric error of every pixel, NaN where there is none; none where channels are missing.
-pub(super) fn map(pair: &[Points; 2]) -> Option<Map> {
+pub(super) fn map(pair: &[Points; 2]) -> Option<Vec<f32>> {
     let field = Field::new(pair)?;
     let [width, height] = pair[0].size();
     let error = |i: usize| {
@@ -43,7 +109,7 @@ pub(super) fn map(pair: &[Points; 2]) -> Option<Map> {
 
 /// Where the candidate's surface points are seen and where they belong.
 #[derive(Debug, Clone, Copy)]
-pub struct Field<'a> {
+pub(super) struct Field<'a> {
     reference: [Plane<'a>; 3],
     candidate: [Plane<'a>; 3],
     points: [Points<'a>; 2],

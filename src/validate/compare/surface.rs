@@ -5,24 +5,40 @@
 //! | wrong object | `object` | pixels that show another object, or none where there is one |
 //! | silhouette, mean | `object` | wrong-object pixels / length of the boundaries between objects in the reference: the area that a boundary sweeps when it moves by d is d times its length. The length is π/4 times the pixel edges that it crosses (Cauchy and Crofton; exact for boundaries of all directions alike) |
 //! | silhouette, largest | `object` | Hausdorff distance of the boundary pixels, to a pixel |
-//! | geometric | `object_event`, or `event` | see [`geometry`] |
+//! | geometric | `object_event`, or `event` | how far a point of a surface is from where it should be, see below |
 //! | emission time | `event.ct`, or `object_event.ct` | candidate − reference at pixels of the same object |
 //! | wavelength ratio | `wavelength_ratio` | candidate / reference − 1, and steps of the coarser of the two precisions (ulp) |
 //!
 //! With several samples per pixel the channels are means, which mix surfaces at silhouettes: compare pictures
 //! of pixel centres.
+//!
+//! # Geometric error
+//!
+//! The reference says which point X(p) of the surface pixel p shows, in coordinates that move with the
+//! object. The candidate shows the point Y there. It belongs at p + δ with X(p + δ) = Y, and with the Jacobian
+//! J = ∂X/∂p (metres per pixel, 3 × 2) of the reference
+//!
+//! ```text
+//! δ = (JᵀJ)⁻¹ Jᵀ (Y − X(p))          the least squares solution: what is off the surface does not count
+//! ```
+//!
+//! which is Newton's step: where it leads out of the pixel it is repeated from the pixel it leads to, as
+//! long as that shows the same object. The error is |δ|; the point is seen displaced by −δ.
+//!
+//! J comes from differences of neighbours on the same object: central ones, exact to second order, where both
+//! neighbours lie on the centre's triangle or the two one-sided differences nearly agree; otherwise that on the centre's
+//! triangle, or the shorter one, so that creases and one part of an object in front of another do
+//! not pollute it. A pixel without a neighbour on its object in a direction has no error unless Y = X(p).
 
-mod boundary;
-pub mod geometry;
-pub(super) mod points;
+use std::f64::consts::FRAC_PI_4;
 
 use serde::Serialize;
 
 use super::errors::{Histogram, Sums};
-use super::plane::Plane;
-use super::region::Region;
+use super::geometry::{self, Points};
+use super::options::Region;
+use super::picture::Plane;
 use crate::io::image::Layers;
-use points::Points;
 
 /// Errors of what surfaces are seen where. Each is none where a channel that it needs is missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
@@ -99,21 +115,18 @@ pub struct Signed {
     pub absolute: Distribution,
 }
 
-/// One number per pixel, NaN where there is none.
-pub(super) type Map = Vec<f32>;
-
 /// Surface errors and, for pictures of them, the map of the geometric error.
 pub(super) fn compare(
     pair: [&Layers; 2],
     region: &Region,
     bin_width: Option<f64>,
-) -> (Option<SurfaceErrors>, Option<Map>) {
+) -> (Option<SurfaceErrors>, Option<Vec<f32>>) {
     let points = pair.map(Points::new);
     let size = points[0].size();
     let map = geometry::map(&points);
     let errors = SurfaceErrors {
-        wrong_object: boundary::wrong(&points, region),
-        silhouette: boundary::silhouette(&points, region),
+        wrong_object: wrong_object(&points, region),
+        silhouette: silhouette(&points, region),
         geometric: map
             .as_ref()
             .map(|map| distribution(size, region, &points, |_, i| map[i].into())),
@@ -226,4 +239,115 @@ fn distribution(
         max_at: errors.max_at,
         histogram: errors.histogram,
     }
+}
+
+/// Farther than any pixel.
+const FAR: u32 = u32::MAX / 2;
+
+/// Pixels of the region that show another object.
+fn wrong_object(pair: &[Points; 2], region: &Region) -> Option<Share> {
+    let [r, c] = pair;
+    (r.object.is_some() && c.object.is_some()).then_some(())?;
+    let mut share = Share { pixels: 0, of: 0 };
+    for i in region.pixels(r.size()) {
+        share.of += 1;
+        share.pixels += u64::from(r.object_at(i) != c.object_at(i));
+    }
+    Some(share)
+}
+
+/// How far the boundaries between objects are off.
+fn silhouette(pair: &[Points; 2], region: &Region) -> Option<Silhouette> {
+    let wrong = wrong_object(pair, region)?;
+    let length = FRAC_PI_4 * crossings(&pair[0], region) as f64;
+    let mean = match (wrong.pixels, length) {
+        (0, _) => 0.0,
+        (_, 0.0) => f64::INFINITY,
+        (pixels, length) => pixels as f64 / length,
+    };
+    let [r, c] = pair.each_ref().map(|points| boundary(points, region));
+    let size = pair[0].size();
+    let largest = match wrong.pixels {
+        0 => Some(0.0),
+        _ => farthest(&r, &c, size)
+            .zip(farthest(&c, &r, size))
+            .map(|(a, b)| a.max(b)),
+    };
+    Some(Silhouette {
+        mean,
+        largest,
+        length,
+    })
+}
+
+/// Neighbours of which one lies across a boundary.
+fn crossings(points: &Points, region: &Region) -> u64 {
+    let [width, height] = points.size();
+    let mut count = 0;
+    for i in region.pixels([width, height]) {
+        let (x, y) = (i % width, i / width);
+        let differs = |j: usize| points.object_at(i) != points.object_at(j);
+        count += u64::from(x + 1 < width && differs(i + 1));
+        count += u64::from(y + 1 < height && differs(i + width));
+    }
+    count
+}
+
+/// Pixels of the region that have a neighbour of another object, beside or beneath or above.
+fn boundary(points: &Points, region: &Region) -> Vec<bool> {
+    let [width, height] = points.size();
+    let mut marks = vec![false; width * height];
+    for i in region.pixels([width, height]) {
+        let (x, y) = (i % width, i / width);
+        let differs = |j: usize| points.object_at(i) != points.object_at(j);
+        marks[i] = (x + 1 < width && differs(i + 1))
+            || (x > 0 && differs(i - 1))
+            || (y + 1 < height && differs(i + width))
+            || (y > 0 && differs(i - width));
+    }
+    marks
+}
+
+/// The largest distance from a marked pixel to the nearest one marked in `other`; none where either has none.
+fn farthest(marks: &[bool], other: &[bool], [width, height]: [usize; 2]) -> Option<f64> {
+    (marks.contains(&true) && other.contains(&true)).then_some(())?;
+    let columns = vertical(other, [width, height]);
+    let mut most = 0u64;
+    for y in 0..height {
+        let row = &columns[y * width..(y + 1) * width];
+        for x in (0..width).filter(|x| marks[y * width + x]) {
+            most = most.max(nearest(row, x));
+        }
+    }
+    Some((most as f64).sqrt())
+}
+
+/// The distance of each pixel to the nearest mark in its column.
+fn vertical(marks: &[bool], [width, height]: [usize; 2]) -> Vec<u32> {
+    let mut distances: Vec<u32> = marks.iter().map(|m| if *m { 0 } else { FAR }).collect();
+    for i in width..width * height {
+        distances[i] = distances[i].min(distances[i - width] + 1);
+    }
+    for i in (0..width * (height - 1)).rev() {
+        distances[i] = distances[i].min(distances[i + width] + 1);
+    }
+    distances
+}
+
+/// The least squared distance from column `x` to a mark, given the vertical distances of its row. Columns are
+/// visited outwards, and no farther than the nearest mark found so far.
+fn nearest(row: &[u32], x: usize) -> u64 {
+    let square = |n: u64| n * n;
+    let mut best = square(row[x].into());
+    let mut reach = 1u64;
+    while square(reach) < best && reach < row.len() as u64 {
+        let step = reach as usize;
+        for side in [x.checked_sub(step), Some(x + step)].into_iter().flatten() {
+            if let Some(distance) = row.get(side) {
+                best = best.min(square(reach) + square((*distance).into()));
+            }
+        }
+        reach += 1;
+    }
+    best
 }

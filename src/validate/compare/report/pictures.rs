@@ -1,12 +1,17 @@
-//! A map of errors in false colours, with a legend.
+//! Errors as pictures: channels of differences, a map in false colours with a legend, expected | difference | actual.
 
 use crate::error::Result;
+use crate::figures::contact_sheet::{self, Panel};
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Drawing, Item, Text};
 use crate::figures::isochrones::ticks::{number, round_step};
 use crate::figures::isochrones::viridis::viridis;
 use crate::figures::text::{Rect, RichText};
-use crate::io::image::RgbImage;
-use crate::validate::compare::{Comparison, Picture};
+use crate::io::image::{Channel, Layers, RgbImage, Samples};
+use crate::render::tonemap::tonemap;
+use crate::scene::model::Exposure;
+use crate::validate::compare::comparison::Comparison;
+use crate::validate::compare::metrics;
+use crate::validate::compare::picture::{Encoding, Picture};
 
 /// Where there is no error to show: pale grey.
 const NOTHING: [u8; 3] = [232; 3];
@@ -166,4 +171,110 @@ fn text(words: &str, at: [f64; 2], size: f64, x: AnchorX, y: AnchorY) -> Result<
         anchor: Anchor { x, y },
         ..Text::new(RichText::plain(words)?, at, size)
     }))
+}
+
+/// `difference.NAME`, candidate − reference, for every channel that was compared; `flip` and `geometric_error` where
+/// their maps were kept. In single precision.
+///
+/// # Errors
+/// Pictures that were not those of the comparison.
+pub fn maps(comparison: &Comparison, reference: &Picture, candidate: &Picture) -> Result<Layers> {
+    let [width, height] = comparison.size;
+    let mut channels: Vec<Channel> = comparison
+        .channels
+        .iter()
+        .filter_map(|compared| difference(&compared.name, reference, candidate))
+        .collect();
+    let flip = comparison.flip.as_ref().and_then(|flip| flip.map.clone());
+    let maps = [
+        ("flip", flip),
+        ("geometric_error", comparison.geometric_map.clone()),
+    ];
+    channels.extend(maps.into_iter().filter_map(|(name, map)| {
+        let samples = Samples::F32(map?);
+        Some(Channel {
+            name: name.into(),
+            samples,
+        })
+    }));
+    let metadata = [
+        ("reference", &reference.name),
+        ("candidate", &candidate.name),
+    ];
+    let metadata = metadata.map(|(key, value)| (key.to_string(), value.replace('\0', "")));
+    Layers::new(width, height, channels, metadata.into())
+}
+
+fn difference(name: &str, reference: &Picture, candidate: &Picture) -> Option<Channel> {
+    let [r, c] = [reference, candidate].map(|p| p.layers.channel(name));
+    let [r, c] = [&r?.samples, &c?.samples].map(Samples::to_f64);
+    let difference = r.iter().zip(&c).map(|(r, c)| (c - r) as f32);
+    Some(Channel {
+        name: format!("difference.{name}"),
+        samples: Samples::F32(difference.collect()),
+    })
+}
+
+/// The percentile of the reference's light that is white where neither picture says what is.
+const WHITE: f64 = 99.0;
+
+/// The reference, the map of errors and the candidate side by side, with labels. Both pictures have the same white.
+///
+/// # Errors
+/// Pictures that are too large to be drawn.
+pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result<RgbImage> {
+    let [expected, actual] = displays(reference, candidate)?;
+    let panel = |picture, label: &str| Panel {
+        picture,
+        label: label.into(),
+    };
+    let difference = format!("{}, 0 to {}", map.title, metrics::number(map.most));
+    let panels = [
+        panel(expected, "expected"),
+        panel(map.image(), &difference),
+        panel(actual, "actual"),
+    ];
+    contact_sheet::compose(
+        &panels,
+        &contact_sheet::Options {
+            title: None,
+            columns: Some(3),
+        },
+    )
+}
+
+/// Both pictures for a display.
+pub(super) fn displays(reference: &Picture, candidate: &Picture) -> Result<[RgbImage; 2]> {
+    let light = [reference, candidate].map(light);
+    let white = match reference.encoding {
+        Encoding::Linear => tonemap(&light[0], Exposure::Percentile(WHITE))?.white,
+        Encoding::Srgb => 1.0,
+    };
+    let show = |picture: &Picture, light: &[[f64; 3]]| {
+        Ok(RgbImage {
+            width: picture.layers.width,
+            height: picture.layers.height,
+            rgb: match picture.encoding {
+                Encoding::Linear => tonemap(light, Exposure::White(white))?.rgb,
+                Encoding::Srgb => light
+                    .iter()
+                    .flatten()
+                    .map(|code| (255.0 * code + 0.5) as u8)
+                    .collect(),
+            },
+        })
+    };
+    Ok([show(reference, &light[0])?, show(candidate, &light[1])?])
+}
+
+/// The light; a first channel in grey where there is none.
+fn light(picture: &Picture) -> Vec<[f64; 3]> {
+    picture.layers.radiance().unwrap_or_else(|| {
+        let first = picture.layers.channels.first().map(|c| c.samples.to_f64());
+        first
+            .unwrap_or_default()
+            .into_iter()
+            .map(|v| [v; 3])
+            .collect()
+    })
 }

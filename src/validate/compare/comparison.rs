@@ -1,0 +1,188 @@
+//! The comparison itself: matched pictures to everything that is measured of them.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::diagnose::{self, Diagnosis};
+use super::errors::{Errors, Sums};
+use super::flip::{self, Flip};
+use super::options::{CompareOptions, Region};
+use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light};
+use super::surface::{self, SurfaceErrors};
+use super::{matching, ssim};
+use crate::error::Result;
+use crate::io::image::Layers;
+
+/// What a comparison has found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// How many pixels were compared.
+    pub pixels: u64,
+    /// What the values are.
+    pub encoding: Encoding,
+    /// Errors of the light, its three channels together.
+    pub radiance: Option<Errors>,
+    /// ꟻLIP of the light.
+    pub flip: Option<Flip>,
+    /// Errors of what surfaces are seen where.
+    pub surface: Option<SurfaceErrors>,
+    /// Errors of each channel that holds quantities, in the order of the reference.
+    pub channels: Vec<ChannelErrors>,
+    /// What explains most of the errors.
+    pub diagnoses: Vec<Diagnosis>,
+    /// What a reader should know of the pictures.
+    pub notes: Vec<String>,
+    /// Geometric error of each pixel, NaN where there is none; where it was asked for.
+    #[serde(skip)]
+    pub geometric_map: Option<Vec<f32>>,
+}
+
+/// Errors of one channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelErrors {
+    /// Its name.
+    pub name: String,
+    /// Samples that are no finite number in the reference alone.
+    pub only_candidate: u64,
+    /// Samples that are no finite number in the candidate alone.
+    pub only_reference: u64,
+    /// Errors of the others.
+    #[serde(flatten)]
+    pub errors: Errors,
+}
+
+/// Compares a candidate with its reference.
+///
+/// # Errors
+/// Pictures that do not belong together: other sizes, channels, encodings, quantities; swapped ones;
+/// a region that is not theirs; samples that are refused by [`CompareOptions::not_finite`].
+pub fn compare(
+    reference: &Picture,
+    candidate: &Picture,
+    options: &CompareOptions,
+) -> Result<Comparison> {
+    let matched = matching::matched(reference, candidate, options)?;
+    let [r, c] = matched.layers();
+    let size = [r.width as usize, r.height as usize];
+    let region = &options.region;
+    let sums = sums([r, c], &matched.names, region);
+    let group = Group::of(&matched.names, &sums, reference.encoding);
+    let channels = (matched.names.iter().zip(&sums))
+        .map(|(name, sums)| channel([r, c], name, sums, &group, region))
+        .collect::<Vec<_>>();
+    let flip = options.pixels_per_degree.and_then(|pixels_per_degree| {
+        Some(flip::evaluate(&flip::Question {
+            reference: Plane::group(r, RADIANCE)?,
+            candidate: Plane::group(c, RADIANCE)?,
+            size,
+            region,
+            high_range: reference.encoding == Encoding::Linear,
+            encoded: reference.encoding == Encoding::Srgb,
+            pixels_per_degree,
+            map: options.maps,
+        }))
+    });
+    let (surface, geometric_map) = surface::compare([r, c], region, options.bin_width);
+    Ok(Comparison {
+        size: [r.width, r.height],
+        pixels: region.pixels(size).count() as u64,
+        encoding: reference.encoding,
+        radiance: group.errors(&matched.names, &sums, &channels),
+        flip,
+        surface,
+        channels,
+        diagnoses: diagnose::diagnose([reference, candidate], region, options.bin_width),
+        notes: matched.notes,
+        geometric_map: geometric_map.filter(|_| options.maps),
+    })
+}
+
+/// Sums of the errors of all channels, with the numbers of samples that only one picture has.
+fn sums(pair: [&Layers; 2], names: &[String], region: &Region) -> Vec<(Sums, [u64; 2])> {
+    let [width, height] = [pair[0].width as usize, pair[0].height as usize];
+    let sum = |name: &String| {
+        let mut sums = Sums::new();
+        let mut alone = [0; 2];
+        let [Some(r), Some(c)] = pair.map(|layers| Plane::find(layers, name)) else {
+            return (sums, alone);
+        };
+        let (mut row_r, mut row_c) = (Vec::new(), Vec::new());
+        for y in 0..height {
+            r.row(y, &mut row_r);
+            c.row(y, &mut row_c);
+            let chosen = (!region.is_all()).then(|| region.row(y, width));
+            let before = sums.count();
+            sums.add_row(y, &row_r, &row_c, chosen.as_deref());
+            let whole = sums.count() - before == width as u64;
+            let pairs = row_r.iter().zip(&row_c).enumerate();
+            for (x, (r, c)) in pairs.filter(|_| !whole) {
+                let (r, c) = (r.is_finite(), c.is_finite());
+                if r != c && chosen.as_ref().is_none_or(|chosen| chosen[x]) {
+                    alone[usize::from(r)] += 1;
+                }
+            }
+        }
+        (sums, alone)
+    };
+    names.par_iter().map(sum).collect()
+}
+
+fn channel(
+    pair: [&Layers; 2],
+    name: &str,
+    (sums, [only_candidate, only_reference]): &(Sums, [u64; 2]),
+    group: &Group,
+    region: &Region,
+) -> ChannelErrors {
+    let range = group.range(name).unwrap_or(sums.largest());
+    let ssim = (!is_auxiliary(name)).then(|| {
+        let [r, c] = pair.map(|layers| Plane::find(layers, name));
+        let size = [pair[0].width as usize, pair[0].height as usize];
+        ssim::mean([r?, c?], size, region, range)
+    });
+    ChannelErrors {
+        name: name.into(),
+        only_candidate: *only_candidate,
+        only_reference: *only_reference,
+        errors: sums.errors(range, ssim.flatten()),
+    }
+}
+
+/// The light's channels, which have one range.
+struct Group {
+    range: Option<f64>,
+}
+
+impl Group {
+    fn of(names: &[String], sums: &[(Sums, [u64; 2])], encoding: Encoding) -> Group {
+        let light = names.iter().zip(sums).filter(|(name, _)| is_light(name));
+        let largest = light.map(|(_, (sums, _))| sums.largest()).reduce(f64::max);
+        Group {
+            range: match encoding {
+                Encoding::Linear => largest,
+                Encoding::Srgb => Some(1.0),
+            },
+        }
+    }
+
+    fn range(&self, name: &str) -> Option<f64> {
+        self.range.filter(|_| is_light(name))
+    }
+
+    fn errors(
+        &self,
+        names: &[String],
+        sums: &[(Sums, [u64; 2])],
+        channels: &[ChannelErrors],
+    ) -> Option<Errors> {
+        let mut light = names.iter().zip(sums).filter(|(name, _)| is_light(name));
+        let mut all = light.next()?.1.0.clone();
+        light.for_each(|(_, (sums, _))| all.add(sums));
+        let similar = channels.iter().filter(|channel| is_light(&channel.name));
+        let similar: Option<Vec<f64>> = similar.map(|channel| channel.errors.ssim).collect();
+        let ssim = similar.map(|s| s.iter().sum::<f64>() / s.len() as f64);
+        Some(all.errors(self.range.unwrap_or(0.0), ssim))
+    }
+}

@@ -1,10 +1,5 @@
 //! What was typed. One definition makes the parser, the help, the man pages and the completions.
 
-mod compare;
-mod diagram;
-mod study;
-mod values;
-
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -12,16 +7,14 @@ use clap::{Args, Parser, Subcommand};
 use nullray::accel::Precision;
 use nullray::approximate::raster::Method;
 use nullray::figures::overlay::Parts;
-use nullray::render::aov::Aov;
 use nullray::scene::Overrides;
 use nullray::scene::model::MOST_SAMPLES;
 use nullray::spacetime::units::Time;
+use nullray::validate::compare::Tolerance;
+use nullray::validate::study;
 
-use super::help;
-
-pub use compare::CompareArguments;
-pub use diagram::DiagramArguments;
-pub use study::{CubesArgument, ExportArguments, MethodList, SampleList, StudyArguments};
+use super::values::{AovList, MethodList, Policy, SampleList, Transfer};
+use super::{help, values};
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -305,9 +298,206 @@ pub struct SelftestArguments {
     pub threads: Option<u16>,
 }
 
-/// Parsed `--aovs`.
-#[derive(Debug, Clone)]
-pub struct AovList(pub Vec<Aov>);
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// The picture that is right: .exr, .png, .npz or .npy.
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// The picture that is asked whether it is.
+    #[arg(value_name = "CANDIDATE")]
+    pub candidate: PathBuf,
+    /// Channels and groups of them that are compared: "radiance,event". Default: all.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub channels: Vec<String>,
+    /// A picture of the same size, bright where pixels are compared.
+    #[arg(long, value_name = "FILE")]
+    pub mask: Option<PathBuf>,
+    /// Left column, top row, width and height of the part that is compared.
+    #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
+    pub crop: Option<[u32; 4]>,
+    /// What the codes of a .png are: "srgb" or "linear". Default: srgb.
+    #[arg(long, value_name = "NAME", value_parser = values::transfer)]
+    pub transfer: Option<Transfer>,
+    /// What is done with light that is NaN or infinite: "refuse", "ignore", "count-as=VALUE". Default: refuse.
+    #[arg(long, value_name = "POLICY", value_parser = values::nan)]
+    pub nan: Option<Policy>,
+    /// Width of a time bin, with its unit: "5 mm" or "16 ps". Emission times are given in bins too.
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub bin_width: Option<Time>,
+    /// Pixels per degree of visual angle for FLIP. Default: 67.02, a 3840-pixel display of 0.7 m at 0.7 m.
+    #[arg(long, value_name = "N", conflicts_with = "no_flip", value_parser = values::ppd)]
+    pub ppd: Option<f64>,
+    /// Leave FLIP out, which takes most of the time.
+    #[arg(long)]
+    pub no_flip: bool,
+    /// Compare even where the metadata say that the reference is the approximation.
+    #[arg(long)]
+    pub allow_swapped: bool,
+    /// A limit: exit code 1 where it is exceeded. Repeatable.
+    #[arg(long, value_name = "METRIC=VALUE")]
+    pub tolerance: Vec<Tolerance>,
+    /// As JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Write differences, FLIP and geometric errors as channels.
+    #[arg(long, value_name = "FILE.exr")]
+    pub maps: Option<PathBuf>,
+    /// Write the errors in false colours with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    pub error_map: Option<PathBuf>,
+    /// Write the expected picture, the errors and the actual one side by side.
+    #[arg(long, value_name = "FILE.png")]
+    pub strip: Option<PathBuf>,
+    /// Write everything on one page that needs nothing else.
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct DiagramArguments {
+    /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Where to write: .svg, .pdf, .png, or .apng (a PNG that moves). Repeatable. Default: the scene's
+    /// name with .svg, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Draw in the coordinates of this frame: "world", "camera", or one of the file's; with --pixel also the
+    /// object that is seen.
+    #[arg(long, value_name = "NAME")]
+    pub frame: Option<String>,
+    /// Boost the view to this frame step by step, picture by picture.
+    #[arg(long, value_name = "NAME")]
+    pub boost_to: Option<String>,
+    /// Pictures A to B of the animation, B not included, as numbered files ("name-####.svg"); an .apng
+    /// holds these alone.
+    #[arg(long, value_name = "A..B", value_parser = values::frames, allow_hyphen_values = true)]
+    pub frames: Option<Range<u64>>,
+    /// Pictures per second in an .apng. Default: diagram.animation.fps.
+    #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
+    pub fps: Option<f64>,
+    /// Show ct and one direction of space, or two: "1+1" or "2+1".
+    #[arg(long, value_name = "D", value_parser = ["1+1", "2+1"])]
+    pub dimensions: Option<String>,
+    /// Light on dark.
+    #[arg(long)]
+    pub dark: bool,
+    /// Pixels of a point (1/72 inch) in a .png.
+    #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = values::scale)]
+    pub scale: f64,
+    /// Width and height of the page, points.
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// Change a key of the file: --set "diagram.frame.S'.velocity=0.8". Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
+    pub set: Vec<(String, String)>,
+    /// The camera's proper time of the shot, with its unit: "3.2 m" or "12 ns".
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub time: Option<String>,
+    /// Draw this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub pixel: PixelArguments,
+}
+
+/// From a picture to its diagram.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "From a pixel")]
+pub struct PixelArguments {
+    /// Trace the centre of the pixel in column J and row I (from the top left, from 0), and draw its light: from
+    /// where and when it comes, and where its source is now. Loads the scene's geometry, but no cubes and textures.
+    #[arg(long, value_name = "J,I", value_parser = values::pixel, allow_hyphen_values = true)]
+    pub pixel: Option<[u32; 2]>,
+    /// Width and height of the picture that --pixel counts in. Default: the scene's.
+    #[arg(long, value_name = "WxH", requires = "pixel", value_parser = values::size, allow_hyphen_values = true)]
+    pub image_size: Option<[u32; 2]>,
+    /// Print the numbers of the pixel as JSON, and nothing else.
+    #[arg(long, requires = "pixel")]
+    pub json: bool,
+    /// The most memory that the geometry may take.
+    #[arg(long, value_name = "SIZE", default_value = "16GiB", requires = "pixel", value_parser = values::bytes)]
+    pub max_memory: u64,
+}
+
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// The directory to write. It appears when it is complete.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Export this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Render no reference pictures.
+    #[arg(long)]
+    pub no_reference: bool,
+    /// What becomes of stored cubes: copied, or named with their SHA-256.
+    #[arg(long, value_name = "WHAT", default_value = "copy")]
+    pub cubes: CubesArgument,
+    /// Replace an export of this name.
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Worker threads. Default: one per core. What is written does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub changes: Changes,
+    /// Where to write: .csv, .json, or the plot as .svg, .pdf, .png. Repeatable.
+    /// Default: the scene's name with -study.csv, -study.json and -study.svg, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// The methods, separated by semicolons or spaces, as --method of render has them; trace:fast too.
+    #[arg(long, value_name = "LIST", default_value = study::METHODS, value_parser = values::methods)]
+    pub methods: MethodList,
+    /// Samples per pixel that each is measured with.
+    #[arg(long, value_name = "LIST", default_value = "1,4,16,64", value_parser = values::samples)]
+    pub samples: SampleList,
+    /// Pictures of each method and number of samples, as far as the budget goes.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub runs: u32,
+    /// For how many seconds to measure, not counting the reference.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = values::seconds)]
+    pub budget: f64,
+    /// Samples per pixel of the picture that radiance is compared with.
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    pub reference_spp: u32,
+    /// Study this panel of the scene; the scene as it stands without it.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+    /// Worker threads. Default: one per core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What becomes of stored cubes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CubesArgument {
+    /// Copied into the bundle.
+    Copy,
+    /// Named with their SHA-256.
+    Reference,
+}
 
 impl SceneArguments {
     /// What is asked of the scene beyond its file.

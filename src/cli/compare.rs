@@ -2,18 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use nullray::Result;
 use nullray::figures::drawing::{self, png};
 use nullray::io::image::{self, exr};
 use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::validate::compare::{
     CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip, report,
 };
-use nullray::{Error, Result};
 
 use super::args::CompareArguments;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{inputs, interrupt, print};
+use super::{inputs, interrupt, print, print_json};
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
@@ -27,7 +27,7 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     let comparison = compare(&reference, &candidate, &options(arguments)?)?;
     let breaches = comparison.breaches(&arguments.tolerance)?;
     match arguments.json {
-        true => print(&(json(&comparison)? + "\n"))?,
+        true => print_json(&comparison)?,
         false => print(&report::table(&comparison))?,
     }
     write(arguments, &comparison, &reference, &candidate)?;
@@ -60,11 +60,6 @@ fn options(arguments: &CompareArguments) -> Result<CompareOptions> {
         allow_swapped: arguments.allow_swapped,
         maps: arguments.outputs().next().is_some(),
     })
-}
-
-fn json(comparison: &Comparison) -> Result<String> {
-    let text = serde_json::to_string_pretty(comparison);
-    text.map_err(|e| Error::invalid("comparison", "", e.to_string(), ""))
 }
 
 fn write(

@@ -11,7 +11,7 @@ use nullray::{Error, Result};
 
 use super::builtin::{self, TEXT};
 use super::output::Outputs;
-use super::{interrupt, print, render};
+use super::{film, interrupt, print};
 
 const DIRECTORY: &str = "nullray-out";
 
@@ -52,7 +52,7 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         aovs: outputs.needs(),
         ..Default::default()
     };
-    render::one(
+    film::one(
         &builtin::load(None, overrides)?,
         &request,
         &outputs,

@@ -9,7 +9,7 @@ use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
 use super::output::will_write;
 use super::progress::Bar;
-use super::{inputs, interrupt, panels, print, render};
+use super::{film, inputs, interrupt, panels, print};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
     let path = arguments.scene.as_deref();
@@ -30,7 +30,7 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
     let plan = export::plan(&scene, &options)?;
     check(arguments, &scene, &plan)?;
     will_write(&arguments.output);
-    let exported = render::in_pool(arguments.threads, || {
+    let exported = film::in_pool(arguments.threads, || {
         let bar = Bar::new(plan.rays.camera, arguments.quiet);
         bar.start();
         export::export(&scene, &arguments.output, &options, &bar)

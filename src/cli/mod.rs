@@ -2,16 +2,19 @@
 
 mod args;
 mod builtin;
+mod check;
 mod compare;
 mod demo;
 mod diagram;
 mod export;
 mod failure;
+mod film;
 mod frames;
 mod help;
 mod info;
 mod inputs;
 mod interrupt;
+mod names;
 mod output;
 mod overlay;
 mod panels;
@@ -25,12 +28,14 @@ mod sheet;
 mod stats;
 mod study;
 mod tessellation;
+mod values;
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
 use nullray::{Error, Result};
+use serde::Serialize;
 
 use args::{Arguments, Command};
 use failure::Done;
@@ -72,6 +77,14 @@ fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints `value` as JSON.
+fn print_json(value: &impl Serialize) -> Result<()> {
+    let help = "leave --json out; numbers that JSON cannot hold are a bug";
+    let text = serde_json::to_string_pretty(value);
+    let text = text.map_err(|e| failure::refused("--json", e.to_string(), help))?;
+    print(&(text + "\n"))
 }
 
 /// Writes `text` to standard error, if there is one; in colour where a terminal shows it.

@@ -1,26 +1,28 @@
-//! What is written where, by extension.
+//! The files of one rendering, by extension, and the fingerprints by which files of a frame are known again.
+//!
+//! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with
+//! the frame's time, poses read from other files, channels, sampling, method, content of every input file); each
+//! part is preceded by its length.
 
-mod check;
-mod names;
-mod picture;
-
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use nullray::Result;
 use nullray::approximate::raster::Method;
+use nullray::figures::drawing::{Drawing, pdf, png, svg};
+use nullray::figures::isochrones;
 use nullray::figures::overlay::Parts;
-use nullray::io::image::{self, Layers};
+use nullray::io::files;
+use nullray::io::image::{self, Layers, RgbImage};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
-use nullray::scene::model::{Scene, Show};
+use nullray::render::plan::Request;
+use nullray::render::tonemap;
+use nullray::scene::model::{Mapping, Scene, Show, SourceKind};
+use sha2::{Digest, Sha256};
 
-use super::frames::Identity;
 use super::{inputs, interrupt};
-
-pub use check::{check_all, check_page, check_statistics};
-pub use names::{numbered, suffixed};
-pub use picture::{Picture, picture};
 
 /// The retarded time, which isochrones need.
 const RETARDED_TIME: Aov = Aov::EventCt;
@@ -103,7 +105,7 @@ impl Outputs {
     }
 
     /// All files, with the option that names them.
-    fn paths(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+    pub fn paths(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         let images = self.images.iter().map(|path| ("-o", path.as_path()));
         let isochrones = self.isochrones.iter();
         let overlays = self.overlays.iter();
@@ -205,4 +207,171 @@ fn five_digits(value: f64) -> String {
 pub fn extension(path: &Path) -> String {
     path.extension()
         .map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
+}
+
+/// A picture, and the radiance that is white in it, where it shows radiance.
+pub struct Picture {
+    pub image: RgbImage,
+    pub white: Option<f64>,
+}
+
+/// What `film` shows; isochrones `step` metres apart, or at round numbers.
+pub fn picture(scene: &Scene, film: &Film, show: Show, step: Option<f64>) -> Result<Picture> {
+    match show {
+        Show::Picture => display(scene, film),
+        Show::Isochrones => Ok(Picture {
+            image: times(scene, film, step)?,
+            white: None,
+        }),
+    }
+}
+
+fn display(scene: &Scene, film: &Film) -> Result<Picture> {
+    let [width, height] = film.size();
+    let mapped = tonemap::tonemap(film.radiance(), scene.exposure)?;
+    Ok(Picture {
+        image: RgbImage {
+            width,
+            height,
+            rgb: mapped.rgb,
+        },
+        white: Some(mapped.white),
+    })
+}
+
+fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
+    let [width, height] = film.size();
+    let options = isochrones::Options {
+        step,
+        speed_of_light: scene.speed_of_light,
+        ..isochrones::Options::default()
+    };
+    let times = film.aov(RETARDED_TIME).unwrap_or_default();
+    isochrones::draw(width, height, times, &options)
+}
+
+/// A drawing in the format of this extension, which says where it is from; .png with so many pixels a point.
+pub fn encoded(
+    drawing: &Drawing,
+    kind: &str,
+    scale: f64,
+    origin: &[(String, String)],
+) -> Result<Vec<u8>> {
+    match kind {
+        "svg" => Ok(svg::write_with(drawing, origin)?.into_bytes()),
+        "pdf" => pdf::write_with(drawing, origin),
+        _ => png::write_with(&png::render(drawing, scale)?, origin),
+    }
+}
+
+/// The content of all input files.
+pub struct Inputs(Vec<u8>);
+
+impl Inputs {
+    /// Reads the files. One that cannot be read counts as none: whether it is needed turns out later.
+    pub fn read(paths: &[PathBuf]) -> Inputs {
+        let mut all = Digests::default();
+        for path in paths {
+            match content(path) {
+                Some(hash) => all.add(&hash),
+                None => all.add(b"none"),
+            }
+        }
+        Inputs(all.finish())
+    }
+}
+
+fn content(path: &Path) -> Option<Vec<u8>> {
+    let (mut reader, _) = files::open(path).ok()?;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match reader.read(&mut block).ok()? {
+            0 => return Some(hash.finalize().to_vec()),
+            n => hash.update(block.get(..n)?),
+        }
+    }
+}
+
+/// Tells the files of a frame from all others.
+#[derive(Debug, Clone)]
+pub struct Identity {
+    common: Vec<u8>,
+    step: Option<f64>,
+}
+
+impl Identity {
+    /// The key of the fingerprint in the metadata of files.
+    pub const KEY: &'static str = "frame_fingerprint";
+
+    /// The identity of the frame that `scene` shows.
+    pub fn new(scene: &Scene, request: &Request, outputs: &Outputs, inputs: &Inputs) -> Identity {
+        let mut parts = Digests::default();
+        parts.add(env!("CARGO_PKG_VERSION").as_bytes());
+        parts.add(scene.text.as_bytes());
+        parts.add(poses(scene).as_bytes());
+        for aov in &outputs.aovs {
+            parts.add(aov.name().as_bytes());
+        }
+        parts.add(&[u8::from(request.pixel_centers)]);
+        parts.add(outputs.method.to_string().as_bytes());
+        parts.add(request.precision.name().as_bytes());
+        parts.add(&inputs.0);
+        Identity {
+            common: parts.finish(),
+            step: outputs.step,
+        }
+    }
+
+    /// The fingerprint of the frame's file of this kind, as text.
+    pub fn fingerprint(&self, kind: Kind) -> String {
+        let step = self.step.filter(|_| kind == Kind::Isochrones);
+        self.number(kind.word(), step)
+    }
+
+    /// The fingerprint of the frame's picture with these lines over it, as text.
+    pub fn of_overlay(&self, parts: Parts) -> String {
+        self.number(&format!("overlay {parts:?}"), self.step)
+    }
+
+    fn number(&self, what: &str, step: Option<f64>) -> String {
+        let mut parts = Digests::default();
+        parts.add(&self.common);
+        parts.add(what.as_bytes());
+        if let Some(step) = step {
+            parts.add(&step.to_le_bytes());
+        }
+        let bytes = parts.finish();
+        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+/// Cameras, whose poses may come from files that are not inputs otherwise.
+fn poses(scene: &Scene) -> String {
+    let captures = scene
+        .sources
+        .iter()
+        .filter_map(|source| match &source.kind {
+            SourceKind::Cube(cube) => match &cube.mapping {
+                Mapping::Capture(camera) => Some(camera),
+                Mapping::Uv { .. } => None,
+            },
+            SourceKind::Pulse(_) => None,
+        });
+    format!("{:?} {:?}", scene.camera, captures.collect::<Vec<_>>())
+}
+
+/// Hashes parts, so that no two lists of parts are the same to it.
+#[derive(Default)]
+struct Digests(Sha256);
+
+impl Digests {
+    fn add(&mut self, part: &[u8]) {
+        self.0.update((part.len() as u64).to_le_bytes());
+        self.0.update(part);
+    }
+
+    fn finish(self) -> Vec<u8> {
+        self.0.finalize().to_vec()
+    }
 }

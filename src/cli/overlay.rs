@@ -1,17 +1,14 @@
 //! `nullray render --overlay`.
 
-use std::path::Path;
-
 use nullray::Result;
-use nullray::figures::drawing::{self, Drawing, Origin, pdf, png, svg};
+use nullray::figures::drawing;
 use nullray::figures::overlay::{self, Overlay, Part};
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
 
-use super::frames::Identity;
-use super::output::{Outputs, extension, picture, will_write};
+use super::output::{Identity, Outputs, encoded, extension, picture, will_write};
 use super::progress::Bar;
 use super::{interrupt, print};
 
@@ -37,7 +34,7 @@ pub fn write(
     for path in &outputs.overlays {
         interrupt::check()?;
         will_write(path);
-        drawing::save(path, bytes(path, &page, scale, &origin)?)?;
+        drawing::save(path, encoded(&page, &extension(path), scale, &origin)?)?;
         if !quiet {
             print(&format!("wrote {} (overlay)\n", path.display()))?;
         }
@@ -71,12 +68,4 @@ fn traced(
         parts,
         outputs.step,
     )
-}
-
-fn bytes(path: &Path, page: &Drawing, scale: f64, origin: &Origin) -> Result<Vec<u8>> {
-    match extension(path).as_str() {
-        "svg" => Ok(svg::write_with(page, origin)?.into_bytes()),
-        "pdf" => pdf::write_with(page, origin),
-        _ => png::write_with(&png::render(page, scale)?, origin),
-    }
 }

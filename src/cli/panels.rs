@@ -1,6 +1,6 @@
-//! The panels of a scene, and the names of their files.
+//! The panels of a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nullray::Result;
 use nullray::scene::Overrides;
@@ -57,18 +57,4 @@ pub fn load_all(path: Option<&Path>, whole: &Scene, overrides: &Overrides) -> Re
     panels
         .map(|panel| builtin::load_panel(path, whole, panel, overrides))
         .collect()
-}
-
-/// The name of the scene's file without its extension.
-pub fn stem(path: Option<&Path>) -> PathBuf {
-    let stem = path.and_then(Path::file_stem);
-    stem.unwrap_or("nullray".as_ref()).into()
-}
-
-/// A file in the current directory that is called as the scene, with `ending`.
-pub fn named_after(path: Option<&Path>, ending: &str) -> PathBuf {
-    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
-    let mut name = stem(path).into_os_string();
-    name.push(ending);
-    name.into()
 }

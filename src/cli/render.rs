@@ -1,23 +1,21 @@
 //! `nullray render`.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use nullray::approximate::raster::{self, Method};
-use nullray::render::film::Film;
+use nullray::approximate::raster::Method;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
 use nullray::scene::model::Scene;
-use nullray::{Error, Result, render};
+use nullray::{Error, Result};
 
 use super::args::RenderArguments;
+use super::check::{check_all, check_statistics};
 use super::failure::refused;
+use super::film::{in_pool, one};
 use super::frames::{self, Frames};
-use super::output::{Outputs, check_all, check_statistics, suffixed, will_write};
-use super::panels::{self, named_after};
-use super::progress::Bar;
-use super::stats::{Account, Preparation};
-use super::{builtin, inputs, interrupt, overlay, print, remarks};
+use super::names::{named_after, suffixed};
+use super::output::{Outputs, will_write};
+use super::stats::Account;
+use super::{builtin, inputs, panels, print};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.scene.changes.overrides();
@@ -125,113 +123,6 @@ fn all_panels(
         one(scene, request, outputs, arguments.quiet, account)?;
     }
     Ok(())
-}
-
-/// Renders one scene to its outputs; says what was written unless `quiet`, and notes the cost on `account`.
-pub fn one(
-    scene: &Scene,
-    request: &Request,
-    outputs: &Outputs,
-    quiet: bool,
-    account: Option<&mut Account>,
-) -> Result<()> {
-    let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
-    let plan = Plan::new(scene, request)?;
-    outputs.method.check(&plan)?;
-    check_all([outputs.clone()], &inputs::of(scene, &plan))?;
-    let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
-    outputs.write(scene, &rendered.film, &mut say)?;
-    rendered.remark(&plan, &mut say)?;
-    let Rendered { film, prepared, .. } = &mut rendered;
-    overlay::write(outputs, scene, film, prepared, quiet)
-}
-
-/// A finished film, and what there is to say of it.
-pub struct Rendered {
-    pub film: Film,
-    /// Seconds.
-    prepared_in: f64,
-    rendered_in: f64,
-    warnings: Vec<String>,
-    /// What was rendered, for more pictures of it.
-    pub prepared: Prepared,
-}
-
-impl Rendered {
-    /// Says what it cost, and what is odd.
-    pub fn remark(&self, plan: &Plan, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<()> {
-        let rays = plan.rays.camera;
-        say(&remarks::cost(rays, self.prepared_in, self.rendered_in))?;
-        say(&remarks::coverage(&self.film, plan))?;
-        say(&remarks::blackness(&self.film))?;
-        for warning in &self.warnings {
-            say(&format!("warning: {}\n", super::info::escaped(warning)))?;
-        }
-        Ok(())
-    }
-}
-
-/// Loads, builds and renders, with a progress bar unless `quiet`.
-pub fn film(
-    scene: &Scene,
-    plan: &Plan,
-    method: &Method,
-    quiet: bool,
-    mut account: Option<&mut Account>,
-) -> Result<Rendered> {
-    let bar = Bar::new(plan.rays.camera, quiet);
-    let start = Instant::now();
-    let mut prepared = Prepared::new(scene, plan, &bar)?;
-    let prepared_in = start.elapsed().as_secs_f64();
-    bar.start();
-    if let Some(account) = account.as_deref_mut() {
-        account.prepared(Preparation {
-            seconds: prepared_in,
-            built_in: prepared.built_in,
-        });
-    }
-    let film = picture(&prepared, method, &bar, account)?;
-    drop(bar);
-    interrupt::check()?;
-    Ok(Rendered {
-        film,
-        prepared_in,
-        rendered_in: start.elapsed().as_secs_f64() - prepared_in,
-        warnings: std::mem::take(&mut prepared.warnings),
-        prepared,
-    })
-}
-
-/// Takes the picture of what is prepared, and notes what the ray tracer's cost on `account`.
-pub fn picture(
-    prepared: &Prepared,
-    method: &Method,
-    bar: &Bar,
-    account: Option<&mut Account>,
-) -> Result<Film> {
-    let (Method::Trace, Some(account)) = (method, account) else {
-        return raster::render(prepared, method, bar);
-    };
-    let start = Instant::now();
-    let (film, stats) = render::render_with_stats(prepared, bar)?;
-    account.picture(stats, start.elapsed().as_secs_f64());
-    Ok(film)
-}
-
-/// Runs `work` on a pool of `threads` threads, or on the default one.
-pub fn in_pool<T: Send>(
-    threads: Option<u16>,
-    work: impl FnOnce() -> Result<T> + Send,
-) -> Result<T> {
-    let Some(threads) = threads else {
-        return work();
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.into())
-        .build();
-    let pool = pool
-        .map_err(|e| Error::invalid("command line", "--threads", e.to_string(), "fewer threads"))?;
-    pool.install(work)
 }
 
 fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {

@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use super::args::SelftestArguments;
 use super::failure::Done;
 use super::progress::Bar;
-use super::{failure, print, render};
+use super::{failure, film, print};
 
 /// Runs every check, says what each has found, and whether all hold.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     let checks = chosen(&arguments.check)?;
-    render::in_pool(arguments.threads, || {
+    film::in_pool(arguments.threads, || {
         let effort = match arguments.thorough {
             true => Effort::Thorough,
             false => Effort::Quick,

@@ -12,9 +12,10 @@ use nullray::scene::model::{Panel, Scene, Show};
 use nullray::{Error, Result, scene};
 
 use super::args::SheetArguments;
-use super::output::{Outputs, Picture, check_all, check_page, picture, suffixed, will_write};
-use super::panels::{self, named_after, stem};
-use super::{inputs, interrupt, print, render};
+use super::check::{check_all, check_page};
+use super::names::{named_after, stem, suffixed};
+use super::output::{Outputs, Picture, picture, will_write};
+use super::{film, inputs, interrupt, panels, print};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
@@ -29,7 +30,7 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     figures.iter().try_for_each(Figure::check_text)?;
     make_directory(arguments)?;
     check(&figures)?;
-    render::in_pool(arguments.threads, || {
+    film::in_pool(arguments.threads, || {
         figures
             .iter()
             .try_for_each(|figure| figure.make(arguments.quiet))
@@ -177,7 +178,7 @@ impl Part {
         say: &mut dyn FnMut(&str) -> Result<()>,
     ) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
-        let rendered = render::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
+        let rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         self.outputs.write(&self.scene, &rendered.film, say)?;
         rendered.remark(&plan, say)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;

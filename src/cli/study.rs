@@ -9,12 +9,12 @@ use nullray::validate::study::{self, Study, StudyOptions};
 use nullray::{Error, Result};
 
 use super::args::StudyArguments;
-use super::diagram::encoded;
 use super::failure::refused;
-use super::output::{extension, will_write};
-use super::panels::named_after;
+use super::film::in_pool;
+use super::names::named_after;
+use super::output::{encoded, extension, will_write};
 use super::progress::Bar;
-use super::{inputs, interrupt, panels, print, render};
+use super::{inputs, interrupt, panels, print};
 
 /// Pixels of a point in a .png.
 const SCALE: f64 = 2.0;
@@ -35,7 +35,7 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         reference_samples: arguments.reference_spp,
         memory_limit: arguments.changes.max_memory,
     };
-    let study = render::in_pool(arguments.threads, || {
+    let study = in_pool(arguments.threads, || {
         let bar = Bar::new(options.rays(scene.camera.size), arguments.quiet);
         bar.start();
         study::study(&scene, &options, &bar)

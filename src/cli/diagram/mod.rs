@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 use nullray::Result;
 use nullray::figures::diagram;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::drawing::{self, Drawing, pdf, png, svg};
+use nullray::figures::drawing::{self, Drawing};
 use nullray::render::metadata;
 use nullray::scene::Overrides;
 
 use super::args::DiagramArguments;
 use super::failure::refused;
-use super::output::{extension, will_write};
-use super::panels::named_after;
+use super::names::named_after;
+use super::output::{encoded, extension, will_write};
 use super::{builtin, inputs, interrupt, print};
 
 /// The kinds of files, by extension.
@@ -98,20 +98,6 @@ impl Pages<'_> {
         let [width, height] = [drawing.width, drawing.height].map(f64::round);
         let path = path.display();
         print(&format!("wrote {path} ({width} × {height} points)\n"))
-    }
-}
-
-/// A drawing in the format of this extension, which says where it is from; .png with so many pixels a point.
-pub fn encoded(
-    drawing: &Drawing,
-    kind: &str,
-    scale: f64,
-    origin: &[(String, String)],
-) -> Result<Vec<u8>> {
-    match kind {
-        "svg" => Ok(svg::write_with(drawing, origin)?.into_bytes()),
-        "pdf" => pdf::write_with(drawing, origin),
-        _ => png::write_with(&png::render(drawing, scale)?, origin),
     }
 }
 

@@ -14,7 +14,7 @@ use super::overrides;
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{builtin, interrupt, panels, print};
+use crate::cli::{interrupt, panels, print, print_json};
 
 /// The diagram of what a pixel sees, whose numbers it prints.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
@@ -22,26 +22,21 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let base = diagram_of(arguments, &scene)?;
     let quiet = arguments.quiet || arguments.pixel.json;
     let bar = Bar::new(0, quiet);
-    let sighting = pixel_probe::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
+    let probe = pixel_probe::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
     drop(bar);
     interrupt::check()?;
-    let known = known(&base, &sighting);
+    let known = known(&base, &probe);
     let frame = arguments.frame.as_deref();
-    let model = pixel_probe::diagram(&sighting, base, frame);
+    let model = pixel_probe::diagram(&probe, base, frame);
     let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
-    say(arguments, &Summary::of(&sighting))?;
+    say(arguments, &Summary::of(&probe))?;
     Ok(model)
 }
 
 /// The scene, or a panel of it.
 pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scene> {
     let path = arguments.scene.as_deref();
-    let whole = builtin::load(path, overrides)?;
-    let chosen = panels::chosen(&whole, arguments.panel.as_slice())?;
-    match (&arguments.panel, chosen.as_slice()) {
-        (Some(_), [panel]) => builtin::load_panel(path, &whole, panel, overrides),
-        _ => Ok(whole),
-    }
+    panels::scene(path, arguments.panel.as_ref(), overrides)
 }
 
 /// The diagram of `scene`, whose text has all changes made.
@@ -54,10 +49,10 @@ pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram
 }
 
 /// The frames that a diagram can be drawn in.
-fn known(base: &Diagram, sighting: &pixel_probe::Sighting) -> Vec<String> {
+fn known(base: &Diagram, probe: &pixel_probe::Sighting) -> Vec<String> {
     let frames = base.frames.iter().map(|frame| frame.name.clone());
     let mut names: Vec<String> = frames
-        .chain(sighting.met.iter().map(|met| met.name.clone()))
+        .chain(probe.met.iter().map(|met| met.name.clone()))
         .collect();
     names.dedup();
     names
@@ -74,9 +69,7 @@ fn unknown(name: &str, known: &[String]) -> Error {
 
 fn say(arguments: &DiagramArguments, summary: &Summary) -> Result<()> {
     if arguments.pixel.json {
-        let json = serde_json::to_string_pretty(summary);
-        let json = json.map_err(|e| refused("--json", e.to_string(), "leave it out"))?;
-        return print(&(json + "\n"));
+        return print_json(summary);
     }
     match arguments.quiet {
         true => Ok(()),

@@ -11,7 +11,8 @@ use nullray::{Error, Result};
 use super::{Output, Pages};
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
-use crate::cli::output::{numbered, will_write};
+use crate::cli::names::numbered;
+use crate::cli::output::will_write;
 use crate::cli::{interrupt, print};
 
 /// The most seconds or pictures that an animated file says as they are.

@@ -6,8 +6,7 @@ use std::path::Path;
 
 use nullray::io::image::{Texture, exr, png};
 
-use super::Identity;
-use crate::cli::output::{Kind, Outputs, extension};
+use crate::cli::output::{Identity, Kind, Outputs, extension};
 
 /// Whether all files of a frame are there, as they would be written.
 pub fn all(outputs: &Outputs) -> bool {

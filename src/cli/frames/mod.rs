@@ -2,7 +2,6 @@
 //! already is not rendered again.
 
 mod existing;
-mod identity;
 mod range;
 
 use std::time::Instant;
@@ -16,12 +15,13 @@ use nullray::scene::Overrides;
 use nullray::scene::model::{Exposure, Scene};
 
 use super::args::RenderArguments;
-use super::output::{Kind, Outputs, check_all, numbered};
+use super::check::check_all;
+use super::names::numbered;
+use super::output::{Identity, Inputs, Kind, Outputs};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{builtin, inputs, interrupt, overlay, print, remarks, render};
+use super::{builtin, film, inputs, interrupt, overlay, print, remarks};
 
-pub use identity::Identity;
 pub use range::Frames;
 
 /// Renders the frames of `scene`; `outputs` have names to be numbered.
@@ -49,7 +49,7 @@ pub fn run(
         outputs,
         plan,
         // The scene's own text counts as it is after its changes.
-        inputs: identity::Inputs::read(read.get(1..).unwrap_or_default()),
+        inputs: Inputs::read(read.get(1..).unwrap_or_default()),
         prepared: None,
         done: Done::default(),
         account,
@@ -73,7 +73,7 @@ struct Sequence<'a> {
     request: &'a Request,
     outputs: &'a Outputs,
     plan: Plan,
-    inputs: identity::Inputs,
+    inputs: Inputs,
     /// None until the first frame that is not there.
     prepared: Option<Prepared>,
     done: Done,
@@ -153,7 +153,7 @@ impl Sequence<'_> {
         let start = Instant::now();
         bar.start();
         prepared.retake(scene)?;
-        let film = render::picture(
+        let film = film::picture(
             prepared,
             &self.outputs.method,
             &bar,

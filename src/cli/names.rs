@@ -40,6 +40,20 @@ pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// The name of the scene's file without its extension.
+pub fn stem(path: Option<&Path>) -> PathBuf {
+    let stem = path.and_then(Path::file_stem);
+    stem.unwrap_or("nullray".as_ref()).into()
+}
+
+/// A file in the current directory that is called as the scene, with `ending`.
+pub fn named_after(path: Option<&Path>, ending: &str) -> PathBuf {
+    // Not `with_extension`, which would take the ".9" of "approaching-0.9" for one.
+    let mut name = stem(path).into_os_string();
+    name.push(ending);
+    name.into()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use nullray::{Error, Result};
 
-use super::{Kind, Outputs, extension};
-use crate::cli::failure::refused;
-use crate::cli::inputs;
+use super::failure::refused;
+use super::inputs;
+use super::output::{Kind, Outputs, extension};
 
 /// The files that are read and those that will be written, by their identity.
 struct Names {

@@ -1,4 +1,4 @@
-//! What was typed. One definition makes the parser, the help, the man pages and the completions.
+//! The arguments. One definition makes the parser, the help, the man pages and the completions.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -43,13 +43,13 @@ pub enum Command {
     /// Compare a picture with its reference: errors, maps, a report, tolerances.
     #[command(after_help = help::compare())]
     Compare(CompareArguments),
-    /// Print what a scene and a request need, and what is skipped and why; nothing heavy is loaded.
+    /// Print what a render would load and compute, and what it skips and why, without loading anything heavy.
     #[command(after_help = help::PLAN)]
     Plan(PlanArguments),
-    /// Foretell how fine a rasterizer has to tessellate the objects of a scene.
+    /// Predict how finely a rasterizer has to tessellate the objects of a scene.
     #[command(after_help = help::TESSELLATION)]
     Tessellation(TessellationArguments),
-    /// Print what a glTF, npy, npz, exr, png or scene file holds.
+    /// Show what a glTF, npy, npz, exr, png or scene file holds.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Test this build on this machine: numbers against arbitrary precision, rays against gaps.
@@ -67,7 +67,7 @@ pub enum Command {
     },
     /// Print the manual page, or write one page per command into a directory.
     Man {
-        /// Where to write nullray.1, nullray-render.1, …; made where it does not exist.
+        /// Where to write nullray.1, nullray-render.1, …; created if it does not exist.
         #[arg(long, value_name = "DIR")]
         directory: Option<PathBuf>,
     },
@@ -96,7 +96,7 @@ pub struct Changes {
     /// Samples per pixel.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
     pub spp: Option<u32>,
-    /// The camera's proper time of the shot, with its unit: "3.2 m" or "12 ns".
+    /// The camera's proper time when the picture is taken, with its unit: "3.2 m" or "12 ns".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time: Option<String>,
     /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %".
@@ -111,11 +111,11 @@ pub struct Changes {
     /// Change a key of the scene file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
-    /// What visibility is worth: "certified" (as exact arithmetic says), or "fast" for previews (f32: rays along
-    /// edges may slip through, near depths be mistaken).
+    /// How visibility is computed: "certified" (as exact arithmetic would), or "fast" for previews (f32: rays may
+    /// slip through edges, and surfaces at nearly equal depths may be confused).
     #[arg(long, value_name = "certified|fast", default_value = "certified", value_parser = values::precision)]
     pub precision: Precision,
-    /// The most memory that the scene may take.
+    /// Memory limit for the scene.
     #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = values::bytes)]
     pub max_memory: u64,
 }
@@ -127,7 +127,7 @@ pub struct FrameArguments {
     /// Frames A to B, B not included. Frame k is taken k intervals after the camera's time.
     #[arg(long, value_name = "A..B", value_parser = values::frames, group = "sequence", allow_hyphen_values = true)]
     pub frames: Option<Range<u64>>,
-    /// The camera's proper time of frame 0. Frames go on until --to.
+    /// The camera's proper time of frame 0. Frames follow until --to.
     #[arg(
         long,
         value_name = "TIME",
@@ -137,7 +137,7 @@ pub struct FrameArguments {
         allow_hyphen_values = true
     )]
     pub from: Option<Time>,
-    /// The camera's proper time at which no frame is taken any more.
+    /// The camera's proper time at which the sequence ends; no frame is taken at it.
     #[arg(
         long,
         value_name = "TIME",
@@ -172,7 +172,7 @@ pub struct RenderArguments {
     pub scene: SceneArguments,
     /// Where to write: .png (display), .exr (linear, all channels), .npz (f64). Repeatable.
     /// Default: the scene's name with .png, in the current directory.
-    /// A file of this name is replaced when the new one is complete.
+    /// An existing file is replaced once the new one is complete.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// How the picture is made: trace, raster:none, raster:uniform=METRES, raster:adaptive=PIXELS, warp:cube=N or
@@ -186,13 +186,13 @@ pub struct RenderArguments {
     /// are, isochrones, the camera's velocity; .png, .svg or .pdf. Repeatable.
     #[arg(long, value_name = "FILE", group = "timed")]
     pub overlay: Vec<PathBuf>,
-    /// What of "isochrones,outlines,beta,legend" is drawn over the picture. Default: all.
+    /// Which of "isochrones,outlines,beta,legend" to draw over the picture. Default: all.
     #[arg(long, value_name = "LIST", requires = "overlay", value_parser = Parts::parse)]
     pub overlay_parts: Option<Parts>,
     /// Distance between isochrones, with its unit. Default: a round number.
     #[arg(long, value_name = "TIME", requires = "timed")]
     pub isochrone_step: Option<Time>,
-    /// Render this panel of the scene; all without it. Repeatable.
+    /// Render this panel of the scene. Default: all panels. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub panel: Vec<String>,
     /// Worker threads. Default: one per core. The pictures do not depend on it.
@@ -201,10 +201,10 @@ pub struct RenderArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
-    /// At the end print what it has cost: rays, node visits, triangle tests, fall-backs, bytes, times.
+    /// Print statistics at the end: rays, node visits, triangle tests, fall-backs, bytes, times.
     #[arg(long, conflicts_with = "quiet")]
     pub stats: bool,
-    /// At the end write what it has cost as JSON.
+    /// Write the same statistics as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub stats_json: Option<PathBuf>,
     #[command(flatten)]
@@ -222,7 +222,7 @@ pub struct SheetArguments {
     /// directory.
     #[arg(short, long, value_name = "FILE.png", conflicts_with = "directory")]
     pub output: Option<PathBuf>,
-    /// Where to write all pages; made where it does not exist.
+    /// Directory for all pages; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub directory: Option<PathBuf>,
     /// Also write each panel, beside its page: the scene's name and the panel's.
@@ -240,7 +240,7 @@ pub struct SheetArguments {
 pub struct PlanArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Plan this panel of the scene; the scene as it stands without it.
+    /// Plan this panel of the scene. Default: the scene without its panels.
     #[arg(long, value_name = "NAME")]
     pub panel: Option<String>,
     /// As JSON.
@@ -255,10 +255,10 @@ pub struct TessellationArguments {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub changes: Changes,
-    /// How far points may be drawn from their places, pixels.
+    /// Largest allowed distance of drawn points from their true positions, pixels.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = values::pixels, allow_hyphen_values = true)]
     pub pixels: f64,
-    /// Look at this panel of the scene; at the scene as it stands without it.
+    /// Analyse this panel of the scene. Default: the scene without its panels.
     #[arg(long, value_name = "NAME")]
     pub panel: Option<String>,
     /// As JSON.
@@ -274,7 +274,7 @@ pub struct TessellationArguments {
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A .gltf, .glb, .npy, .npz, .exr, .png or .toml file; told apart by content.
+    /// A .gltf, .glb, .npy, .npz, .exr, .png or .toml file, recognised by its content.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// As JSON.
@@ -284,10 +284,10 @@ pub struct InfoArguments {
 
 #[derive(Debug, Args)]
 pub struct SelftestArguments {
-    /// 10⁸ rays and a mesh of 10⁷ triangles: some minutes, 3 GB of memory.
+    /// Use 10⁸ rays and a mesh of 10⁷ triangles: takes some minutes and 3 GB of memory.
     #[arg(long)]
     pub thorough: bool,
-    /// Run this check; all without it. Repeatable.
+    /// Run only this check. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub check: Vec<String>,
     /// As JSON.
@@ -300,40 +300,40 @@ pub struct SelftestArguments {
 
 #[derive(Debug, Args)]
 pub struct CompareArguments {
-    /// The picture that is right: .exr, .png, .npz or .npy.
+    /// The reference picture: .exr, .png, .npz or .npy.
     #[arg(value_name = "REFERENCE")]
     pub reference: PathBuf,
-    /// The picture that is asked whether it is.
+    /// The picture to test against it.
     #[arg(value_name = "CANDIDATE")]
     pub candidate: PathBuf,
-    /// Channels and groups of them that are compared: "radiance,event". Default: all.
+    /// Channels, or groups of channels, to compare: "radiance,event". Default: all.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub channels: Vec<String>,
-    /// A picture of the same size, bright where pixels are compared.
+    /// A picture of the same size; only pixels where it is bright are compared.
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
-    /// Left column, top row, width and height of the part that is compared.
+    /// Compare only this rectangle: left column, top row, width and height.
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::crop)]
     pub crop: Option<[u32; 4]>,
-    /// What the codes of a .png are: "srgb" or "linear". Default: srgb.
+    /// The encoding of a .png: "srgb" or "linear". Default: srgb.
     #[arg(long, value_name = "NAME", value_parser = values::transfer)]
     pub transfer: Option<Transfer>,
-    /// What is done with light that is NaN or infinite: "refuse", "ignore", "count-as=VALUE". Default: refuse.
+    /// How to treat radiance that is NaN or infinite: "refuse", "ignore", "count-as=VALUE". Default: refuse.
     #[arg(long, value_name = "POLICY", value_parser = values::nan)]
     pub nan: Option<Policy>,
-    /// Width of a time bin, with its unit: "5 mm" or "16 ps". Emission times are given in bins too.
+    /// Width of a time bin, with its unit: "5 mm" or "16 ps". Errors of emission times are then reported in bins too.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
     /// Pixels per degree of visual angle for FLIP. Default: 67.02, a 3840-pixel display of 0.7 m at 0.7 m.
     #[arg(long, value_name = "N", conflicts_with = "no_flip", value_parser = values::ppd)]
     pub ppd: Option<f64>,
-    /// Leave FLIP out, which takes most of the time.
+    /// Skip FLIP, which takes most of the time.
     #[arg(long)]
     pub no_flip: bool,
-    /// Compare even where the metadata say that the reference is the approximation.
+    /// Compare even if the metadata say that the reference is the approximation.
     #[arg(long)]
     pub allow_swapped: bool,
-    /// A limit: exit code 1 where it is exceeded. Repeatable.
+    /// A limit; if it is exceeded the exit code is 1. Repeatable.
     #[arg(long, value_name = "METRIC=VALUE")]
     pub tolerance: Vec<Tolerance>,
     /// As JSON.
@@ -345,10 +345,10 @@ pub struct CompareArguments {
     /// Write the errors in false colours with a legend.
     #[arg(long, value_name = "FILE.png")]
     pub error_map: Option<PathBuf>,
-    /// Write the expected picture, the errors and the actual one side by side.
+    /// Write reference, errors and candidate side by side.
     #[arg(long, value_name = "FILE.png")]
     pub strip: Option<PathBuf>,
-    /// Write everything on one page that needs nothing else.
+    /// Write everything as one self-contained page.
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
 }
@@ -358,7 +358,7 @@ pub struct DiagramArguments {
     /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Where to write: .svg, .pdf, .png, or .apng (a PNG that moves). Repeatable. Default: the scene's
+    /// Where to write: .svg, .pdf, .png, or .apng (animated PNG). Repeatable. Default: the scene's
     /// name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
@@ -391,10 +391,10 @@ pub struct DiagramArguments {
     /// Change a key of the file: --set "diagram.frame.S'.velocity=0.8". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
-    /// The camera's proper time of the shot, with its unit: "3.2 m" or "12 ns".
+    /// The camera's proper time when the picture is taken, with its unit: "3.2 m" or "12 ns".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time: Option<String>,
-    /// Draw this panel of the scene; the scene as it stands without it.
+    /// Draw this panel of the scene. Default: the scene without its panels.
     #[arg(long, value_name = "NAME")]
     pub panel: Option<String>,
     /// Print nothing but errors.
@@ -408,8 +408,8 @@ pub struct DiagramArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "From a pixel")]
 pub struct PixelArguments {
-    /// Trace the centre of the pixel in column J and row I (from the top left, from 0), and draw its light: from
-    /// where and when it comes, and where its source is now. Loads the scene's geometry, but no cubes and textures.
+    /// Probe the pixel in column J and row I (from the top left, from 0): trace its centre, and draw where and when its
+    /// light was emitted, and where its source is now. Loads the scene's geometry, but no cubes and textures.
     #[arg(long, value_name = "J,I", value_parser = values::pixel, allow_hyphen_values = true)]
     pub pixel: Option<[u32; 2]>,
     /// Width and height of the picture that --pixel counts in. Default: the scene's.
@@ -418,7 +418,7 @@ pub struct PixelArguments {
     /// Print the numbers of the pixel as JSON, and nothing else.
     #[arg(long, requires = "pixel")]
     pub json: bool,
-    /// The most memory that the geometry may take.
+    /// Memory limit for the geometry.
     #[arg(long, value_name = "SIZE", default_value = "16GiB", requires = "pixel", value_parser = values::bytes)]
     pub max_memory: u64,
 }
@@ -430,16 +430,16 @@ pub struct ExportArguments {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub changes: Changes,
-    /// The directory to write. It appears when it is complete.
+    /// The directory to write. It appears once it is complete.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Export this panel of the scene; the scene as it stands without it.
+    /// Export this panel of the scene. Default: the scene without its panels.
     #[arg(long, value_name = "NAME")]
     pub panel: Option<String>,
     /// Render no reference pictures.
     #[arg(long)]
     pub no_reference: bool,
-    /// What becomes of stored cubes: copied, or named with their SHA-256.
+    /// Copy stored cubes, or only refer to them by path and SHA-256.
     #[arg(long, value_name = "WHAT", default_value = "copy")]
     pub cubes: CubesArgument,
     /// Replace an export of this name.
@@ -467,19 +467,19 @@ pub struct StudyArguments {
     /// The methods, separated by semicolons or spaces, as --method of render has them; trace:fast too.
     #[arg(long, value_name = "LIST", default_value = study::METHODS, value_parser = values::methods)]
     pub methods: MethodList,
-    /// Samples per pixel that each is measured with.
+    /// Samples per pixel to measure each method with.
     #[arg(long, value_name = "LIST", default_value = "1,4,16,64", value_parser = values::samples)]
     pub samples: SampleList,
-    /// Pictures of each method and number of samples, as far as the budget goes.
+    /// Runs of each method and number of samples, as far as the budget allows.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
-    /// For how many seconds to measure, not counting the reference.
+    /// Time limit for the measurements in seconds, not counting the reference.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = values::seconds)]
     pub budget: f64,
-    /// Samples per pixel of the picture that radiance is compared with.
+    /// Samples per pixel of the reference picture.
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
     pub reference_spp: u32,
-    /// Study this panel of the scene; the scene as it stands without it.
+    /// Study this panel of the scene. Default: the scene without its panels.
     #[arg(long, value_name = "NAME")]
     pub panel: Option<String>,
     /// Worker threads. Default: one per core.

@@ -113,7 +113,7 @@ fn check_outputs(arguments: &CompareArguments) -> Result<()> {
         if read.contains(&identity) {
             return Err(refused(
                 option,
-                "this is a picture that is compared: it would be overwritten",
+                "this is one of the compared pictures and would be overwritten",
                 "write to another name",
             ));
         }

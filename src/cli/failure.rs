@@ -3,10 +3,10 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | compared or tested, and not within bounds |
+//! | 1 | `compare` exceeded a tolerance, or a check of `selftest` failed |
 //! | 2 | wrong command line, bad input, a file that cannot be read or written |
-//! | 101 | a bug of this program |
-//! | 130 | stopped by Ctrl-C or a signal to end |
+//! | 101 | a bug in nullray |
+//! | 130 | stopped by Ctrl-C or a termination signal |
 
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
@@ -71,8 +71,8 @@ fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<Result<T>, String> {
 
 fn bug(what: &str) -> String {
     format!(
-        "nullray: this is a bug of nullray {}, whatever the input was: {what}\n\
-         Please report it with these lines, the command and the scene file. No unfinished file is left.\n",
+        "nullray: this is a bug in nullray {}: {what}\n\
+         Please report it with this message, the command and the scene file. No unfinished file is left.\n",
         env!("CARGO_PKG_VERSION")
     )
 }

@@ -1,4 +1,4 @@
-//! What the help says beyond the options; the man pages too.
+//! The text of the help and the man pages, apart from the options.
 
 use std::fmt::Write;
 
@@ -12,15 +12,15 @@ Examples:
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
   nullray study scene.toml           measure run time against error, by several methods
-  nullray plan scene.toml            see what that would need, before
-  nullray info data.npz              see what a file holds
+  nullray plan scene.toml            show what rendering it needs, without rendering
+  nullray info data.npz              show what a file holds
   nullray selftest                   test this build on this machine
   nullray help render                all options, examples and channel names
 
-Exit codes: 0 done; 1 a self-test that fails, or a comparison beyond a tolerance; 2 wrong arguments, bad input, or a file that cannot be read or written; \
-101 a bug of this program; 130 stopped by Ctrl-C, with no unfinished file left.
+Exit codes: 0 done; 1 `compare` exceeded a --tolerance, or a check of `selftest` failed; 2 wrong arguments, bad input, \
+or a file that cannot be read or written; 101 a bug in nullray; 130 stopped by Ctrl-C, with no unfinished file left.
 
-No environment variable changes what is computed; NO_COLOR turns the colours of messages off.";
+No environment variable changes what is computed; NO_COLOR turns off colours in messages.";
 
 pub const RENDER: &str = "\
 Examples:
@@ -32,7 +32,7 @@ Examples:
   nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
   nullray render figure.toml --panel beta-0.9 -o right.png
 
-`nullray help render` tells of formats and channels.";
+`nullray help render` lists formats and channels.";
 
 pub const SHEET: &str = "\
 Examples:
@@ -40,8 +40,8 @@ Examples:
   nullray sheet figure.toml --size 320x240 --spp 1 -o draft.png
   nullray sheet figure-*.toml --directory pages --keep-panels
 
-A scene's [[panel]] tables say what its panels are, [sheet] the title and the columns; a scene without \
-panels is one panel of its own name. Give display.white, or --white, for panels that are equally bright.";
+The [[panel]] tables of a scene define its panels, and [sheet] its title and columns. A scene without panels is \
+rendered as a single panel. Set display.white, or --white, to give all panels the same brightness.";
 
 pub const DIAGRAM: &str = "\
 Examples:
@@ -53,12 +53,12 @@ Examples:
   nullray diagram scene.toml --pixel 320,240 -o pixel.svg
   nullray diagram scene.toml --pixel 320,240 --dimensions 2+1 -o cone.pdf
 
-A file may hold a [diagram] table alone. Without one the diagram shows the world lines of the camera and the \
-objects, the pulses with their light, and the light by which the camera sees the objects at its time. No mesh \
-and no cube is read.
+A file may contain nothing but a [diagram] table. A scene without one is drawn as the world lines of the camera and the \
+objects, the pulses with their light, and the light by which the camera sees the objects at its time. Meshes \
+and cubes are not read.
 
---pixel draws the light that one pixel sees, from its emission to its reception, along the ray: clocks of camera \
-and object, where the object was seen and where it is now. The scene's geometry is loaded for it.";
+--pixel draws the light that reaches one pixel, from emission to reception: the clocks of camera and object, \
+where the object is seen, and where it is now. This loads the scene's geometry.";
 
 pub const EXPORT: &str = "\
 Examples:
@@ -67,8 +67,8 @@ Examples:
   nullray export figure.toml --panel beta-0.9 --no-reference -o bundle
 
 The directory holds GLB files, bundle.json with its JSON schema, cubes, reference pictures with all auxiliary \
-channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells the author of \
-another renderer how to read it and how to compare. A directory that is no export is never replaced.";
+channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells authors of \
+other renderers how to read it and how to compare. A directory that is not an export is never replaced.";
 
 pub const STUDY: &str = "\
 Examples:
@@ -76,10 +76,9 @@ Examples:
   nullray study scene.toml --size 320x240 --samples 1,16 --budget 20 -o study.csv -o study.png
   nullray study scene.toml --methods \"trace; raster:uniform=0.1; raster:adaptive=0.1\" --runs 21
 
-Runs of all methods take turns, and the median counts. Errors are those of geometry (where each point that is \
-shown should have been, in pixels), of emission times, and of radiance against a picture of the ray tracer with many \
-samples. The number of samples is that of --samples, whatever --spp says. On a machine that does other things too, \
-trust ratios rather than times.";
+The methods run in turn, and the median time is reported. Errors are measured in geometry (how far each visible \
+point is from where it should be, in pixels), in emission times, and in radiance, against a ray-traced picture with many \
+samples. --samples sets the number of samples; --spp is ignored. On a busy machine, trust ratios rather than times.";
 
 /// Examples, the metrics and exit codes.
 pub fn compare() -> String {
@@ -97,7 +96,8 @@ Examples:
 
 Channels are matched by name. Metrics of --tolerance:";
 
-const COMPARE_EXIT: &str = "Exit codes: 0 within all tolerances, 1 beyond one, 2 bad input.";
+const COMPARE_EXIT: &str =
+    "Exit codes: 0 within all tolerances; 1 a tolerance is exceeded; 2 bad input.";
 
 pub const PLAN: &str = "\
 Examples:
@@ -109,10 +109,10 @@ Examples:
   nullray tessellation scene.toml --pixels 0.5
   nullray tessellation scene.toml --pixels 0.1 --json
 
-Rasterizers move vertices to where they are seen and join them by straight edges, which are curved. For each \
-object that the picture shows: how long its edges may be, in its rest frame, so that no point is drawn farther \
-than that from its place, along edges or across; into how many parts its longest edge has to be cut, or how often \
-halved; how far points may be off as it is; and the triangle and the pixel that need the shortest edges.";
+A rasterizer moves vertices to their apparent positions and joins them by straight edges, although the true edges \
+are curved. For each visible object this prints: the greatest length that its edges may have, in its rest frame, to keep \
+every point within --pixels of its true position; how many parts its longest edge has to be cut into, or how many times \
+halved; the largest error without any cuts; and the triangle and the pixel that need the shortest edges.";
 
 pub const INFO: &str = "\
 Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
@@ -120,10 +120,10 @@ time-resolved radiance. Of pictures: size, channels with their ranges, metadata.
 objects, sources. Only headers are read, except of .exr.";
 
 pub const SELFTEST: &str = "\
-Each line is a regime at the ends of f64: the worst error found, the bound that is derived for it, in which \
-unit, and in how many cases. eps is 2^-53; the conditioning says how much rounding the input itself counts.
+Each line tests one regime near the limits of f64: the worst error found, the derived bound, the unit, and the \
+number of cases. eps is 2^-53; the conditioning is the factor by which rounding of the input is amplified.
 
-Exit codes: 0 all hold; 1 one fails.";
+Exit codes: 0 all checks hold; 1 a check fails.";
 
 /// Examples, formats and the table of channels.
 pub fn render_long() -> String {
@@ -140,14 +140,14 @@ pub fn render_long() -> String {
 }
 
 const SEQUENCES: &str = "
-Sequences: with --frames, or --from and --to, a picture of each frame is written. A run of # in the name \
-(\"frame-####.png\") becomes its number; without one the number stands before the extension. Frame k is \
-numbered k whatever part of the sequence is rendered, so that 0..50 and 50..100, on two machines, are one \
-sequence. A frame whose files are there, whole and made by the same request of the same version from the \
-same input, is not rendered again: after an interruption the same command goes on.
+Sequences: --frames, or --from and --to, write one picture per frame. A run of # in the file name \
+(\"frame-####.png\") is replaced by the frame number; without one the number goes before the extension. Frame k is \
+numbered k whatever part of the sequence is rendered, so two machines can render 0..50 and 50..100 of the same \
+sequence. Frames whose files are already complete, from the same version, scene and options, are skipped: to \
+resume after an interruption, run the same command again.
 
-Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name before the \
-extension; with one --panel and -o the name is taken as it is.";
+Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name added before the \
+extension. With a single --panel and -o, the file name is used as given.";
 
 const METHODS: &str = "
 Methods (--method): all but the first approximate geometry and visibility, with samples, radiance and channels \
@@ -156,11 +156,11 @@ of the same definition.
   raster:none               vertices at their apparent positions, flat triangles between them
   raster:uniform=0.05       the same, triangles cut until no edge is longer than 0.05 m in its rest frame
   raster:adaptive=0.5       the same, cut until no point is more than 0.5 pixels off
-  warp:cube=1024            directions looked up in what is met from the same event at rest: a cube with faces of \
+  warp:cube=1024            a picture from the same event at rest, looked up by direction: a cube with faces of \
 1024² texels (objects at rest only)
   warp:panorama=2048x1024   the same, by longitude and latitude
-With ,attributes=vertex emission times and wavelength ratios of rasterizers are interpolated between vertices, not \
-worked out at each sample; with ,lookup=nearest warps take the nearest texel, not the four around.";
+With ,attributes=vertex emission times and wavelength ratios of rasterizers are interpolated between vertices instead of \
+computed at each sample; with ,lookup=nearest warps take the nearest texel instead of interpolating.";
 
 const FORMATS: &str = "
 Formats, by the extension of -o:
@@ -172,6 +172,6 @@ All hold the scene's text, its SHA-256, version, camera and units as metadata.
 Auxiliary channels (--aovs), alone or by group (`event` is event.ct, event.x, event.y, event.z):";
 
 const SAMPLES: &str = "\
-Object, primitive, barycentric and uv are those of the sample nearest to the pixel's centre; the others \
-are means. --pixel-centers makes all of them those of the ray through the centre. Where nothing is met \
-those of surfaces hold NaN, and -1 for object and primitive.";
+Object, primitive, barycentric and uv come from the sample nearest to the pixel's centre; the other channels \
+are averages. With --pixel-centers all come from the ray through the centre. Where a ray hits nothing, surface \
+channels are NaN, and object and primitive are -1.";

@@ -1,5 +1,5 @@
-//! Ctrl-C, and signals to end: work that looks at the flag stops by itself; after a while, or in work that
-//! cannot look (a BVH under construction, the encoding of a large file), the process is ended.
+//! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while,
+//! as in the construction of a BVH or the encoding of a large file, the process exits.
 //!
 //! Files appear whole or not at all, so that all there is to clear away is a temporary file in progress.
 //! No new one is begun once the flag is set ([`check`]).
@@ -19,14 +19,14 @@ use super::complain;
 pub const CODE: u8 = 130;
 /// What is said then.
 const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
-/// And of work that knows what of it is done.
-const GO_ON: &str = "the same command goes on with the frames that are missing\n";
+/// And where the work can be resumed.
+const RESUME: &str = "run the same command again to render the missing frames\n";
 
 /// How long work may take to notice.
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-static CAN_GO_ON: AtomicBool = AtomicBool::new(false);
+static CAN_RESUME: AtomicBool = AtomicBool::new(false);
 /// The temporary files that may be in progress belong into these directories.
 static DIRECTORIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -49,15 +49,15 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Says that the work can be gone on with after it was stopped.
-pub fn can_go_on() {
-    CAN_GO_ON.store(true, Ordering::Relaxed);
+/// Notes that the work can be resumed after it was stopped.
+pub fn can_resume() {
+    CAN_RESUME.store(true, Ordering::Relaxed);
 }
 
 /// What is said when everything was stopped.
 pub fn message() -> String {
-    match CAN_GO_ON.load(Ordering::Relaxed) {
-        true => format!("{MESSAGE}{GO_ON}"),
+    match CAN_RESUME.load(Ordering::Relaxed) {
+        true => format!("{MESSAGE}{RESUME}"),
         false => MESSAGE.into(),
     }
 }

@@ -67,8 +67,8 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     done.map(|()| Done::Well)
 }
 
-/// Prints `text` on standard output. A reader that has seen enough ("nullray info … | head") is no
-/// failure, and what is yet to be done is done.
+/// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an
+/// error: the work goes on.
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

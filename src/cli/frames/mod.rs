@@ -41,7 +41,7 @@ pub fn run(
         all.map(|k| outputs.renamed(|path| numbered(path, k))),
         &read,
     )?;
-    interrupt::can_go_on();
+    interrupt::can_resume();
     let mut sequence = Sequence {
         arguments,
         frames,
@@ -107,7 +107,7 @@ impl Sequence<'_> {
         outputs.identity = Some(Identity::new(&scene, self.request, &outputs, &self.inputs));
         if existing::all(&outputs) {
             self.done.skipped += 1;
-            return self.say(&format!("frame {number} is there already\n"));
+            return self.say(&format!("frame {number} exists already\n"));
         }
         let film = self.film(&scene, number)?;
         let quiet = self.arguments.quiet;
@@ -184,7 +184,7 @@ impl Sequence<'_> {
         }
         let counted = plan::count;
         self.say(&format!(
-            "{} rendered, {} there already\n",
+            "{} rendered, {} existed already\n",
             counted(done.rendered),
             counted(done.skipped)
         ))?;
@@ -209,8 +209,8 @@ fn flicker(scene: &Scene, outputs: &Outputs) -> String {
     let shown = shown || !outputs.overlays.is_empty();
     match scene.exposure {
         Exposure::Percentile(_) if shown => {
-            "warning: brightness is scaled for each frame by itself, and may flicker: give --white RADIANCE, or \
-             display.white in the scene, to fix it\n"
+            "warning: brightness is scaled for each frame separately and may flicker: set --white RADIANCE, or \
+             display.white in the scene, to avoid this\n"
                 .into()
         }
         _ => String::new(),

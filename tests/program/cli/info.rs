@@ -296,6 +296,6 @@ fn every_invalid_file_of_the_tests_gets_an_answer() {
             path.display(),
             run.stderr
         );
-        assert!(!run.stderr.contains("bug of nullray"), "{}", run.stderr);
+        assert!(!run.stderr.contains("bug in nullray"), "{}", run.stderr);
     }
 }

@@ -151,7 +151,7 @@ fn a_sequence_stops_with_whole_frames_and_says_how_to_go_on() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("the same command goes on"), "{said}");
+    assert!(said.contains("run the same command again"), "{said}");
     let names = folder.names();
     let frames: Vec<_> = names.iter().filter(|n| *n != "scene.toml").collect();
     assert!(frames.len() >= 3, "{names:?}");
@@ -159,7 +159,7 @@ fn a_sequence_stops_with_whole_frames_and_says_how_to_go_on() {
     let whole = format!("0..{}", frames.len());
     let again = arguments.map(|word| if word == "0..1000000" { &whole } else { word });
     let said = folder.ok(&again);
-    let all = format!("0 rendered, {} there already", frames.len());
+    let all = format!("0 rendered, {} existed already", frames.len());
     assert!(said.contains(&all), "{said}");
 }
 

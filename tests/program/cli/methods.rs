@@ -78,9 +78,9 @@ fn a_frame_made_by_another_method_is_rendered_again() {
             method,
         ])
     };
-    assert!(frames("trace").contains("1 rendered, 0 there already"));
-    assert!(frames("raster:none").contains("1 rendered, 0 there already"));
-    assert!(frames("raster:none").contains("0 rendered, 1 there already"));
+    assert!(frames("trace").contains("1 rendered, 0 existed already"));
+    assert!(frames("raster:none").contains("1 rendered, 0 existed already"));
+    assert!(frames("raster:none").contains("0 rendered, 1 existed already"));
 }
 
 #[test]

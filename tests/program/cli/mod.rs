@@ -126,7 +126,7 @@ impl Run {
     /// The message as one line, without the frame that is drawn around it.
     fn message(&self) -> String {
         let words = self.stderr.split_whitespace();
-        words.filter(|w| *w != "│").collect::<Vec<_>>().join(" ")
+        words.filter(|w| *w != "|").collect::<Vec<_>>().join(" ")
     }
 }
 

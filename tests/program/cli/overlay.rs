@@ -80,10 +80,14 @@ fn overlays_of_a_sequence_are_numbered_and_not_drawn_again() {
     ];
     assert_eq!(folder.names(), names);
     assert_ne!(folder.read("b-00.svg"), folder.read("b-01.svg"));
-    assert!(folder.ok(&command).contains("0 rendered, 2 there already"));
+    assert!(
+        folder
+            .ok(&command)
+            .contains("0 rendered, 2 existed already")
+    );
     folder.write("b-01.svg", "<svg>");
     let again = folder.ok(&command);
-    assert!(again.contains("1 rendered, 1 there already"), "{again}");
+    assert!(again.contains("1 rendered, 1 existed already"), "{again}");
 }
 
 #[test]

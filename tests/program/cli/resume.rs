@@ -5,11 +5,11 @@ use std::fs;
 use super::frames::{FOUR, folder, pictures, sequence};
 use super::refused::TRIANGLE;
 
-/// The numbers of the frames that a run says are there already.
+/// The numbers of the frames that a run skips.
 fn skipped(said: &str) -> Vec<u32> {
     let lines = said
         .lines()
-        .filter_map(|line| line.strip_suffix(" is there already"));
+        .filter_map(|line| line.strip_suffix(" exists already"));
     lines
         .map(|line| line.strip_prefix("frame ").unwrap().parse().unwrap())
         .collect()
@@ -31,10 +31,10 @@ fn frames_that_are_there_are_not_rendered_again() {
     let folder = folder();
     let arguments = sequence(&[&FOUR[..], &ALL_KINDS].concat());
     let said = folder.ok(&arguments);
-    assert!(said.contains("4 rendered, 0 there already"), "{said}");
+    assert!(said.contains("4 rendered, 0 existed already"), "{said}");
     let said = folder.ok(&[&arguments[..], &["--threads", "1"]].concat());
     assert_eq!(skipped(&said), [0, 1, 2, 3]);
-    assert!(said.contains("0 rendered, 4 there already"), "{said}");
+    assert!(said.contains("0 rendered, 4 existed already"), "{said}");
     assert!(!said.contains("wrote"), "{said}");
 }
 

@@ -48,7 +48,7 @@ fn text(bytes: &[u8]) -> String {
 /// A message as one line, without the frame that is drawn around it.
 fn message(output: &Output) -> String {
     let text = text(&output.stderr);
-    let words = text.split_whitespace().filter(|word| *word != "│");
+    let words = text.split_whitespace().filter(|word| *word != "|");
     words.collect::<Vec<_>>().join(" ")
 }
 

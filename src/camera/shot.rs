@@ -13,7 +13,8 @@ use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{self, Event, InertialFrame, World};
 
 /// Which of the views a camera needs; see the [module](super).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// A point at rest in the world: no boost.

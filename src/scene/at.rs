@@ -3,11 +3,13 @@
 //! Places are lost inside tagged, untagged and flattened enums of serde, which buffer what they read; the structs
 //! of the file format are plain for that reason, and alternatives are told apart when they are resolved.
 
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Range;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -72,6 +74,7 @@ impl<T: Serialize> Serialize for At<T> {
 }
 
 /// The schema is that of the value alone.
+#[cfg(feature = "schema")]
 impl<T: JsonSchema> JsonSchema for At<T> {
     fn inline_schema() -> bool {
         T::inline_schema()

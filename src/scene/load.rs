@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
 use super::at::At;
@@ -14,6 +13,7 @@ use super::overrides::{self, Overrides};
 use super::report::Report;
 use super::resolve::{self, Context, Outline};
 use crate::error::{Error, Result};
+use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;

@@ -6,6 +6,7 @@ mod panel;
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -62,7 +63,8 @@ pub struct Scene {
 }
 
 /// Whose equations a picture follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Equations {
     /// Special relativity.
@@ -236,7 +238,8 @@ pub struct CaptureCamera {
 }
 
 /// The clock that a time axis shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Clock {
     /// World time of the emission event.
@@ -250,7 +253,8 @@ pub enum Clock {
 }
 
 /// What a stored value is along time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BinValues {
     /// The integral over the bin.
@@ -260,7 +264,8 @@ pub enum BinValues {
 }
 
 /// Reconstruction along time from bin-centred values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TimeFilter {
     /// The bin's own value.
@@ -291,7 +296,8 @@ pub struct Pulse {
 }
 
 /// The effects of relativity and of light's delay; each can be turned off alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Effects {
     /// Off: a look direction of the camera frame is taken as the same direction of the world.
     pub aberration: bool,
@@ -305,7 +311,8 @@ pub struct Effects {
 }
 
 /// What stands in for data that a source does not have; coverage says where.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Outside {
     /// Before the first bin.
     pub before: Fill,
@@ -318,7 +325,8 @@ pub struct Outside {
 }
 
 /// A substitute for missing data.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Fill {
     /// Radiance 0.
@@ -330,7 +338,8 @@ pub enum Fill {
 }
 
 /// Which faces of a triangle are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BackFaces {
     /// As each file's materials say: double-sided, or else culled.

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
@@ -14,6 +13,7 @@ use super::schema;
 use super::suggest::nearest;
 use super::tree;
 use crate::error::{Error, Problem, Result};
+use crate::scene::schema::JsonSchema;
 
 /// The text of a scene, and who said what in it.
 pub(crate) struct Report {

@@ -1,23 +1,34 @@
 //! The JSON schema of a scene file, made from the types that parse it, and questions to it.
 
-use schemars::JsonSchema;
 use serde_json::{Map, Value};
 
 use super::file;
 use super::place::Step;
 
+#[cfg(feature = "schema")]
+pub(crate) use schemars::JsonSchema;
+
+/// What every type has where schemas are left out.
+#[cfg(not(feature = "schema"))]
+pub(crate) trait JsonSchema {}
+#[cfg(not(feature = "schema"))]
+impl<T> JsonSchema for T {}
+
 /// The JSON schema (draft 2020-12) of a scene file, for editors: descriptions, defaults, and what is
 /// refused.
 ///
 /// Of `[diagram]` it says only that it is a table; [`figures::diagram::schema`](crate::figures::diagram::schema)
-/// is the whole file's.
+/// is the whole file's. Null without the feature `schema`.
 pub fn schema() -> Value {
     with_diagram::<file::AnyTable>()
 }
 
 /// The schema of a file whose `[diagram]` is a `D`.
 pub(crate) fn with_diagram<D: JsonSchema>() -> Value {
+    #[cfg(feature = "schema")]
     let mut schema = schemars::schema_for!(file::Scene<D>).to_value();
+    #[cfg(not(feature = "schema"))]
+    let mut schema = Value::Null;
     tidy(&mut schema);
     schema
 }

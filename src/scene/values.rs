@@ -1,10 +1,12 @@
 //! The leaves of a scene file: finite numbers, vectors, measures. Each refuses at the place in the file
 //! what it cannot hold, so that no NaN, infinity or unitless quantity gets any further.
 
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::fmt;
 
 use glam::DVec3;
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -194,6 +196,7 @@ impl<D: Dimension> Serialize for Measure<D> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Number {
     fn inline_schema() -> bool {
         true
@@ -208,6 +211,7 @@ impl JsonSchema for Number {
     }
 }
 
+#[cfg(feature = "schema")]
 impl<const N: usize> JsonSchema for Numbers<N> {
     fn inline_schema() -> bool {
         true
@@ -222,6 +226,7 @@ impl<const N: usize> JsonSchema for Numbers<N> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for NumberOrVector {
     fn inline_schema() -> bool {
         true
@@ -240,6 +245,7 @@ impl JsonSchema for NumberOrVector {
     }
 }
 
+#[cfg(feature = "schema")]
 impl<D: Dimension> JsonSchema for Measure<D> {
     fn inline_schema() -> bool {
         true

@@ -1,5 +1,6 @@
 //! `[diagram]`: a space-time diagram, by its frames, world lines, events and what is drawn between them.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,8 @@ use crate::spacetime::units::Length;
 
 /// A space-time diagram: ct upwards, one direction of space to the right, light at 45 degrees. Numbers are
 /// in the diagram's `unit`, times as ct. An event is the name of one, or [ct, x], or [ct, x, y] in 2+1 dimensions.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -75,8 +77,9 @@ pub(super) struct Diagram {
 }
 
 /// How many dimensions of space-time a diagram shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[schemars(inline)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(super) enum Dimensions {
     #[serde(rename = "1+1")]
     Two,
@@ -85,9 +88,10 @@ pub(super) enum Dimensions {
 }
 
 /// What a number of a diagram means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(super) enum Unit {
     M,
     Mm,
@@ -105,7 +109,8 @@ pub(super) enum Unit {
 }
 
 /// A frame of reference, and what is drawn of it.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { name = \"S'\", velocity = 0.6 }"
@@ -136,7 +141,8 @@ pub(super) struct DiagramFrame {
 
 /// A world line, said in one way: inertial, accelerated or on a circle from an event on, through events, or that of
 /// something in the scene.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { name = \"ship\", at = [0, 0], velocity = 0.6 }"
@@ -183,7 +189,8 @@ pub(super) struct DiagramLine {
 }
 
 /// A stretch of constant proper acceleration.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { duration = 2, acceleration = 0.5 }"
@@ -196,7 +203,8 @@ pub(super) struct LineSegment {
 }
 
 /// A circle at constant speed, in a plane that holds the diagram's direction.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { radius = 1, period = 10 }"
@@ -209,7 +217,8 @@ pub(super) struct LineCircle {
 }
 
 /// An event, said in one way.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { name = \"A\", at = [0, 0] }"
@@ -241,9 +250,10 @@ pub(super) struct DiagramEvent {
 }
 
 /// A colour of the palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(super) enum Colour {
     Black,
     Grey,
@@ -256,7 +266,8 @@ pub(super) enum Colour {
 }
 
 /// How a diagram looks.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -280,16 +291,18 @@ pub(super) struct DiagramStyle {
 }
 
 /// Colours for a white page, or for a black one.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(super) enum Theme {
     Light,
     Dark,
 }
 
 /// The light cone of an event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { of = \"A\" }")]
 pub(super) struct LightCone {
     /// The event.
@@ -305,7 +318,8 @@ pub(super) struct LightCone {
 }
 
 /// Light from an event or a world line to a world line, and on to others.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { from = \"A\", to = \"ship\" }"
@@ -329,7 +343,8 @@ pub(super) struct Signal {
 }
 
 /// A line of equal time, or of equal place, of a frame.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { frame = \"S'\", event = \"A\" }"
@@ -349,7 +364,8 @@ pub(super) struct Slice {
 }
 
 /// The interval between two events.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { from = \"A\", to = \"B\" }"
@@ -366,7 +382,8 @@ pub(super) struct Interval {
 }
 
 /// The events of one interval from an event: said by one of them, or by its value.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { proper_time = 1 }")]
 pub(super) struct Hyperbola {
     /// The event that the interval is from. Default: [0, 0].
@@ -384,7 +401,8 @@ pub(super) struct Hyperbola {
 }
 
 /// What lies between two world lines: that of a rod, from end to end.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { between = [\"rear\", \"front\"] }"
@@ -399,7 +417,8 @@ pub(super) struct Sheet {
 }
 
 /// A shaded region with straight edges.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { corners = [\"A\", \"B\", [0, 1]] }"
@@ -414,7 +433,8 @@ pub(super) struct Region {
 }
 
 /// An arrow: the four-velocity of a world line, or from event to event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { of = \"ship\", proper_time = 1 }"
@@ -438,7 +458,8 @@ pub(super) struct Arrow {
 
 /// A quarter of the diagram between the light rays through an event, and these rays: the horizons of those
 /// who accelerate away from the event for ever.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { of = [0, 0], side = \"right\" }"
@@ -455,9 +476,10 @@ pub(super) struct Wedge {
 }
 
 /// A quarter of the diagram.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(super) enum Side {
     Right,
     Left,
@@ -466,7 +488,8 @@ pub(super) enum Side {
 }
 
 /// Words at an event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { at = [1, 2], text = \"here\" }"
@@ -482,7 +505,8 @@ pub(super) struct Text {
 
 /// A series of pictures: the view is boosted to a frame step by step, or a line of simultaneity sweeps
 /// over the diagram, or both.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { boost_to = \"S'\", frames = 49 }"
@@ -502,7 +526,8 @@ pub(super) struct Animation {
 }
 
 /// A line of simultaneity that sweeps.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { frame = \"S'\", from = 0, to = 5 }"

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
@@ -10,8 +11,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::scene::{At, Number, Numbers, VelocityTable};
 
 /// An event: its name, [ct, x], or [ct, x, y].
-#[derive(Debug, Clone, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub(super) enum Spot {
     Name(String),
     At(Numbers<2>),
@@ -19,16 +21,18 @@ pub(super) enum Spot {
 }
 
 /// A velocity: β along the diagram's direction, or a table.
-#[derive(Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Debug)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub(super) enum Speed {
     Beta(Number),
     Table(Box<VelocityTable>),
 }
 
 /// One name, or several.
-#[derive(Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Debug)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub(super) enum OneOrMany {
     One(String),
     Many(Vec<At<String>>),

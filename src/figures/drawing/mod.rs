@@ -40,6 +40,7 @@ mod hatch;
 mod image;
 mod marks;
 mod path;
+#[cfg(feature = "pdf")]
 pub mod pdf;
 pub mod png;
 mod style;

@@ -1,5 +1,6 @@
 //! `[camera]` and every `velocity`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,8 @@ use crate::spacetime::units::{Angle, Time};
 
 /// The camera: a pinhole on a world line, and what sees through it. With nothing but a pose, a velocity and
 /// a time it is a point camera without acceleration: all rays of a picture leave one event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -88,7 +90,8 @@ impl Camera {
 
 /// A velocity in the world, said in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;
 /// a plain number goes with a `direction`.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { beta = [0.9, 0, 0] } or { gamma = 7, direction = [1, 0, 0] }"

@@ -10,6 +10,7 @@ mod panel;
 mod sensor;
 mod source;
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{Error, MapAccess, Visitor};
@@ -31,9 +32,10 @@ pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilt
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
 /// texts with a unit, like "2 ps", "0.6 m", "60 deg".
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a scene")]
-#[schemars(title = "nullray scene")]
+#[cfg_attr(feature = "schema", schemars(title = "nullray scene"))]
 pub(in crate::scene) struct Scene<D = AnyTable> {
     /// The speed of light, with which times in seconds become metres. Any positive speed, for teaching.
     /// Default: "299792458 m/s".
@@ -79,7 +81,8 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
 }
 
 /// A table that rooms above read.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(expecting = "a table")]
 pub(in crate::scene) struct AnyTable {}
 
@@ -90,9 +93,10 @@ impl Scene {
 }
 
 /// Whose equations a picture follows.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Equations {
     #[default]
     Exact,
@@ -100,7 +104,8 @@ pub(in crate::scene) enum Equations {
 }
 
 /// What light travels through.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -122,7 +127,8 @@ impl Default for Medium {
 
 /// What a radiance measures. The power of the wavelength ratio that the searchlight effect applies
 /// follows from it.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -154,9 +160,10 @@ impl<T: Default> Default for At<T> {
 }
 
 /// What a radiance measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Quantity {
     Integrated,
     PerWavelength,
@@ -168,7 +175,8 @@ pub(in crate::scene) enum Quantity {
 }
 
 /// The effects of relativity and of light's delay.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -198,7 +206,8 @@ impl Default for Effects {
 }
 
 /// What stands in for data that a source does not have, by case.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -222,8 +231,9 @@ pub(in crate::scene) struct OutsideTable {
 }
 
 /// What stands in for data that a source does not have: one answer for all, or by case.
-#[derive(Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Debug)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub(in crate::scene) enum Outside {
     All(Fill),
     ByCase(Box<OutsideTable>),
@@ -270,9 +280,10 @@ impl<'de> Deserialize<'de> for Outside {
 }
 
 /// A substitute for missing data.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Fill {
     #[default]
     Black,
@@ -282,7 +293,8 @@ pub(in crate::scene) enum Fill {
 }
 
 /// How radiance becomes a picture to look at.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -317,9 +329,10 @@ impl Default for Display {
 }
 
 /// Which faces of a triangle are seen.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum BackFaces {
     AsFile,
     TwoSided,

@@ -1,5 +1,6 @@
 //! `[camera.motion]`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,8 @@ use crate::spacetime::units::{Acceleration, AngularRate, Time};
 
 /// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, said in exactly one way. Without
 /// this table: without acceleration.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { acceleration = { proper = \"0.1 /m\", direction = [0, 0, -1] } }"
@@ -34,7 +36,8 @@ pub(in crate::scene) struct Motion {
 }
 
 /// A proper acceleration: what an accelerometer that moves along shows.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { proper = \"0.1 /m\", direction = [0, 0, -1] }"
@@ -49,7 +52,8 @@ pub(in crate::scene) struct ProperAcceleration {
 }
 
 /// A stretch of constant proper acceleration.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { duration = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
@@ -64,7 +68,8 @@ pub(in crate::scene) struct MotionSegment {
 }
 
 /// A proper acceleration at a proper time.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { time = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
@@ -77,7 +82,8 @@ pub(in crate::scene) struct ProfileKnot {
 }
 
 /// A world event of the pinhole.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { time = \"3 m\", position = [1, 1, 4] }"
@@ -90,7 +96,8 @@ pub(in crate::scene) struct Keyframe {
 }
 
 /// A circle at constant speed.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { centre = [0, 0, 0], axis = [0, 1, 0], period = \"60 m\" }"

@@ -1,5 +1,6 @@
 //! `[[object]]`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,8 @@ use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
 /// A thing with geometry, at rest in its own frame.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { gltf = \"thing.glb\" } or { shape = { sphere = { radius = 1 } } }"
@@ -46,16 +48,18 @@ impl Object {
 }
 
 /// What to do about vertices that are no places.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum BadVertices {
     Refuse,
     Drop,
 }
 
 /// A shape that needs no file: exactly one of the keys.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { box = { size = [1, 1, 1] } }"
@@ -73,7 +77,8 @@ pub(in crate::scene) struct Shape {
 }
 
 /// A box.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { size = [1, 1, 1] }")]
 pub(in crate::scene) struct BoxShape {
     /// Edge lengths along x, y and z, metres, each above 0.
@@ -81,7 +86,8 @@ pub(in crate::scene) struct BoxShape {
 }
 
 /// An icosphere.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { radius = 1 }")]
 pub(in crate::scene) struct Sphere {
     /// Radius of the vertices, metres, above 0.
@@ -98,7 +104,8 @@ impl Sphere {
 }
 
 /// A rectangle.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { size = [1, 1] }")]
 pub(in crate::scene) struct Plane {
     /// Edge lengths along x and z, metres, each above 0.
@@ -106,7 +113,8 @@ pub(in crate::scene) struct Plane {
 }
 
 /// A wire lattice.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { cells = [4, 4, 4], spacing = 1, bar = 0.1 }"
@@ -121,7 +129,8 @@ pub(in crate::scene) struct Lattice {
 }
 
 /// Object coordinates from the file's coordinates: scaled, then rotated, then moved; or one matrix.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { translate = [0, 1, 0], scale = 2 }"
@@ -139,7 +148,8 @@ pub(in crate::scene) struct Transform {
 }
 
 /// A rotation about an axis through the origin, right-handed.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { axis = [0, 1, 0], angle = \"30 deg\" }"
@@ -152,7 +162,8 @@ pub(in crate::scene) struct Rotation {
 }
 
 /// A world event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,

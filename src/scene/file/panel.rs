@@ -1,8 +1,10 @@
 //! `[sheet]` and every `[[panel]]`.
 
+#[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::fmt;
 
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{IgnoredAny, MapAccess, Visitor};
 use serde::ser::SerializeMap;
@@ -11,7 +13,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::scene::at::At;
 
 /// How the panels of the scene are put on one page.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     default,
     deny_unknown_fields,
@@ -25,7 +28,8 @@ pub(in crate::scene) struct Sheet {
 }
 
 /// A variant of the scene that is a picture of its own, and a part of the scene's contact sheet.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { name = \"still\", set = { \"camera.time\" = \"2 ns\" } }"
@@ -46,9 +50,10 @@ pub(in crate::scene) struct Panel {
 }
 
 /// What a panel shows.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Show {
     #[default]
     Picture,
@@ -87,6 +92,7 @@ impl Serialize for Changes {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Changes {
     fn inline_schema() -> bool {
         true

@@ -1,5 +1,6 @@
 //! `[camera.sensor]`, `[camera.rotation]` and `[camera.shutter]`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::scene::values::Vector;
 use crate::spacetime::units::{AngularRate, Length, Time};
 
 /// A sensor behind the pinhole, in place of a point camera, all rays of which leave one event.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { focal_length = \"36 mm\", width = \"24 mm\" }"
@@ -29,9 +31,10 @@ pub(in crate::scene) struct Sensor {
 }
 
 /// What keeps sensor and pinhole apart.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Assembly {
     #[default]
     Rigid,
@@ -41,7 +44,8 @@ pub(in crate::scene) enum Assembly {
 
 /// A sensor that turns at a constant rate about an axis that is fixed in the frame of a camera without
 /// acceleration.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { axis = [0, 1, 0], rate = \"0.5 rad/m\" }"
@@ -65,9 +69,10 @@ pub(in crate::scene) struct SensorRotation {
 }
 
 /// What an axis of rotation passes through.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Pivot {
     #[default]
     Pinhole,
@@ -75,9 +80,10 @@ pub(in crate::scene) enum Pivot {
 }
 
 /// How the elements of a turning sensor see.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Elements {
     #[default]
     Exact,
@@ -86,7 +92,8 @@ pub(in crate::scene) enum Elements {
 }
 
 /// A shutter that is open for a while. Without this table the picture is of an instant.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { duration = \"0.5 m\" }"
@@ -101,9 +108,10 @@ pub(in crate::scene) struct Shutter {
 }
 
 /// What an exposure records.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Records {
     #[default]
     Mean,

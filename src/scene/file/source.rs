@@ -1,5 +1,6 @@
 //! `[[source]]`.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,8 @@ use crate::spacetime::units::{Angle, Time};
 
 /// Time-resolved radiance on the surfaces of objects, from a `cube` of data or from a `pulse`. It takes
 /// the place of the base colour as the surface's radiance; a surface has one cube, or any number of pulses.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { pulse = { position = [0, 2, 0], sigma = \"5 cm\" } }"
@@ -32,7 +34,8 @@ pub(in crate::scene) struct Source {
 }
 
 /// A stored cube (rows, columns, time bins[, channels]) and how it lies on surface and time.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { file = \"a.npy\", bin_width = \"0.05 m\" }"
@@ -94,9 +97,10 @@ impl Cube {
 }
 
 /// The clock of a time axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum Clock {
     World,
     Object,
@@ -104,18 +108,20 @@ pub(in crate::scene) enum Clock {
 }
 
 /// What a stored value is along time.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum BinValues {
     PerBin,
     Density,
 }
 
 /// Reconstruction along time.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-#[schemars(inline)]
+#[cfg_attr(feature = "schema", schemars(inline))]
 pub(in crate::scene) enum TimeFilter {
     Nearest,
     Linear,
@@ -125,7 +131,8 @@ pub(in crate::scene) enum TimeFilter {
 
 /// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its
 /// coordinates are the world's where those rest in the world, and the objects' own otherwise.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { eye = [0, 1, 5], look_at = [0, 0, 0], hfov = \"40 deg\" }"
@@ -149,7 +156,8 @@ pub(in crate::scene) struct Capture {
 
 /// A spherical pulse of light from a point at rest in the world, Gaussian in time, that falls on
 /// diffuse surfaces: irradiance ∝ cos θ / r² at the time that light needs to get there.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
     deny_unknown_fields,
     expecting = "a table like { position = [0, 2, 0], sigma = \"5 cm\" }"

@@ -1,6 +1,7 @@
 //! The camera: a pinhole on a world line, a sensor, a shutter.
 
 use glam::DVec3;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -71,7 +72,8 @@ pub struct Sensor {
 }
 
 /// What keeps sensor and pinhole apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Assembly {
     /// A rigid body: the focal length is that of the camera's own frame. When it accelerates, Born-rigid.
@@ -97,7 +99,8 @@ pub struct Rotation {
 }
 
 /// What an axis of rotation passes through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Pivot {
     /// The pinhole.
@@ -107,7 +110,8 @@ pub enum Pivot {
 }
 
 /// How the elements of a turning sensor see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Elements {
     /// By the light that comes to them through the pinhole, which does not turn.
@@ -128,7 +132,8 @@ pub struct Shutter {
 }
 
 /// What an exposure records.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Records {
     /// The mean over the exposure.

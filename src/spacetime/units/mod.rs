@@ -86,6 +86,7 @@ impl<D: Dimension> Measure<D> {
     }
 
     /// All spellings of all units.
+    #[cfg(feature = "schema")]
     pub(crate) fn spellings() -> impl Iterator<Item = &'static str> {
         D::UNITS
             .iter()

@@ -1,5 +1,6 @@
 //! What `bundle.json` holds: the types are the format, and make its JSON schema.
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -16,8 +17,9 @@ pub type Matrix = [FourVector; 4];
 
 /// The description of an exported scene. Lengths are in metres, times are c·t in metres, and c = 1, so that
 /// velocities are fractions of that of light. Numbers are written in as many digits as read back exactly.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-#[schemars(title = "nullray bundle")]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(title = "nullray bundle"))]
 pub struct Bundle {
     /// Always "nullray-bundle".
     pub format: &'static str,
@@ -42,7 +44,8 @@ pub struct Bundle {
 }
 
 /// What holds for the whole scene.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct SceneEntry {
     /// The scene file, as it was named.
     pub name: String,
@@ -73,7 +76,8 @@ pub struct SceneEntry {
 }
 
 /// A velocity relative to the world.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct VelocityEntry {
     /// The rapidity vector artanh(β) β̂: exact where β rounds to 1.
     pub rapidity: [f64; 3],
@@ -84,7 +88,8 @@ pub struct VelocityEntry {
 }
 
 /// The camera at the moment of the shot, or at which its shutter opens.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct CameraEntry {
     /// What kind of camera: "still" and "moving" are points whose rays all leave `shot_event`, and are wholly
     /// described by the matrix; "unaberrated" is such a one whose directions are not boosted. The rays of all
@@ -126,7 +131,8 @@ pub struct CameraEntry {
 }
 
 /// A sensor across the forward axis.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct SensorEntry {
     /// From the sensor to the pinhole as `assembly` has it, metres.
     pub focal_length: f64,
@@ -139,7 +145,8 @@ pub struct SensorEntry {
 }
 
 /// A sensor that turns.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct RotationEntry {
     /// Unit vector along the axis, camera frame.
     pub axis: [f64; 3],
@@ -152,7 +159,8 @@ pub struct RotationEntry {
 }
 
 /// A shutter.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ShutterEntry {
     /// Camera time for which it is open.
     pub duration: f64,
@@ -161,7 +169,8 @@ pub struct ShutterEntry {
 }
 
 /// An object at rest in its own frame.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ObjectEntry {
     /// Its name in the scene.
     pub name: String,
@@ -185,7 +194,8 @@ pub struct ObjectEntry {
 }
 
 /// A primitive of an object.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct PartEntry {
     /// Its first triangle.
     pub first_triangle: u32,
@@ -208,7 +218,8 @@ pub struct PartEntry {
 }
 
 /// What a radiance measures.
-#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Radiometry {
     /// "integrated", "line", "per_wavelength", "per_frequency", "photons", "photons_per_wavelength" or
     /// "photons_per_frequency".
@@ -220,7 +231,8 @@ pub struct Radiometry {
 }
 
 /// Time-resolved radiance of surfaces.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct SourceEntry {
     /// Its name in the scene.
     pub name: String,
@@ -233,7 +245,8 @@ pub struct SourceEntry {
 }
 
 /// Where a source's radiance comes from.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum LightEntry {
     /// A stored x-y-t cube.
@@ -243,7 +256,8 @@ pub enum LightEntry {
 }
 
 /// A stored cube: rows, columns, bins of time, and channels where there are four dimensions.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct CubeEntry {
     /// The .npy or .npz file: within the bundle where it was copied, else where it was.
     pub file: String,
@@ -273,7 +287,8 @@ pub struct CubeEntry {
 }
 
 /// How surface points address a cube.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "by", rename_all = "snake_case")]
 pub enum MappingEntry {
     /// By texture coordinates; row 0 of the cube is v = 0.
@@ -298,7 +313,8 @@ pub enum MappingEntry {
 
 /// A spherical pulse from a point at rest in the world, reflected diffusely by the base colour: of the
 /// irradiance g((t − t₀ − ηr)/σ)/σ · intensity · cos θ / r², albedo/π, g the unit Gaussian.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct PulseEntry {
     /// Where and when its centre is emitted, in the world.
     pub event: FourVector,
@@ -311,7 +327,8 @@ pub struct PulseEntry {
 }
 
 /// A channel.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ChannelEntry {
     /// Its name in files.
     pub name: &'static str,
@@ -326,7 +343,8 @@ pub struct ChannelEntry {
 }
 
 /// The reference pictures, by the ray tracer: one ray through each pixel's centre.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ReferenceEntry {
     /// All channels in double precision, for numpy.
     pub npz: &'static str,
@@ -340,7 +358,8 @@ pub struct ReferenceEntry {
 }
 
 /// A file of the bundle.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct FileEntry {
     /// Its path in the bundle.
     pub path: String,

@@ -44,6 +44,7 @@ pub const README: &str = include_str!("README.md");
 const DESCRIPTION: &str = "bundle.json";
 /// How a description begins.
 const MARK: &str = "\"format\": \"nullray-bundle\"";
+#[cfg(feature = "schema")]
 const SCHEMA: &str = "bundle.schema.json";
 const TEXT: &str = "scene.toml";
 
@@ -104,6 +105,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
 }
 
 /// The JSON schema (draft 2020-12) of `bundle.json`.
+#[cfg(feature = "schema")]
 pub fn schema() -> serde_json::Value {
     schemars::schema_for!(Bundle).to_value()
 }
@@ -137,6 +139,7 @@ pub fn export(
     };
     files.text(TEXT, &scene.text)?;
     files.text("README.md", README)?;
+    #[cfg(feature = "schema")]
     files.text(SCHEMA, &json(&schema())?)?;
     stop_if_cancelled(progress)?;
     let bundle = Bundle {

@@ -38,9 +38,9 @@
 //! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
 //! root: the light of an object that outruns it arrives twice, or never.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use crate::camera::{Camera, Pinhole, Point};
+use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _};
 use crate::error::{Error, Result};
 use crate::render::aov::Aov;
 use crate::render::film::Film;
@@ -52,8 +52,8 @@ use crate::spacetime::{
 /// A camera all of whose rays leave one event.
 #[derive(Debug, Clone)]
 pub struct Observer {
-    film: Pinhole,
-    homogeneous_from_camera: DMat3,
+    film: AnyProjection,
+    linear: Linear,
     event: Event<World>,
     /// None where directions of the world are taken as the camera's.
     camera_from_world: Option<Boost<spacetime::Camera, World>>,
@@ -111,7 +111,8 @@ impl Observer {
     /// The observer with `camera` in a medium of index `index`, 0 where light takes no time.
     ///
     /// # Errors
-    /// A camera whose rays leave events of their own: a sensor, a shutter, or the equations of 2015.
+    /// A camera whose rays leave events of their own: a sensor, a shutter, or the equations of 2015; a
+    /// projection that bends straight lines.
     pub fn of(camera: &Camera, index: f64) -> Result<Self> {
         let shot = &camera.shot;
         let frame = &shot.frame;
@@ -120,18 +121,13 @@ impl Observer {
             Point::Moving(_) => Some(*frame.frame_from_world()),
         };
         Ok(Observer {
-            film: shot.pinhole.clone(),
-            homogeneous_from_camera: shot.pinhole.homogeneous_from_camera(),
+            film: shot.projection.clone(),
+            linear: shot.projection.linear().ok_or_else(curved)?,
             event: shot.event,
             camera_from_world,
             world_from_camera: *frame.world_from_frame(),
             index,
         })
-    }
-
-    /// The film.
-    pub fn film(&self) -> &Pinhole {
-        &self.film
     }
 
     /// By object of the scene, what is seen of it and the place of its origin in its rest frame: a point's
@@ -174,7 +170,7 @@ impl Observer {
         };
         let (_, seen) = projection.in_camera(Displacement::new(-1.0, DVec3::ZERO));
         projection.m_camera = seen;
-        projection.m = self.homogeneous_from_camera * seen;
+        projection.m = self.linear.homogeneous_from_camera * seen;
         Ok(projection)
     }
 }
@@ -202,6 +198,15 @@ pub(crate) fn apart() -> Error {
         "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
          one leave events of their own (a sensor, a shutter, a rotation, or model = \"paper2015\")",
         "render it by --method trace, or take the sensor, the shutter and the rotation away",
+    )
+}
+
+fn curved() -> Error {
+    Error::unsupported(
+        "camera",
+        "method",
+        "rasterizers draw straight edges, and this camera's projection bends them",
+        "render it by --method trace, or with a perspective camera",
     )
 }
 
@@ -244,7 +249,7 @@ impl Projection<'_> {
             }
             None => d.unit() * s,
         };
-        let film = self.observer.homogeneous_from_camera * seen;
+        let film = self.observer.linear.homogeneous_from_camera * seen;
         (length > 0.0 && film.is_finite()).then_some(Image { film, d, s })
     }
 
@@ -298,9 +303,14 @@ impl Projection<'_> {
         self.origin
     }
 
-    /// The film of the observer.
-    pub fn film(&self) -> &Pinhole {
+    /// The projection of the observer.
+    pub fn film(&self) -> &AnyProjection {
         &self.observer.film
+    }
+
+    /// What is linear in it.
+    pub fn linear(&self) -> &Linear {
+        &self.observer.linear
     }
 
     /// By how much film coordinates (x, y, pixels) of a point seen at `film` change per metre that its |c|
@@ -315,7 +325,7 @@ impl Projection<'_> {
 
     /// By what angle a point seen like `image` turns per metre that its |c| is too long, radians.
     pub fn turn(&self, image: &Image) -> f64 {
-        let k = self.observer.homogeneous_from_camera.inverse() * image.film;
+        let k = self.observer.linear.homogeneous_from_camera.inverse() * image.film;
         let square = k.length_squared();
         (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt()
     }

@@ -18,7 +18,8 @@
 use glam::DVec3;
 
 use super::inertial::ExposureTime;
-use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
 use crate::spacetime::worldline::{State, Vicinity, WorldLine};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
@@ -27,7 +28,7 @@ use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, Wor
 #[derive(Debug)]
 pub struct Accelerated {
     line: WorldLine,
-    film: Pinhole,
+    film: AnyProjection,
     sensor: Option<Sensor>,
     /// Camera time and event of the shot.
     time: f64,
@@ -66,7 +67,7 @@ impl Accelerated {
         let exposure = ExposureTime::of(model);
         let mut camera = Accelerated {
             line,
-            film: shot.pinhole.clone(),
+            film: shot.projection.clone(),
             sensor: model.sensor,
             time: model.time,
             event: shot.event,

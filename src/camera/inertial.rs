@@ -19,14 +19,15 @@
 
 use glam::DVec3;
 
-use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Records};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World};
 
 /// A camera without acceleration, with a sensor, a shutter, or both.
 #[derive(Debug)]
 pub struct Inertial {
-    film: Pinhole,
+    film: AnyProjection,
     world_from_camera: Boost<World, Camera>,
     /// The pinhole's displacement per metre of camera time.
     four_velocity: Displacement<World>,
@@ -66,11 +67,11 @@ impl Inertial {
     /// The view of `model`, whose shutter opens at `shot`.
     pub fn new(model: &CameraModel, shot: &Shot, aberration: bool) -> Self {
         let (film, focal_length) = match model.sensor {
-            None => (shot.pinhole.clone(), 0.0),
+            None => (shot.projection.clone(), 0.0),
             Some(sensor) => {
                 let velocity = shot.frame.velocity();
-                let own = sensor.own_focal_length(shot.pinhole.forward(), velocity);
-                (shot.pinhole.stretched(own / sensor.focal_length), own)
+                let own = sensor.own_focal_length(shot.projection.forward(), velocity);
+                (shot.projection.stretched(own / sensor.focal_length), own)
             }
         };
         let world_from_camera = *shot.frame.world_from_frame();

@@ -25,20 +25,20 @@
 pub mod guide {}
 
 mod accelerated;
-mod film;
 mod inertial;
 mod origin;
 mod paper;
 mod point;
+mod projection;
 mod shot;
 mod turning;
 
 pub use accelerated::Accelerated;
-pub use film::Pinhole;
 pub use inertial::Inertial;
 pub use origin::RayOrigin;
 pub use paper::Paper;
 pub use point::{Moving, Point, Still, Unaberrated};
+pub use projection::{AnyProjection, Linear, Perspective, Projection};
 pub use shot::{AnyView, Camera, Kind, Shot};
 pub use turning::Turning;
 pub(crate) use turning::rotation_matrix;

@@ -14,7 +14,8 @@
 //! (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
 
 use super::inertial::ExposureTime;
-use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Motion};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 use glam::DVec3;
@@ -22,7 +23,7 @@ use glam::DVec3;
 /// A camera by the equations of Jarabo et al. 2015.
 #[derive(Debug)]
 pub struct Paper {
-    film: Pinhole,
+    film: AnyProjection,
     world_from_camera: Boost<World, Camera>,
     beta: DVec3,
     gamma: f64,
@@ -39,7 +40,7 @@ impl Paper {
         let (beta, gamma) = (velocity.beta(), velocity.gamma());
         let inertial = model.motion == Motion::Inertial;
         Paper {
-            film: shot.pinhole.stretched(stretch(model, shot)),
+            film: shot.projection.stretched(stretch(model, shot)),
             world_from_camera: *shot.frame.world_from_frame(),
             beta,
             gamma,

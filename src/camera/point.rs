@@ -1,16 +1,17 @@
 //! Point cameras at one moment: all rays leave one event.
 
-use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, RayOrigin, Shot, View};
 use crate::spacetime::{Boost, Camera, Direction, World};
 
 /// A camera at rest in the world: no boost.
 #[derive(Debug)]
-pub struct Still(pub Pinhole);
+pub struct Still(pub AnyProjection);
 
 /// A moving camera.
 #[derive(Debug)]
 pub struct Moving {
-    pinhole: Pinhole,
+    film: AnyProjection,
     world_from_camera: Boost<World, Camera>,
 }
 
@@ -23,7 +24,7 @@ impl Moving {
     /// The view of a moving shot.
     pub fn new(shot: &Shot) -> Self {
         Moving {
-            pinhole: shot.pinhole.clone(),
+            film: shot.projection.clone(),
             world_from_camera: *shot.frame.world_from_frame(),
         }
     }
@@ -49,7 +50,7 @@ impl View for Moving {
 
     #[inline(always)]
     fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
-        let seen = self.pinhole.direction(x, y);
+        let seen = self.film.direction(x, y);
         let (d, ratio) = self.world_from_camera.direction(seen);
         CameraRay {
             d,
@@ -65,7 +66,7 @@ impl View for Unaberrated {
 
     #[inline(always)]
     fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
-        let seen = self.0.pinhole.direction(x, y);
+        let seen = self.0.film.direction(x, y);
         let (_, ratio) = self.0.world_from_camera.direction(seen);
         CameraRay {
             d: Direction::from_unit(seen.unit()),

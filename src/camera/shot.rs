@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::projection::AnyProjection;
 use super::turning::rotation_matrix;
 use super::{
-    Accelerated, CameraRay, Inertial, Moving, Paper, Pinhole, Point, Still, Turning, Unaberrated,
+    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Still, Turning, Unaberrated,
     View,
 };
 use crate::error::{Error, Result};
@@ -36,8 +37,8 @@ pub enum Kind {
 /// A camera at the moment of its shot, or at which its shutter opens.
 #[derive(Debug, Clone)]
 pub struct Shot {
-    /// The film.
-    pub pinhole: Pinhole,
+    /// How film points look, then.
+    pub projection: AnyProjection,
     /// The inertial frame in which the camera is then at rest.
     pub frame: InertialFrame<spacetime::Camera>,
     /// The pinhole's event then.
@@ -54,14 +55,14 @@ impl Shot {
         let turn = model
             .rotation
             .map(|r| rotation_matrix(r.axis, r.rate * model.time));
-        let film = Pinhole::new(model);
+        let film = AnyProjection::new(model);
         // Its clock shows `time` at the event of the shot.
         let clock = Event::new(model.time, DVec3::ZERO) - Event::ORIGIN;
         let boost = spacetime::Boost::<World, spacetime::Camera>::new(state.velocity);
         let origin = state.event + boost.displacement(clock) * -1.0;
         let inertial = model.motion == Motion::Inertial;
         Ok(Shot {
-            pinhole: turn.map_or(film.clone(), |turn| film.turned(turn)),
+            projection: turn.map_or(film.clone(), |turn| film.turned(turn)),
             frame: InertialFrame::new(state.velocity, if inertial { model.origin } else { origin }),
             event: state.event,
         })
@@ -149,7 +150,7 @@ impl AnyView {
             return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
         }
         Ok(match (instant_point, rests, aberration) {
-            (true, true, _) => AnyView::Still(Still(shot.pinhole.clone())),
+            (true, true, _) => AnyView::Still(Still(shot.projection.clone())),
             (true, false, true) => AnyView::Moving(Moving::new(shot)),
             (true, false, false) => AnyView::Unaberrated(Unaberrated(Moving::new(shot))),
             (false, ..) if model.motion == Motion::Inertial && !is_pair(model, rests) => {

@@ -39,14 +39,15 @@
 use glam::{DMat3, DVec3};
 
 use super::inertial::ExposureTime;
-use super::{CameraRay, Pinhole, RayOrigin, Shot, View};
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 
 /// A camera with a turning sensor.
 #[derive(Debug)]
 pub struct Turning {
-    film: Pinhole,
+    film: AnyProjection,
     world_from_camera: Boost<World, Camera>,
     focal_length: f64,
     axis: DVec3,
@@ -92,7 +93,7 @@ impl Turning {
         let exposure = ExposureTime::of(model);
         let turn = rotation_matrix(rotation.axis, rotation.rate * model.time);
         Turning {
-            film: Pinhole::new(model).stretched(stretch),
+            film: AnyProjection::new(model).stretched(stretch),
             world_from_camera: *shot.frame.world_from_frame(),
             focal_length,
             axis: rotation.axis,

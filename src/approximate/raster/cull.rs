@@ -13,6 +13,7 @@
 use glam::DVec3;
 
 use crate::approximate::projection::Projection;
+use crate::camera::Projection as _;
 use crate::spacetime::Displacement;
 
 /// The part of the film's surroundings where a triangle's image is to be looked for.
@@ -25,7 +26,7 @@ pub(super) struct Frustum {
 impl Frustum {
     pub fn of(projection: &Projection) -> Self {
         Frustum {
-            sides: projection.film().sides(),
+            sides: projection.linear().sides,
             size: projection.film().size(),
         }
     }

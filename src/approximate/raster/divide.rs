@@ -28,6 +28,7 @@ use super::batch::{Batch, Bins, Grid, Piece, Vertex};
 use super::cull::Frustum;
 use super::method::{Attributes, Tessellation};
 use crate::approximate::projection::{Image, Projection};
+use crate::camera::Projection as _;
 
 /// So often an edge is cut at most: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;

@@ -90,7 +90,7 @@ impl Overlay {
     ) -> Result<Overlay> {
         let shot = Shot::new(&scene.camera)?;
         let size = scene.camera.size;
-        let half_width = pointer::half_width(&scene.camera, &shot);
+        let (projection, half_width) = pointer::projection(&scene.camera, &shot);
         let times = apparent.and_then(|film| film.aov(Aov::EventCt));
         let times = times.filter(|_| parts.has(Part::Isochrones));
         let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
@@ -99,7 +99,7 @@ impl Overlay {
             let objects = film.and_then(|film| film.aov(Aov::Object));
             objects.map_or(Vec::new(), |objects| outlines(size, objects))
         };
-        let pointer = Pointer::of(&shot, size, half_width);
+        let pointer = Pointer::of(&shot, &projection);
         let facts = Facts {
             speed_of_light: scene.speed_of_light,
             camera_time: scene.camera.time,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Lamp, Met, Reception, Sighting};
 use crate::accel::Precision;
-use crate::camera::{CameraRay, Pinhole, rotation_matrix};
+use crate::camera::{AnyProjection, CameraRay, Projection, rotation_matrix};
 use crate::error::{Error, Result};
 use crate::figures::diagram::model::Track;
 use crate::render::aov::Aov;
@@ -160,7 +160,7 @@ impl<'a> Arrival<'a> {
         let state = state.ok_or_else(|| refuse("it is not on its world line then".into()))?;
         let by_paper = scene.equations == Equations::Paper2015 && model.rotation.is_none();
         Ok(Arrival {
-            film: Pinhole::new(model).vector(f64::from(column) + 0.5, f64::from(row) + 0.5),
+            film: AnyProjection::new(model).vector(f64::from(column) + 0.5, f64::from(row) + 0.5),
             shot: prepared.camera.shot.event,
             has_element: model.sensor.is_some() && !by_paper,
             model,

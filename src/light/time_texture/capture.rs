@@ -1,8 +1,6 @@
 //! The camera that captured a cube: where a point lies in its image, and what it saw there.
 //!
-//! Pinhole at `eye` with axes (right, up, forward); with (x, y, z) the point's coordinates along
-//! them and focal length F = W / (2 tan(fov/2)) in pixels, the point lies at
-//! (W/2 + F x/z, H/2 − F y/z) pixels from the top left corner. Pixels are square.
+//! The camera is a pinhole at `eye` with a [`Projection`], which says where in its image a point is seen.
 //!
 //! At preparation one ray goes through each pixel's centre, and its *distance* r (along the ray, not
 //! the depth z) is kept. A cube in the capture camera's own time shows at time t + η r what left that
@@ -10,7 +8,7 @@
 //! than a bin is wide, so every tap of a lookup is read at its own r.
 //!
 //! A tap stands for a point p with normal n only if it saw *that* surface, at q with normal m. It did
-//! if all three hold, a = z/F being the width of a pixel at p:
+//! if all three hold, a being the width of a pixel at p:
 //! - |n·(q − p)| ≤ a: q lies near p's tangent plane;
 //! - |m·(q − p)| ≤ a: p lies near q's (or else a ray that grazes p's plane past a silhouette, and
 //!   goes on to whatever is far behind, would pass);
@@ -22,6 +20,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::camera::{AnyProjection, Projection};
 use crate::scene::model::CaptureCamera;
 
 /// cos 60°.
@@ -58,9 +57,9 @@ pub struct Capture {
 #[derive(Debug, Clone)]
 struct View {
     eye: DVec3,
-    axes: [DVec3; 3],
-    focal: f64,
-    size: [usize; 2],
+    projection: AnyProjection,
+    /// Pixels in a row.
+    width: usize,
 }
 
 /// What one pixel saw, in camera coordinates. Place and normal are only compared with footprints, so
@@ -103,7 +102,11 @@ impl Capture {
         index: f64,
         trace: impl Fn(DVec3, DVec3) -> Option<SeenPoint> + Sync,
     ) -> Capture {
-        let view = View::new(camera, size);
+        let view = View {
+            eye: camera.eye,
+            projection: AnyProjection::of_capture(camera, size),
+            width: size[0],
+        };
         let seen = (0..size[0].saturating_mul(size[1]))
             .into_par_iter()
             .map(|pixel| view.look_through(pixel, &trace))
@@ -128,7 +131,10 @@ impl Capture {
     /// Where `point` lies in the image, pixels from its top left corner; none behind the pinhole.
     #[inline]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        self.view.project(point)
+        let View {
+            eye, projection, ..
+        } = &self.view;
+        projection.film_point(projection.along_axes(point - *eye))
     }
 
     /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.
@@ -149,12 +155,16 @@ impl Capture {
     /// The point, if its looked-at side faces the pinhole and is before it.
     #[inline]
     pub(super) fn aim(&self, point: &SurfacePoint) -> Option<Aim> {
-        let p = self.view.coordinates(point.position - self.view.eye);
-        let normal = self.view.coordinates(point.normal);
-        (normal.dot(p) < 0.0 && p.z > 0.0).then(|| Aim {
+        let View {
+            eye, projection, ..
+        } = &self.view;
+        let p = projection.along_axes(point.position - *eye);
+        let normal = projection.along_axes(point.normal);
+        let faces = normal.dot(p) < 0.0;
+        (faces && projection.film_point(p).is_some()).then(|| Aim {
             position: p,
             normal,
-            footprint: p.z / self.view.focal,
+            footprint: projection.footprint(p),
         })
     }
 
@@ -173,50 +183,17 @@ impl Capture {
 }
 
 impl View {
-    fn new(camera: &CaptureCamera, size: [usize; 2]) -> View {
-        View {
-            eye: camera.eye,
-            axes: camera.axes,
-            focal: 0.5 * size[0] as f64 / libm::tan(0.5 * camera.horizontal_fov),
-            size,
-        }
-    }
-
-    /// Components of a vector along right, up and forward.
-    #[inline]
-    fn coordinates(&self, v: DVec3) -> DVec3 {
-        let [right, up, forward] = self.axes;
-        DVec3::new(v.dot(right), v.dot(up), v.dot(forward))
-    }
-
-    #[inline]
-    fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        let p = self.coordinates(point - self.eye);
-        let [width, height] = self.size.map(|n| n as f64);
-        (p.z > 0.0).then(|| {
-            let scale = self.focal / p.z;
-            [0.5 * width + scale * p.x, 0.5 * height - scale * p.y]
-        })
-    }
-
-    /// The ray through a pixel's centre in camera coordinates, of depth 1.
-    fn ray(&self, pixel: usize) -> DVec3 {
-        let [width, height] = self.size;
-        let (row, column) = ((pixel / width) as f64, (pixel % width) as f64);
-        let x = column + 0.5 - 0.5 * width as f64;
-        let y = 0.5 * height as f64 - row - 0.5;
-        DVec3::new(x / self.focal, y / self.focal, 1.0)
-    }
-
+    /// What the ray through the centre of a pixel sees.
     fn look_through(
         &self,
         pixel: usize,
         trace: &impl Fn(DVec3, DVec3) -> Option<SeenPoint>,
     ) -> Seen {
-        let ray = self.ray(pixel);
+        let (row, column) = ((pixel / self.width) as f64, (pixel % self.width) as f64);
+        let ray = self.projection.components(column + 0.5, row + 0.5);
         let length = ray.length();
-        let [right, up, forward] = self.axes;
-        let direction = (right * ray.x + up * ray.y + forward) / length;
+        let [right, up, forward] = self.projection.axes();
+        let direction = (right * ray.x + up * ray.y + forward * ray.z) / length;
         match trace(self.eye, direction) {
             Some(hit) if hit.distance > 0.0 && hit.distance.is_finite() => Seen {
                 distance: hit.distance,
@@ -227,9 +204,9 @@ impl View {
         }
     }
 
-    /// The normal in camera coordinates, on the side that the ray comes from.
+    /// The normal by its components along the axes, on the side that the ray comes from.
     fn facing(&self, normal: DVec3, ray: DVec3) -> DVec3 {
-        let normal = self.coordinates(normal);
+        let normal = self.projection.along_axes(normal);
         if normal.dot(ray) > 0.0 {
             -normal
         } else {

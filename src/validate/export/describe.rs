@@ -8,7 +8,7 @@ use super::bundle::{
     VelocityEntry,
 };
 use super::glb::Run;
-use crate::camera::{Camera, Kind};
+use crate::camera::{Camera, Kind, Projection};
 use crate::mesh::Mesh;
 use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
@@ -42,7 +42,7 @@ pub(super) fn scene(scene: &Scene, text: &'static str) -> SceneEntry {
 /// The camera of `scene`, which takes its picture as `camera`.
 pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let model = &scene.camera;
-    let film = &camera.shot.pinhole;
+    let film = &camera.shot.projection;
     let [width, height] = model.size.map(f64::from);
     let velocity = camera.shot.frame.velocity();
     let stretch = model.sensor.map_or(1.0, |sensor| {

@@ -1,0 +1,262 @@
+//! Projections: from film points, in pixels from the top left corner, to directions, and back.
+//!
+//! [`Projection`] is what the rest of the program knows of one; cameras, capture cameras and overlays share
+//! it. [`AnyProjection`] lists them all, so that a further one is a file of its own and a row there.
+//! Vectors are in the frame of the camera, or along the projection's [axes](Projection::axes).
+
+use glam::{DMat3, DVec3};
+
+use crate::scene::model::{CameraModel, CaptureCamera};
+use crate::spacetime::{Camera, Direction};
+
+/// From film points to directions, and back.
+pub trait Projection {
+    /// Columns and rows.
+    fn size(&self) -> [f64; 2];
+
+    /// Unit vectors right, up and forward.
+    fn axes(&self) -> [DVec3; 3];
+
+    /// The vector D of film point `(x, y)`: it looks along D, and a sensor at focal length f behind the
+    /// pinhole has that element at −f D. The picture on it stands upside down, and is shown upright.
+    fn vector(&self, x: f64, y: f64) -> DVec3;
+
+    /// D by its components along the axes.
+    fn components(&self, x: f64, y: f64) -> DVec3;
+
+    /// Where what lies along `v`, by its components along the axes, is seen; it may be beyond the film's
+    /// edges. None where no film point looks that way, however large the film.
+    fn film_point(&self, v: DVec3) -> Option<[f64; 2]>;
+
+    /// The width of a pixel at the point `v`, by its components along the axes.
+    fn footprint(&self, v: DVec3) -> f64;
+
+    /// Pixels per radian where they are densest.
+    fn density(&self) -> f64;
+
+    /// What rasterizers need, where straight lines are seen straight.
+    fn linear(&self) -> Option<Linear>;
+
+    /// The unit vector forward.
+    fn forward(&self) -> DVec3 {
+        self.axes()[2]
+    }
+
+    /// The film's corners, in pixels.
+    fn corners(&self) -> [[f64; 2]; 4] {
+        let [w, h] = self.size();
+        [[0.0, 0.0], [w, 0.0], [0.0, h], [w, h]]
+    }
+
+    /// The components of `v` along the axes.
+    #[inline(always)]
+    fn along_axes(&self, v: DVec3) -> DVec3 {
+        let [right, up, forward] = self.axes();
+        DVec3::new(v.dot(right), v.dot(up), v.dot(forward))
+    }
+
+    /// The look direction at film point `(x, y)`, and |D|: the distance of its sensor element from the
+    /// pinhole per unit of focal length.
+    #[inline(always)]
+    fn direction_and_length(&self, x: f64, y: f64) -> (Direction<Camera>, f64) {
+        let d = self.vector(x, y);
+        let length = d.length();
+        // Divisions are what this costs: one does for three components.
+        (Direction::from_unit(d * (1.0 / length)), length)
+    }
+
+    /// The look direction at film point `(x, y)`.
+    #[inline(always)]
+    fn direction(&self, x: f64, y: f64) -> Direction<Camera> {
+        self.direction_and_length(x, y).0
+    }
+}
+
+/// A projection that sees straight lines straight, in homogeneous film coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct Linear {
+    /// The matrix from vectors to homogeneous film coordinates (x z, y z, z), with x and y in pixels and z
+    /// the part along the forward axis, which is negative behind the camera.
+    pub homogeneous_from_camera: DMat3,
+    /// The inward unit normals of the four planes through the pinhole and an edge of the film: left, right,
+    /// top, bottom. What is seen lies on the inner side of all of them.
+    pub sides: [DVec3; 4],
+}
+
+/// Any of the projections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnyProjection {
+    /// Through a pinhole onto a plane.
+    Perspective(Perspective),
+}
+
+impl AnyProjection {
+    /// That of a camera when nothing is turned.
+    pub fn new(model: &CameraModel) -> Self {
+        let size = model.size.map(f64::from);
+        AnyProjection::Perspective(Perspective::new(model.axes, model.horizontal_fov, size))
+    }
+
+    /// That of a capture camera whose cube has `size` columns and rows.
+    pub fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
+        let size = size.map(|n| n as f64);
+        AnyProjection::Perspective(Perspective::new(camera.axes, camera.horizontal_fov, size))
+    }
+
+    /// The same with `stretch` times the focal length: the field of view narrows.
+    #[must_use]
+    pub fn stretched(&self, stretch: f64) -> Self {
+        match self {
+            AnyProjection::Perspective(p) => AnyProjection::Perspective(p.stretched(stretch)),
+        }
+    }
+
+    /// The same with its axes turned.
+    #[must_use]
+    pub fn turned(&self, turn: DMat3) -> Self {
+        match self {
+            AnyProjection::Perspective(p) => AnyProjection::Perspective(p.turned(turn)),
+        }
+    }
+}
+
+/// Hands each method to the projection at hand.
+macro_rules! each {
+    ($($method:ident($($name:ident: $type:ty),*) -> $out:ty;)+) => {
+        impl Projection for AnyProjection {
+            $(
+                #[inline(always)]
+                fn $method(&self, $($name: $type),*) -> $out {
+                    match self {
+                        AnyProjection::Perspective(p) => p.$method($($name),*),
+                    }
+                }
+            )+
+        }
+    };
+}
+
+each! {
+    size() -> [f64; 2];
+    axes() -> [DVec3; 3];
+    vector(x: f64, y: f64) -> DVec3;
+    components(x: f64, y: f64) -> DVec3;
+    film_point(v: DVec3) -> Option<[f64; 2]>;
+    footprint(v: DVec3) -> f64;
+    density() -> f64;
+    linear() -> Option<Linear>;
+}
+
+/// Through a pinhole onto a plane: square pixels, straight lines straight.
+///
+/// With t = tan(fov/2), film point (x, y) has the vector
+///
+/// ```text
+/// D = forward + (2x/width − 1) t right + (1 − 2y/height) t (height/width) up,
+/// ```
+///
+/// and what has the components (x, y, z) along the axes is seen, with the focal length
+/// F = width / 2t in pixels, at (width/2 + F x/z, height/2 − F y/z).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Perspective {
+    forward: DVec3,
+    /// t right, and t (height/width) up.
+    edges: [DVec3; 2],
+    size: [f64; 2],
+    /// 1 / size.
+    pixel: [f64; 2],
+    axes: [DVec3; 3],
+    /// F.
+    focal: f64,
+}
+
+impl Perspective {
+    /// A projection with unit axes right, up and forward, a horizontal field of view in radians, and `size`
+    /// in columns and rows.
+    pub fn new(axes: [DVec3; 3], horizontal_fov: f64, [width, height]: [f64; 2]) -> Self {
+        let [right, up, forward] = axes;
+        let t = libm::tan(0.5 * horizontal_fov);
+        Perspective {
+            forward,
+            edges: [right * t, up * (t * height / width)],
+            size: [width, height],
+            pixel: [1.0 / width, 1.0 / height],
+            axes,
+            focal: 0.5 * width / t,
+        }
+    }
+
+    fn stretched(&self, stretch: f64) -> Self {
+        Perspective {
+            edges: self.edges.map(|edge| edge / stretch),
+            focal: self.focal * stretch,
+            ..self.clone()
+        }
+    }
+
+    fn turned(&self, turn: DMat3) -> Self {
+        Perspective {
+            forward: turn * self.forward,
+            edges: self.edges.map(|edge| turn * edge),
+            axes: self.axes.map(|axis| turn * axis),
+            ..self.clone()
+        }
+    }
+}
+
+impl Projection for Perspective {
+    fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    // Cameras take millions of vectors: no division, axes scaled beforehand.
+    #[inline(always)]
+    fn vector(&self, x: f64, y: f64) -> DVec3 {
+        let ([width, height], [right, up]) = (self.size, self.edges);
+        self.forward
+            + right * ((2.0 * x - width) * self.pixel[0])
+            + up * ((height - 2.0 * y) * self.pixel[1])
+    }
+
+    fn components(&self, x: f64, y: f64) -> DVec3 {
+        let [width, height] = self.size;
+        let (right, up) = (x - 0.5 * width, 0.5 * height - y);
+        DVec3::new(right / self.focal, up / self.focal, 1.0)
+    }
+
+    #[inline]
+    fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
+        let [width, height] = self.size;
+        (v.z > 0.0).then(|| {
+            let scale = self.focal / v.z;
+            [0.5 * width + scale * v.x, 0.5 * height - scale * v.y]
+        })
+    }
+
+    #[inline]
+    fn footprint(&self, v: DVec3) -> f64 {
+        v.z / self.focal
+    }
+
+    // In the corners: |D|² dense against the centre.
+    fn density(&self) -> f64 {
+        let [right, up] = self.edges.map(|edge| edge.length_squared());
+        0.5 * self.size[0] / right.sqrt() * (1.0 + right + up)
+    }
+
+    fn linear(&self) -> Option<Linear> {
+        let ([width, height], forward) = (self.size, self.forward);
+        let [right, up] = self.edges.map(|edge| edge / edge.length_squared());
+        let x = (forward + right) * (0.5 * width);
+        let y = (forward - up) * (0.5 * height);
+        Some(Linear {
+            homogeneous_from_camera: DMat3::from_cols(x, y, forward).transpose(),
+            sides: [right, -right, -up, up].map(|side| (forward + side).normalize()),
+        })
+    }
+}

@@ -11,7 +11,8 @@ use std::hint::black_box;
 
 use glam::DVec2;
 use half::f16;
-use nullray::light::time_texture::{Cube, Samples, TimeAxis, TimeTexture};
+use nullray::io::cube::{Cube, Samples};
+use nullray::light::time_texture::{TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
 
 use common::{best_of, report, report_file};

@@ -17,6 +17,11 @@ pub trait Projection {
     /// Unit vectors right, up and forward.
     fn axes(&self) -> [DVec3; 3];
 
+    /// The same as the film's vectors have them, which rounding tells from the axes: by these, overlays draw.
+    fn film_axes(&self) -> [DVec3; 3] {
+        self.axes()
+    }
+
     /// The vector D of film point `(x, y)`: it looks along D, and a sensor at focal length f behind the
     /// pinhole has that element at −f D. The picture on it stands upside down, and is shown upright.
     fn vector(&self, x: f64, y: f64) -> DVec3;
@@ -139,6 +144,7 @@ macro_rules! each {
 each! {
     size() -> [f64; 2];
     axes() -> [DVec3; 3];
+    film_axes() -> [DVec3; 3];
     vector(x: f64, y: f64) -> DVec3;
     components(x: f64, y: f64) -> DVec3;
     film_point(v: DVec3) -> Option<[f64; 2]>;
@@ -212,6 +218,13 @@ impl Projection for Perspective {
     #[inline(always)]
     fn axes(&self) -> [DVec3; 3] {
         self.axes
+    }
+
+    fn film_axes(&self) -> [DVec3; 3] {
+        let [width, height] = self.size;
+        let corner = self.vector(0.0, 0.0);
+        let step = |x, y| (self.vector(x, y) - corner).normalize_or_zero();
+        [step(width, 0.0), -step(0.0, height), self.forward]
     }
 
     // Cameras take millions of vectors: no division, axes scaled beforehand.

@@ -7,8 +7,38 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::mesh::{Material, Mesh, Part};
-use crate::scene::model::Shape;
+use super::triangles::{Material, Mesh, Part};
+
+/// Shapes that need no file; each is closed or flat, with outward normals and TEXCOORD_0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// An axis-aligned box centred on the origin, edge lengths in metres.
+    Box {
+        /// Edge lengths along x, y, z.
+        size: [f64; 3],
+    },
+    /// An icosphere centred on the origin.
+    Sphere {
+        /// Radius of the vertices, metres.
+        radius: f64,
+        /// Subdivisions of the icosahedron, 0 to 8; 20·4ⁿ triangles.
+        subdivisions: u32,
+    },
+    /// A rectangle in the plane y = 0 centred on the origin, facing +y.
+    Plane {
+        /// Edge lengths along x and z.
+        size: [f64; 2],
+    },
+    /// A wire lattice of square bars along the edges of cubic cells: the classic subject for seeing aberration.
+    Lattice {
+        /// Cells along x, y, z, each 1 to 64.
+        cells: [u32; 3],
+        /// Edge length of a cell, metres.
+        spacing: f64,
+        /// Thickness of a bar, metres, below `spacing`.
+        bar: f64,
+    },
+}
 
 /// How many triangles `shape` has.
 pub fn triangle_count(shape: Shape) -> u64 {

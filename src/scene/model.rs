@@ -12,6 +12,9 @@ use serde::Serialize;
 
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
+pub use crate::io::gltf::BadVertices;
+pub use crate::mesh::Shape;
+
 pub use camera::{
     Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Sensor, Shutter,
 };
@@ -92,16 +95,6 @@ pub struct Object {
     pub span: std::ops::Range<usize>,
 }
 
-/// What is done about vertices that are NaN or infinite, or too far away for a ray to meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum BadVertices {
-    /// The file is refused.
-    #[default]
-    Refuse,
-    /// Triangles with such a vertex are never seen, and counted in a warning.
-    Drop,
-}
-
 /// Where an object's triangles come from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
@@ -118,37 +111,6 @@ pub enum Geometry {
         shape: Shape,
         /// Linear RGB base colour.
         colour: [f32; 3],
-    },
-}
-
-/// Shapes that need no file; each is closed or flat, with outward normals and TEXCOORD_0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// An axis-aligned box centred on the origin, edge lengths in metres.
-    Box {
-        /// Edge lengths along x, y, z.
-        size: [f64; 3],
-    },
-    /// An icosphere centred on the origin.
-    Sphere {
-        /// Radius of the vertices, metres.
-        radius: f64,
-        /// Subdivisions of the icosahedron, 0 to 8; 20·4ⁿ triangles.
-        subdivisions: u32,
-    },
-    /// A rectangle in the plane y = 0 centred on the origin, facing +y.
-    Plane {
-        /// Edge lengths along x and z.
-        size: [f64; 2],
-    },
-    /// A wire lattice of square bars along the edges of cubic cells: the classic subject for seeing aberration.
-    Lattice {
-        /// Cells along x, y, z, each 1 to 64.
-        cells: [u32; 3],
-        /// Edge length of a cell, metres.
-        spacing: f64,
-        /// Thickness of a bar, metres, below `spacing`.
-        bar: f64,
     },
 }
 

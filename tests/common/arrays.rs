@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use nullray::io::npy;
-use nullray::light::time_texture::Samples;
+use nullray::io::cube::{self, Samples};
 
 /// All numbers of an array of an .npz file.
 pub fn array_at(path: &Path, name: &str) -> Vec<f64> {
-    match npy::load(path, Some(name)).unwrap().samples {
+    match cube::load(path, Some(name)).unwrap().samples {
         Samples::F16(v) => v.iter().map(|x| x.to_f64()).collect(),
         Samples::F32(v) => v.iter().map(|x| f64::from(*x)).collect(),
         Samples::F64(v) => v,

@@ -1,8 +1,8 @@
 //! Valid files with bytes changed, numbers replaced and ends cut off: whatever comes of it is a
 //! result or an error, never a panic, a hang or a bid for all memory.
 
+use nullray::io::cube;
 use nullray::io::gltf::{self, Want};
-use nullray::io::npy;
 use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {
@@ -57,7 +57,7 @@ fn import_gltf(bytes: &[u8]) -> bool {
 }
 
 fn import_array(bytes: &[u8], array: Option<&str>) -> bool {
-    npy::load_bytes(bytes, "mutated", array).is_ok()
+    cube::load_bytes(bytes, "mutated", array).is_ok()
 }
 
 /// Every byte, changed in four ways.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use half::f16;
+use nullray::io::cube::{self, Samples};
 use nullray::io::npy::{self, Dtype};
-use nullray::light::time_texture::Samples;
 
 fn valid(file: &str) -> PathBuf {
     Path::new("tests/data/valid").join(file)
@@ -23,7 +23,7 @@ fn single_precision_of_every_header_version_is_read() {
         "cube-f4-version-3.npy",
         "stored.npz",
     ] {
-        let cube = npy::load(&valid(file), None).unwrap();
+        let cube = cube::load(&valid(file), None).unwrap();
         assert_eq!(cube.shape, [2, 3, 4, 1], "{file}");
         let samples = expected().map(|s| s as f32).collect();
         assert_eq!(cube.samples, Samples::F32(samples), "{file}");
@@ -32,32 +32,32 @@ fn single_precision_of_every_header_version_is_read() {
 
 #[test]
 fn half_precision_is_read_as_it_is() {
-    let cube = npy::load(&valid("cube-f2.npy"), None).unwrap();
+    let cube = cube::load(&valid("cube-f2.npy"), None).unwrap();
     let samples = expected().map(f16::from_f64).collect();
     assert_eq!(cube.samples, Samples::F16(samples));
 }
 
 #[test]
 fn big_endian_samples_are_converted() {
-    let cube = npy::load(&valid("cube-f8-big-endian.npy"), None).unwrap();
+    let cube = cube::load(&valid("cube-f8-big-endian.npy"), None).unwrap();
     assert_eq!(cube.samples, Samples::F64(expected().collect()));
 }
 
 #[test]
 fn a_fourth_axis_is_channels() {
-    let cube = npy::load(&valid("rgb-f4.npy"), None).unwrap();
+    let cube = cube::load(&valid("rgb-f4.npy"), None).unwrap();
     assert_eq!(cube.shape, [2, 2, 2, 3]);
 }
 
 #[test]
 fn a_deflated_array_is_found_by_its_name_among_arrays_that_are_no_cubes() {
-    let cube = npy::load(&valid("deflated.npz"), Some("cube")).unwrap();
+    let cube = cube::load(&valid("deflated.npz"), Some("cube")).unwrap();
     assert_eq!(cube.samples, Samples::F64(expected().collect()));
 }
 
 #[test]
 fn an_array_that_is_not_there_is_refused_with_the_names_of_those_that_are() {
-    let error = npy::load(&valid("deflated.npz"), Some("cubes")).unwrap_err();
+    let error = cube::load(&valid("deflated.npz"), Some("cubes")).unwrap_err();
     let help = error.help();
     for name in ["\"cube\"", "\"wavelengths\"", "\"axis\""] {
         assert!(help.contains(name), "{help}");
@@ -66,7 +66,7 @@ fn an_array_that_is_not_there_is_refused_with_the_names_of_those_that_are() {
 
 #[test]
 fn a_name_for_the_nameless_array_of_an_npy_file_is_refused() {
-    let error = npy::load(&valid("cube-f4.npy"), Some("cube")).unwrap_err();
+    let error = cube::load(&valid("cube-f4.npy"), Some("cube")).unwrap_err();
     assert!(error.to_string().contains("has no name"), "{error}");
 }
 
@@ -95,7 +95,7 @@ fn inspecting_tells_headers_of_all_arrays() {
 
 #[test]
 fn inspecting_a_cube_tells_its_size_in_memory() {
-    let info = npy::inspect_cube(&valid("cube-f2.npy"), None).unwrap();
+    let info = cube::inspect(&valid("cube-f2.npy"), None).unwrap();
     assert_eq!((info.shape, info.bytes), ([2, 3, 4, 1], 48));
     assert_eq!(info.dtype, Dtype::F16);
 }
@@ -104,9 +104,9 @@ fn inspecting_a_cube_tells_its_size_in_memory() {
 fn bytes_in_memory_are_read_as_files_are() {
     for (file, array) in [("cube-f4.npy", None), ("deflated.npz", Some("cube"))] {
         let bytes = std::fs::read(valid(file)).unwrap();
-        let cube = npy::load_bytes(&bytes, "built-in", array).unwrap();
-        assert_eq!(cube, npy::load(&valid(file), array).unwrap());
-        let error = npy::load_bytes(&bytes[..90], "built-in", array).unwrap_err();
+        let cube = cube::load_bytes(&bytes, "built-in", array).unwrap();
+        assert_eq!(cube, cube::load(&valid(file), array).unwrap());
+        let error = cube::load_bytes(&bytes[..90], "built-in", array).unwrap_err();
         assert!(error.to_string().starts_with("built-in"), "{error}");
     }
 }
@@ -119,7 +119,7 @@ fn a_cube_of_many_pieces_is_read_whole() {
     bytes.extend((shape.len() as u16).to_le_bytes());
     bytes.extend(shape.bytes());
     bytes.extend((0..60_000).flat_map(|n| (n as f32).to_le_bytes()));
-    let cube = npy::load_bytes(&bytes, "memory", None).unwrap();
+    let cube = cube::load_bytes(&bytes, "memory", None).unwrap();
     assert_eq!(
         cube.samples,
         Samples::F32((0..60_000).map(|n| n as f32).collect())

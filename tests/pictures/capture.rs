@@ -2,8 +2,9 @@
 //! a plane z = 0 and a sphere on it, lit by a Gaussian wave front g(t − |P − light|).
 
 use glam::DVec3;
+use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
-    Capture, Coverage, Cube, Sampled, Samples, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
+    Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
 use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
 

@@ -1,9 +1,8 @@
 //! Batches of lookups against single ones.
 
 use glam::DVec2;
-use nullray::light::time_texture::{
-    BATCH, Coverage, Cube, Lookups, Samples, TimeAxis, TimeTexture,
-};
+use nullray::io::cube::{Cube, Samples};
+use nullray::light::time_texture::{BATCH, Coverage, Lookups, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
 
 /// A texture of 3 × 5 texels and 9 bins.

@@ -1,7 +1,8 @@
 //! Lookups by texture coordinates, against closed forms.
 
 use glam::DVec2;
-use nullray::light::time_texture::{Coverage, Cube, CubeError, Samples, TimeAxis, TimeTexture};
+use nullray::io::cube::{Cube, CubeError, Samples};
+use nullray::light::time_texture::{Coverage, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
 use proptest::prelude::*;
 

@@ -1,33 +1,34 @@
-//! What a .npy or .npz file holds, from its headers, and whether it can be used as a cube.
+//! What a file of arrays holds, from its headers, and whether it can be used as a cube.
 
 use std::path::Path;
 
-use nullray::io::npy::{self, Dtype, Header};
+use nullray::io::cube::{self, CubeFormat, CubeInfo};
+use nullray::io::npy::{Dtype, Header};
 use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
 
 use super::{Info, Sheet};
 
-pub fn info(path: &Path) -> Result<Info> {
-    let headers = npy::inspect(path, None)?;
+pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
+    let headers = (format.arrays)(path)?;
     let mut sheet = Sheet::new();
     let mut arrays = Vec::new();
     for header in &headers {
-        let cube = npy::inspect_cube(path, header.name.as_deref());
+        let cube = cube::inspect(path, header.name.as_deref());
         describe(&mut sheet, header, &cube);
         arrays.push(data(header, &cube));
     }
     let title = match headers.as_slice() {
-        [one] if one.name.is_none() => "NumPy array".into(),
-        [_] => "NumPy archive of 1 array".into(),
-        headers => format!("NumPy archive of {} arrays", headers.len()),
+        [one] if one.name.is_none() => format.name.into(),
+        [_] => format!("{} of 1 array", format.name),
+        headers => format!("{} of {} arrays", format.name, headers.len()),
     };
     let data = json!({ "kind": "numpy", "arrays": arrays });
     Info::new(path, &title, sheet, &data)
 }
 
-type Cube = Result<npy::CubeInfo>;
+type Cube = Result<CubeInfo>;
 
 fn describe(sheet: &mut Sheet, header: &Header, cube: &Cube) {
     if let Some(name) = &header.name {

@@ -9,6 +9,7 @@ mod scene;
 use std::io::Read;
 use std::path::Path;
 
+use nullray::io::cube::{CubeFormat, format_of};
 use nullray::io::files;
 use nullray::{Error, Result};
 use serde::Serialize;
@@ -25,7 +26,7 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
     let path = arguments.file.as_path();
     let info = match Kind::of(path)? {
         Kind::Gltf => gltf::info(path),
-        Kind::Array => array::info(path),
+        Kind::Array(format) => array::info(path, format),
         Kind::Exr => picture::exr(path),
         Kind::Png => picture::png(path),
         Kind::Scene => scene::info(path),
@@ -142,7 +143,7 @@ fn is_reordering(c: char) -> bool {
 
 enum Kind {
     Gltf,
-    Array,
+    Array(&'static CubeFormat),
     Exr,
     Png,
     Scene,
@@ -159,12 +160,11 @@ impl Kind {
         let is_text = !start.is_empty() && !start.contains(&0);
         match start.as_slice() {
             [b'g', b'l', b'T', b'F', ..] => Ok(Kind::Gltf),
-            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] | [b'P', b'K', 3 | 5, ..] => Ok(Kind::Array),
             [0x76, 0x2f, 0x31, 0x01, ..] => Ok(Kind::Exr),
             [0x89, b'P', b'N', b'G', ..] => Ok(Kind::Png),
-            _ => match extension {
+            start => match extension {
+                _ if let Some(format) = format_of(start, path) => Ok(Kind::Array(format)),
                 "gltf" | "glb" => Ok(Kind::Gltf),
-                "npy" | "npz" => Ok(Kind::Array),
                 "exr" => Ok(Kind::Exr),
                 "png" => Ok(Kind::Png),
                 "toml" => Ok(Kind::Scene),

@@ -35,8 +35,9 @@ impl Pointer {
     pub(super) fn of(shot: &Shot, projection: &AnyProjection) -> Option<Pointer> {
         let velocity = shot.frame.velocity();
         let n = velocity.rapidity().try_normalize()?;
+        let n = DVec3::from_array(projection.film_axes().map(|axis| axis.dot(n)));
         Some(Pointer {
-            target: target(projection, projection.along_axes(n)),
+            target: target(projection, n),
             velocity,
         })
     }

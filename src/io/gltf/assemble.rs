@@ -8,12 +8,13 @@ use super::accessor;
 use super::buffers::Buffers;
 use super::document::{Document, shortened};
 use super::draft::{Draft, Materials};
+use super::images;
+use super::import::{EncodedImage, Imported, Want};
 use super::materials::Resolved;
 use super::pieces::Placement;
 use super::primitive::Piece;
 use super::vertices::Vertices;
 use super::warnings::Warnings;
-use super::{EncodedImage, Imported, Want, images};
 use crate::Result;
 use crate::mesh::{Material, Mesh, Part};
 

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Want;
 use super::document::Document;
+use super::import::Want;
 use super::materials::{Resolved, resolve};
 use super::nodes::Hierarchy;
 use super::pieces::Pieces;

@@ -4,9 +4,9 @@ use std::io::Read;
 
 use ::gltf::json::{Index, image};
 
-use super::EncodedImage;
 use super::buffers::{Buffers, Resource, resource, view_range};
 use super::document::{Document, label};
+use super::import::EncodedImage;
 use crate::{Error, Result};
 
 /// The most bytes of encoded images of one import: several images may name the same bytes.

@@ -23,7 +23,7 @@ mod container;
 mod document;
 mod draft;
 mod images;
-mod layout;
+mod import;
 mod materials;
 mod nodes;
 mod pieces;
@@ -36,49 +36,11 @@ mod warnings;
 use std::path::Path;
 
 pub use camera::GltfCamera;
+pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use summary::Summary;
 
 use crate::Result;
-use crate::mesh::Mesh;
-use crate::scene::model::BadVertices;
 use document::Document;
-
-/// What an import is to read besides positions and indices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Want {
-    /// All texture coordinate sets. Without it, only those that textures need are read.
-    pub uvs: bool,
-    /// Base colour textures: their images, and the coordinates that address them.
-    pub textures: bool,
-    /// Positions and texture coordinates that are not finite. Triangles that are dropped keep their numbers:
-    /// their corners are made one point, so that no ray meets them.
-    pub bad_vertices: BadVertices,
-}
-
-/// What was read.
-#[derive(Debug, Clone)]
-pub struct Imported {
-    /// The triangles, in the coordinates of the file's root, metres. Vertices of a primitive
-    /// without a texture coordinate set that others have hold NaN in it, which
-    /// [`Mesh::uv`] takes for none. A texture with a transform of its own
-    /// (KHR_texture_transform) has its coordinates in one more list after the file's sets.
-    pub mesh: Mesh,
-    /// Encoded base colour images of the materials in use; [`TextureRef::image`] counts these.
-    ///
-    /// [`TextureRef::image`]: crate::mesh::TextureRef::image
-    pub images: Vec<EncodedImage>,
-    /// What was passed over, a sentence each, with the place.
-    pub warnings: Vec<String>,
-}
-
-/// An image as it stands in the file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EncodedImage {
-    /// A PNG or JPEG file; only its first bytes have been looked at.
-    pub bytes: Vec<u8>,
-    /// Where it stands, for messages: `image 2 "bricks"`.
-    pub place: String,
-}
 
 /// The triangles of the default scene of a `.gltf` or `.glb` file, or of the node called `node`
 /// and all below it (placed as in the whole scene).

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 
+use super::accessor::{Layout, Purpose};
 use super::document::Document;
-use super::layout::{Layout, Purpose};
 use super::warnings::Warnings;
 use crate::Result;
 

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
+use super::camera;
 use super::document::Document;
 use super::draft::Draft;
+use super::import::{BadVertices, Want};
 use super::pieces::Pieces;
 use super::uri::{self, Target};
-use super::{Want, camera};
 use crate::Result;
 use crate::mesh::Material;
-use crate::scene::model::BadVertices;
 
 /// What an import would give, and what else there is to choose from.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,14 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
 
-use super::accessor;
+use super::accessor::{self, Layout};
 use super::buffers::Buffers;
-use super::layout::Layout;
+use super::import::BadVertices;
 use super::materials::{Resolved, UvTransform};
 use super::pieces::Placement;
 use super::primitive::Piece;
 use crate::Result;
-use crate::scene::model::BadVertices;
 
 /// The vertices of all that has been read so far.
 pub(super) struct Vertices {

@@ -6,14 +6,18 @@ use std::path::Path;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::{CubeInfo, Header, MEMBERS, Place, WRITE_AGAIN, header};
+use super::header::{self, Header};
+use super::place::{MEMBERS, Place, WRITE_AGAIN};
 use crate::{Error, Result};
 
 /// Deflate makes at most 1032 bytes of one.
 const LARGEST_EXPANSION: u64 = 1032;
 
+/// Bytes that are read at a time; a multiple of every sample's size.
+const PIECE: usize = 1 << 16;
+
 /// One array, positioned at its magic string.
-pub(super) struct Stored<'a> {
+pub(in crate::io) struct Stored<'a> {
     pub reader: &'a mut dyn Read,
     pub place: Place,
     /// Bytes of the array, header included, as the file system or the archive's directory says.
@@ -23,12 +27,52 @@ pub(super) struct Stored<'a> {
 }
 
 impl Stored<'_> {
-    /// Reads the header and checks that a cube of this size can follow.
-    pub fn cube_layout(&mut self) -> Result<(Header, CubeInfo)> {
-        let (header, header_bytes) = header::read(self.reader, &self.place)?;
-        let info = header.cube(&self.place)?;
-        self.check_length(header_bytes.saturating_add(info.bytes))?;
-        Ok((header, info))
+    /// Reads the header; also how many bytes it took.
+    pub fn header(&mut self) -> Result<(Header, u64)> {
+        header::read(self.reader, &self.place)
+    }
+
+    /// The next `count` samples, the last of the array, each made of its bytes by `sample`. `check` gets
+    /// every piece as it arrives, with the index of its first sample.
+    pub fn samples<const N: usize, T>(
+        &mut self,
+        count: usize,
+        sample: impl Fn([u8; N]) -> T,
+        check: impl Fn(&Place, usize, &[T]) -> Result<()>,
+    ) -> Result<Vec<T>> {
+        let mut samples = Vec::new();
+        // Memory is only promised here; it is taken as samples arrive.
+        samples.try_reserve_exact(count).map_err(|_| {
+            let what = format!("there is not enough memory for {count} samples");
+            let help = "crop the array, or store it in half precision (numpy.float16)";
+            self.place.unsupported("", what, help)
+        })?;
+        let mut piece = vec![0; PIECE];
+        while samples.len() < count {
+            let bytes = &mut piece[..PIECE.min((count - samples.len()).saturating_mul(N))];
+            self.reader
+                .read_exact(bytes)
+                .map_err(|error| self.place.read_error("samples", error))?;
+            let first = samples.len();
+            samples.extend(bytes.as_chunks::<N>().0.iter().map(|b| sample(*b)));
+            check(&self.place, first, &samples[first..])?;
+        }
+        self.expect_end()?;
+        Ok(samples)
+    }
+
+    /// One more read: an archive's checksum is compared at the end, and a member may be longer
+    /// than its directory says.
+    fn expect_end(&mut self) -> Result<()> {
+        match self.reader.read(&mut [0]) {
+            Ok(0) => Ok(()),
+            Ok(_) => Err(self.place.invalid(
+                "samples",
+                "there are bytes after the last sample",
+                WRITE_AGAIN,
+            )),
+            Err(error) => Err(self.place.read_error("samples", error)),
+        }
     }
 
     /// Refuses an array that has other than `expected` bytes, its header included.
@@ -56,7 +100,7 @@ impl Stored<'_> {
 }
 
 /// Calls `then` with the array of the file, or the one named `array`.
-pub(super) fn with_array<R: Read + Seek, T>(
+pub(in crate::io) fn with_array<R: Read + Seek, T>(
     reader: &mut R,
     file: &Path,
     array: Option<&str>,

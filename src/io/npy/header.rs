@@ -1,9 +1,9 @@
-//! The header of one array.
+//! The header of one array: a magic string, the version, a length and the text of a Python dictionary of
+//! `descr`, `fortran_order` and `shape`.
 
 use std::io::Read;
 
-use super::literal::{Literal, dictionary};
-use super::{CubeInfo, Place, WRITE_AGAIN};
+use super::place::{Place, WRITE_AGAIN};
 use crate::Result;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
@@ -39,18 +39,6 @@ pub struct Header {
     pub big_endian: bool,
 }
 
-impl Dtype {
-    /// Bytes of a sample, where the type can be loaded.
-    fn size(&self) -> Option<u64> {
-        match self {
-            Dtype::F16 => Some(2),
-            Dtype::F32 => Some(4),
-            Dtype::F64 => Some(8),
-            Dtype::Other(_) => None,
-        }
-    }
-}
-
 /// Reads magic, version and header; gives the header and how many bytes it took.
 pub(super) fn read(reader: &mut dyn Read, place: &Place) -> Result<(Header, u64)> {
     let mut start = [0; 8];
@@ -63,9 +51,11 @@ pub(super) fn read(reader: &mut dyn Read, place: &Place) -> Result<(Header, u64)
             "write it with numpy.save or numpy.savez",
         ));
     }
-    let (length, prefix) = match major {
-        1 => (u32::from(u16::from_le_bytes(array(reader, place)?)), 10),
-        2 | 3 => (u32::from_le_bytes(array(reader, place)?), 12),
+    // The length of the text has two bytes in version 1 and four in later ones.
+    let mut length = [0; 4];
+    let width = match major {
+        1 => 2,
+        2 | 3 => 4,
         _ => {
             return Err(place.unsupported(
                 "header",
@@ -74,8 +64,21 @@ pub(super) fn read(reader: &mut dyn Read, place: &Place) -> Result<(Header, u64)
             ));
         }
     };
-    let header = parse(&text(reader, length, place)?, place)?;
-    Ok((header, prefix + u64::from(length)))
+    fill(reader, &mut length[..width], place)?;
+    let length = u32::from_le_bytes(length);
+    if length > LONGEST_HEADER {
+        return Err(place.invalid(
+            "header",
+            format!("it claims to be {length} bytes long"),
+            format!("a header of at most {LONGEST_HEADER} bytes; {WRITE_AGAIN}"),
+        ));
+    }
+    let mut text = vec![0; length as usize];
+    fill(reader, &mut text, place)?;
+    // Versions 1 and 2 say Latin-1, but what is needed of a header is ASCII in all versions.
+    let header = parse(&String::from_utf8_lossy(&text), place.array.clone());
+    let header = header.map_err(|what| place.invalid("header", what, WRITE_AGAIN))?;
+    Ok((header, (start.len() + width) as u64 + u64::from(length)))
 }
 
 fn fill(reader: &mut dyn Read, bytes: &mut [u8], place: &Place) -> Result<()> {
@@ -84,158 +87,154 @@ fn fill(reader: &mut dyn Read, bytes: &mut [u8], place: &Place) -> Result<()> {
         .map_err(|error| place.read_error("header", error))
 }
 
-fn array<const N: usize>(reader: &mut dyn Read, place: &Place) -> Result<[u8; N]> {
-    let mut bytes = [0; N];
-    fill(reader, &mut bytes, place)?;
-    Ok(bytes)
-}
-
-fn text(reader: &mut dyn Read, length: u32, place: &Place) -> Result<String> {
-    if length > LONGEST_HEADER {
-        return Err(place.invalid(
-            "header",
-            format!("it claims to be {length} bytes long"),
-            format!("a header of at most {LONGEST_HEADER} bytes; {WRITE_AGAIN}"),
-        ));
-    }
-    let mut bytes = vec![0; length as usize];
-    fill(reader, &mut bytes, place)?;
-    // Versions 1 and 2 say Latin-1, but what is needed of a header is ASCII in all versions.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-fn parse(text: &str, place: &Place) -> Result<Header> {
-    let broken = |what: String| place.invalid("header", what, WRITE_AGAIN);
-    let mut header = Header {
-        name: place.array.clone(),
-        shape: Vec::new(),
-        dtype: Dtype::Other(String::new()),
-        fortran_order: false,
-        big_endian: false,
-    };
-    let mut found = [false; 3];
-    for (key, value) in dictionary(text).map_err(broken)? {
-        let slot = match (key.as_str(), value) {
-            ("descr", Literal::Text(descr)) => {
-                (header.dtype, header.big_endian) = dtype(&descr);
-                0
-            }
-            ("descr", Literal::List(descr)) => {
-                header.dtype = Dtype::Other(descr);
-                0
-            }
-            ("fortran_order", Literal::Bool(order)) => {
-                header.fortran_order = order;
-                1
-            }
-            ("shape", Literal::Tuple(shape)) => {
-                header.shape = shape;
-                2
-            }
-            (key, _) => return Err(broken(format!("the entry {key:?} is not of the format"))),
+/// The header of the array `name` that `text` describes, or what is wrong with the text.
+fn parse(text: &str, name: Option<String>) -> Result<Header, String> {
+    let inside = text
+        .trim()
+        .strip_prefix('{')
+        .and_then(|t| t.strip_suffix('}'));
+    let entries = inside.and_then(parts).ok_or_else(|| {
+        let start: String = text.trim().chars().take(20).collect();
+        format!("{start:?} is no dictionary")
+    })?;
+    let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+    for entry in entries {
+        let (key, value) = entry.split_once(':').unwrap_or((entry, ""));
+        let (key, value) = (unquoted(key.trim()), value.trim());
+        let is_new = match key {
+            Some("descr") => descr.replace(unquoted(value).unwrap_or(value)).is_none(),
+            Some("fortran_order") => fortran_order.replace(value).is_none(),
+            Some("shape") => shape.replace(sizes(value)?).is_none(),
+            _ => false,
         };
-        if std::mem::replace(&mut found[slot], true) {
-            return Err(broken(format!("the entry {key:?} stands twice")));
+        if !is_new {
+            let key = key.unwrap_or(entry);
+            return Err(format!(
+                "the entry {key:?} is not of the format, or stands twice"
+            ));
         }
     }
-    match found {
-        [true, true, true] => Ok(header),
-        _ => Err(broken("descr, fortran_order or shape is missing".into())),
+    let (Some(descr), Some(order), Some(shape)) = (descr, fortran_order, shape) else {
+        return Err("descr, fortran_order or shape is missing".into());
+    };
+    let fortran_order = match order {
+        "True" => true,
+        "False" => false,
+        _ => return Err(format!("fortran_order is {order:?} and not True or False")),
+    };
+    let (dtype, big_endian) = dtype(descr);
+    Ok(Header {
+        name,
+        shape,
+        dtype,
+        fortran_order,
+        big_endian,
+    })
+}
+
+/// The parts of `text` between commas that stand outside of brackets and strings; the last may be empty
+/// and is left out then. None where a bracket or a string is not closed.
+fn parts(text: &str) -> Option<Vec<&str>> {
+    let (mut parts, mut first) = (Vec::new(), 0);
+    let (mut depth, mut quote) = (0_usize, None);
+    for (at, c) in text.char_indices() {
+        match (quote, c) {
+            (Some(open), _) if open == c => quote = None,
+            (Some(_), _) => {}
+            (None, '\'' | '"') => quote = Some(c),
+            (None, '(' | '[' | '{') => depth += 1,
+            (None, ')' | ']' | '}') => depth = depth.checked_sub(1)?,
+            (None, ',') if depth == 0 => {
+                parts.push(text[first..at].trim());
+                first = at + 1;
+            }
+            (None, _) => {}
+        }
     }
+    parts.extend(Some(text[first..].trim()).filter(|last| !last.is_empty()));
+    (depth == 0 && quote.is_none()).then_some(parts)
+}
+
+/// What stands in the quotes of a string.
+fn unquoted(text: &str) -> Option<&str> {
+    let inside = |quote| text.strip_prefix(quote)?.strip_suffix(quote);
+    inside('\'').or_else(|| inside('"'))
+}
+
+/// A tuple of sizes; Python 2 wrote a final L.
+fn sizes(text: &str) -> Result<Vec<usize>, String> {
+    let inside = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
+    let sizes = inside
+        .and_then(parts)
+        .ok_or_else(|| format!("the shape {text:?} is no tuple"))?;
+    let size = |text: &str| text.strip_suffix('L').unwrap_or(text).parse().ok();
+    let all = sizes
+        .iter()
+        .map(|text| size(text).ok_or_else(|| format!("{text:?} is no size of an array")));
+    all.collect()
 }
 
 /// The type that `descr` names, and whether its byte order is big-endian.
 fn dtype(descr: &str) -> (Dtype, bool) {
-    let (order, kind) = match descr.split_at_checked(1) {
-        Some((order @ ("<" | ">"), kind)) => (order, kind),
-        _ => ("", ""),
-    };
-    let dtype = match kind {
-        "f2" => Dtype::F16,
-        "f4" => Dtype::F32,
-        "f8" => Dtype::F64,
+    let dtype = match descr {
+        "<f2" | ">f2" => Dtype::F16,
+        "<f4" | ">f4" => Dtype::F32,
+        "<f8" | ">f8" => Dtype::F64,
         _ => Dtype::Other(descr.to_owned()),
     };
-    (dtype, order == ">")
+    (dtype, descr.starts_with('>'))
 }
 
-impl Header {
-    /// The cube that this array is, or why it cannot be one.
-    pub(super) fn cube(&self, place: &Place) -> Result<CubeInfo> {
-        let size = self.sample_size(place)?;
-        let shape = self.cube_shape(place)?;
-        if self.fortran_order {
-            return Err(place.invalid(
-                "header",
-                "the array is in Fortran order (its first index varies fastest)",
-                "save it in C order: numpy.save(path, numpy.ascontiguousarray(array))",
-            ));
-        }
-        let bytes = shape
-            .iter()
-            .try_fold(size, |product, &n| product.checked_mul(n as u64))
-            .filter(|&bytes| bytes <= isize::MAX as u64);
-        let bytes = bytes.ok_or_else(|| {
-            place.invalid(
-                "header",
-                format!(
-                    "the shape {:?} has more samples than memory can address",
-                    self.shape
-                ),
-                WRITE_AGAIN,
-            )
-        })?;
-        Ok(CubeInfo {
-            shape,
-            dtype: self.dtype.clone(),
-            bytes,
-        })
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(text: &str) -> Result<(Dtype, bool, Vec<usize>), String> {
+        parse(text, None).map(|h| (h.dtype, h.fortran_order, h.shape))
     }
 
-    fn sample_size(&self, place: &Place) -> Result<u64> {
-        self.dtype.size().ok_or_else(|| {
-            let descr = match &self.dtype {
-                Dtype::Other(descr) => descr.chars().take(40).collect::<String>(),
-                _ => String::new(),
-            };
-            let what = match descr.as_str() {
-                "|O" => "the array holds Python objects, which are never unpickled".to_owned(),
-                _ => format!("samples of type {descr:?} are not floating-point numbers"),
-            };
-            let help = "give f2, f4 or f8 samples: \
-                        numpy.save(path, array.astype(numpy.float32))";
-            place.unsupported("header", what, help)
-        })
+    #[test]
+    fn a_header_as_numpy_writes_it_is_read() {
+        let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), }   \n";
+        assert_eq!(header(text), Ok((Dtype::F32, false, vec![3, 4, 5])));
     }
 
-    fn cube_shape(&self, place: &Place) -> Result<[usize; 4]> {
-        let shape = match *self.shape.as_slice() {
-            [h, w, t] => [h, w, t, 1],
-            [h, w, t, c] => [h, w, t, c],
-            _ => {
-                return Err(place.invalid(
-                    "header",
-                    format!("an array of shape {:?} is not a cube", self.shape),
-                    "give three or four axes: (H, W, T) or (H, W, T, C); one frame in time is \
-                     array[:, :, numpy.newaxis]",
-                ));
-            }
-        };
-        if shape.contains(&0) {
-            return Err(place.invalid(
-                "header",
-                format!("an array of shape {:?} has no samples", self.shape),
-                "every axis must have a size of at least 1",
-            ));
+    #[test]
+    fn tuples_of_none_one_and_python_2_integers_are_read() {
+        for (shape, expected) in [("()", vec![]), ("(7,)", vec![7]), ("(7L, 8L)", vec![7, 8])] {
+            let text = format!("{{\"shape\":{shape},'descr':\">f8\",'fortran_order':True}}");
+            assert_eq!(header(&text), Ok((Dtype::F64, true, expected)));
         }
-        if !matches!(shape[3], 1 | 3) {
-            return Err(place.invalid(
-                "header",
-                format!("shape {:?} means {} channels", self.shape, shape[3]),
-                "axes are (H, W, T, C) with C of 1 or 3; numpy.moveaxis brings another order \
-                 into this one",
-            ));
+    }
+
+    #[test]
+    fn a_structured_type_is_kept_as_text() {
+        let list = "[('a', '<f4', [2]), ('b', '<i4')]";
+        let text = format!("{{'descr': {list}, 'fortran_order': False, 'shape': ()}}");
+        assert_eq!(header(&text).unwrap().0, Dtype::Other(list.into()));
+    }
+
+    #[test]
+    fn what_is_no_header_is_refused() {
+        let with =
+            |shape: &str| format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}");
+        assert!(header(&with("(1, 2)")).is_ok());
+        for text in [
+            "",
+            "{",
+            "}",
+            "{'descr'}",
+            "{'descr': }",
+            "{'descr': [",
+            &with("(1, -2)"),
+            &with("(1"),
+            &with("(99999999999999999999999,)"),
+            &with("(1,)} 1"),
+            &with("(1,), 'shape': (1,)"),
+            &with("(1,)").replace("False", "0"),
+            &with("(1,)").replace('d', "D"),
+        ] {
+            assert!(header(text).is_err(), "{text:?}");
         }
-        Ok(shape)
     }
 }

@@ -19,7 +19,7 @@
 
 use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeFilter};
 
-use super::CubeError;
+use crate::io::cube::CubeError;
 
 /// The time axis of a cube. Times are metres of ct on the clock that the scene declares.
 #[derive(Debug, Clone, Copy, PartialEq)]

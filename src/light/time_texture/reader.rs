@@ -3,7 +3,7 @@
 
 use super::axis::{BinWeights, Moment};
 use super::bilinear::Tap;
-use super::{Cube, Samples};
+use crate::io::cube::{Cube, Samples};
 
 /// A stored number.
 pub(super) trait Sample: Copy {

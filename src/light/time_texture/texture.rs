@@ -6,11 +6,13 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::model::{Fill, Outside};
 
+use super::axis::TimeAxis;
 use super::axis::{Moment, Phase, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Capture, SurfacePoint};
+use super::coverage::Coverage;
 use super::reader;
-use super::{Coverage, Cube, CubeError, TimeAxis};
+use crate::io::cube::{Cube, CubeError};
 
 /// The answer to one lookup.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

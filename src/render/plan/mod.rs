@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::accel::Precision;
 use crate::camera::{self, Camera};
 use crate::error::{Error, Result};
-use crate::io::{gltf, npy};
+use crate::io::{cube as cubes, gltf};
 use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
@@ -300,7 +300,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             if !used {
                 return Ok(None);
             }
-            let info = npy::inspect_cube(&cube.path, cube.array.as_deref())?;
+            let info = cubes::inspect(&cube.path, cube.array.as_deref())?;
             let [h, w, ..] = info.shape;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
             Ok(Some(PlannedCube {

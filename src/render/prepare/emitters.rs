@@ -9,10 +9,10 @@ use glam::DVec3;
 use super::Light;
 use crate::accel::Ray;
 use crate::error::{Error, Result};
+use crate::io::cube::{self as cubes, Cube};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
-use crate::io::npy;
-use crate::light::time_texture::{Capture, Cube, SeenPoint, TimeAxis, TimeTexture};
+use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::mesh::{Material, Mesh};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
@@ -255,7 +255,7 @@ impl Stores {
         if let Some(loaded) = self.files.get(&key) {
             return Ok(loaded.clone());
         }
-        let loaded = Arc::new(npy::load(&cube.path, cube.array.as_deref())?);
+        let loaded = Arc::new(cubes::load(&cube.path, cube.array.as_deref())?);
         self.files.insert(key, loaded.clone());
         Ok(loaded)
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::bundle::{CubeEntry, LightEntry, SourceEntry};
 use super::{Cubes, Files, describe, stop_if_cancelled};
 use crate::error::{Error, Result};
+use crate::io::cube::format_of;
 use crate::io::files;
 use crate::io::image::write_atomically;
 use crate::render::metadata::sha256_of;
@@ -95,10 +96,10 @@ fn copy(path: &Path, number: usize, files: &mut Files) -> Result<Place> {
     files.folder.subfolder("sources")?;
     let failed = || Error::io(path, "cannot read");
     let (mut reader, _) = files::open(path).map_err(failed())?;
-    let mut start = [0; 2];
+    let mut start = [0; 6];
     reader.read_exact(&mut start).map_err(failed())?;
-    // By content, as the importer has it: an archive, or an array.
-    let extension = if &start == b"PK" { "npz" } else { "npy" };
+    // By content, as the importer has it.
+    let extension = format_of(&start, path).map_or("", |format| format.extension);
     let name = format!("sources/{number:03}.{extension}");
     files.written(&name, |target| {
         write_atomically(target, |writer| {

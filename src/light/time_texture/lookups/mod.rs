@@ -11,9 +11,9 @@ mod read;
 use glam::DVec2;
 
 use super::axis::Timeline;
-use super::cube::Samples;
 use super::{Sampled, TimeTexture};
 use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::io::cube::Samples;
 use crate::scene::model::TimeFilter;
 use place::{Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use read::read;

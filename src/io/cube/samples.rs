@@ -13,8 +13,8 @@ pub enum Samples {
 
 /// A cube of finite samples, shape (H, W, T, C), C order; row 0 is the top row.
 ///
-/// [`Cube::new`] checks all of this; [`TimeTexture::new`](super::TimeTexture::new) checks again
-/// what reading relies on, so that a cube put together by hand cannot be read out of range.
+/// [`Cube::new`] checks all of this; a time texture checks again what reading relies on, so that a cube put
+/// together by hand cannot be read out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cube {
     /// H, W, T, C; each at least 1.
@@ -89,13 +89,13 @@ impl Cube {
         let cube = Cube { shape, samples };
         cube.check_shape()?;
         match cube.samples.first_not_finite() {
-            Some(place) => Err(CubeError::NotFinite(cube.place(place))),
+            Some(place) => Err(CubeError::NotFinite(place_of(place, cube.shape))),
             None => Ok(cube),
         }
     }
 
     /// Whether the shape is that of the samples: all that reading in range relies on.
-    pub(super) fn check_shape(&self) -> Result<(), CubeError> {
+    pub(crate) fn check_shape(&self) -> Result<(), CubeError> {
         let names = ["row", "column", "time", "channel"];
         if let Some((name, _)) = names.iter().zip(self.shape).find(|(_, n)| *n == 0) {
             return Err(CubeError::EmptyAxis(name));
@@ -113,17 +113,16 @@ impl Cube {
             })
         }
     }
+}
 
-    /// (row, column, bin, channel) of sample `index`.
-    fn place(&self, index: usize) -> [usize; 4] {
-        let [_, w, t, c] = self.shape;
-        [
-            index / (w * t * c),
-            index / (t * c) % w,
-            index / c % t,
-            index % c,
-        ]
-    }
+/// (row, column, bin, channel) of sample `index`.
+pub(super) fn place_of(index: usize, [_, w, t, c]: [usize; 4]) -> [usize; 4] {
+    [
+        index / (w * t * c),
+        index / (t * c) % w,
+        index / c % t,
+        index % c,
+    ]
 }
 
 #[cfg(test)]

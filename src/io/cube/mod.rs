@@ -1,0 +1,12 @@
+//! Cubes of samples (row, column, time, channel), and the files that hold them.
+//!
+//! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`].
+
+mod format;
+mod npy;
+mod samples;
+mod table;
+
+pub use format::{CubeFormat, CubeInfo};
+pub use samples::{Cube, CubeError, Samples};
+pub use table::{FORMATS, format_of, inspect, load, load_bytes};

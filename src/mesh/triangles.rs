@@ -1,0 +1,91 @@
+//! Triangles and their attributes, as they are at rest: no motion, no acceleration structure.
+
+use glam::{DVec2, DVec3};
+
+/// An indexed triangle mesh in the coordinates of its object, metres.
+///
+/// Whoever makes one sees to it that indices are in range and all numbers finite.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions, metres, object coordinates. f32 positions of a file are exact here.
+    pub positions: Vec<DVec3>,
+    /// Texture coordinates per vertex, one list per coordinate set of the file (v = 0 is the
+    /// top row of an image). A set that no vertex has is empty; otherwise vertices that lack it
+    /// hold NaN.
+    pub uvs: Vec<Vec<[f32; 2]>>,
+    /// Three vertex indices per triangle, in the order of the file.
+    pub triangles: Vec<[u32; 3]>,
+    /// Runs of consecutive triangles that share a material, in order; they cover `triangles`.
+    pub parts: Vec<Part>,
+    /// The materials that parts index.
+    pub materials: Vec<Material>,
+}
+
+/// A run of triangles with one material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The first triangle.
+    pub first_triangle: u32,
+    /// How many triangles.
+    pub triangles: u32,
+    /// Index into [`Mesh::materials`].
+    pub material: u32,
+    /// The node of the file that this part came from, for messages.
+    pub node: String,
+}
+
+/// Time-independent radiance of a surface: a factor and, where there is one, a texture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// The name in the file, or "" where it has none.
+    pub name: String,
+    /// Linear RGB factor (glTF base colour factor; alpha is ignored).
+    pub base_colour: [f32; 3],
+    /// The base colour texture: index into the importer's list of images.
+    pub texture: Option<TextureRef>,
+    /// Whether glTF says that the back face is to be seen too.
+    pub double_sided: bool,
+}
+
+/// Where a material's texture lies and how it is addressed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextureRef {
+    /// Index into the list of images of the file.
+    pub image: usize,
+    /// Which list of [`Mesh::uvs`].
+    pub uv_set: usize,
+    /// What happens outside [0, 1], along u and along v.
+    pub wrap: [Wrap; 2],
+}
+
+/// What a texture does outside [0, 1] (glTF sampler).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrap {
+    /// Periodic.
+    Repeat,
+    /// Periodic, every second period mirrored.
+    Mirror,
+    /// The edge texel.
+    Clamp,
+}
+
+impl Mesh {
+    /// The three corners of triangle `index`.
+    pub fn corners(&self, index: u32) -> [DVec3; 3] {
+        self.triangles[index as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The texture coordinates of set `set` at barycentric `(u, v)` of triangle `index`
+    /// (u weights the second corner, v the third), or none where the mesh has no such set.
+    pub fn uv(&self, set: usize, index: u32, barycentric: [f64; 2]) -> Option<DVec2> {
+        let uvs = self.uvs.get(set)?;
+        let corner = |v: u32| {
+            let [u, v] = uvs.get(v as usize)?;
+            Some(DVec2::new(f64::from(*u), f64::from(*v)))
+        };
+        let [a, b, c] = self.triangles[index as usize];
+        let (a, b, c, [u, v]) = (corner(a)?, corner(b)?, corner(c)?, barycentric);
+        // NaN of one corner is NaN here.
+        Some(a + (b - a) * u + (c - a) * v).filter(|uv| uv.is_finite())
+    }
+}

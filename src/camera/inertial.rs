@@ -99,6 +99,7 @@ impl View for Inertial {
         } else {
             Direction::from_unit(seen.unit())
         };
+        // Camera time of the passage through the pinhole, after the shot: t − f |D|.
         let since = moment * self.exposure.duration - self.focal_length * length;
         CameraRay {
             d,

@@ -80,6 +80,7 @@ impl View for Paper {
         let seen = self.film.direction(x, y);
         let (d, doppler) = self.world_from_camera.direction(seen);
         let along = self.beta.dot(d.unit());
+        // Eqs. 10, 11: the interval is T′/D, and dt′ stays.
         let (since, weight) = match self.exposure.duration > 0.0 {
             true => (
                 moment * self.exposure.duration / doppler,
@@ -87,6 +88,7 @@ impl View for Paper {
             ),
             false => (0.0, self.exposure.weight),
         };
+        // The clock at t′/γ; the camera has moved with γβ meanwhile.
         let displacement = Displacement::new(
             self.early + since / self.gamma,
             self.beta * (self.gamma * since),

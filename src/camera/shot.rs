@@ -5,8 +5,7 @@ use glam::DVec3;
 use super::projection::AnyProjection;
 use super::turning::rotation_matrix;
 use super::{
-    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Still, Turning, Unaberrated,
-    View,
+    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Still, Turning, Unaberrated, View,
 };
 use crate::error::{Error, Result};
 use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};

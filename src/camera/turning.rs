@@ -122,6 +122,7 @@ impl Turning {
     #[inline]
     fn element(&self, film: DVec3, t: f64) -> Element {
         let turn = self.turn(t);
+        // r = c + R (q − c) and v = Ω × (r − c).
         let arm = turn * (film * -self.focal_length - self.centre);
         let (r, v) = (self.centre + arm, (self.axis * self.rate).cross(arm));
         match self.elements {
@@ -149,6 +150,7 @@ impl Turning {
         let turn = self.turn(t);
         let n = turn * self.film.forward();
         let foot = self.centre + turn * (self.film.forward() * -self.focal_length - self.centre);
+        // V of an element next to this one, and of that at the foot of the perpendicular: the highest of them.
         let speed = |r: DVec3| (self.axis * self.rate).cross(r - self.centre).dot(n);
         let own = element.v.dot(n);
         let highest = self.relative(own, own).max(self.relative(speed(foot), own));
@@ -196,6 +198,7 @@ impl Turning {
 #[inline]
 fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f64) -> Element {
     let gamma = gamma(v);
+    // ω and l of Λ_v (−1, c′).
     let along = v.dot(seen);
     let ratio = gamma * (1.0 - along);
     let l = (seen + v * (gamma * gamma / (gamma + 1.0) * along - gamma)) / ratio;

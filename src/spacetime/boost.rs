@@ -76,7 +76,9 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
-use super::{Direction, Displacement, Event, Frame, NullRay, Velocity, World};
+use super::event::{Direction, Displacement, Event, Frame, Parts, World};
+use super::ray::NullRay;
+use super::velocity::Velocity;
 
 /// e^φ below which displacements are boosted by increments.
 const SLOW: f64 = 1.65;
@@ -138,6 +140,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         if self.is_identity() {
             return Displacement::new(d.ct, d.x);
         }
+        // Slow: increments γ − 1 and sinh φ. Fast: t ± x∥ scale by e^(±φ), and nothing cancels.
         let along = self.n.dot(d.x);
         if self.up < SLOW {
             return Displacement::new(
@@ -168,6 +171,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
         if self.is_identity() {
             return (Direction::from_unit(d.unit()), 1.0);
         }
+        // W = ½ (e^(−φ)(1 + c∥) + e^φ (1 − c∥)): both terms positive.
         let parts = Parts::of(d.unit(), n);
         let back = down * parts.one_plus;
         let ahead = up * parts.one_minus;
@@ -226,39 +230,6 @@ impl<To: Frame, From: Frame> Boost<To, From> {
             space[i] = tangent.x;
             time[i] = tangent.ct;
             ratio[i] = ratio_of_one;
-        }
-    }
-}
-
-/// A unit vector d relative to a unit vector n, with c = n·d.
-pub(super) struct Parts {
-    /// d⊥ = d − c n.
-    pub across: DVec3,
-    /// 1 + c.
-    pub one_plus: f64,
-    /// 1 − c.
-    pub one_minus: f64,
-}
-
-impl Parts {
-    /// The parts of `d`, none of them by the difference of nearly equal numbers.
-    #[inline(always)]
-    pub fn of(d: DVec3, n: DVec3) -> Self {
-        let along = n.dot(d);
-        // d − n and d + n have the same d⊥ as d; the shorter of them has less else to take away.
-        let near = if along > 0.0 { d - n } else { d + n };
-        let across = near - n * n.dot(near);
-        let large = 1.0 + along.abs();
-        let small = across.length_squared() / large;
-        let (one_plus, one_minus) = if along > 0.0 {
-            (large, small)
-        } else {
-            (small, large)
-        };
-        Parts {
-            across,
-            one_plus,
-            one_minus,
         }
     }
 }

@@ -101,6 +101,11 @@ impl<F: Frame> Displacement<F> {
         let r = self.x.length();
         (self.ct - r) * (self.ct + r)
     }
+
+    /// Whether it leads to the causal future, the light cone included.
+    pub(super) fn is_causal(self) -> bool {
+        self.ct >= self.x.length()
+    }
 }
 
 impl<F: Frame> Direction<F> {
@@ -139,6 +144,39 @@ pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
     })
 }
 
+/// A unit vector d relative to a unit vector n, with c = n·d.
+pub(super) struct Parts {
+    /// d⊥ = d − c n.
+    pub across: DVec3,
+    /// 1 + c.
+    pub one_plus: f64,
+    /// 1 − c.
+    pub one_minus: f64,
+}
+
+impl Parts {
+    /// The parts of `d`, none of them by the difference of nearly equal numbers.
+    #[inline(always)]
+    pub fn of(d: DVec3, n: DVec3) -> Self {
+        let along = n.dot(d);
+        // d − n and d + n have the same d⊥ as d; the shorter of them has less else to take away.
+        let near = if along > 0.0 { d - n } else { d + n };
+        let across = near - n * n.dot(near);
+        let large = 1.0 + along.abs();
+        let small = across.length_squared() / large;
+        let (one_plus, one_minus) = if along > 0.0 {
+            (large, small)
+        } else {
+            (small, large)
+        };
+        Parts {
+            across,
+            one_plus,
+            one_minus,
+        }
+    }
+}
+
 impl<F: Frame> Sub for Event<F> {
     type Output = Displacement<F>;
     fn sub(self, other: Self) -> Displacement<F> {
@@ -157,6 +195,13 @@ impl<F: Frame> Add for Displacement<F> {
     type Output = Displacement<F>;
     fn add(self, other: Self) -> Self {
         Displacement::new(self.ct + other.ct, self.x + other.x)
+    }
+}
+
+impl<F: Frame> Sub for Displacement<F> {
+    type Output = Displacement<F>;
+    fn sub(self, other: Self) -> Self {
+        Displacement::new(self.ct - other.ct, self.x - other.x)
     }
 }
 

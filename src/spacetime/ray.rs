@@ -9,7 +9,7 @@
 //! In another frame the same path is P′ + s V′ with V′ = Λ(−η, d), *not* normalised: s stays the
 //! world distance, so hits in different rest frames compare directly.
 
-use super::{Direction, Displacement, Event, Frame, World};
+use super::event::{Direction, Displacement, Event, Frame, World};
 
 /// A light path into the past in frame `F`, parametrised by world distance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,8 +7,7 @@
 
 use glam::DVec3;
 
-use super::boost::Parts;
-use super::event::unit_and_length;
+use super::event::{Parts, unit_and_length};
 
 /// The largest rapidity accepted; γ = 1.2·10¹⁷. Beyond it a metre of one frame is less than the
 /// rounding of a metre in the other, and no digit of a boosted event is left.
@@ -131,6 +130,7 @@ impl Velocity {
         let (m, psi) = observer.split();
         let parts = Parts::of(n, m);
         let sinh = libm::sinh(phi);
+        // sinh φ cosh ψ c − cosh φ sinh ψ with c = n·m, arranged about the nearer of c = ±1.
         let along = if parts.one_minus < parts.one_plus {
             libm::sinh(phi - psi) - sinh * libm::cosh(psi) * parts.one_minus
         } else {

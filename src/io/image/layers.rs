@@ -171,6 +171,17 @@ fn wrong(place: &str, what: impl Into<String>) -> Error {
     Error::invalid("image", place, what, "")
 }
 
+/// An 8-bit sRGB image, row 0 at the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RgbImage {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// 3·width·height bytes.
+    pub rgb: Vec<u8>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,8 +14,8 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::file::{write_all, write_failed};
-use super::{Channel, Layers, Samples, write_atomically};
+use super::file::{write_all, write_atomically, write_failed};
+use super::layers::{Channel, Layers, Samples};
 use crate::error::{Error, Result};
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];

@@ -9,9 +9,9 @@ use ::png::{
     SrgbRenderingIntent, Transformations,
 };
 
-use super::file::write_failed;
-use super::layers::{check_metadata, pixel_count};
-use super::{Channel, Layers, Samples, guarded, write_atomically};
+use super::decoder::guarded;
+use super::file::{write_atomically, write_failed};
+use super::layers::{Channel, Layers, Samples, check_metadata, pixel_count};
 use crate::error::{Error, Result};
 
 /// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, whole or not at all.

@@ -14,7 +14,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::guarded;
+use super::decoder::guarded;
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
 use crate::mesh::Wrap;

@@ -174,6 +174,7 @@ impl Capture {
         let Some(seen) = self.seen.get(pixel).filter(|seen| seen.distance > 0.0) else {
             return false;
         };
+        // The three conditions of the head of this file.
         let apart = Vec3::from_array(seen.position).as_dvec3() - aim.position;
         let normal = Vec3::from_array(seen.normal).as_dvec3();
         aim.normal.dot(apart).abs() <= aim.footprint
@@ -190,6 +191,7 @@ impl View {
         trace: &impl Fn(DVec3, DVec3) -> Option<SeenPoint>,
     ) -> Seen {
         let (row, column) = ((pixel / self.width) as f64, (pixel % self.width) as f64);
+        // Of depth 1: the distance is along the ray.
         let ray = self.projection.components(column + 0.5, row + 0.5);
         let length = ray.length();
         let [right, up, forward] = self.projection.axes();

@@ -16,21 +16,23 @@
 //! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `axis` knows time, `bilinear` texels, `capture` cameras; `reader` alone touches samples, and `lookups`
-//! those of many lookups at a time. All that
-//! `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
+//! `axis` knows time, `bilinear` texels, `capture` cameras; `reader` alone touches samples; `lookups` carries out many
+//! lookups at a time, with `places` for where they read and `gather` for what. All that `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
 //! integral over prefix sums) is another producer of such runs.
 
 mod axis;
 mod bilinear;
 mod capture;
 mod coverage;
+mod gather;
 mod lookups;
+mod places;
 mod reader;
 mod texture;
 
 pub use axis::TimeAxis;
 pub use capture::{Capture, SeenPoint, SurfacePoint};
 pub use coverage::Coverage;
-pub use lookups::{BATCH, Lookups};
+pub use lookups::Lookups;
+pub use places::BATCH;
 pub use texture::{Located, Sampled, TimeTexture};

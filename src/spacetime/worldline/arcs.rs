@@ -13,8 +13,16 @@ use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
 use super::hyperbola;
 use super::state::{Crossing, State};
 use super::vicinity::Vicinity;
-use super::{Segment, is_causal, minus, plus};
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+
+/// A stretch of constant proper acceleration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Proper time that it takes, metres; infinite for the last.
+    pub duration: f64,
+    /// Proper acceleration in the comoving frame's axes at its beginning, 1/m; zero is coasting.
+    pub acceleration: DVec3,
+}
 
 /// Arcs in the order of proper time; they cover all proper times.
 #[derive(Debug, Clone)]
@@ -122,7 +130,7 @@ impl Arcs {
 
     /// The arc that the past light cone crosses whose apex is at `from(event)` from each event.
     fn crossed(&self, from: impl Fn(Event<World>) -> Displacement<World>) -> usize {
-        self.arcs[1..].partition_point(|arc| is_causal(from(arc.begin.event)))
+        self.arcs[1..].partition_point(|arc| from(arc.begin.event).is_causal())
     }
 
     /// The arc around `near`, a state of this line.
@@ -144,8 +152,9 @@ impl Arcs {
     }
 
     fn past_cone_among(&self, near: &State, offset: Displacement<World>) -> Option<Crossing> {
-        let from = |event| plus(near.event - event, offset);
-        let seen = |arc: &Arc| is_causal(from(arc.begin.event));
+        // Does the light cone cross the arc of `near` itself? Mostly it does.
+        let from = |event| (near.event - event) + offset;
+        let seen = |arc: &Arc| from(arc.begin.event).is_causal();
         let own = self.index(near.proper_time);
         let begun = own == 0 || seen(&self.arcs[own]);
         let ended = self.arcs.get(own + 1).is_some_and(seen);
@@ -161,9 +170,9 @@ impl Arcs {
             (&self.arcs[own].end, &self.arcs[target].begin)
         };
         let way = hyperbola::way(near, leave.proper_time - near.proper_time);
-        let way = plus(way, enter.event - leave.event);
-        let crossing = past_cone(enter, minus(offset, way))?;
-        Some(crossing.counted_from(near.event, plus(crossing.displacement, way)))
+        let way = way + (enter.event - leave.event);
+        let crossing = past_cone(enter, offset - way)?;
+        Some(crossing.counted_from(near.event, crossing.displacement + way))
     }
 
     /// The crossing, its displacement counted from `apex` itself.
@@ -171,7 +180,7 @@ impl Arcs {
         let begin = &self.arcs[self.crossed(|event| apex - event)].begin;
         let offset = apex - begin.event;
         let crossing = past_cone(begin, offset)?;
-        Some(crossing.counted_from(apex, minus(crossing.displacement, offset)))
+        Some(crossing.counted_from(apex, crossing.displacement - offset))
     }
 }
 

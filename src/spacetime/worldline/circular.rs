@@ -12,9 +12,9 @@
 
 use glam::DVec3;
 
-use super::cone::{Elapsed, past_cone};
+use super::cone::past_cone;
+use super::elapsed::Elapsed;
 use super::error::WorldLineError;
-use super::minus;
 use super::root;
 use super::rounding::product;
 use super::series::delay_left;
@@ -87,6 +87,7 @@ impl Circular {
             0.0 => Velocity::REST,
             speed => Velocity::along(velocity, libm::atanh(speed)).ok()?,
         };
+        // −γ²Ω² r.
         let pull = self.gamma * self.rate;
         let acceleration = radial * (-pull * pull);
         let event = self.zero + moved;
@@ -108,7 +109,7 @@ impl Circular {
         let offset = Displacement::new(0.0, (apex.x - self.zero.x) - moved);
         let (s, displacement) = self.crossed(self.radial_at(elapsed), offset, f64::NAN);
         let elapsed = Elapsed::known(elapsed / self.gamma, s / self.gamma);
-        Some(Crossing::new(apex, minus(displacement, offset), elapsed))
+        Some(Crossing::new(apex, displacement - offset, elapsed))
     }
 
     /// World time and displacement from where the line is `radial` from the axis to where it crosses the
@@ -129,6 +130,7 @@ impl Circular {
     /// T − R − s changes by |ΩR| |s| at most on the way to s, and by 2R.
     fn bracket(&self, offset: Displacement<World>) -> [f64; 2] {
         let left = offset.ct - offset.x.length();
+        // s = left/(1 ± |ΩR|) at most and at least, and left ± 2R; widened by what rounding adds.
         let (near, far) = (left / (1.0 + self.speed), left / (1.0 - self.speed));
         let diameter = 2.0 * self.radial.length();
         let slack = 4.0 * f64::EPSILON * (offset.ct.abs() + offset.x.length() + diameter);

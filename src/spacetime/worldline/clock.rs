@@ -57,6 +57,7 @@ impl Clock {
         let halves = [gauss(rate, from, middle), gauss(rate, middle, to)];
         let apart = (halves[0] + halves[1] - whole).abs();
         let width = to - from;
+        // A rate r is known to eps/r (head of this file), and so are the halves and the whole.
         let noise = 4.0 * f64::EPSILON * width * (width / whole);
         let is_exact = apart <= TOLERANCE * whole + noise;
         let is_short = halvings == 0 || middle <= from || middle >= to;
@@ -85,6 +86,7 @@ impl Clock {
         let cell = self.cell(|end| end[1] <= proper_time);
         let ([begin, shown], [end, last]) = (self.ends[cell], self.ends[cell + 1]);
         let (whole, elapsed) = (end - begin, proper_time - shown);
+        // As if the clock ran evenly within the cell.
         let start = whole * elapsed / (last - shown);
         let ct = root::decreasing([0.0, whole], start, |s| Sample {
             value: elapsed - gauss(&rate, begin, begin + s),

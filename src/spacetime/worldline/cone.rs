@@ -1,7 +1,7 @@
 //! Where constant proper acceleration meets a light cone, in closed form.
 //!
 //! In the frame comoving at the start, with proper acceleration g along n and z = e^(gτ), y = (z − 1)/g, the
-//! hyperbola of [`super::hyperbola`] is in light-cone coordinates simply t + x∥ = y and t − x∥ = y/z.
+//! hyperbola of [`super::thrust`] is in light-cone coordinates simply t + x∥ = y and t − x∥ = y/z.
 //! The past light cone of the event (T, X∥ = X, X⊥), p = T + X and q = T − X, is met where
 //! (p − y)(q − y/z) = X⊥² with p ≥ y. With P = 1 + gp, Q = 1 − gq and I = T² − X² − X⊥² = pq − X⊥², that is
 //!
@@ -29,49 +29,11 @@
 //! Source: light-cone coordinates of a uniformly accelerated observer, e.g. Misner, Thorne, Wheeler, Gravitation,
 //! ch. 6; the arrangement is ours.
 
-use super::hyperbola::{SMALL, Thrust};
-use super::plus;
+use super::elapsed::{Elapsed, is_near};
 use super::rounding::one_plus;
 use super::state::{Crossing, State};
+use super::thrust::Thrust;
 use crate::spacetime::{Camera, Displacement, World};
-
-/// Proper time since a start, as the closed form gives it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Elapsed {
-    /// Proper time at the start.
-    start: f64,
-    /// (e^(gτ) − 1)/g.
-    y: f64,
-    /// e^(gτ).
-    z: f64,
-    /// Proper acceleration.
-    g: f64,
-}
-
-impl Elapsed {
-    /// Proper time `start` + `elapsed`.
-    pub fn known(start: f64, elapsed: f64) -> Self {
-        Elapsed {
-            start,
-            y: elapsed,
-            z: 1.0,
-            g: 0.0,
-        }
-    }
-
-    pub fn proper_time(&self) -> f64 {
-        let Elapsed { start, y, z, g } = *self;
-        let u = g * y;
-        start
-            + if u.abs() < SMALL {
-                y * (1.0 - u * (1.0 / 2.0 - u * (1.0 / 3.0 - u / 4.0)))
-            } else if is_near(z) {
-                libm::log1p(u) / g
-            } else {
-                libm::log(z) / g
-            }
-    }
-}
 
 /// Where the line through `near`, with its acceleration for ever, meets the past light cone of the event at
 /// `offset` from there.
@@ -79,8 +41,9 @@ impl Elapsed {
 pub(super) fn past_cone(near: &State, offset: Displacement<World>) -> Option<Crossing> {
     let apex = near.frame().frame_from_world().displacement(offset);
     let light = crossed(near, apex, offset.interval())?;
+    // From the comoving frame by its two basis vectors that matter.
     let (ct, along) = light.place(near.thrust.g);
-    let moved = plus(near.ahead * ct, near.aside * along);
+    let moved = near.ahead * ct + near.aside * along;
     let start = near.proper_time;
     let elapsed = Elapsed {
         start,
@@ -127,12 +90,6 @@ impl Light {
     }
 }
 
-/// Whether z = e^(gτ) follows from y, and not y from z.
-#[inline]
-fn is_near(z: f64) -> bool {
-    (0.5..2.0).contains(&z)
-}
-
 /// The apex of a light cone in light-cone coordinates.
 struct Apex {
     t: f64,
@@ -156,6 +113,7 @@ fn crossed(near: &State, apex: Displacement<Camera>, interval: f64) -> Option<Li
             minus: y,
         });
     }
+    // T, X∥ and X⊥² of the apex.
     let (t, along) = (apex.ct, n.dot(apex.x));
     let across = (apex.x - n * along).length_squared();
     let apex = Apex {
@@ -179,6 +137,7 @@ impl Apex {
     fn close(&self, g: f64) -> Light {
         let (p, q) = (self.t + self.along, self.t - self.along);
         let big_q = 1.0 - g * q;
+        // A, A − q/2 and S, with P and Q no small differences here.
         let half = 0.5 * (p * big_q + g * self.across);
         let skew = half - 0.5 * q;
         let s = (self.across + skew * skew).sqrt();
@@ -225,6 +184,7 @@ impl Apex {
         };
         let s = (self.across + skew * skew).sqrt();
         let light = self.through(self.y(half + 0.5 * q, s, big_q), g);
+        // Near the start y has the digits; far from it z has.
         if is_near(light.z) {
             return Some(light);
         }

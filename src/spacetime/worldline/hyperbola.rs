@@ -1,86 +1,13 @@
-//! Constant proper acceleration in closed form, in the frame comoving at the start.
+//! States along constant proper acceleration, from one of them: [`super::thrust`] in the frame comoving there,
+//! taken to the world.
 //!
-//! With proper acceleration g along the unit vector n, rapidity φ = gτ,
-//!
-//! ```text
-//! t = sinh(gτ)/g,   x∥ = (cosh(gτ) − 1)/g,   x⊥ = 0.
-//! ```
-//!
-//! The product gτ and the magnitude g carry their rounding errors along, so that states keep all digits up to
-//! the largest rapidities.
-//!
-//! Source: hyperbolic motion as in Misner, Thorne, Wheeler, Gravitation, ch. 6; the turning of axes
-//! (Thomas) as in Jackson, Classical Electrodynamics, 11.8.
+//! Source: the turning of axes (Thomas) as in Jackson, Classical Electrodynamics, 11.8.
 
 use glam::DVec3;
 
-use super::rounding::{length_error, product, quotient};
 use super::state::State;
-use crate::spacetime::event::unit_and_length;
-use crate::spacetime::{Camera, Displacement, Event, Velocity, World};
-
-/// |gτ| below which a few terms of the series are exact to rounding.
-pub(super) const SMALL: f64 = 1e-5;
-
-/// A proper acceleration, by magnitude and direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Thrust {
-    /// Magnitude g, 1/m.
-    pub g: f64,
-    /// What rounding left out of g.
-    g_error: f64,
-    /// Unit direction n; +x where g is 0.
-    pub n: DVec3,
-}
-
-impl Thrust {
-    pub fn new(acceleration: DVec3) -> Self {
-        let (n, g) = unit_and_length(acceleration).unwrap_or((DVec3::X, 0.0));
-        let g_error = length_error(acceleration, g);
-        let exact = g_error != 0.0;
-        Thrust {
-            g,
-            g_error,
-            n: if exact {
-                quotient(acceleration, g, g_error)
-            } else {
-                n
-            },
-        }
-    }
-
-    /// Whether there is no acceleration.
-    pub fn is_none(&self) -> bool {
-        self.g == 0.0
-    }
-
-    /// gσ rounded, and what rounding left out.
-    fn rapidity(&self, elapsed: f64) -> (f64, f64) {
-        let (phi, error) = product(self.g, elapsed);
-        (phi, error + self.g_error * elapsed)
-    }
-
-    /// The displacement after proper time `elapsed`, in the frame comoving at the start.
-    fn displacement(&self, elapsed: f64) -> Displacement<Camera> {
-        let (phi, error) = self.rapidity(elapsed);
-        if phi.abs() < SMALL {
-            let square = phi * phi;
-            let along = 0.5 * elapsed * phi * (1.0 + square / 12.0);
-            return Displacement::new(elapsed * (1.0 + square / 6.0), self.n * along);
-        }
-        let (sinh, rise) = sinh_and_rise(phi, error);
-        Displacement::new(sinh / self.g, self.n * (rise / self.g))
-    }
-}
-
-/// sinh(φ + δ) and cosh(φ + δ) − 1 for a small δ: with E = e^|φ| − 1 they are ±½(E + E/(E + 1)) and
-/// ½E²/(E + 1).
-fn sinh_and_rise(phi: f64, delta: f64) -> (f64, f64) {
-    let exp_minus_one = libm::expm1(phi.abs());
-    let e = exp_minus_one + delta * phi.signum() * (exp_minus_one + 1.0);
-    let ratio = e / (e + 1.0);
-    (phi.signum() * 0.5 * (e + ratio), 0.5 * e * ratio)
-}
+use super::thrust::Thrust;
+use crate::spacetime::{Displacement, Event, Velocity, World};
 
 /// The state after proper time `elapsed` of the acceleration of `start`, constant in its comoving axes
 /// (carried along without rotation); none where the rapidity is above [`crate::spacetime::MAX_RAPIDITY`].
@@ -114,6 +41,7 @@ pub(super) fn way(start: &State, elapsed: f64) -> Displacement<World> {
 /// t₀ = tanh(w₀/2) m and t₁ = tanh(φ/2) n it has the Gibbs vector tan(θ/2) r = −t₀ × t₁ / (1 + t₀·t₁).
 fn turned(start: &State, phi: f64) -> DVec3 {
     let (m, w) = start.velocity.split();
+    // The rotation by its Gibbs vector b: a + 2 (b × a + b × (b × a))/(1 + b²).
     let first = m * libm::tanh(0.5 * w);
     let second = start.thrust.n * libm::tanh(0.5 * phi);
     let gibbs = -first.cross(second) / (1.0 + first.dot(second));

@@ -8,7 +8,8 @@
 //! ```
 
 use super::clock::Clock;
-use super::cone::{Elapsed, past_cone};
+use super::cone::past_cone;
+use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
 use super::series::{Found, Series};
 use super::spline;
@@ -44,6 +45,7 @@ impl Keyframes {
         let (event, tangent) = self.series.at(ct);
         let (v, w) = (tangent.x, self.series.second(ct));
         let speed = v.length();
+        // γ² and γ⁴/(1 + γ) (v·w), the factors of a.
         let gamma_squared = 1.0 / ((1.0 - speed) * (1.0 + speed));
         let along = gamma_squared * gamma_squared / (1.0 + gamma_squared.sqrt()) * v.dot(w);
         let velocity = Velocity::from_beta(v).ok()?;

@@ -7,7 +7,8 @@
 use glam::{DVec3, DVec4};
 
 use super::arcs;
-use super::cone::{Elapsed, past_cone};
+use super::cone::past_cone;
+use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
 use super::rounding::sum;
 use super::series::{Found, Piece, Series};
@@ -102,6 +103,7 @@ fn integrate(
 ) -> Result<Series, WorldLineError> {
     let (n, phi) = velocity.split();
     let start = n * libm::sinh(phi);
+    // From proper time 0 to the first knot, and to the last.
     let middle = span_at(knots, 0.0);
     let mut before = Walk::new(zero, start);
     for index in (0..=middle).rev() {
@@ -169,6 +171,7 @@ impl Walk {
         let mut time = self.nodes[self.nodes.len() - 1].0;
         while time != target {
             let a = acceleration(&knots[index..=index + 1], time);
+            // One step of the series, cut at the knot.
             let step = taylor::step(self.u.value.truncate(), a, slope, target - time);
             let whole = step.length == target - time;
             let next = if whole { target } else { time + step.length };

@@ -30,12 +30,14 @@ pub(super) fn decreasing(bracket: [f64; 2], start: f64, f: impl Fn(f64) -> Sampl
             slope,
             noise,
         } = f(s);
+        // The bracket closes about the root on both sides.
         if value > 0.0 {
             low = s;
         } else {
             high = s;
         }
         let newton = s - value / slope;
+        // As near as rounding lets one tell.
         if value.abs() <= noise {
             return newton.clamp(bracket[0], bracket[1]);
         }

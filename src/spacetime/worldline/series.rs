@@ -14,7 +14,6 @@
 use glam::{DVec3, DVec4};
 
 use super::root::{self, Sample};
-use super::{is_causal, minus, plus};
 use crate::spacetime::{Displacement, Event, World};
 
 /// A polynomial piece.
@@ -81,6 +80,7 @@ impl Series {
     pub fn second(&self, parameter: f64) -> DVec3 {
         let piece = self.pieces[self.piece(parameter)];
         let u = (parameter - self.parameters[piece.centre]) / piece.scale;
+        // Σ k (k − 1) cₖ uᵏ⁻² by Horner.
         let mut sum = DVec4::ZERO;
         for k in (2..=piece.count).rev() {
             let factor = (k * (k - 1)) as f64;
@@ -95,6 +95,7 @@ impl Series {
         let first = (from - self.parameters[piece.centre]) / piece.scale;
         let step = s / piece.scale;
         let second = first + step;
+        // Horner three times over: bₖ at u₁, and Q and D′ at u₂.
         let [mut b, mut q, mut slope] = [DVec4::ZERO; 3];
         for k in (1..=piece.count).rev() {
             let c = self.coefficients[piece.first + k - 1];
@@ -118,7 +119,7 @@ impl Series {
         guess: f64,
     ) -> Option<Found> {
         let own = self.piece(parameter);
-        let target = self.crossed(own, |node| plus(near - node, offset))?;
+        let target = self.crossed(own, |node| (near - node) + offset)?;
         if target == own {
             return Some(self.on_piece(own, parameter, offset, guess));
         }
@@ -129,16 +130,11 @@ impl Series {
             (own, target + 1)
         };
         let first = self.way(own, parameter, self.parameters[leave] - parameter);
-        let between = plus(first.moved, self.events[enter] - self.events[leave]);
+        let between = first.moved + (self.events[enter] - self.events[leave]);
         let from = self.parameters[enter];
-        let found = self.on_piece(
-            target,
-            from,
-            minus(offset, between),
-            parameter - from + guess,
-        );
+        let found = self.on_piece(target, from, offset - between, parameter - from + guess);
         Some(Found {
-            displacement: plus(between, found.displacement),
+            displacement: between + found.displacement,
             ..found
         })
     }
@@ -149,7 +145,7 @@ impl Series {
         let offset = apex - self.events[piece];
         let found = self.on_piece(piece, self.parameters[piece], offset, f64::NAN);
         Some(Found {
-            displacement: minus(found.displacement, offset),
+            displacement: found.displacement - offset,
             ..found
         })
     }
@@ -161,7 +157,8 @@ impl Series {
         likely: usize,
         from: impl Fn(Event<World>) -> Displacement<World>,
     ) -> Option<usize> {
-        let seen = |node: &Event<World>| is_causal(from(*node));
+        let seen = |node: &Event<World>| from(*node).is_causal();
+        // The light cone crosses where the causal past of its apex ends.
         if seen(&self.events[likely]) && !seen(&self.events[likely + 1]) {
             return Some(likely);
         }
@@ -194,8 +191,9 @@ pub(super) fn delay_left(
     moved: Displacement<World>,
     tangent: Displacement<World>,
 ) -> Sample {
-    let left = minus(offset, moved);
+    let left = offset - moved;
     let distance = left.x.length();
+    // d|X − x|/ds: by how much the distance shrinks.
     let closing = if distance > 0.0 {
         left.x.dot(tangent.x) / distance
     } else {

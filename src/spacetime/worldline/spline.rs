@@ -61,11 +61,13 @@ fn second_derivatives(events: &[Event<World>]) -> Vec<DVec3> {
     let mut above = vec![0.0; events.len()];
     for i in 1..events.len() - 1 {
         let (before, after) = (events[i] - events[i - 1], events[i + 1] - events[i]);
+        // Row i less hᵢ₋₁ times the solved row i − 1.
         let pivot = 2.0 * (before.ct + after.ct) - before.ct * above[i - 1];
         let jump = (after.x / after.ct - before.x / before.ct) * 6.0;
         above[i] = after.ct / pivot;
         bends[i] = (jump - bends[i - 1] * before.ct) / pivot;
     }
+    // Back from the last: Mₙ = 0.
     for i in (1..events.len() - 1).rev() {
         let next = bends[i + 1];
         bends[i] -= next * above[i];
@@ -98,6 +100,7 @@ fn velocity(series: &Series, piece: &Piece) -> [DVec3; 3] {
 
 /// Whether the velocity with Bernstein coefficients `v` (degree 2) is below the limit throughout.
 fn is_slow(v: [DVec3; 3], halvings: u32) -> bool {
+    // |v|² in Bernstein's basis of degree 4 lies below its largest coefficient.
     let limit = MAX_KEYFRAME_SPEED * MAX_KEYFRAME_SPEED;
     let [a, b, c] = v;
     let middle = (a.dot(c) + 2.0 * b.dot(b)) / 3.0;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::cone::Elapsed;
-use super::hyperbola::Thrust;
+use super::elapsed::Elapsed;
+use super::thrust::Thrust;
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
 
 /// A world line at one of its proper times.

@@ -38,6 +38,7 @@ struct Motion {
 
 /// A step from U = `start`, `length` long or less, with proper acceleration `a` + `slope` τ.
 pub(super) fn step(start: DVec3, a: DVec3, slope: DVec3, mut length: f64) -> Step {
+    // |a| h ≤ 1 at both ends, and so between them: a is linear.
     while length.abs() * a.length().max((a + slope * length).length()) > 1.0 {
         length *= 0.5;
     }
@@ -59,14 +60,17 @@ impl Motion {
         let [mut gamma, mut d] = [[0.0; ORDER + 1]; 2];
         let mut v = [DVec3::ZERO; ORDER];
         let [mut s, mut sd] = [[0.0; ORDER]; 2];
+        // Order 0: γ² = 1 + U².
         u[0] = start;
         gamma[0] = (1.0 + start.length_squared()).sqrt();
         d[0] = 1.0 / (1.0 + gamma[0]);
         for k in 0..ORDER {
             let next = (k + 1) as f64;
+            // Coefficient k of s = U·a, V = U D and s D, from those of U and D so far.
             s[k] = u[k].dot(a) + if k > 0 { u[k - 1].dot(slope) } else { 0.0 };
             v[k] = (0..=k).map(|i| u[i] * d[k - i]).sum();
             sd[k] = (0..=k).map(|i| s[i] * d[k - i]).sum();
+            // Coefficients k + 1 of U̇ = a + s V, γ̇ = s and Ḋ = −D (s D).
             let own = [a, slope].get(k).copied().unwrap_or(DVec3::ZERO);
             let gained: DVec3 = (0..=k).map(|i| v[k - i] * s[i]).sum();
             u[k + 1] = (own + gained) / next;
@@ -97,6 +101,7 @@ impl Motion {
 
     /// The series of (x, y, z, ct), without the coefficients that are below rounding.
     fn positions(&self, length: f64) -> Vec<DVec4> {
+        // ẋ = U and ct˙ = γ, integrated over τ = length · u.
         let own = |k: usize| self.u[k].extend(self.gamma[k]) * (length / (k + 1) as f64);
         let least = TOLERANCE * self.gamma[0] * length.abs();
         let count = (1..=ORDER)

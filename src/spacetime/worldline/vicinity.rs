@@ -56,6 +56,7 @@ impl Vicinity {
         apex: Displacement<Camera>,
         square: f64,
     ) -> Option<Displacement<Camera>> {
+        // a, X⊥², h, S and w of the head of this file.
         let along = self.n.dot(apex.x);
         let across = (apex.x - self.n * along).length_squared();
         let h = 0.5 * self.g * square;
@@ -64,6 +65,7 @@ impl Vicinity {
             true => s + apex.ct,
             false => (square + h * (2.0 * along + h)) / (s - apex.ct),
         };
+        // t = −r² w/(w² − h²) and x∥ = r² h/(w² − h²).
         let scale = square / ((w - h) * (w + h));
         let (ct, ahead) = (-w * scale, h * scale);
         (w > h && scale < f64::INFINITY && ct + ahead >= self.begin)

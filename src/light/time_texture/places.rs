@@ -3,8 +3,10 @@
 //! Indices are calculated in f64, which holds them exactly, and become integers by the addition of 2⁵²: vectors
 //! have that, and have no conversion.
 
-use super::BATCH;
-use crate::light::time_texture::axis::{Timeline, catmull_rom, less_curvature};
+use super::axis::{Timeline, catmull_rom, less_curvature};
+
+/// Lookups in one batch, at most.
+pub const BATCH: usize = 256;
 
 /// Bins that a filter reads, at most.
 pub(super) const MOST_BINS: usize = 6;
@@ -97,19 +99,23 @@ pub(super) fn place<F: Filter<N>, const N: usize>(
     let last = bins - 1.0;
     for i in 0..count.min(BATCH) {
         let (u, v, t) = (u[i], v[i], t[i]);
+        // Plain: on the texture, within the data, and with all bins of the filter there.
         let on_texture = (0.0..=1.0).contains(&u) & (0.0..=1.0).contains(&v);
         let there = on_texture & (t >= start) & (t <= end);
+        // The four texels about the point, and the bins about the time.
         let (left, right, fx) = neighbours(u * width, width - 1.0);
         let (top, bottom, fy) = neighbours(v * height, height - 1.0);
         let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
         let (first, weights) = F::weights(b, last);
         let within = (first >= 0.0) & (first + N as f64 <= bins);
         places.plain[i] = there & within;
+        // Index of the first sample of each tap: ((row · W + column) · T + bin) · C.
         let (top, bottom) = (top * width, bottom * width);
         places.origins[0][i] = integer(((top + left) * bins + first) * channels);
         places.origins[1][i] = integer(((top + right) * bins + first) * channels);
         places.origins[2][i] = integer(((bottom + left) * bins + first) * channels);
         places.origins[3][i] = integer(((bottom + right) * bins + first) * channels);
+        // Bilinear weights.
         places.taps[0][i] = (1.0 - fx) * (1.0 - fy);
         places.taps[1][i] = fx * (1.0 - fy);
         places.taps[2][i] = (1.0 - fx) * fy;

@@ -5,21 +5,15 @@
 //! brought together, widened and summed. Each operation is that of a single lookup, in its order, so that
 //! results are the same bit for bit. Lookups near the ends of the data or beyond them are single ones.
 
-mod place;
-mod read;
-
 use glam::DVec2;
 
 use super::axis::Timeline;
-use super::{Sampled, TimeTexture};
+use super::gather::read;
+use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
+use super::texture::{Sampled, TimeTexture};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::io::cube::Samples;
 use crate::scene::model::TimeFilter;
-use place::{Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
-use read::read;
-
-/// Lookups in one batch, at most.
-pub const BATCH: usize = 256;
 
 /// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
 #[derive(Debug)]

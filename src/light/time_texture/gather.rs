@@ -1,9 +1,8 @@
 //! Samples of many lookups: asked for some lookups ahead, brought together, widened, summed.
 
-use super::BATCH;
-use super::place::{MOST_BINS, Places};
+use super::places::{BATCH, MOST_BINS, Places};
+use super::reader::Sample;
 use crate::accel::vectors::prefetch;
-use crate::light::time_texture::reader::Sample;
 
 /// Lookups whose samples are brought together.
 const GROUP: usize = 16;
@@ -19,6 +18,7 @@ pub(super) fn read<S: Sample, const C: usize, const N: usize>(
     factor: f64,
     radiance: &mut [[f64; 4]; BATCH],
 ) {
+    // The samples of the next group are on their way while those of this one are summed.
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
     ask_for::<S, C, N>(samples, places, 0, count);

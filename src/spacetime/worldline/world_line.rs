@@ -1,0 +1,180 @@
+//! World lines of every kind behind one type.
+
+use glam::DVec3;
+
+use super::arcs::{Arcs, Segment};
+use super::circular::Circular;
+use super::error::WorldLineError;
+use super::keyframes::Keyframes;
+use super::profile::Profile;
+use super::state::{Crossing, State};
+use super::vicinity::Vicinity;
+use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
+
+/// The world line of something slower than light.
+#[derive(Debug, Clone)]
+pub struct WorldLine {
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Arcs(Arcs),
+    Profile(Profile),
+    Keyframes(Keyframes),
+    Circular(Circular),
+}
+
+impl WorldLine {
+    /// Without acceleration, through the event `zero` at proper time 0.
+    pub fn inertial(velocity: Velocity, zero: Event<World>) -> WorldLine {
+        Kind::Arcs(Arcs::inertial(velocity, zero)).into()
+    }
+
+    /// With constant proper acceleration for ever: a hyperbola in the frame comoving at proper time 0, in
+    /// whose axes `acceleration` is given (1/m). Without acceleration it is inertial.
+    pub fn hyperbolic(
+        velocity: Velocity,
+        zero: Event<World>,
+        acceleration: DVec3,
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Arcs(Arcs::hyperbolic(velocity, zero, acceleration)?).into())
+    }
+
+    /// One stretch of constant proper acceleration after the other from proper time 0 on; without acceleration
+    /// before and after them.
+    pub fn segments(
+        velocity: Velocity,
+        zero: Event<World>,
+        segments: &[Segment],
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Arcs(Arcs::segments(velocity, zero, segments)?).into())
+    }
+
+    /// With the proper acceleration given at knots of proper time, in the comoving frame's axes of each moment
+    /// (the world's, boosted without rotation), and linear between them; from the first knot to the last.
+    /// `velocity` and `zero` are the state at proper time 0, which must be among these times.
+    pub fn profile(
+        velocity: Velocity,
+        zero: Event<World>,
+        knots: &[(f64, DVec3)],
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Profile(Profile::new(velocity, zero, knots)?).into())
+    }
+
+    /// The natural cubic spline x(ct) through `events`, from the first, at proper time 0, to the last.
+    ///
+    /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and
+    /// the latter is zero at both ends. Refused where it is not slower than light.
+    pub fn keyframes(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Keyframes(Keyframes::new(events)?).into())
+    }
+
+    /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with
+    /// `rate` radians per metre of world time, right-handed about it; at `zero` at proper time 0.
+    pub fn circular(
+        zero: Event<World>,
+        centre: DVec3,
+        axis: DVec3,
+        rate: f64,
+    ) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Circular(Circular::new(zero, centre, axis, rate)?).into())
+    }
+
+    /// The first and the last proper time, metres; infinite where the line has no end.
+    pub fn span(&self) -> [f64; 2] {
+        match &self.kind {
+            Kind::Arcs(_) | Kind::Circular(_) => [f64::NEG_INFINITY, f64::INFINITY],
+            Kind::Profile(line) => line.span(),
+            Kind::Keyframes(line) => line.span(),
+        }
+    }
+
+    /// The proper time of a revolution, where it goes round a circle.
+    pub fn period(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Circular(line) => line.period(),
+            _ => None,
+        }
+    }
+
+    /// The state at a proper time, metres. None outside [`WorldLine::span`], and where coordinates leave
+    /// f64's range or the rapidity is above [`MAX_RAPIDITY`](crate::spacetime::MAX_RAPIDITY).
+    pub fn state(&self, proper_time: f64) -> Option<State> {
+        let [first, last] = self.span();
+        if !proper_time.is_finite() || proper_time < first || proper_time > last {
+            return None;
+        }
+        let state = match &self.kind {
+            Kind::Arcs(line) => line.state(proper_time),
+            Kind::Profile(line) => line.state(proper_time),
+            Kind::Keyframes(line) => line.state(proper_time),
+            Kind::Circular(line) => line.state(proper_time),
+        };
+        state.filter(|s| s.event.ct.is_finite() && s.event.x.is_finite())
+    }
+
+    /// Event and velocity of the state at a proper time, as [`WorldLine::state`] has them, and none where it
+    /// has none: cheaper where nothing else is needed.
+    pub fn place(&self, proper_time: f64) -> Option<(Event<World>, Velocity)> {
+        let Kind::Arcs(line) = &self.kind else {
+            let state = self.state(proper_time)?;
+            return Some((state.event, state.velocity));
+        };
+        let place = line.place(proper_time).filter(|_| proper_time.is_finite());
+        place.filter(|(event, _)| event.ct.is_finite() && event.x.is_finite())
+    }
+
+    /// The frame whose clock shows proper time, where the line is inertial for ever.
+    pub fn frame(&self) -> Option<InertialFrame<Camera>> {
+        match &self.kind {
+            Kind::Arcs(line) => line.frame(),
+            _ => None,
+        }
+    }
+
+    /// Where the line crosses the past light cone of the event at `offset` from that of `near`, a state of
+    /// this line: the event at which it is seen from there. The displacement of the crossing is counted from
+    /// `near.event`, and keeps the digits of a small `offset`.
+    ///
+    /// None where it does not cross: beyond the horizon of a line that accelerates for ever, before the line
+    /// begins or after it ends.
+    #[inline]
+    pub fn on_past_light_cone(
+        &self,
+        near: &State,
+        offset: Displacement<World>,
+    ) -> Option<Crossing> {
+        match &self.kind {
+            Kind::Arcs(line) => line.past_cone(near, offset),
+            Kind::Profile(line) => line.past_cone(near, offset),
+            Kind::Keyframes(line) => line.past_cone(near, offset),
+            Kind::Circular(line) => line.past_cone(near, offset),
+        }
+    }
+
+    /// What there is around `near`, a state of this line, where its proper acceleration is constant there.
+    pub fn vicinity(&self, near: &State) -> Option<Vicinity> {
+        match &self.kind {
+            Kind::Arcs(line) => Some(line.vicinity(near)),
+            _ => None,
+        }
+    }
+
+    /// Where the line crosses the past light cone of `apex`, as [`WorldLine::on_past_light_cone`]. The
+    /// displacement of the crossing is counted from `apex` itself: a null vector into the past.
+    pub fn on_past_light_cone_of(&self, apex: Event<World>) -> Option<Crossing> {
+        match &self.kind {
+            Kind::Arcs(line) => line.past_cone_of(apex),
+            Kind::Profile(line) => line.past_cone_of(apex),
+            Kind::Keyframes(line) => line.past_cone_of(apex),
+            Kind::Circular(line) => line.past_cone_of(apex),
+        }
+    }
+}
+
+impl From<Kind> for WorldLine {
+    fn from(kind: Kind) -> Self {
+        WorldLine { kind }
+    }
+}

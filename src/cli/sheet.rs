@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
 use nullray::figures::contact_sheet;
-use nullray::figures::text::{self, Label};
+use nullray::figures::text::RichText;
 use nullray::io::image;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::{Panel, Scene, Show};
@@ -73,7 +73,7 @@ impl Figure {
     fn check_text(&self) -> Result<()> {
         let labels = self.parts.iter().map(|part| &part.label);
         for line in labels.chain(&self.whole.sheet.title) {
-            text::width(&Label::new(line.as_str()), 1.0)?;
+            RichText::plain(line)?.width(1.0)?;
         }
         Ok(())
     }

@@ -10,3 +10,4 @@ pub mod isochrones;
 pub mod overlay;
 pub mod pixel_probe;
 pub mod text;
+pub(crate) mod ticks;

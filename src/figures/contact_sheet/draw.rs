@@ -5,7 +5,7 @@ use tiny_skia::{Color, Pixmap, PremultipliedColorU8};
 use super::Panel;
 use super::layout::{Layout, Line, Rect};
 use crate::error::{Error, Result};
-use crate::figures::text::{self, Anchor, Label};
+use crate::figures::text::{self, AnchorX, RichText};
 use crate::io::image::RgbImage;
 
 /// Draws all panels and their labels.
@@ -31,11 +31,11 @@ pub(super) fn page(panels: &[Panel], layout: &Layout) -> Result<RgbImage> {
 }
 
 fn write(page: &mut Pixmap, line: &Line) -> Result<()> {
-    let label = Label::new(line.text.as_str());
+    let label = RichText::plain(&line.text)?;
     text::draw(
         page,
         line.middle,
-        Anchor::Middle,
+        AnchorX::Middle,
         line.size,
         Color::BLACK,
         &label,

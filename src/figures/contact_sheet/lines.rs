@@ -2,7 +2,7 @@
 
 use super::Line;
 use crate::error::Result;
-use crate::figures::text::{self, Label};
+use crate::figures::text::RichText;
 
 /// From one baseline to the next, as a multiple of the size of the type.
 pub(super) const LEADING: f64 = 1.3;
@@ -41,7 +41,7 @@ fn letters(index: usize) -> String {
 }
 
 fn width(text: &str, size: f64) -> Result<f64> {
-    text::width(&Label::new(text), size)
+    RichText::plain(text)?.width(size)
 }
 
 pub(super) fn widest_word(text: &str, size: f64) -> Result<f64> {

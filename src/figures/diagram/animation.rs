@@ -34,14 +34,7 @@ impl Diagram {
         let (Some(from), Some(to)) = (self.frames.get(first), self.frames.get(boost.to)) else {
             return;
         };
-        let passing = Reference {
-            name: String::new(),
-            frame: between(&from.frame, &to.frame, part),
-            axes: false,
-            grid: false,
-            ticks: None,
-            colour: None,
-        };
+        let passing = Reference::bare("", between(&from.frame, &to.frame, part));
         if let Some(world) = self.frames.get_mut(first) {
             world.colour = world.colour.or(Some(Colour::Black));
         }

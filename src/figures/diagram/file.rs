@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::model::Colour;
 use super::spot::{OneOrMany, Speed, Spot};
 use crate::scene::{At, Number, Numbers, Vector};
 use crate::spacetime::units::Length;
@@ -136,7 +137,7 @@ pub(super) struct DiagramFrame {
     /// The distance of the ticks on its axes, above 0. Default: that of the diagram's.
     pub ticks: Option<At<Number>>,
     /// The colour. Default: one of its own.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A world line, said in one way: inertial, accelerated or on a circle from an event on, through events, or that of
@@ -185,7 +186,7 @@ pub(super) struct DiagramLine {
     /// Whether the ticks have numbers. Default: false.
     pub numbers: Option<bool>,
     /// The colour. Default: one of its own.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A stretch of constant proper acceleration.
@@ -247,22 +248,6 @@ pub(super) struct DiagramEvent {
     pub cross: Option<At<[At<String>; 2]>>,
     /// Whether it is marked by a dot. Default: true.
     pub dot: Option<bool>,
-}
-
-/// A colour of the palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(super) enum Colour {
-    Black,
-    Grey,
-    Blue,
-    Red,
-    Green,
-    Orange,
-    Sky,
-    Purple,
 }
 
 /// How a diagram looks.
@@ -339,7 +324,7 @@ pub(super) struct Signal {
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: that of light.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A line of equal time, or of equal place, of a frame.
@@ -360,7 +345,7 @@ pub(super) struct Slice {
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: the frame's.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// The interval between two events.
@@ -378,7 +363,7 @@ pub(super) struct Interval {
     /// What stands beside it; "" is nothing. Default: its value.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// The events of one interval from an event: said by one of them, or by its value.
@@ -397,7 +382,7 @@ pub(super) struct Hyperbola {
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// What lies between two world lines: that of a rod, from end to end.
@@ -413,7 +398,7 @@ pub(super) struct Sheet {
     /// What stands on it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: that of the first world line.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A shaded region with straight edges.
@@ -429,7 +414,7 @@ pub(super) struct Region {
     /// What stands on it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// An arrow: the four-velocity of a world line, or from event to event.
@@ -453,7 +438,7 @@ pub(super) struct Arrow {
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: that of the world line.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A quarter of the diagram between the light rays through an event, and these rays: the horizons of those
@@ -472,7 +457,7 @@ pub(super) struct Wedge {
     /// What stands on it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A quarter of the diagram.
@@ -500,7 +485,7 @@ pub(super) struct Text {
     /// Where their middle is.
     pub at: At<Spot>,
     /// The colour. Default: black.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }
 
 /// A series of pictures: the view is boosted to a frame step by step, or a line of simultaneity sweeps
@@ -540,5 +525,5 @@ pub(super) struct Now {
     /// The time of that frame in the last picture.
     pub to: At<Number>,
     /// The colour. Default: the frame's.
-    pub colour: Option<At<Colour>>,
+    pub colour: Option<Colour>,
 }

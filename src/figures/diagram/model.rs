@@ -1,13 +1,16 @@
 //! A space-time diagram, resolved: every name looked up, every event solved for. Metres throughout.
 
 use glam::DVec3;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::spacetime::{Direction, Event, InertialFrame, Rest, World};
+use crate::spacetime::{Direction, Event, InertialFrame, Rest, Velocity, World};
 
 pub use super::track::{Moment, Track};
 
 /// A space-time diagram. Indices into `lines` and `frames` are those of these lists.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Diagram {
     /// The file as named by the user.
     pub name: String,
@@ -86,6 +89,17 @@ pub struct Unit {
     pub is_time: bool,
 }
 
+impl Default for Unit {
+    /// Metres, with no unit at the axes.
+    fn default() -> Self {
+        Unit {
+            metres: 1.0,
+            names: None,
+            is_time: false,
+        }
+    }
+}
+
 /// A frame of reference, and what is drawn of it.
 #[derive(Debug, Clone)]
 pub struct Reference {
@@ -101,6 +115,29 @@ pub struct Reference {
     pub ticks: Option<f64>,
     /// The colour; none for one of its own.
     pub colour: Option<Colour>,
+}
+
+impl Reference {
+    /// A frame of which nothing is drawn.
+    pub(crate) fn bare(name: &str, frame: InertialFrame<Rest>) -> Reference {
+        Reference {
+            name: name.into(),
+            frame,
+            axes: false,
+            grid: false,
+            ticks: None,
+            colour: None,
+        }
+    }
+
+    /// The frame of the scene file itself, with its axes.
+    pub(crate) fn world() -> Reference {
+        let frame = InertialFrame::new(Velocity::REST, Event::ORIGIN);
+        Reference {
+            axes: true,
+            ..Reference::bare("world", frame)
+        }
+    }
 }
 
 /// A world line.
@@ -335,7 +372,10 @@ pub struct Now {
 }
 
 /// A colour of the palette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", schemars(inline))]
 #[allow(missing_docs)]
 pub enum Colour {
     Black,

@@ -52,6 +52,7 @@ pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 
 use crate::error::Result;
+pub use crate::figures::text::AnchorX;
 use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
 
@@ -131,17 +132,6 @@ pub struct Anchor {
     pub y: AnchorY,
 }
 
-/// A place along a line of text, by its advance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AnchorX {
-    /// Where it begins.
-    Start,
-    /// Half way.
-    Middle,
-    /// Where it ends.
-    End,
-}
-
 /// A height of a line of text: the same for all texts of one size, so that neighbours stand in line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnchorY {
@@ -181,20 +171,26 @@ impl Item {
 }
 
 impl Anchor {
+    /// The middle of a line.
+    pub const MIDDLE: Anchor = Anchor {
+        x: AnchorX::Middle,
+        y: AnchorY::Middle,
+    };
+    /// The beginning of a line, at half the height of capitals.
+    pub const START: Anchor = Anchor {
+        x: AnchorX::Start,
+        y: AnchorY::Middle,
+    };
+
     /// Where, from the anchor, a line of this advance and size has the left end of its baseline.
     pub(crate) fn offset(self, width: f64, size: f64) -> [f64; 2] {
-        let left = match self.x {
-            AnchorX::Start => 0.0,
-            AnchorX::Middle => -width / 2.0,
-            AnchorX::End => -width,
-        };
         let baseline = match self.y {
             AnchorY::Baseline => 0.0,
             AnchorY::Middle => CAPITALS / 2.0 * size,
             AnchorY::Top => CAPITALS * size,
             AnchorY::Bottom => -DESCENDERS * size,
         };
-        [left, baseline]
+        [self.x.left(width), baseline]
     }
 }
 

@@ -4,10 +4,10 @@ use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Rect, Transform};
 
 use super::picture::{Line, strokes};
 use super::range::Range;
-use super::ticks::{Unit, number, round_step};
 use super::viridis::viridis;
 use crate::error::Result;
-use crate::figures::text::{self, Anchor, Label};
+use crate::figures::text::{self, AnchorX, RichText};
+use crate::figures::ticks::{Unit, number, round_step};
 
 /// The colour bar and its two scales.
 pub(super) struct Legend {
@@ -26,9 +26,9 @@ pub(super) struct Legend {
 
 /// Labelled values on one side of the bar.
 struct Scale {
-    head: Label,
+    head: RichText,
     /// ct in metres, and its label.
-    ticks: Vec<(f64, Label)>,
+    ticks: Vec<(f64, RichText)>,
     /// The widest of the labels and half of the head, pixels.
     width: f64,
 }
@@ -76,12 +76,12 @@ impl Legend {
             let look = Line::new(&self.range, line, stroke);
             strokes(pixmap, &[vec![[self.left, y], [self.right, y]]], &look);
         }
-        self.scale(pixmap, em, &self.distance, (self.left, -1.0), Anchor::End)?;
-        self.scale(pixmap, em, &self.time, (self.right, 1.0), Anchor::Start)?;
+        self.scale(pixmap, em, &self.distance, (self.left, -1.0), AnchorX::End)?;
+        self.scale(pixmap, em, &self.time, (self.right, 1.0), AnchorX::Start)?;
         let gap = 0.5 * em;
         let heads = [
-            (self.left - gap, Anchor::End, &self.distance.head),
-            (self.right + gap, Anchor::Start, &self.time.head),
+            (self.left - gap, AnchorX::End, &self.distance.head),
+            (self.right + gap, AnchorX::Start, &self.time.head),
         ];
         for (x, anchor, label) in heads {
             text::draw(pixmap, [x, self.head], anchor, em, ink(), label)?;
@@ -135,7 +135,7 @@ impl Legend {
         em: f64,
         scale: &Scale,
         (x, outwards): (f64, f64),
-        anchor: Anchor,
+        anchor: AnchorX,
     ) -> Result<()> {
         let look = Line {
             colour: ink(),
@@ -173,12 +173,10 @@ impl Scale {
         let step = unit.count(range.step * every as f64);
         let ticks = chosen.map(|line| {
             let ct = line as f64 * range.step;
-            (ct, Label::new(number(unit.count(ct), step)))
+            Ok((ct, RichText::plain(&number(unit.count(ct), step))?))
         });
-        let head = Label::default()
-            .italic("ct")
-            .upright(format!(" ({})", unit.name));
-        Scale::new(head, ticks.collect(), em)
+        let head = RichText::parse(&format!("*ct* ({})", unit.name))?;
+        Scale::new(head, ticks.collect::<Result<_>>()?, em)
     }
 
     /// Round times.
@@ -191,18 +189,16 @@ impl Scale {
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
         let ticks = (first..=last).take(50).map(|i| {
             let t = i as f64 * step;
-            (t / base, Label::new(number(t, step)))
+            Ok((t / base, RichText::plain(&number(t, step))?))
         });
-        let head = Label::default()
-            .italic("t")
-            .upright(format!(" ({})", unit.name));
-        Scale::new(head, ticks.collect(), em)
+        let head = RichText::parse(&format!("*t* ({})", unit.name))?;
+        Scale::new(head, ticks.collect::<Result<_>>()?, em)
     }
 
-    fn new(head: Label, ticks: Vec<(f64, Label)>, em: f64) -> Result<Scale> {
-        let mut width = text::width(&head, em)?;
+    fn new(head: RichText, ticks: Vec<(f64, RichText)>, em: f64) -> Result<Scale> {
+        let mut width = head.width(em)?;
         for (_, label) in &ticks {
-            width = width.max(text::width(label, em)?);
+            width = width.max(label.width(em)?);
         }
         Ok(Scale { head, ticks, width })
     }

@@ -16,7 +16,6 @@ mod legend;
 mod page;
 mod picture;
 pub(crate) mod range;
-pub(crate) mod ticks;
 pub(crate) mod viridis;
 
 use crate::error::{Error, Result};

@@ -17,7 +17,7 @@ use super::legend::{Legend, ink};
 use super::picture::{self, Frame};
 use super::range::Range;
 use crate::error::{Error, Result};
-use crate::figures::text::{self, Anchor, Label};
+use crate::figures::text::{self, AnchorX, RichText};
 use crate::io::image::RgbImage;
 
 /// Small pictures are enlarged to about this size, pixels.
@@ -60,7 +60,7 @@ impl Page {
             )?),
             None => None,
         };
-        let title_width = text::width(&Label::new(options.title.as_str()), 1.25 * em)?;
+        let title_width = RichText::plain(&options.title)?.width(1.25 * em)?;
         let right = legend.as_ref().map_or(margin + w, Legend::extent);
         let bottom = legend.as_ref().map_or(0.0, |l| l.bottom + 0.5 * em);
         let right = right.max(margin + title_width) + margin;
@@ -93,11 +93,11 @@ impl Page {
             Error::unsupported("isochrones", "", what, "")
         })?;
         pixmap.fill(Color::WHITE);
-        let title = Label::new(options.title.as_str());
+        let title = RichText::plain(&options.title)?;
         text::draw(
             &mut pixmap,
             self.title,
-            Anchor::Start,
+            AnchorX::Start,
             1.25 * self.em,
             ink(),
             &title,

@@ -1,6 +1,6 @@
 //! Which times the colours span, and where the lines are.
 
-use super::ticks::round_step;
+use crate::figures::ticks::round_step;
 
 /// Lines over the middle half of the pixels, where the step is not given.
 const LINES: f64 = 10.0;

@@ -1,12 +1,11 @@
 //! The legend: samples of lines with words, in rows below the picture.
 
-use super::page::{speed_words, symbol};
-use super::style::{APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, digits};
-use super::{Facts, Overlay, Target};
+use super::style::{APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, digits, symbol};
+use super::{Facts, Overlay, Pointer, Target};
 use crate::error::Result;
-use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Text};
-use crate::figures::isochrones::ticks::Unit;
+use crate::figures::drawing::{Anchor, Colour, Item, Path, Text};
 use crate::figures::text::RichText;
+use crate::figures::ticks::Unit;
 
 /// Points per em.
 const SIZE: f64 = 8.0;
@@ -136,10 +135,7 @@ impl Entry {
         let mut items = self.sample.draw([x, y]);
         items.push(Item::Text(Text {
             colour: Colour::rgb(32, 32, 36),
-            anchor: Anchor {
-                x: AnchorX::Start,
-                y: AnchorY::Middle,
-            },
+            anchor: Anchor::START,
             ..Text::new(self.text.clone(), [x + self.sample.length(), y], SIZE)
         }));
         items
@@ -182,4 +178,14 @@ impl Sample {
             Sample::Nothing => Vec::new(),
         }
     }
+}
+
+/// The speed in words of the legend.
+fn speed_words(pointer: &Pointer) -> Result<RichText> {
+    let way = match pointer.target {
+        Target::Ahead(_) => "towards what is there",
+        Target::Behind(_) => "away from what is there",
+        Target::Outside(_) => "that way",
+    };
+    RichText::parse(&format!("the camera moves {way}"))
 }

@@ -2,11 +2,11 @@
 
 use super::label::Labels;
 use super::legend;
-use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen};
+use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
 use super::{Isochrones, Line, Outline, Overlay, Pointer, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
-use crate::figures::text::{Rect, RichText};
+use crate::figures::text::Rect;
 use crate::io::image::RgbImage;
 
 /// The picture's longer side, points.
@@ -15,8 +15,6 @@ const SIDE: f64 = 480.0;
 const LEAST_WIDTH: f64 = 240.0;
 /// The longer side of the picture in a PNG, pixels, unless it has more.
 const PIXELS: f64 = 1200.0;
-/// The radius of ⊗ and ⊙, points.
-const RADIUS: f64 = 5.0;
 
 /// Pixels per point at which a PNG of a picture of this size shows each of its pixels as a square of
 /// whole pixels, at least 1200 of them along its longer side.
@@ -163,7 +161,7 @@ fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Resu
 fn pointed(place: &Place, pointer: &Pointer) -> Result<Vec<Item>> {
     let mut items = Vec::new();
     let at = place.pointed_at(pointer.target);
-    items.extend(symbol(pointer.target, at));
+    items.extend(style::symbol(pointer.target, at));
     let text = style::speed(pointer.velocity)?;
     let (size, width) = (8.5, text.width(8.5)?);
     let beside = match pointer.target {
@@ -186,27 +184,6 @@ fn kept(x: f64, margin: f64, end: f64) -> f64 {
     x.min(end - margin).max(margin)
 }
 
-/// The sign of a velocity, at its middle or, for an arrow, at its tip.
-pub(super) fn symbol(target: Target, at: [f64; 2]) -> Vec<Item> {
-    let ring = Path::circle(at, RADIUS);
-    let by = |x: f64, y: f64| [at[0] + x, at[1] + y];
-    match target {
-        Target::Ahead(_) => {
-            let k = RADIUS * std::f64::consts::FRAC_1_SQRT_2;
-            let cross = Path::line(by(-k, -k), by(k, k)).and(Path::line(by(-k, k), by(k, -k)));
-            POINTER.draw(ring.and(cross)).into()
-        }
-        Target::Behind(_) => {
-            let mut items: Vec<Item> = POINTER.draw(ring).into();
-            items.extend(POINTER.draw(Path::circle(at, 0.7)));
-            items
-        }
-        Target::Outside([x, y]) => POINTER
-            .draw_arrow(Path::line(by(-24.0 * x, -24.0 * y), at))
-            .into(),
-    }
-}
-
 /// Where an arrow at the edge ends.
 fn arrow_tip(place: &Place, way: [f64; 2]) -> [f64; 2] {
     let middle = place.size.map(|side| 0.5 * side);
@@ -216,14 +193,4 @@ fn arrow_tip(place: &Place, way: [f64; 2]) -> [f64; 2] {
     });
     let far = reach[0].min(reach[1]);
     [0, 1].map(|i| middle[i] + far * way[i])
-}
-
-/// The speed in words of the legend.
-pub(super) fn speed_words(pointer: &Pointer) -> Result<RichText> {
-    let way = match pointer.target {
-        Target::Ahead(_) => "towards what is there",
-        Target::Behind(_) => "away from what is there",
-        Target::Outside(_) => "that way",
-    };
-    RichText::parse(&format!("the camera moves {way}"))
 }

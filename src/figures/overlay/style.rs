@@ -1,11 +1,12 @@
 //! Colours and lines. Every line has a dark border, so that it reads on dark and on bright ground.
 
+use super::pointer::Target;
 use crate::error::Result;
-use crate::figures::drawing::{
-    Anchor, AnchorX, AnchorY, Arrow, Cap, Colour, Item, Join, Path, Stroke, Text,
-};
+use crate::figures::drawing::{Anchor, Arrow, Cap, Colour, Item, Join, Path, Stroke, Text};
 use crate::figures::text::RichText;
 
+/// The radius of ⊗ and ⊙, points.
+pub(super) const RADIUS: f64 = 5.0;
 /// Borders of lines and labels on the picture.
 const DARK: Colour = Colour::rgb(18, 18, 24);
 
@@ -86,14 +87,32 @@ impl Pen {
     }
 }
 
+/// The sign of a velocity, at its middle or, for an arrow, at its tip.
+pub(super) fn symbol(target: Target, at: [f64; 2]) -> Vec<Item> {
+    let ring = Path::circle(at, RADIUS);
+    let by = |x: f64, y: f64| [at[0] + x, at[1] + y];
+    match target {
+        Target::Ahead(_) => {
+            let k = RADIUS * std::f64::consts::FRAC_1_SQRT_2;
+            let cross = Path::line(by(-k, -k), by(k, k)).and(Path::line(by(-k, k), by(k, -k)));
+            POINTER.draw(ring.and(cross)).into()
+        }
+        Target::Behind(_) => {
+            let mut items: Vec<Item> = POINTER.draw(ring).into();
+            items.extend(POINTER.draw(Path::circle(at, 0.7)));
+            items
+        }
+        Target::Outside([x, y]) => POINTER
+            .draw_arrow(Path::line(by(-24.0 * x, -24.0 * y), at))
+            .into(),
+    }
+}
+
 /// A line of text on the picture: in the colour of what it tells of, with a dark border.
 pub(super) fn label(text: RichText, at: [f64; 2], colour: Colour, size: f64) -> Text {
     Text {
         colour,
-        anchor: Anchor {
-            x: AnchorX::Middle,
-            y: AnchorY::Middle,
-        },
+        anchor: Anchor::MIDDLE,
         halo: Some((DARK, 1.1)),
         ..Text::new(text, at, size)
     }

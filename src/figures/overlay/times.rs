@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::figures::isochrones::chain::polylines;
 use crate::figures::isochrones::contour::{Grid, pieces};
 use crate::figures::isochrones::range::Range;
-use crate::figures::isochrones::ticks::{Unit, number, round_step};
+use crate::figures::ticks::{Unit, number, round_step};
 
 /// How many of the steps of a picture that shows nothing but isochrones are one here.
 const COARSER: f64 = 2.5;

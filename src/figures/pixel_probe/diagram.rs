@@ -105,14 +105,7 @@ fn add_frame(diagram: &mut Diagram, name: &str, frame: InertialFrame<Rest>) {
     if diagram.frames.iter().any(|known| known.name == name) {
         return;
     }
-    diagram.frames.push(Reference {
-        name: name.into(),
-        frame,
-        axes: false,
-        grid: false,
-        ticks: None,
-        colour: None,
-    });
+    diagram.frames.push(Reference::bare(name, frame));
 }
 
 /// The directions of space of a diagram, in the coordinates of its frame.

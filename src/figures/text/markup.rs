@@ -1,8 +1,23 @@
 //! Reads the markup of [rich text](super::rich) into runs.
 
-use super::Style;
-use super::rich::{Level, Run};
+use super::setter::Style;
 use crate::error::{Error, Result};
+
+/// Characters of one style on one level.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Run {
+    pub style: Style,
+    pub level: Level,
+    pub text: String,
+}
+
+/// Where a run stands on its line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Level {
+    Line,
+    Subscript,
+    Superscript,
+}
 
 /// Signs by name, as TeX calls them.
 const SIGNS: &[(&str, char)] = &[

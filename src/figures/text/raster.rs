@@ -2,18 +2,30 @@
 
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
-use super::{Label, Segment, outline};
+use super::outline::Segment;
+use super::rich::RichText;
 use crate::error::Result;
 
-/// Which point of a label's baseline is at the given place.
+/// A place along a line of text, by its advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
-    /// Its left end.
+pub enum AnchorX {
+    /// Where it begins.
     Start,
-    /// Its middle.
+    /// Half way.
     Middle,
-    /// Its right end.
+    /// Where it ends.
     End,
+}
+
+impl AnchorX {
+    /// How far from the anchor a line of this advance begins.
+    pub(crate) fn left(self, width: f64) -> f64 {
+        match self {
+            AnchorX::Start => 0.0,
+            AnchorX::Middle => -width / 2.0,
+            AnchorX::End => -width,
+        }
+    }
 }
 
 /// Fills `label` with its baseline's `anchor` at `(x, y)` pixels, `size` pixels per em.
@@ -23,17 +35,13 @@ pub enum Anchor {
 pub fn draw(
     pixmap: &mut Pixmap,
     [x, y]: [f64; 2],
-    anchor: Anchor,
+    anchor: AnchorX,
     size: f64,
     colour: Color,
-    label: &Label,
+    label: &RichText,
 ) -> Result<()> {
-    let outline = outline(label, size)?;
-    let left = match anchor {
-        Anchor::Start => x,
-        Anchor::Middle => x - outline.width / 2.0,
-        Anchor::End => x - outline.width,
-    };
+    let outline = label.outline(size)?;
+    let left = x + anchor.left(outline.width);
     let mut paint = Paint::default();
     paint.set_color(colour);
     // A label of spaces has no path.
@@ -68,7 +76,7 @@ mod tests {
     use super::*;
 
     /// The first and the last column with ink.
-    fn ink(anchor: Anchor) -> (u32, u32) {
+    fn ink(anchor: AnchorX) -> (u32, u32) {
         let mut pixmap = Pixmap::new(100, 40).unwrap();
         draw(
             &mut pixmap,
@@ -76,7 +84,7 @@ mod tests {
             anchor,
             20.0,
             Color::BLACK,
-            &"HH".into(),
+            &RichText::plain("HH").unwrap(),
         )
         .unwrap();
         let inked = |x: &u32| (0..40).any(|y| pixmap.pixel(*x, y).unwrap().alpha() > 0);
@@ -86,11 +94,11 @@ mod tests {
 
     #[test]
     fn a_label_lies_where_its_anchor_says() {
-        let (first, _) = ink(Anchor::Start);
+        let (first, _) = ink(AnchorX::Start);
         assert!((50..53).contains(&first));
-        let (_, last) = ink(Anchor::End);
+        let (_, last) = ink(AnchorX::End);
         assert!((47..50).contains(&last));
-        let (first, last) = ink(Anchor::Middle);
+        let (first, last) = ink(AnchorX::Middle);
         assert!((first + last).abs_diff(99) <= 2, "{first} {last}");
     }
 
@@ -98,11 +106,11 @@ mod tests {
     fn a_label_beyond_the_pixmap_is_no_error() {
         let mut pixmap = Pixmap::new(10, 10).unwrap();
         for at in [-1e9, 1e9, f64::NAN] {
-            let label = Label::new("far");
+            let label = RichText::plain("far").unwrap();
             draw(
                 &mut pixmap,
                 [at, at],
-                Anchor::Start,
+                AnchorX::Start,
                 12.0,
                 Color::BLACK,
                 &label,

@@ -15,10 +15,9 @@
 //!
 //! Scripts are set at 0.7 of the size, 0.18 em down or 0.33 em up, and have no scripts of their own.
 
-use super::Style;
-use super::markup;
+use super::markup::{Level, Run, parse};
 use super::outline::{Outline, Rect, bounds};
-use super::setter::Setter;
+use super::setter::{Setter, Style};
 use crate::error::Result;
 
 /// The size of scripts, in that of their line.
@@ -32,22 +31,6 @@ const LOWER: f64 = 0.18;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RichText {
     runs: Vec<Run>,
-}
-
-/// Characters of one style on one level.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Run {
-    pub style: Style,
-    pub level: Level,
-    pub text: String,
-}
-
-/// Where a run stands on its line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Level {
-    Line,
-    Subscript,
-    Superscript,
 }
 
 /// `text` with all that markup would take for its own taken as it is.
@@ -67,7 +50,7 @@ impl RichText {
     /// Italics or braces that are not closed, a script of a script or of nothing, a name that is not
     /// known, and a character that the font does not have; each named, with the text.
     pub fn parse(markup: &str) -> Result<RichText> {
-        RichText::of(markup::parse(markup)?)
+        RichText::of(parse(markup)?)
     }
 
     /// `text` as it stands, upright, nothing in it being markup.
@@ -223,6 +206,7 @@ impl Place {
 
 #[cfg(test)]
 mod tests {
+    use super::super::outline::Segment;
     use super::*;
 
     fn width(markup: &str) -> f64 {
@@ -280,6 +264,66 @@ mod tests {
         assert!(
             error.contains("'光' (U+5149)") && error.contains("c 光"),
             "{error}"
+        );
+    }
+
+    fn italic(text: &str) -> RichText {
+        RichText::parse(&format!("*{text}*")).unwrap()
+    }
+
+    #[test]
+    fn the_fonts_have_what_physics_needs() {
+        let text = "aZ09 γβτλΔΩµ′″−·×±°…²³¹⁰⁴⁻⁺₀₁₂₉→≈≤≥∞½√∥";
+        RichText::plain(text).unwrap().outline(10.0).unwrap();
+        italic(text).outline(10.0).unwrap();
+        RichText::plain("⊥").unwrap().outline(10.0).unwrap();
+    }
+
+    #[test]
+    fn what_italics_lack_is_set_upright() {
+        let italic = italic("⊥").outline(10.0).unwrap();
+        assert_eq!(italic, RichText::plain("⊥").unwrap().outline(10.0).unwrap());
+    }
+
+    #[test]
+    fn a_missing_character_is_named() {
+        let error = RichText::plain("光 slow").unwrap_err();
+        assert!(error.to_string().contains("'光' (U+5149)"), "{error}");
+        assert!(error.to_string().contains("光 slow"), "{error}");
+    }
+
+    #[test]
+    fn widths_are_the_sum_of_advances_and_kerning() {
+        // From the font's tables: figures are 465 units wide, and not kerned among themselves.
+        let eleven = RichText::plain("11").unwrap().width(1000.0).unwrap();
+        assert_eq!(
+            eleven,
+            2.0 * RichText::plain("1").unwrap().width(1000.0).unwrap()
+        );
+        let pair = |text| RichText::plain(text).unwrap().width(1000.0).unwrap();
+        assert!(
+            pair("AV") < pair("A") + pair("V") - 50.0,
+            "A and V move together"
+        );
+        assert_eq!(
+            pair("AV") * 2.0,
+            RichText::plain("AV").unwrap().width(2000.0).unwrap()
+        );
+    }
+
+    #[test]
+    fn an_upright_i_stands_on_the_baseline() {
+        let outline = RichText::plain("I").unwrap().outline(1000.0).unwrap();
+        let ends = outline.segments.iter().filter_map(|s| match s {
+            Segment::Move(p) | Segment::Line(p) => Some(p[1]),
+            Segment::Quadratic(_, p) | Segment::Cubic(_, _, p) => Some(p[1]),
+            Segment::Close => None,
+        });
+        let (low, high) = ends.fold((0.0, 0.0), |(l, h): (f64, f64), y| (l.min(y), h.max(y)));
+        // Capital height of the font: 0.645 em; y runs down.
+        assert!(
+            (-660.0..=-635.0).contains(&low) && high <= 3.0,
+            "{low} {high}"
         );
     }
 }

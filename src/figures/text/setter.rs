@@ -1,13 +1,23 @@
 //! Sets runs of characters one after another.
 
+use ttf_parser::gpos::{PairAdjustment, PositioningSubtable};
+use ttf_parser::opentype_layout::Lookup;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-use super::kern::kerning;
-use super::{Outline, Segment, Style};
+use super::outline::{Outline, Segment};
 use crate::error::{Error, Result};
 
 const REGULAR: &[u8] = include_bytes!("fonts/LibertinusSerif-Regular.otf");
 const ITALIC: &[u8] = include_bytes!("fonts/LibertinusSerif-Italic.otf");
+
+/// How a run of text is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Style {
+    /// Words, numbers and units.
+    Upright,
+    /// Quantities.
+    Italic,
+}
 
 /// A line of text as it grows: its outline so far, whose width is where the next run begins.
 pub(super) struct Setter<'a> {
@@ -122,4 +132,35 @@ impl OutlineBuilder for Pen<'_> {
     fn close(&mut self) {
         self.segments.push(Segment::Close);
     }
+}
+
+/// By how much `second` moves towards or away from `first`, font units. The embedded fonts have no
+/// lookups other than those of kerning.
+fn kerning(face: &Face, first: GlyphId, second: GlyphId) -> i32 {
+    let Some(gpos) = face.tables().gpos else {
+        return 0;
+    };
+    let of_lookup = |lookup: Lookup| {
+        let subtables = lookup.subtables.into_iter::<PositioningSubtable>();
+        // The first subtable that knows the pair decides.
+        subtables
+            .filter_map(|subtable| pair(subtable, first, second))
+            .next()
+            .unwrap_or(0)
+    };
+    gpos.lookups.into_iter().map(of_lookup).sum()
+}
+
+fn pair(subtable: PositioningSubtable, first: GlyphId, second: GlyphId) -> Option<i32> {
+    let PositioningSubtable::Pair(pair) = subtable else {
+        return None;
+    };
+    let index = pair.coverage().get(first)?;
+    let (value, _) = match pair {
+        PairAdjustment::Format1 { sets, .. } => sets.get(index)?.get(second)?,
+        PairAdjustment::Format2 {
+            classes, matrix, ..
+        } => matrix.get((classes.0.get(first), classes.1.get(second)))?,
+    };
+    Some(i32::from(value.x_advance))
 }

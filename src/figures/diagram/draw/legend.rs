@@ -5,7 +5,7 @@ use super::page::Page;
 use super::theme::Theme;
 use crate::error::Result;
 use crate::figures::diagram::layout::Layout;
-use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Item, Path, Text};
+use crate::figures::drawing::{Anchor, Item, Path, Text};
 use crate::figures::text::RichText;
 
 /// Lines that a legend has: those with labels, of the first panel.
@@ -36,10 +36,7 @@ pub(super) fn items(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<I
         let path = Path::line([x, y], [x + 28.0, y]);
         items.push(Item::stroked(path, theme.world_line(i, colour)));
         items.push(Item::Text(Text {
-            anchor: Anchor {
-                x: AnchorX::Start,
-                y: AnchorY::Middle,
-            },
+            anchor: Anchor::START,
             colour: theme.ink,
             ..Text::new(RichText::parse(label)?, [x + 34.0, y], theme.size)
         }));

@@ -2,7 +2,7 @@
 //!
 //! One unit of a moving frame's axes is where the hyperbola of interval 1 about its origin crosses them.
 
-use super::limits::Limits;
+use super::types::Limits;
 use super::types::{Axes, Axis, GridLine, Point, Tick, number};
 use super::view::View;
 use crate::figures::diagram::model::Reference;

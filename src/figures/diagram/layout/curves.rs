@@ -3,8 +3,8 @@
 //! A world line is sampled more finely where it bends: between two points it deviates from the straight line
 //! by less than [`FLATNESS`] of the diagram's size.
 
-use super::limits::Limits;
 use super::solid;
+use super::types::Limits;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
 use super::view::View;
 use crate::figures::diagram::model::{self as model, Line, Side, Track};

@@ -1,6 +1,6 @@
 //! What a view shows: as the file says, or as much as its contents need.
 
-use super::types::Point;
+use super::types::{Limits, Point};
 use super::view::View;
 use crate::figures::diagram::model::{self as model, Track};
 
@@ -12,76 +12,6 @@ const NARROWEST: f64 = 0.62;
 const LOWEST: f64 = 0.55;
 /// By how much an endless accelerated line turns within an automatic diagram, rapidity.
 const TURN: f64 = 1.2;
-
-/// A rectangle of a diagram, in its unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// From left to right.
-    pub x: [f64; 2],
-    /// From bottom to top.
-    pub ct: [f64; 2],
-    /// From the front to the back; [0, 0] in 1+1 dimensions.
-    pub y: [f64; 2],
-}
-
-impl Limits {
-    /// Width (along x) and height.
-    pub fn size(&self) -> [f64; 2] {
-        [self.x[1] - self.x[0], self.ct[1] - self.ct[0]]
-    }
-
-    /// Whether a point is within, edges included.
-    pub fn contains(&self, p: Point) -> bool {
-        let sides = [(p.x, self.x), (p.ct, self.ct), (p.y, self.y)];
-        sides.iter().all(|(p, [from, to])| (from..=to).contains(&p))
-    }
-
-    /// The part within of the line through `p` along `d`.
-    pub fn line(&self, p: Point, d: Point) -> Option<[Point; 2]> {
-        self.part(p, d, [f64::NEG_INFINITY, f64::INFINITY])
-    }
-
-    /// The part within of the ray from `p` along `d`.
-    pub fn ray(&self, p: Point, d: Point) -> Option<[Point; 2]> {
-        self.part(p, d, [0.0, f64::INFINITY])
-    }
-
-    /// The part within of the way from `a` to `b`.
-    pub fn segment(&self, a: Point, b: Point) -> Option<[Point; 2]> {
-        self.part(a, b.from(a), [0.0, 1.0])
-    }
-
-    /// The part within of p + t d for t between two values (Liang and Barsky).
-    fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
-        for (p, d, [low, high]) in [
-            (p.x, d.x, self.x),
-            (p.ct, d.ct, self.ct),
-            (p.y, d.y, self.y),
-        ] {
-            if d == 0.0 {
-                if !(low..=high).contains(&p) {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - p) / d, (high - p) / d);
-            from = from.max(a.min(b));
-            to = to.min(a.max(b));
-        }
-        (from < to).then(|| [p.plus(from, d), p.plus(to, d)])
-    }
-
-    /// A length beyond all of it.
-    pub fn beyond(&self, p: Point) -> f64 {
-        let [width, height] = self.size();
-        let way = |low: f64, high: f64, p: f64| (p - low).abs().max((high - p).abs());
-        let [x, ct] = [
-            way(self.x[0], self.x[1], p.x),
-            way(self.ct[0], self.ct[1], p.ct),
-        ];
-        2.0 * (width + height) + x + ct
-    }
-}
 
 /// The limits of a view.
 pub(super) fn of(view: &View) -> Limits {

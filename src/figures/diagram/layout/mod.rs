@@ -4,19 +4,16 @@ mod axes;
 mod curves;
 mod limits;
 mod now;
-mod room;
 mod solid;
 mod types;
 mod view;
 
 use crate::figures::diagram::model::{Diagram, SliceKind};
 pub(crate) use axes::round_step;
-pub use limits::Limits;
-pub use room::{Nappe, Plane, Solid};
 pub(crate) use types::number;
 pub use types::{
-    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Now, Panel,
-    Placed, Point, Segment, Spot, Tick, WorldLine,
+    Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
+    Nappe, Now, Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
 };
 use view::View;
 

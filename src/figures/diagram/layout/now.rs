@@ -1,6 +1,6 @@
 //! What is simultaneous in a frame, and the clocks there.
 
-use super::limits::Limits;
+use super::types::Limits;
 use super::types::{Bead, Now};
 use super::view::View;
 use crate::figures::diagram::model;

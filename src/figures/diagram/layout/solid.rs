@@ -12,9 +12,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::limits::Limits;
-use super::room::{Nappe, Plane, Solid};
+use super::types::Limits;
 use super::types::{ALOFT, ASIDE, Curve, Point, WorldLine};
+use super::types::{Nappe, Plane, Solid};
 use super::view::View;
 use crate::figures::diagram::model::{Cone, Slice, SliceKind};
 

@@ -1,7 +1,5 @@
 //! The parts of a layout.
 
-use super::limits::Limits;
-use super::room::{Nappe, Plane, Solid};
 use crate::figures::diagram::model::Colour;
 
 /// One along y on the page: to the right and upwards. It is 0.5 long.
@@ -277,6 +275,121 @@ pub struct Spot {
     pub colour: Option<Colour>,
 }
 
+/// One half of a light cone in 2+1 dimensions, up to the circle on which its light is at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nappe {
+    /// The apex.
+    pub apex: Point,
+    /// ct of the rim less that of the apex: below 0 for the past.
+    pub height: f64,
+    /// The rim, all around, beginning at the first edge: first the side that is nearer to the reader.
+    pub near: Vec<Point>,
+    /// The rest of the rim, back to the first edge.
+    pub far: Vec<Point>,
+}
+
+/// Events of one time of a frame, in 2+1 dimensions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane {
+    /// Which of the model's frames.
+    pub frame: usize,
+    /// The part within the limits.
+    pub corners: Vec<Point>,
+    /// How much ct rises along x and along y.
+    pub rise: [f64; 2],
+    /// An event on it.
+    pub event: Point,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for the frame's.
+    pub colour: Option<Colour>,
+}
+
+/// What 2+1 dimensions have besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    /// The corners of the floor, at the lowest ct: near left, near right, far right, far left.
+    pub floor: [Point; 4],
+    /// Lines of equal x and of equal y on it.
+    pub grid: Vec<[Point; 2]>,
+    /// What is straight below world lines, in their order.
+    pub shadows: Vec<Curve>,
+    /// What is straight below light signals.
+    pub light: Vec<[Point; 2]>,
+    /// From events down to the floor.
+    pub drops: Vec<[Point; 2]>,
+}
+
+/// A rectangle of a diagram, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// From left to right.
+    pub x: [f64; 2],
+    /// From bottom to top.
+    pub ct: [f64; 2],
+    /// From the front to the back; [0, 0] in 1+1 dimensions.
+    pub y: [f64; 2],
+}
+
+impl Limits {
+    /// Width (along x) and height.
+    pub fn size(&self) -> [f64; 2] {
+        [self.x[1] - self.x[0], self.ct[1] - self.ct[0]]
+    }
+
+    /// Whether a point is within, edges included.
+    pub fn contains(&self, p: Point) -> bool {
+        let sides = [(p.x, self.x), (p.ct, self.ct), (p.y, self.y)];
+        sides.iter().all(|(p, [from, to])| (from..=to).contains(&p))
+    }
+
+    /// The part within of the line through `p` along `d`.
+    pub fn line(&self, p: Point, d: Point) -> Option<[Point; 2]> {
+        self.part(p, d, [f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// The part within of the ray from `p` along `d`.
+    pub fn ray(&self, p: Point, d: Point) -> Option<[Point; 2]> {
+        self.part(p, d, [0.0, f64::INFINITY])
+    }
+
+    /// The part within of the way from `a` to `b`.
+    pub fn segment(&self, a: Point, b: Point) -> Option<[Point; 2]> {
+        self.part(a, b.from(a), [0.0, 1.0])
+    }
+
+    /// The part within of p + t d for t between two values (Liang and Barsky).
+    fn part(&self, p: Point, d: Point, [mut from, mut to]: [f64; 2]) -> Option<[Point; 2]> {
+        for (p, d, [low, high]) in [
+            (p.x, d.x, self.x),
+            (p.ct, d.ct, self.ct),
+            (p.y, d.y, self.y),
+        ] {
+            if d == 0.0 {
+                if !(low..=high).contains(&p) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - p) / d, (high - p) / d);
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        }
+        (from < to).then(|| [p.plus(from, d), p.plus(to, d)])
+    }
+
+    /// A length beyond all of it.
+    pub fn beyond(&self, p: Point) -> f64 {
+        let [width, height] = self.size();
+        let way = |low: f64, high: f64, p: f64| (p - low).abs().max((high - p).abs());
+        let [x, ct] = [
+            way(self.x[0], self.x[1], p.x),
+            way(self.ct[0], self.ct[1], p.ct),
+        ];
+        2.0 * (width + height) + x + ct
+    }
+}
+
 impl Point {
     /// A point of 1+1 dimensions.
     pub fn new(ct: f64, x: f64) -> Point {
@@ -312,6 +425,79 @@ impl Point {
     /// From `other` to this.
     pub fn from(self, other: Point) -> Point {
         self.plus(-1.0, other)
+    }
+}
+
+impl Panel {
+    /// The rectangle of the page that it takes: from left to right, and from bottom to top. In 2+1 dimensions
+    /// that is no more than what is drawn needs.
+    pub fn page(&self) -> [[f64; 2]; 2] {
+        let Some(solid) = &self.solid else {
+            return [self.limits.x, self.limits.ct];
+        };
+        let rims = self.cones.iter().flat_map(|cone| &cone.nappes);
+        let rims = rims.flat_map(|nappe| nappe.near.iter().chain(&nappe.far));
+        let planes = self.planes.iter().flat_map(|plane| &plane.corners);
+        let lines = self.world_lines.iter().flat_map(|line| &line.curve.points);
+        let signals = self.signals.iter().flat_map(|signal| &signal.ends);
+        let axes = self.axes.iter().flat_map(|axes| &axes.time.ends);
+        let events = self.events.iter().map(|event| &event.at);
+        let all = solid.floor.iter().chain(rims).chain(planes).chain(lines);
+        let all = all.chain(signals).chain(axes).chain(events);
+        let mut sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for p in all.filter(|p| self.limits.contains(**p)) {
+            for (side, at) in sides.iter_mut().zip(p.page()) {
+                *side = [side[0].min(at), side[1].max(at)];
+            }
+        }
+        // Room for the width of lines.
+        let air = 0.01 * (sides[0][1] - sides[0][0] + sides[1][1] - sides[1][0]);
+        sides.map(|[from, to]| [from - air, to + air])
+    }
+}
+
+impl Nappe {
+    /// The outline of its mantle: from one edge by way of the apex to the other.
+    pub fn outline(&self) -> [Point; 3] {
+        let edge = |p: Option<&Point>| p.copied().unwrap_or(self.apex);
+        [edge(self.near.first()), self.apex, edge(self.near.last())]
+    }
+
+    /// Whether the cone is between the reader and a point, by more than `clearance` units.
+    ///
+    /// p + t n with n the line of sight is on the cone of apex A where |(x, y)|² = ct² of p + t n − A.
+    pub fn hides(&self, p: Point, clearance: f64) -> bool {
+        let (v, n) = (p.from(self.apex), Point::TOWARDS);
+        let product = |a: Point, b: Point| a.x * b.x + a.y * b.y - a.ct * b.ct;
+        let (a, b, c) = (product(n, n), product(v, n), product(v, v));
+        let root = (b * b - a * c).max(0.0).sqrt();
+        let times = [(-b - root) / a, (-b + root) / a];
+        let ends = [self.height.min(0.0), self.height.max(0.0)];
+        let is_on = |t: &f64| {
+            let ct = v.ct + t * n.ct;
+            *t > clearance && (ends[0]..=ends[1]).contains(&ct)
+        };
+        b * b > a * c && times.iter().any(is_on)
+    }
+}
+
+impl Plane {
+    /// Whether the plane, as far as it is drawn, is between the reader and a point, by more than `clearance`.
+    pub fn hides(&self, p: Point, clearance: f64) -> bool {
+        let n = Point::TOWARDS;
+        let above = |p: Point| p.ct - self.rise[0] * p.x - self.rise[1] * p.y;
+        let t = (above(self.event) - above(p)) / above(n);
+        t > clearance && self.holds(p.plus(t, n))
+    }
+
+    /// Whether a point of the plane is within its corners, seen along ct; they go around counter-clockwise.
+    fn holds(&self, p: Point) -> bool {
+        let after = self.corners.iter().cycle().skip(1);
+        let left = |(a, b): (&Point, &Point)| {
+            let (side, way) = (b.from(*a), p.from(*a));
+            side.x * way.y - side.y * way.x >= 0.0
+        };
+        self.corners.iter().zip(after).all(left)
     }
 }
 

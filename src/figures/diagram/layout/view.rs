@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::types::Point;
 use crate::figures::diagram::model::{Diagram, Reference};
-use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
+use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
 
 /// A frame in whose coordinates a diagram is drawn.
 pub(super) struct View<'d> {
@@ -15,18 +15,14 @@ pub(super) struct View<'d> {
 
 impl<'d> View<'d> {
     pub fn new(diagram: &'d Diagram, index: usize) -> Self {
-        let world = || Reference {
-            name: "world".into(),
-            frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
-            axes: true,
-            grid: false,
-            ticks: None,
-            colour: None,
-        };
         View {
             diagram,
             index,
-            reference: diagram.frames.get(index).cloned().unwrap_or_else(world),
+            reference: diagram
+                .frames
+                .get(index)
+                .cloned()
+                .unwrap_or_else(Reference::world),
         }
     }
 

@@ -89,6 +89,6 @@ fn sweep(names: &mut Names, at: &Option<At<said::Now>>) -> Result<Option<Sweep>>
     Ok(Some(Sweep {
         frame,
         times,
-        colour: settings::colour(&now.colour),
+        colour: now.colour,
     }))
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::event::{at_own_time, found, meeting};
 use super::names::Names;
-use super::settings::{self, colour, words};
+use super::settings::{self, words};
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::file as said;
@@ -89,7 +89,7 @@ fn signals(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Signal>> {
                 from,
                 to,
                 label: label.clone().filter(|_| all.is_empty()),
-                colour: colour(&signal.colour),
+                colour: signal.colour,
             });
             from = to;
         }
@@ -183,7 +183,7 @@ fn slice(names: &mut Names, at: &At<said::Slice>, kind: SliceKind) -> Result<Sli
         event,
         to,
         label: words(names.cx, &slice.label)?,
-        colour: colour(&slice.colour),
+        colour: slice.colour,
     })
 }
 
@@ -222,7 +222,7 @@ fn interval(names: &mut Names, at: &At<said::Interval>) -> Result<Interval> {
         from: names.event(&interval.from)?,
         to: names.event(&interval.to)?,
         label,
-        colour: colour(&interval.colour),
+        colour: interval.colour,
     })
 }
 
@@ -257,7 +257,7 @@ fn hyperbola(names: &mut Names, at: &At<said::Hyperbola>) -> Result<Hyperbola> {
         about,
         vertex: about + to_vertex,
         label: words(cx, &said.label)?,
-        colour: colour(&said.colour),
+        colour: said.colour,
     })
 }
 
@@ -297,7 +297,7 @@ fn sheet(names: &mut Names, at: &At<said::Sheet>) -> Result<WorldSheet> {
     Ok(WorldSheet {
         between: [names.line_named(a)?, names.line_named(b)?],
         label: words(names.cx, &at.value.label)?,
-        colour: colour(&at.value.colour),
+        colour: at.value.colour,
     })
 }
 
@@ -310,7 +310,7 @@ fn region(names: &mut Names, at: &At<said::Region>) -> Result<Region> {
     Ok(Region {
         corners: each(&corners.value, |spot| names.event(spot))?,
         label: words(names.cx, &at.value.label)?,
-        colour: colour(&at.value.colour),
+        colour: at.value.colour,
     })
 }
 
@@ -341,7 +341,7 @@ fn arrow(names: &mut Names, at: &At<said::Arrow>) -> Result<Arrow> {
         to,
         line,
         label: words(cx, &arrow.label)?,
-        colour: colour(&arrow.colour),
+        colour: arrow.colour,
     })
 }
 
@@ -356,7 +356,7 @@ fn wedge(names: &mut Names, at: &At<said::Wedge>) -> Result<Wedge> {
             Some(said::Side::Past) => Side::Past,
         },
         label: words(names.cx, &at.value.label)?,
-        colour: colour(&at.value.colour),
+        colour: at.value.colour,
     })
 }
 
@@ -365,6 +365,6 @@ fn text(names: &mut Names, at: &At<said::Text>) -> Result<Words> {
     Ok(Words {
         text: settings::settable(names.cx, text, names.cx.text(text, "the text")?)?,
         at: names.event(&at.value.at)?,
-        colour: colour(&at.value.colour),
+        colour: at.value.colour,
     })
 }

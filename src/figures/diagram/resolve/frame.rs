@@ -34,7 +34,7 @@ pub(super) fn resolve(names: &mut Names, at: &At<DiagramFrame>) -> Result<Refere
         axes: frame.axes.unwrap_or(true),
         grid: frame.grid.unwrap_or(false),
         ticks: ticks.map(|ticks| ticks * names.unit),
-        colour: settings::colour(&frame.colour),
+        colour: frame.colour,
     })
 }
 

@@ -32,7 +32,7 @@ pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<Line> {
         track: ended(names, line, track)?,
         ticks: ticks.map(|ticks| ticks * names.unit),
         numbers: line.numbers.unwrap_or(false),
-        colour: settings::colour(&line.colour),
+        colour: line.colour,
     })
 }
 

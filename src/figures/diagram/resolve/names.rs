@@ -83,7 +83,7 @@ impl<'a> Names<'a> {
             across,
             scene,
             resolvers,
-            frames: vec![Slot::Known(world())],
+            frames: vec![Slot::Known(Reference::world())],
             lines: file.worldline.iter().map(|_| Slot::Unasked).collect(),
             events: file.event.iter().map(|_| Slot::Unasked).collect(),
         };
@@ -142,7 +142,7 @@ impl<'a> Names<'a> {
         }
         let file = self.file;
         let Some(at) = i.checked_sub(1).and_then(|i| file.frame.get(i)) else {
-            return Ok(world());
+            return Ok(Reference::world());
         };
         let known = (self.resolvers.frame)(self, at)?;
         answer(&mut self.frames, i, &known);
@@ -199,7 +199,7 @@ impl<'a> Names<'a> {
     /// The frame of this name and its index; the world where none is named.
     pub fn frame(&mut self, name: &Option<At<String>>) -> Result<(usize, InertialFrame<Rest>)> {
         let Some(at) = name else {
-            return Ok((0, world().frame));
+            return Ok((0, Reference::world().frame));
         };
         let i = self.frame_named(&at.value, &at.span)?;
         Ok((i, self.reference(i, &at.span)?.frame))
@@ -269,7 +269,7 @@ impl<'a> Names<'a> {
 
     /// The event that `spot` says, coordinates being those of the world.
     pub fn event(&mut self, spot: &At<Spot>) -> Result<Event<World>> {
-        self.event_in(spot, &world().frame)
+        self.event_in(spot, &Reference::world().frame)
     }
 
     /// The event that `spot` says, coordinates being those of `frame`.
@@ -391,16 +391,4 @@ fn unknown(cx: &Context, name: &str, span: &Range<usize>, names: &[&str], thing:
 /// A name in quotes; the primes of frames need no escape.
 fn in_quotes(name: &str) -> String {
     quoted(name).replace("\\'", "'")
-}
-
-/// The frame of the scene file itself.
-fn world() -> Reference {
-    Reference {
-        name: "world".into(),
-        frame: InertialFrame::new(Velocity::REST, Event::ORIGIN),
-        axes: true,
-        grid: false,
-        ticks: None,
-        colour: None,
-    }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
 use crate::figures::diagram::file as said;
-use crate::figures::diagram::model::{Colour, Style, Unit, part_across};
+use crate::figures::diagram::model::{Style, Unit, part_across};
 use crate::figures::text::RichText;
 use crate::scene::At;
 use crate::scene::Context;
@@ -26,11 +26,7 @@ pub(super) fn unit(diagram: &file::Diagram) -> Unit {
     let length = |metres, name| (metres, [name, name], false);
     let time = |seconds: f64, names| (seconds * SPEED_OF_LIGHT, names, true);
     let Some(at) = &diagram.unit else {
-        return Unit {
-            metres: 1.0,
-            names: None,
-            is_time: false,
-        };
+        return Unit::default();
     };
     let (metres, names, is_time) = match at.value {
         U::M => length(1.0, "m"),
@@ -142,20 +138,6 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
         }
         Err(error) => Err(error),
     }
-}
-
-pub(super) fn colour(at: &Option<At<said::Colour>>) -> Option<Colour> {
-    use said::Colour as C;
-    at.as_ref().map(|at| match at.value {
-        C::Black => Colour::Black,
-        C::Grey => Colour::Grey,
-        C::Blue => Colour::Blue,
-        C::Red => Colour::Red,
-        C::Green => Colour::Green,
-        C::Orange => Colour::Orange,
-        C::Sky => Colour::Sky,
-        C::Purple => Colour::Purple,
-    })
 }
 
 pub(super) fn style(cx: &Context, style: &said::DiagramStyle) -> Result<Style> {

@@ -28,12 +28,5 @@ pub(super) fn of_body(body: &Body) -> Track {
 /// The frame of the camera at the time of the shot.
 pub(super) fn camera_frame(camera: &Filming) -> Option<Reference> {
     let moment = Track::from(camera.line.clone()).at(camera.model.time)?;
-    Some(Reference {
-        name: "camera".into(),
-        frame: moment.frame(),
-        axes: false,
-        grid: false,
-        ticks: None,
-        colour: None,
-    })
+    Some(Reference::bare("camera", moment.frame()))
 }

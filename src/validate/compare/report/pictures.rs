@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::figures::contact_sheet::{self, Panel};
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Drawing, Item, Text};
-use crate::figures::isochrones::ticks::{number, round_step};
 use crate::figures::isochrones::viridis::viridis;
 use crate::figures::text::{Rect, RichText};
+use crate::figures::ticks::{number, round_step};
 use crate::io::image::{Channel, Layers, RgbImage, Samples};
 use crate::render::tonemap::tonemap;
 use crate::scene::model::Exposure;

@@ -241,10 +241,10 @@ fn display(scene: &Scene, film: &Film) -> Result<Picture> {
 
 fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
     let [width, height] = film.size();
-    let options = isochrones::Options {
+    let options = isochrones::IsochroneOptions {
         step,
         speed_of_light: scene.speed_of_light,
-        ..isochrones::Options::default()
+        ..isochrones::IsochroneOptions::default()
     };
     let times = film.aov(RETARDED_TIME).unwrap_or_default();
     isochrones::draw(width, height, times, &options)

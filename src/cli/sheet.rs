@@ -97,7 +97,7 @@ impl Figure {
             say(&format!("panel {}\n", part.label))?;
             panels.push(part.render(quiet, &mut say)?);
         }
-        let options = contact_sheet::Options {
+        let options = contact_sheet::SheetOptions {
             title: self.whole.sheet.title.clone(),
             columns: self.whole.sheet.columns,
         };

@@ -1,6 +1,6 @@
 //! Contact sheets: the layout as data, and the page that it gives.
 
-use nullray::figures::contact_sheet::{Layout, Options, Panel, Rect, compose};
+use nullray::figures::contact_sheet::{Layout, Panel, Rect, SheetOptions, compose};
 use nullray::io::image::RgbImage;
 
 /// A picture of one colour.
@@ -22,7 +22,7 @@ fn panels(count: usize) -> Vec<Panel> {
         .collect()
 }
 
-fn laid_out(panels: &[Panel], options: &Options) -> Layout {
+fn laid_out(panels: &[Panel], options: &SheetOptions) -> Layout {
     Layout::new(panels, options).unwrap()
 }
 
@@ -44,7 +44,7 @@ fn overlap(a: Rect, b: Rect) -> bool {
 fn cells_are_equal_apart_and_within_the_page() {
     for count in 1..=12 {
         for columns in [None, Some(1), Some(4), Some(100)] {
-            let options = Options {
+            let options = SheetOptions {
                 title: Some("Figure 4: faster and faster".into()),
                 columns,
             };
@@ -80,7 +80,7 @@ fn pictures_and_labels_lie_within_their_cells_and_labels_beneath_pictures() {
         120,
         "a label that is much longer than its picture is wide, and then some more",
     ));
-    let layout = laid_out(&panels, &Options::default());
+    let layout = laid_out(&panels, &SheetOptions::default());
     for cell in &layout.cells {
         assert!(contains(cell.frame, cell.picture));
         assert!(!cell.label.is_empty());
@@ -104,7 +104,7 @@ fn pictures_and_labels_lie_within_their_cells_and_labels_beneath_pictures() {
 
 #[test]
 fn the_title_is_above_the_cells_and_within_the_page() {
-    let options = Options {
+    let options = SheetOptions {
         title: Some(
             "A title that is a good deal longer than the one picture that it stands above".into(),
         ),
@@ -123,7 +123,7 @@ fn the_title_is_above_the_cells_and_within_the_page() {
 #[test]
 fn without_a_number_of_columns_the_grid_is_nearly_square() {
     for (count, columns) in [(1, 1), (2, 2), (3, 2), (4, 2), (5, 3), (9, 3), (10, 4)] {
-        let layout = laid_out(&panels(count), &Options::default());
+        let layout = laid_out(&panels(count), &SheetOptions::default());
         let top = layout.cells[0].frame.top;
         let in_first_row = layout.cells.iter().filter(|c| c.frame.top == top).count();
         assert_eq!(in_first_row, columns, "{count}");
@@ -134,16 +134,19 @@ fn without_a_number_of_columns_the_grid_is_nearly_square() {
 fn several_panels_are_lettered_and_one_is_not() {
     let first = |layout: Layout| layout.cells[0].label[0].text.clone();
     assert_eq!(
-        first(laid_out(&panels(2), &Options::default())),
+        first(laid_out(&panels(2), &SheetOptions::default())),
         "(a) β = 0.0"
     );
-    assert_eq!(first(laid_out(&panels(1), &Options::default())), "β = 0.0");
+    assert_eq!(
+        first(laid_out(&panels(1), &SheetOptions::default())),
+        "β = 0.0"
+    );
 }
 
 #[test]
 fn type_grows_with_the_pictures() {
     let size = |width| {
-        let layout = laid_out(&[panel(width, 100, "x")], &Options::default());
+        let layout = laid_out(&[panel(width, 100, "x")], &SheetOptions::default());
         layout.cells[0].label[0].size
     };
     assert_eq!(size(800), 2.0 * size(400));
@@ -151,7 +154,7 @@ fn type_grows_with_the_pictures() {
 
 #[test]
 fn small_pictures_are_enlarged_by_a_whole_factor() {
-    let layout = laid_out(&[panel(32, 24, "small")], &Options::default());
+    let layout = laid_out(&[panel(32, 24, "small")], &SheetOptions::default());
     assert_eq!(layout.scale, 7);
     let picture = layout.cells[0].picture;
     assert_eq!([picture.width, picture.height], [7 * 32, 7 * 24]);
@@ -161,8 +164,8 @@ fn small_pictures_are_enlarged_by_a_whole_factor() {
 fn pixels_of_pictures_are_copied_as_they_are() {
     let mut small = panel(2, 2, "");
     small.picture.rgb = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30];
-    let layout = laid_out(std::slice::from_ref(&small), &Options::default());
-    let page = compose(std::slice::from_ref(&small), &Options::default()).unwrap();
+    let layout = laid_out(std::slice::from_ref(&small), &SheetOptions::default());
+    let page = compose(std::slice::from_ref(&small), &SheetOptions::default()).unwrap();
     assert_eq!([page.width, page.height], layout.size);
     let Rect {
         left,
@@ -185,8 +188,8 @@ fn pixels_of_pictures_are_copied_as_they_are() {
 #[test]
 fn labels_leave_ink_where_the_layout_says() {
     let panels = panels(2);
-    let layout = laid_out(&panels, &Options::default());
-    let page = compose(&panels, &Options::default()).unwrap();
+    let layout = laid_out(&panels, &SheetOptions::default());
+    let page = compose(&panels, &SheetOptions::default()).unwrap();
     for cell in &layout.cells {
         let line = &cell.label[0];
         let [x, baseline] = line.middle;
@@ -201,13 +204,13 @@ fn labels_leave_ink_where_the_layout_says() {
 #[test]
 fn the_signs_of_figures_can_be_set() {
     let label = "β γ δ θ λ τ Δ Ω x′ · × − 30° 0–1";
-    compose(&[panel(300, 10, label)], &Options::default()).unwrap();
+    compose(&[panel(300, 10, label)], &SheetOptions::default()).unwrap();
 }
 
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let refusal = |panels: &[Panel], title: &str| {
-        let options = Options {
+        let options = SheetOptions {
             title: Some(title.into()),
             columns: None,
         };
@@ -222,7 +225,7 @@ fn what_cannot_be_drawn_is_refused() {
     broken.picture.rgb.pop();
     assert!(refusal(&[broken], "").contains("47 bytes"));
     let large: Vec<_> = (0..20).map(|_| panel(2000, 1, "x")).collect();
-    let options = Options {
+    let options = SheetOptions {
         title: None,
         columns: Some(20),
     };

@@ -1,6 +1,6 @@
 //! Pictures of retarded time.
 
-use nullray::figures::isochrones::{Options, draw};
+use nullray::figures::isochrones::{IsochroneOptions, draw};
 use nullray::io::image::RgbImage;
 
 /// A sphere of radius 1 in front of a wall, seen from the origin along −z: ct = −distance.
@@ -40,7 +40,7 @@ fn save(name: &str, image: &RgbImage) {
 #[test]
 fn near_is_late_and_bright_and_far_is_early_and_dark() {
     let (w, h) = (640, 480);
-    let image = draw(w, h, &sphere_and_wall(w, h), &Options::default()).unwrap();
+    let image = draw(w, h, &sphere_and_wall(w, h), &IsochroneOptions::default()).unwrap();
     save("sphere.png", &image);
     let luminance = |x, y| {
         pixel(&image, x, y)
@@ -64,7 +64,7 @@ fn every_size_gives_a_page_that_holds_picture_and_legend() {
         (300, 300),
     ] {
         let ct: Vec<f64> = (0..w * h).map(|i| f64::from(i % w) * 0.01).collect();
-        let image = draw(w, h, &ct, &Options::default()).unwrap();
+        let image = draw(w, h, &ct, &IsochroneOptions::default()).unwrap();
         save(&format!("size_{w}x{h}.png"), &image);
         assert!(image.width > w && image.height > h);
         assert!(image.width >= 200 && image.height >= 200, "{w} × {h}");
@@ -86,7 +86,7 @@ fn an_endless_floor_leaves_the_near_part_readable() {
         }
     };
     let ct: Vec<f64> = (0..w * h).map(floor).collect();
-    let image = draw(w, h, &ct, &Options::default()).unwrap();
+    let image = draw(w, h, &ct, &IsochroneOptions::default()).unwrap();
     save("floor.png", &image);
     // Rows 150–170 and 330–350, at depths of 8 and 1.4: on a scale to the horizon (depth 600) both
     // would be of one yellow, red 240 or so.
@@ -98,7 +98,13 @@ fn an_endless_floor_leaves_the_near_part_readable() {
 
 #[test]
 fn a_picture_in_which_nothing_is_seen_is_grey_and_has_no_legend() {
-    let image = draw(200, 200, &vec![f64::NAN; 40_000], &Options::default()).unwrap();
+    let image = draw(
+        200,
+        200,
+        &vec![f64::NAN; 40_000],
+        &IsochroneOptions::default(),
+    )
+    .unwrap();
     save("nothing.png", &image);
     let (x, y) = (image.width / 2, image.height / 2);
     assert_eq!(pixel(&image, x, y), [232; 3]);
@@ -120,9 +126,9 @@ fn hostile_values_are_drawn_or_refused_but_do_not_panic() {
         for b in values {
             for step in [None, Some(1e-3), Some(1e300), Some(f64::MIN_POSITIVE)] {
                 let ct = [a, b, f64::NAN, a, b, a, f64::INFINITY, b, a];
-                let options = Options {
+                let options = IsochroneOptions {
                     step,
-                    ..Options::default()
+                    ..IsochroneOptions::default()
                 };
                 let _ = draw(3, 3, &ct, &options);
             }
@@ -132,14 +138,15 @@ fn hostile_values_are_drawn_or_refused_but_do_not_panic() {
 
 #[test]
 fn impossible_requests_are_refused_with_a_reason() {
-    let refused = |ct: &[f64], options: Options| draw(2, 2, ct, &options).unwrap_err().to_string();
-    let options = Options::default;
+    let refused =
+        |ct: &[f64], options: IsochroneOptions| draw(2, 2, ct, &options).unwrap_err().to_string();
+    let options = IsochroneOptions::default;
     let ct = [0.0, 1.0, 2.0, 3.0];
     assert!(refused(&ct[..3], options()).contains("3 values for 2 × 2"));
     for step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refusal = refused(
             &ct,
-            Options {
+            IsochroneOptions {
                 step: Some(step),
                 ..options()
             },
@@ -148,7 +155,7 @@ fn impossible_requests_are_refused_with_a_reason() {
     }
     let refusal = refused(
         &ct,
-        Options {
+        IsochroneOptions {
             step: Some(1e-4),
             ..options()
         },
@@ -156,7 +163,7 @@ fn impossible_requests_are_refused_with_a_reason() {
     assert!(refusal.contains("30001 isochrones"), "{refusal}");
     let refusal = refused(
         &ct,
-        Options {
+        IsochroneOptions {
             speed_of_light: 0.0,
             ..options()
         },
@@ -164,7 +171,7 @@ fn impossible_requests_are_refused_with_a_reason() {
     assert!(refusal.contains("speed of light"), "{refusal}");
     let refusal = refused(
         &ct,
-        Options {
+        IsochroneOptions {
             title: "⌘".into(),
             ..options()
         },

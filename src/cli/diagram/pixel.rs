@@ -49,10 +49,10 @@ pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram
 }
 
 /// The frames that a diagram can be drawn in.
-fn known(base: &Diagram, probe: &pixel_probe::Sighting) -> Vec<String> {
+fn known(base: &Diagram, probe: &pixel_probe::Probe) -> Vec<String> {
     let frames = base.frames.iter().map(|frame| frame.name.clone());
     let mut names: Vec<String> = frames
-        .chain(probe.met.iter().map(|met| met.name.clone()))
+        .chain(probe.hit.iter().map(|hit| hit.name.clone()))
         .collect();
     names.dedup();
     names

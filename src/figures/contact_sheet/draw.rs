@@ -3,7 +3,7 @@
 use tiny_skia::{Color, Pixmap, PremultipliedColorU8};
 
 use super::Panel;
-use super::layout::{Layout, Line, Rect};
+use super::layout::{Layout, Rect, TextLine};
 use crate::error::{Error, Result};
 use crate::figures::text::{self, AnchorX, RichText};
 use crate::io::image::RgbImage;
@@ -30,7 +30,7 @@ pub(super) fn page(panels: &[Panel], layout: &Layout) -> Result<RgbImage> {
     Ok(RgbImage { width, height, rgb })
 }
 
-fn write(page: &mut Pixmap, line: &Line) -> Result<()> {
+fn write(page: &mut Pixmap, line: &TextLine) -> Result<()> {
     let label = RichText::plain(&line.text)?;
     text::draw(
         page,

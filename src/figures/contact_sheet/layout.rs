@@ -1,7 +1,7 @@
 //! Where everything is on a page.
 
 use super::lines::{LEADING, Measured, broken, lettered, lines, widest_word};
-use super::{Options, Panel};
+use super::{Panel, SheetOptions};
 use crate::error::{Error, Result};
 
 /// Small pictures are enlarged to about this size, pixels.
@@ -23,7 +23,7 @@ pub struct Layout {
     /// Width and height of the page.
     pub size: [u32; 2],
     /// The title, line by line.
-    pub title: Vec<Line>,
+    pub title: Vec<TextLine>,
     /// One per panel, row by row.
     pub cells: Vec<Cell>,
     /// Pixels of the page per pixel of a picture.
@@ -38,7 +38,7 @@ pub struct Cell {
     /// The picture, within the frame.
     pub picture: Rect,
     /// The label, line by line, within the frame and beneath the picture.
-    pub label: Vec<Line>,
+    pub label: Vec<TextLine>,
 }
 
 /// A rectangle of whole pixels.
@@ -56,7 +56,7 @@ pub struct Rect {
 
 /// A line of text, centred.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct TextLine {
     /// What it says.
     pub text: String,
     /// The middle of its baseline: x, y.
@@ -72,7 +72,7 @@ impl Layout {
     ///
     /// # Errors
     /// As [`compose`](super::compose) has them.
-    pub fn new(panels: &[Panel], options: &Options) -> Result<Layout> {
+    pub fn new(panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
         for panel in panels {
             check(panel)?;
         }
@@ -104,7 +104,7 @@ struct Draft {
 }
 
 impl Draft {
-    fn new(panels: &[Panel], picture: [u32; 2], options: &Options) -> Result<Draft> {
+    fn new(panels: &[Panel], picture: [u32; 2], options: &SheetOptions) -> Result<Draft> {
         let (part, least, most) = EM;
         let em = (part * f64::from(picture[0])).clamp(least, most);
         let count = panels.len() as u32;
@@ -137,7 +137,7 @@ impl Draft {
         ]
     }
 
-    fn place(self, panels: &[Panel], options: &Options, scale: u32) -> Result<Layout> {
+    fn place(self, panels: &[Panel], options: &SheetOptions, scale: u32) -> Result<Layout> {
         let [across, down] = self.extent();
         let size = TITLE * self.em;
         let title = options.title.as_deref().unwrap_or("");

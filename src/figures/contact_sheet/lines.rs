@@ -1,6 +1,6 @@
 //! Lines of text: lettered, broken at spaces, one beneath the other.
 
-use super::Line;
+use super::TextLine;
 use crate::error::Result;
 use crate::figures::text::RichText;
 
@@ -13,8 +13,8 @@ const ASCENT: f64 = 0.95;
 pub(super) type Measured = (String, f64);
 
 /// Lines one beneath the other, centred, from the top at `y` on.
-pub(super) fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec<Line> {
-    let place = |(number, (text, width)): (usize, Measured)| Line {
+pub(super) fn lines(measured: Vec<Measured>, [x, y]: [f64; 2], size: f64) -> Vec<TextLine> {
+    let place = |(number, (text, width)): (usize, Measured)| TextLine {
         text,
         middle: [x, y + (ASCENT + LEADING * number as f64) * size],
         size,

@@ -20,7 +20,7 @@ mod lines;
 use crate::error::Result;
 use crate::io::image::RgbImage;
 
-pub use layout::{Cell, Layout, Line, Rect};
+pub use layout::{Cell, Layout, Rect, TextLine};
 
 /// A picture and what stands beneath it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub struct Panel {
 
 /// How panels are put on a page.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct SheetOptions {
     /// Above the panels.
     pub title: Option<String>,
     /// Panels side by side; none for as many as there are rows, or one more.
@@ -45,7 +45,7 @@ pub struct Options {
 /// # Errors
 /// No panel; a picture whose bytes are not those of its size; a page of more than 32000 pixels per side
 /// or 2²⁸ in all; characters in a label that the font does not have.
-pub fn compose(panels: &[Panel], options: &Options) -> Result<RgbImage> {
+pub fn compose(panels: &[Panel], options: &SheetOptions) -> Result<RgbImage> {
     let layout = Layout::new(panels, options)?;
     draw::page(panels, &layout)
 }

@@ -37,7 +37,7 @@ pub struct Diagram {
     /// Frames of reference; the first is the world.
     pub frames: Vec<Reference>,
     /// World lines.
-    pub lines: Vec<Line>,
+    pub lines: Vec<NamedLine>,
     /// Events that are marked.
     pub events: Vec<Mark>,
     /// Light cones.
@@ -142,7 +142,7 @@ impl Reference {
 
 /// A world line.
 #[derive(Debug, Clone)]
-pub struct Line {
+pub struct NamedLine {
     /// Unique name.
     pub name: String,
     /// What stands beside it.

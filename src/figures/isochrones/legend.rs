@@ -2,7 +2,7 @@
 
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Rect, Transform};
 
-use super::picture::{Line, strokes};
+use super::picture::{LineStyle, strokes};
 use super::range::Range;
 use super::viridis::viridis;
 use crate::error::Result;
@@ -73,7 +73,7 @@ impl Legend {
         self.arrows(pixmap, em);
         for line in self.range.lines() {
             let y = self.height_of(line as f64 * self.range.step);
-            let look = Line::new(&self.range, line, stroke);
+            let look = LineStyle::new(&self.range, line, stroke);
             strokes(pixmap, &[vec![[self.left, y], [self.right, y]]], &look);
         }
         self.scale(pixmap, em, &self.distance, (self.left, -1.0), AnchorX::End)?;
@@ -137,7 +137,7 @@ impl Legend {
         (x, outwards): (f64, f64),
         anchor: AnchorX,
     ) -> Result<()> {
-        let look = Line {
+        let look = LineStyle {
             colour: ink(),
             width: (em / 16.0).max(1.0),
         };

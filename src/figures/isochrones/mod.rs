@@ -29,7 +29,7 @@ const MAX_LINES: f64 = 1000.0;
 
 /// How isochrones are drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct IsochroneOptions {
     /// ct between two lines, metres; none for a round number that gives 10 to 80 lines.
     pub step: Option<f64>,
     /// Speed of light, metres per second, for the legend's seconds.
@@ -38,10 +38,10 @@ pub struct Options {
     pub title: String,
 }
 
-impl Default for Options {
+impl Default for IsochroneOptions {
     /// An automatic step, and light in vacuum.
     fn default() -> Self {
-        Options {
+        IsochroneOptions {
             step: None,
             speed_of_light: crate::scene::model::SPEED_OF_LIGHT,
             title: "When the light left: retarded time".into(),
@@ -56,7 +56,7 @@ impl Default for Options {
 /// # Errors
 /// A size that is 0, too large or not that of `ct`; a step that is not above 0 or gives more than 1000
 /// lines; a speed of light that is not above 0; characters in the title that the font does not have.
-pub fn draw(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<RgbImage> {
+pub fn draw(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> Result<RgbImage> {
     check(width, height, ct, options)?;
     let range = Range::of(ct, options.step);
     let lines = range.map_or(0.0, |range| range.line_count());
@@ -71,7 +71,7 @@ pub fn draw(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<Rg
     Page::lay_out(width, height, range, options)?.draw(ct, options)
 }
 
-fn check(width: u32, height: u32, ct: &[f64], options: &Options) -> Result<()> {
+fn check(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> Result<()> {
     let refuse = |place: &str, what: String| Err(Error::invalid("isochrones", place, what, ""));
     let pixels = u64::from(width) * u64::from(height);
     if pixels == 0 || pixels != ct.len() as u64 {

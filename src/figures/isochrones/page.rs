@@ -11,7 +11,7 @@
 
 use tiny_skia::{Color, Pixmap};
 
-use super::Options;
+use super::IsochroneOptions;
 use super::contour::Grid;
 use super::legend::{Legend, ink};
 use super::picture::{self, Frame};
@@ -42,7 +42,7 @@ impl Page {
         width: u32,
         height: u32,
         range: Option<Range>,
-        options: &Options,
+        options: &IsochroneOptions,
     ) -> Result<Page> {
         let scale = (COMFORTABLE / width.max(height)).max(1);
         let [w, h] = [width, height].map(|n| f64::from(n) * f64::from(scale));
@@ -86,7 +86,7 @@ impl Page {
     }
 
     /// Draws the page.
-    pub fn draw(&self, ct: &[f64], options: &Options) -> Result<RgbImage> {
+    pub fn draw(&self, ct: &[f64], options: &IsochroneOptions) -> Result<RgbImage> {
         let [width, height] = self.size;
         let mut pixmap = Pixmap::new(width, height).ok_or_else(|| {
             let what = format!("{width} × {height} pixels cannot be held");

@@ -54,7 +54,7 @@ pub(super) fn draw(
         let lines: Vec<Points> = lines
             .map(|line| line.points.into_iter().map(place).collect())
             .collect();
-        strokes(pixmap, &lines, &Line::new(&range, number, stroke));
+        strokes(pixmap, &lines, &LineStyle::new(&range, number, stroke));
     }
 }
 
@@ -84,14 +84,14 @@ fn shade(ct: f64, range: Option<Range>) -> [u8; 3] {
 }
 
 /// How an isochrone is drawn, in the picture and on the legend.
-pub(super) struct Line {
+pub(super) struct LineStyle {
     pub colour: Color,
     pub width: f64,
 }
 
-impl Line {
+impl LineStyle {
     /// The look of line `number`: dark on bright colours and bright on dark ones.
-    pub fn new(range: &Range, number: i64, stroke: f64) -> Line {
+    pub fn new(range: &Range, number: i64, stroke: f64) -> LineStyle {
         let heavy = number % HEAVY == 0;
         let part = range.part(number as f64 * range.step);
         let (r, g, b) = if part < 0.5 {
@@ -100,7 +100,7 @@ impl Line {
             (24, 16, 40)
         };
         let alpha = if heavy { 230 } else { 140 };
-        Line {
+        LineStyle {
             colour: Color::from_rgba8(r, g, b, alpha),
             width: if heavy { 1.8 * stroke } else { stroke },
         }
@@ -108,7 +108,7 @@ impl Line {
 }
 
 /// Strokes all lines as one path, so that a translucent line is not darker where its parts meet.
-pub(super) fn strokes(pixmap: &mut Pixmap, lines: &[Points], look: &Line) {
+pub(super) fn strokes(pixmap: &mut Pixmap, lines: &[Points], look: &LineStyle) {
     let mut path = PathBuilder::new();
     for line in lines {
         let closed = line.len() > 2 && line.first() == line.last();

@@ -1,6 +1,6 @@
 //! Labels along lines: where a line is nearly straight, and no other label is near.
 
-use super::Line;
+use super::Polyline;
 use super::style::{self, HEAVY};
 use crate::error::Result;
 use crate::figures::drawing::Text;
@@ -39,7 +39,7 @@ impl Labels {
     }
 
     /// A label of what `text` says along `line`, points; none where there is no room for it.
-    pub fn along(&mut self, line: &Line, text: &str) -> Result<Option<Text>> {
+    pub fn along(&mut self, line: &Polyline, text: &str) -> Result<Option<Text>> {
         let text = RichText::plain(text)?;
         let width = text.width(SIZE)?;
         let lengths = lengths(line);
@@ -78,7 +78,7 @@ impl Labels {
 }
 
 /// The length of the line up to each of its points.
-fn lengths(line: &Line) -> Vec<f64> {
+fn lengths(line: &Polyline) -> Vec<f64> {
     let mut sum = 0.0;
     let mut lengths = Vec::with_capacity(line.len());
     for (i, p) in line.iter().enumerate() {
@@ -90,7 +90,7 @@ fn lengths(line: &Line) -> Vec<f64> {
 }
 
 /// The point of the line after this length.
-fn at(line: &Line, lengths: &[f64], length: f64) -> [f64; 2] {
+fn at(line: &Polyline, lengths: &[f64], length: f64) -> [f64; 2] {
     let last = line.len() - 1;
     let i = lengths.partition_point(|l| *l < length).clamp(1, last);
     let step = lengths[i] - lengths[i - 1];

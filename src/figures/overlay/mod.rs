@@ -42,7 +42,7 @@ use crate::scene::model::Scene;
 
 /// A line in pixels of the film, (0, 0) being its upper left corner; closed where its first point is its
 /// last.
-pub type Line = Vec<[f64; 2]>;
+pub type Polyline = Vec<[f64; 2]>;
 
 /// What is drawn over a picture.
 #[derive(Debug, Clone, PartialEq)]

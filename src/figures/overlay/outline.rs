@@ -16,7 +16,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Line;
+use super::Polyline;
 use crate::figures::isochrones::chain::polylines;
 use crate::figures::isochrones::contour::{Grid, Piece, pieces};
 use crate::figures::isochrones::range::Range;
@@ -32,7 +32,7 @@ pub struct Outline {
     /// Its index in the scene.
     pub object: usize,
     /// In pixels of the film; closed where the first point is the last.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Polyline>,
 }
 
 /// A box of pixels, the last ones included.
@@ -82,7 +82,12 @@ fn areas([width, _]: [usize; 2], objects: &[f64]) -> Vec<Area> {
 }
 
 /// The lines of one object, without what others have `taken`.
-fn trace(area: &Area, size: [usize; 2], objects: &[f64], taken: &mut BTreeSet<usize>) -> Vec<Line> {
+fn trace(
+    area: &Area,
+    size: [usize; 2],
+    objects: &[f64],
+    taken: &mut BTreeSet<usize>,
+) -> Vec<Polyline> {
     let min = area.min.map(|side| side.saturating_sub(REACH + 1));
     let max = [0, 1].map(|axis| (area.max[axis] + REACH + 2).min(size[axis]));
     let [width, height] = [0, 1].map(|axis| max[axis] - min[axis]);

@@ -3,7 +3,7 @@
 use super::label::Labels;
 use super::legend;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
-use super::{Isochrones, Line, Outline, Overlay, Pointer, Target};
+use super::{Isochrones, Outline, Overlay, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::text::Rect;
@@ -118,13 +118,13 @@ impl Place {
         }
     }
 
-    fn line(&self, line: &Line) -> Line {
+    fn line(&self, line: &Polyline) -> Polyline {
         line.iter().map(|p| p.map(|x| x * self.scale)).collect()
     }
 }
 
 /// Lines as one path, so that borders do not cover other lines of their kind.
-fn path_of<'a>(place: &Place, lines: impl IntoIterator<Item = &'a Line>) -> Path {
+fn path_of<'a>(place: &Place, lines: impl IntoIterator<Item = &'a Polyline>) -> Path {
     let contours = lines.into_iter().map(|line| match line.split_last() {
         Some((last, rest)) if rest.len() > 2 && rest.first() == Some(last) => {
             Path::polygon(&place.line(&rest.to_vec()))

@@ -1,6 +1,6 @@
 //! Isochrones as lines.
 
-use super::Line;
+use super::Polyline;
 use crate::error::{Error, Result};
 use crate::figures::isochrones::chain::polylines;
 use crate::figures::isochrones::contour::{Grid, pieces};
@@ -35,7 +35,7 @@ pub struct Isochrone {
     /// Its time with unit: "−8.5 m".
     pub label: String,
     /// In pixels of the film.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Polyline>,
 }
 
 impl Isochrones {

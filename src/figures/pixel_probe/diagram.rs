@@ -1,10 +1,10 @@
-//! The space-time diagram of a sighting.
+//! The space-time diagram of a probe.
 
 use glam::DVec3;
 
-use super::{Lamp, Met, Sighting};
+use super::{Hit, Probe, PulseLight};
 use crate::figures::diagram::model::{
-    Colour, Cone, Diagram, Line, Mark, Reference, Signal, Slice, SliceKind, Track, part_across,
+    Colour, Cone, Diagram, Mark, NamedLine, Reference, Signal, Slice, SliceKind, Track, part_across,
 };
 use crate::figures::diagram::{limits, number, round_step};
 use crate::figures::text::RichText;
@@ -18,15 +18,15 @@ const MOST_PULSES: usize = 2;
 /// By how much the past cone reaches beyond the emission in 2+1 dimensions.
 const BEYOND: f64 = 1.1;
 
-/// The diagram of `sighting`, in the coordinates of the frame of this name: "world", "camera", the name of the
+/// The diagram of `probe`, in the coordinates of the frame of this name: "world", "camera", the name of the
 /// object that is met, or one of the frames of `base`; without a name, of the view of `base`. None where there is
 /// no such frame.
 ///
 /// Of `base`, the diagram of the same scene, it has unit, limits, dimensions, title, frames and style; but not
 /// what is drawn in it.
-pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Option<Diagram> {
+pub fn diagram(probe: &Probe, base: Diagram, frame: Option<&str>) -> Option<Diagram> {
     let mut diagram = emptied(base);
-    let camera = frames(sighting, &mut diagram);
+    let camera = frames(probe, &mut diagram);
     if let Some(name) = frame {
         diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
     }
@@ -36,11 +36,11 @@ pub fn diagram(sighting: &Sighting, base: Diagram, frame: Option<&str>) -> Optio
         .and_then(|i| diagram.frames.get(*i))
         .map(|view| view.frame);
     let view = view.unwrap_or_else(at_rest);
-    let axes = Axes::new(sighting, &view);
+    let axes = Axes::new(probe, &view);
     (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
     diagram.across = diagram.across.map(|_| axes.across);
     Story {
-        sighting,
+        probe,
         view,
         camera,
         diagram,
@@ -79,15 +79,15 @@ fn emptied(base: Diagram) -> Diagram {
 }
 
 /// Adds the frames of camera and object, without axes; gives the index of the camera's.
-fn frames(sighting: &Sighting, diagram: &mut Diagram) -> usize {
+fn frames(probe: &Probe, diagram: &mut Diagram) -> usize {
     for frame in &mut diagram.frames {
         frame.axes &= frame.name != "camera";
     }
-    if let Some(met) = &sighting.met {
-        let frame = InertialFrame::new(met.velocity, met.emission);
-        add_frame(diagram, &met.name, frame);
+    if let Some(hit) = &probe.hit {
+        let frame = InertialFrame::new(hit.velocity, hit.emission);
+        add_frame(diagram, &hit.name, frame);
     }
-    let camera = &sighting.reception.frame;
+    let camera = &probe.reception.frame;
     let frame = InertialFrame::new(camera.velocity(), camera.origin());
     if let Some(i) = diagram
         .frames
@@ -116,21 +116,21 @@ struct Axes {
 
 impl Axes {
     /// Along the ray, and across it to the side in which there is most to see: motion, or the way to a lamp.
-    fn new(sighting: &Sighting, view: &InertialFrame<Rest>) -> Axes {
-        let (d, _) = view.frame_from_world().direction(sighting.direction);
+    fn new(probe: &Probe, view: &InertialFrame<Rest>) -> Axes {
+        let (d, _) = view.frame_from_world().direction(probe.direction);
         let along = d.unit();
         let moving = |velocity: Velocity| {
             let relative = velocity.relative_to(view.velocity()).ok();
             relative.map_or(DVec3::ZERO, |v| v.rapidity())
         };
-        let met = sighting.met.as_ref();
-        let way = |lamp: &Lamp| {
-            let to = lamp.left - sighting.far_end();
+        let hit = probe.hit.as_ref();
+        let way = |lamp: &PulseLight| {
+            let to = lamp.left - probe.far_end();
             view.frame_from_world().displacement(to).x
         };
-        let mut sides = vec![moving(sighting.reception.frame.velocity())];
-        sides.extend(met.map(|met| moving(met.velocity)));
-        sides.extend(met.iter().flat_map(|met| met.pulses.iter().map(way)));
+        let mut sides = vec![moving(probe.reception.frame.velocity())];
+        sides.extend(hit.map(|hit| moving(hit.velocity)));
+        sides.extend(hit.iter().flat_map(|hit| hit.pulses.iter().map(way)));
         sides.extend([along.cross(DVec3::Y), DVec3::X]);
         let across = sides.into_iter().find_map(|side| part_across(along, side));
         Axes {
@@ -140,11 +140,11 @@ impl Axes {
     }
 }
 
-impl Sighting {
+impl Probe {
     /// The far end of the ray: the emission, or where it is no longer followed.
     pub fn far_end(&self) -> Event<World> {
-        match &self.met {
-            Some(met) => met.emission,
+        match &self.hit {
+            Some(hit) => hit.emission,
             None => {
                 let step = Displacement::new(-self.index, self.direction.unit());
                 self.reception.pinhole + step * self.reach
@@ -155,7 +155,7 @@ impl Sighting {
 
 /// What is drawn.
 struct Story<'a> {
-    sighting: &'a Sighting,
+    probe: &'a Probe,
     /// In whose coordinates it is drawn first.
     view: InertialFrame<Rest>,
     camera: usize,
@@ -164,13 +164,13 @@ struct Story<'a> {
 
 impl Story<'_> {
     fn told(mut self) -> Diagram {
-        let [column, row] = self.sighting.pixel;
+        let [column, row] = self.probe.pixel;
         let title = || format!("What pixel ({column}, {row}) sees");
         self.diagram.title = self.diagram.title.take().or_else(|| Some(title()));
         self.camera_and_ray();
-        match &self.sighting.met {
-            Some(met) => self.surface(met),
-            None => self.mark("far end", None, self.sighting.far_end(), false),
+        match &self.probe.hit {
+            Some(hit) => self.surface(hit),
+            None => self.mark("far end", None, self.probe.far_end(), false),
         }
         self.cone();
         self.fit();
@@ -179,19 +179,19 @@ impl Story<'_> {
 
     /// The distance of ticks of a clock that moves with `velocity`, metres.
     fn step(&self, velocity: Velocity) -> f64 {
-        let sighting = self.sighting;
-        let reception = sighting.reception;
-        let mut events = vec![sighting.far_end(), reception.event, reception.pinhole];
-        if let Some(met) = &sighting.met {
-            events.extend(met.now.into_iter().chain(met.now_in_world));
-            events.extend(met.pulses.iter().take(MOST_PULSES).map(|lamp| lamp.left));
+        let probe = self.probe;
+        let reception = probe.reception;
+        let mut events = vec![probe.far_end(), reception.event, reception.pinhole];
+        if let Some(hit) = &probe.hit {
+            events.extend(hit.now.into_iter().chain(hit.now_in_world));
+            events.extend(hit.pulses.iter().take(MOST_PULSES).map(|lamp| lamp.left));
         }
         let times = events
             .into_iter()
             .map(|event| self.view.event_from_world(event).ct);
         let ends = [f64::INFINITY, f64::NEG_INFINITY];
         let [first, last] = times.fold(ends, |[a, b], ct| [a.min(ct), b.max(ct)]);
-        let way = sighting.far_end().x - reception.event.x;
+        let way = probe.far_end().x - reception.event.x;
         let all = if last > first {
             last - first
         } else {
@@ -204,7 +204,7 @@ impl Story<'_> {
     }
 
     fn line(&mut self, name: &str, track: Track, colour: Colour, ticks: Option<f64>) {
-        let line = Line {
+        let line = NamedLine {
             name: name.into(),
             label: Some(settable(name)),
             track,
@@ -263,11 +263,11 @@ impl Story<'_> {
     }
 
     fn camera_and_ray(&mut self) {
-        let sighting = self.sighting;
-        let reception = sighting.reception;
+        let probe = self.probe;
+        let reception = probe.reception;
         let ticks = self.step(reception.frame.velocity());
-        self.line("camera", sighting.camera.clone(), Colour::Blue, Some(ticks));
-        if let Some(element) = &sighting.element {
+        self.line("camera", probe.camera.clone(), Colour::Blue, Some(ticks));
+        if let Some(element) = &probe.element {
             self.line("sensor", element.clone(), Colour::Sky, None);
         }
         let clock = self.clock("camera", reception.time);
@@ -281,28 +281,28 @@ impl Story<'_> {
             self.mark("pinhole", None, reception.pinhole, true);
             self.signal(reception.pinhole, reception.event, None);
         }
-        let nothing = sighting.met.is_none().then(|| "meets nothing".to_string());
-        self.signal(sighting.far_end(), reception.pinhole, nothing);
+        let nothing = probe.hit.is_none().then(|| "meets nothing".to_string());
+        self.signal(probe.far_end(), reception.pinhole, nothing);
     }
 
-    fn surface(&mut self, met: &Met) {
-        let ticks = self.step(met.velocity);
-        self.line(&met.name, met.track.clone(), Colour::Red, Some(ticks));
-        let clock = self.clock(&met.name, met.time);
+    fn surface(&mut self, hit: &Hit) {
+        let ticks = self.step(hit.velocity);
+        self.line(&hit.name, hit.track.clone(), Colour::Red, Some(ticks));
+        let clock = self.clock(&hit.name, hit.time);
         self.mark(
             "emission",
             Some(format!("emitted: {clock}")),
-            met.emission,
+            hit.emission,
             true,
         );
-        self.nows(met);
-        for lamp in met.pulses.iter().take(MOST_PULSES) {
-            self.lamp(lamp, met.emission);
+        self.nows(hit);
+        for lamp in hit.pulses.iter().take(MOST_PULSES) {
+            self.lamp(lamp, hit.emission);
         }
     }
 
     /// The light of a pulse; one from the same event takes the name in beside its own.
-    fn lamp(&mut self, lamp: &Lamp, emission: Event<World>) {
+    fn lamp(&mut self, lamp: &PulseLight, emission: Event<World>) {
         let name = settable(&lamp.name);
         let mut marks = self.diagram.events.iter_mut();
         if let Some(mark) = marks.find(|mark| mark.event == lamp.left) {
@@ -318,13 +318,13 @@ impl Story<'_> {
     }
 
     /// Where the surface is when it is seen.
-    fn nows(&mut self, met: &Met) {
-        let reception = self.sighting.reception.event;
-        let rests = self.sighting.reception.frame.velocity().is_rest();
+    fn nows(&mut self, hit: &Hit) {
+        let reception = self.probe.reception.event;
+        let rests = self.probe.reception.frame.velocity().is_rest();
         let camera = if rests { "now" } else { "now, for the camera" };
-        let world = met.now_in_world.filter(|_| !rests);
+        let world = hit.now_in_world.filter(|_| !rests);
         let frames = [
-            (self.camera, met.now, camera, Colour::Blue),
+            (self.camera, hit.now, camera, Colour::Blue),
             (0, world, "now, in the world", Colour::Grey),
         ];
         for (frame, now, label, colour) in frames {
@@ -348,11 +348,11 @@ impl Story<'_> {
 
     /// All that can be seen at the reception is on its past light cone.
     fn cone(&mut self) {
-        let way = self.sighting.reception.event - self.sighting.far_end();
+        let way = self.probe.reception.event - self.probe.far_end();
         let way = self.view.frame_from_world().displacement(way);
         let height = BEYOND * way.ct.max(way.x.length());
         self.diagram.cones.push(Cone {
-            event: self.sighting.reception.event,
+            event: self.probe.reception.event,
             future: false,
             past: true,
             height: Some(height),

@@ -13,7 +13,7 @@
 //! camera's frame or in the world.
 //!
 //! ```text
-//! scene, pixel ── trace ──▶ Sighting ── diagram ──▶ model::diagram::Diagram → layout → drawing
+//! scene, pixel ── trace ──▶ Probe ── diagram ──▶ model::diagram::Diagram → layout → drawing
 //! ```
 //!
 //! Of the diagram, x is along the ray. In vacuum the ray lies in the plane of x and ct and has the slope of 45
@@ -35,7 +35,7 @@ use crate::spacetime::{self, Direction, Event, InertialFrame, Velocity, World};
 
 /// What one pixel sees. Lengths and times are in metres.
 #[derive(Debug, Clone)]
-pub struct Sighting {
+pub struct Probe {
     /// Column and row.
     pub pixel: [u32; 2],
     /// The light's arrival in the camera.
@@ -49,7 +49,7 @@ pub struct Sighting {
     /// That of the sensor element, where there is a sensor that does not turn.
     pub element: Option<Track>,
     /// What the ray meets.
-    pub met: Option<Met>,
+    pub hit: Option<Hit>,
     /// How far the ray is followed that meets nothing.
     pub reach: f64,
 }
@@ -71,7 +71,7 @@ pub struct Reception {
 
 /// What a ray meets.
 #[derive(Debug, Clone)]
-pub struct Met {
+pub struct Hit {
     /// Index of the object in the scene.
     pub object: usize,
     /// Its name.
@@ -97,12 +97,12 @@ pub struct Met {
     /// The same in the world.
     pub now_in_world: Option<Event<World>>,
     /// The pulses whose light is seen there, the brightest first.
-    pub pulses: Vec<Lamp>,
+    pub pulses: Vec<PulseLight>,
 }
 
 /// A pulse that lights what is seen.
 #[derive(Debug, Clone)]
-pub struct Lamp {
+pub struct PulseLight {
     /// The source's name.
     pub name: String,
     /// The event at which the light that is seen left it.

@@ -1,13 +1,13 @@
-//! The numbers of a sighting, for people and for programs.
+//! The numbers of a probe, for people and for programs.
 
 use std::fmt;
 
 use serde::Serialize;
 
-use super::{Met, Sighting};
+use super::{Hit, Probe};
 use crate::spacetime::{Event, World};
 
-/// The numbers of a [`Sighting`]; metres, times as ct, events (ct, x, y, z) in the world.
+/// The numbers of a [`Probe`]; metres, times as ct, events (ct, x, y, z) in the world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Column and row.
@@ -73,43 +73,43 @@ pub struct Lit {
 }
 
 impl Summary {
-    /// The numbers of `sighting`.
-    pub fn of(sighting: &Sighting) -> Summary {
-        let reception = &sighting.reception;
+    /// The numbers of `probe`.
+    pub fn of(probe: &Probe) -> Summary {
+        let reception = &probe.reception;
         Summary {
-            pixel: sighting.pixel,
+            pixel: probe.pixel,
             reception_proper_time: reception.time,
             reception: four(reception.event),
             pinhole: four(reception.pinhole),
             pinhole_proper_time: reception.pinhole_time,
             camera_beta: reception.frame.velocity().beta().to_array(),
-            direction: sighting.direction.unit().to_array(),
-            refractive_index: sighting.index,
-            surface: sighting.met.as_ref().map(Surface::of),
+            direction: probe.direction.unit().to_array(),
+            refractive_index: probe.index,
+            surface: probe.hit.as_ref().map(Surface::of),
         }
     }
 }
 
 impl Surface {
-    fn of(met: &Met) -> Surface {
-        let lamps = met.pulses.iter().map(|lamp| Lit {
+    fn of(hit: &Hit) -> Surface {
+        let lamps = hit.pulses.iter().map(|lamp| Lit {
             source: lamp.name.clone(),
             left: four(lamp.left),
             deviations: lamp.deviations,
             share: lamp.share,
         });
         Surface {
-            object: met.name.clone(),
-            object_index: met.object,
-            triangle: met.triangle,
-            beta: met.velocity.beta().to_array(),
-            emission: four(met.emission),
-            emission_proper_time: met.time,
-            object_position: met.place.to_array(),
-            distance: met.distance,
-            wavelength_ratio: met.ratio,
-            now_for_camera: met.now.map(four),
-            now_in_world: met.now_in_world.map(four),
+            object: hit.name.clone(),
+            object_index: hit.object,
+            triangle: hit.triangle,
+            beta: hit.velocity.beta().to_array(),
+            emission: four(hit.emission),
+            emission_proper_time: hit.time,
+            object_position: hit.place.to_array(),
+            distance: hit.distance,
+            wavelength_ratio: hit.ratio,
+            now_for_camera: hit.now.map(four),
+            now_in_world: hit.now_in_world.map(four),
             lit_by: lamps.collect(),
         }
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Lamp, Met, Reception, Sighting};
+use super::{Hit, Probe, PulseLight, Reception};
 use crate::accel::Precision;
 use crate::camera::{AnyProjection, CameraRay, Projection, rotation_matrix};
 use crate::error::{Error, Result};
@@ -43,7 +43,7 @@ pub fn trace(
     pixel: [u32; 2],
     memory_limit: u64,
     progress: &dyn Progress,
-) -> Result<Sighting> {
+) -> Result<Probe> {
     within(scene, pixel)?;
     let request = Request {
         aovs: CHANNELS.to_vec(),
@@ -71,21 +71,21 @@ pub fn trace(
         progress,
     };
     let film = exposed.film()?;
-    let met = match exposed.object(&film) {
-        Some(index) => Some(Met {
+    let hit = match exposed.object(&film) {
+        Some(index) => Some(Hit {
             pulses: exposed.pulses(scene, &film)?,
-            ..exposed.met(scene, index, &film, &reception)
+            ..exposed.hit(scene, index, &film, &reception)
         }),
         None => None,
     };
-    Ok(Sighting {
+    Ok(Probe {
         pixel,
         reception,
         direction: ray.d,
         index: prepared.ray_index * ray.origin.delay,
         camera: arrival.line.clone().into(),
         element: arrival.track(),
-        met,
+        hit,
         reach: reach(scene, reception.pinhole),
     })
 }
@@ -248,7 +248,7 @@ impl Exposed<'_> {
         (object >= 0.0).then_some(object as usize)
     }
 
-    fn met(&self, scene: &Scene, index: usize, film: &Film, reception: &Reception) -> Met {
+    fn hit(&self, scene: &Scene, index: usize, film: &Film, reception: &Reception) -> Hit {
         let object: &Object = &scene.objects[index];
         let value = |aov| self.value(film, aov);
         let vector = |[x, y, z]: [Aov; 3]| DVec3::new(value(x), value(y), value(z));
@@ -256,7 +256,7 @@ impl Exposed<'_> {
         let zero = object.frame().event_to_world(Event::new(0.0, place));
         let track = Track::from(WorldLine::inertial(object.velocity, zero));
         let event = |moment: Option<crate::figures::diagram::model::Moment>| Some(moment?.event);
-        Met {
+        Hit {
             object: index,
             name: object.name.clone(),
             velocity: object.velocity,
@@ -274,7 +274,7 @@ impl Exposed<'_> {
     }
 
     /// The pulses whose light is seen: each has its picture taken alone.
-    fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<Lamp>> {
+    fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<PulseLight>> {
         let all = match &self.prepared.light {
             Light::TimeResolved(light) => light.pulses.clone(),
             _ => return Ok(Vec::new()),
@@ -296,7 +296,7 @@ impl Exposed<'_> {
             let radiance: f64 = film.radiance()[self.at()].iter().sum();
             let way = scene.medium_index * (emission.x - pulse.origin.x).length();
             let left = Event::new(emission.ct - way, pulse.origin.x);
-            lamps.push(Lamp {
+            lamps.push(PulseLight {
                 name: source.name.clone(),
                 left,
                 deviations: (left.ct - pulse.origin.ct) / pulse.sigma,
@@ -314,7 +314,7 @@ impl Exposed<'_> {
 }
 
 /// Those that are seen, the brightest first, each with its part of the sum.
-fn shares(mut lamps: Vec<Lamp>) -> Vec<Lamp> {
+fn shares(mut lamps: Vec<PulseLight>) -> Vec<PulseLight> {
     let sum: f64 = lamps.iter().map(|lamp| lamp.share).sum();
     lamps.retain(|lamp| lamp.share > 0.0);
     lamps.iter_mut().for_each(|lamp| lamp.share /= sum);

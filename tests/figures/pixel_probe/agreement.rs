@@ -1,6 +1,6 @@
 //! The traced pixel is that of the picture, to the bit.
 
-use nullray::figures::pixel_probe::{Sighting, Summary};
+use nullray::figures::pixel_probe::{Probe, Summary};
 use nullray::render::aov::{self, Aov};
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
@@ -21,33 +21,33 @@ fn picture(scene: &Scene) -> Film {
     render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap()
 }
 
-/// The picture's values, and those of the sighting, as bits.
-fn pairs(film: &Film, sighting: &Sighting) -> Vec<(Aov, u64, u64)> {
-    let [column, row] = sighting.pixel;
+/// The picture's values, and those of the probe, as bits.
+fn pairs(film: &Film, probe: &Probe) -> Vec<(Aov, u64, u64)> {
+    let [column, row] = probe.pixel;
     let i = (row * film.size()[0] + column) as usize;
-    let direction = sighting.direction.unit();
+    let direction = probe.direction.unit();
     let mut values = vec![
         (Aov::DirectionX, direction.x),
         (Aov::DirectionY, direction.y),
         (Aov::DirectionZ, direction.z),
         (
             Aov::Object,
-            sighting.met.as_ref().map_or(-1.0, |met| met.object as f64),
+            probe.hit.as_ref().map_or(-1.0, |hit| hit.object as f64),
         ),
     ];
-    if let Some(met) = &sighting.met {
+    if let Some(hit) = &probe.hit {
         values.extend([
-            (Aov::Primitive, f64::from(met.triangle)),
-            (Aov::EventCt, met.emission.ct),
-            (Aov::EventX, met.emission.x.x),
-            (Aov::EventY, met.emission.x.y),
-            (Aov::EventZ, met.emission.x.z),
-            (Aov::ObjectEventCt, met.time),
-            (Aov::ObjectEventX, met.place.x),
-            (Aov::ObjectEventY, met.place.y),
-            (Aov::ObjectEventZ, met.place.z),
-            (Aov::Distance, met.distance),
-            (Aov::WavelengthRatio, met.ratio),
+            (Aov::Primitive, f64::from(hit.triangle)),
+            (Aov::EventCt, hit.emission.ct),
+            (Aov::EventX, hit.emission.x.x),
+            (Aov::EventY, hit.emission.x.y),
+            (Aov::EventZ, hit.emission.x.z),
+            (Aov::ObjectEventCt, hit.time),
+            (Aov::ObjectEventX, hit.place.x),
+            (Aov::ObjectEventY, hit.place.y),
+            (Aov::ObjectEventZ, hit.place.z),
+            (Aov::Distance, hit.distance),
+            (Aov::WavelengthRatio, hit.ratio),
         ]);
     }
     // −0 and 0 are the same number.
@@ -74,11 +74,11 @@ fn every_camera_sees_in_a_pixel_what_its_picture_has_there() {
             [12, 15],
             [20, 14],
         ] {
-            let sighting = traced(&scene, pixel).unwrap();
-            for (aov, traced, rendered) in pairs(&film, &sighting) {
+            let probe = traced(&scene, pixel).unwrap();
+            for (aov, traced, rendered) in pairs(&film, &probe) {
                 assert_eq!(traced, rendered, "{} of {pixel:?}: {camera}", aov.name());
             }
-            objects[sighting.met.map_or(2, |met| met.object)] += 1;
+            objects[probe.hit.map_or(2, |hit| hit.object)] += 1;
         }
     }
     assert!(objects.iter().all(|count| *count > 0), "{objects:?}");
@@ -87,11 +87,11 @@ fn every_camera_sees_in_a_pixel_what_its_picture_has_there() {
 #[test]
 fn the_summary_has_the_same_numbers() {
     let scene = scene(&text(crate::pixel_probe::MOVING));
-    let sighting = traced(&scene, [16, 20]).unwrap();
-    let summary = Summary::of(&sighting);
-    let (surface, met) = (summary.surface.unwrap(), sighting.met.unwrap());
-    assert_eq!(surface.emission[0], met.emission.ct);
-    assert_eq!(surface.wavelength_ratio, met.ratio);
+    let probe = traced(&scene, [16, 20]).unwrap();
+    let summary = Summary::of(&probe);
+    let (surface, hit) = (summary.surface.unwrap(), probe.hit.unwrap());
+    assert_eq!(surface.emission[0], hit.emission.ct);
+    assert_eq!(surface.wavelength_ratio, hit.ratio);
     assert_eq!(surface.object, "floor");
     assert_eq!(summary.reception_proper_time, 0.3);
 }

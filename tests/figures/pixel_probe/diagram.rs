@@ -1,15 +1,15 @@
-//! The diagram of a sighting, laid out.
+//! The diagram of a probe, laid out.
 
 use nullray::figures::diagram::{Panel, Point, draw, layout};
 use nullray::figures::pixel_probe::diagram;
 
-use crate::pixel_probe::{ALL, BELL, MOVING, SENSOR, STILL, base, equal, met, seen, text, traced};
+use crate::pixel_probe::{ALL, BELL, MOVING, SENSOR, STILL, base, equal, hit, seen, text, traced};
 
 /// The panel of what a camera sees, in a frame.
 fn panel(camera: &str, frame: Option<&str>, dimensions: &str) -> Panel {
-    let (sighting, _) = met(camera);
+    let (probe, _) = hit(camera);
     let text = text(camera) + &format!("\n[diagram]\ndimensions = \"{dimensions}\"\n");
-    let model = diagram(&sighting, base(&text), frame).unwrap();
+    let model = diagram(&probe, base(&text), frame).unwrap();
     let laid = layout(&model);
     draw(&laid, &model.style).unwrap();
     laid.panels.into_iter().next().unwrap()
@@ -50,12 +50,12 @@ fn in_the_frame_of_the_camera_it_is_received_at_the_origin() {
 
 #[test]
 fn the_camera_has_the_slope_of_what_it_moves_along_the_ray() {
-    let (sighting, _) = met(MOVING);
+    let (probe, _) = hit(MOVING);
     let panel = panel(MOVING, None, "1+1");
     let points = &panel.world_lines[0].curve.points;
     let way = points[points.len() - 1].from(points[0]);
-    let beta = sighting.reception.frame.velocity().beta();
-    equal(way.x / way.ct, beta.dot(sighting.direction.unit()));
+    let beta = probe.reception.frame.velocity().beta();
+    equal(way.x / way.ct, beta.dot(probe.direction.unit()));
 }
 
 #[test]
@@ -119,8 +119,8 @@ fn in_three_dimensions_now_is_on_the_plane() {
 
 #[test]
 fn a_ray_that_meets_nothing_says_so() {
-    let sighting = seen(STILL, [0, 0]);
-    let model = diagram(&sighting, base(&text(STILL)), None).unwrap();
+    let probe = seen(STILL, [0, 0]);
+    let model = diagram(&probe, base(&text(STILL)), None).unwrap();
     let panel = &layout(&model).panels[0];
     assert_eq!(panel.signals[0].label.as_deref(), Some("meets nothing"));
     assert_eq!(panel.world_lines.len(), 1);
@@ -131,10 +131,10 @@ fn the_object_has_a_frame_to_draw_in() {
     let scene = crate::pixel_probe::scene(&text(STILL));
     let pixels = (0..24).flat_map(|row| (0..32).map(move |column| [column, row]));
     let crates = |pixel| traced(&scene, pixel).unwrap();
-    let sighting = pixels
+    let probe = pixels
         .map(crates)
-        .find(|s| s.met.as_ref().is_some_and(|m| m.name == "crate"));
-    let model = diagram(&sighting.unwrap(), base(&text(STILL)), Some("crate")).unwrap();
+        .find(|s| s.hit.as_ref().is_some_and(|m| m.name == "crate"));
+    let model = diagram(&probe.unwrap(), base(&text(STILL)), Some("crate")).unwrap();
     let panel = &layout(&model).panels[0];
     let points = &panel.world_lines[1].curve.points;
     equal(points[0].x, points[1].x);
@@ -142,8 +142,8 @@ fn the_object_has_a_frame_to_draw_in() {
 
 #[test]
 fn an_unknown_frame_has_no_diagram() {
-    let (sighting, _) = met(STILL);
-    assert!(diagram(&sighting, base(&text(STILL)), Some("moon")).is_none());
+    let (probe, _) = hit(STILL);
+    assert!(diagram(&probe, base(&text(STILL)), Some("moon")).is_none());
 }
 
 #[test]
@@ -155,8 +155,8 @@ fn pulses_from_one_event_share_a_mark() {
         )
     };
     let text = text(STILL) + &lamp("a") + &lamp("b");
-    let sighting = traced(&crate::pixel_probe::scene(&text), [16, 20]).unwrap();
-    let panel = layout(&diagram(&sighting, base(&text), None).unwrap())
+    let probe = traced(&crate::pixel_probe::scene(&text), [16, 20]).unwrap();
+    let panel = layout(&diagram(&probe, base(&text), None).unwrap())
         .panels
         .remove(0);
     let marked = panel

@@ -2,7 +2,7 @@
 
 use nullray::spacetime::{Event, World};
 
-use crate::pixel_probe::{ALL, SENSOR, STILL, WITH_SENSOR, equal, met, scene, seen, text, traced};
+use crate::pixel_probe::{ALL, SENSOR, STILL, WITH_SENSOR, equal, hit, scene, seen, text, traced};
 
 /// How far from null the step between two events is, in parts of its length.
 fn off_light(from: Event<World>, to: Event<World>) -> f64 {
@@ -13,8 +13,8 @@ fn off_light(from: Event<World>, to: Event<World>) -> f64 {
 #[test]
 fn the_emission_sends_light_to_the_pinhole() {
     for camera in ALL {
-        let (sighting, met) = met(camera);
-        let off = off_light(met.emission, sighting.reception.pinhole);
+        let (probe, hit) = hit(camera);
+        let off = off_light(hit.emission, probe.reception.pinhole);
         assert!(off <= 1e-12, "{off}: {camera}");
     }
 }
@@ -22,12 +22,12 @@ fn the_emission_sends_light_to_the_pinhole() {
 #[test]
 fn the_pinhole_sends_that_light_on_to_the_sensor_element() {
     for camera in WITH_SENSOR {
-        let (sighting, _) = met(camera);
-        let reception = sighting.reception;
+        let (probe, _) = hit(camera);
+        let reception = probe.reception;
         let off = off_light(reception.pinhole, reception.event);
         assert!(off <= 1e-12, "{off}: {camera}");
         let way = (reception.pinhole.x - reception.event.x).normalize();
-        let error = (way - sighting.direction.unit()).length();
+        let error = (way - probe.direction.unit()).length();
         assert!(error <= 1e-11, "{error}: {camera}");
     }
 }
@@ -35,9 +35,9 @@ fn the_pinhole_sends_that_light_on_to_the_sensor_element() {
 #[test]
 fn the_pinhole_is_on_its_world_line_when_its_clock_says_so() {
     for camera in ALL {
-        let (sighting, _) = met(camera);
-        let moment = sighting.camera.at(sighting.reception.pinhole_time).unwrap();
-        let error = moment.event - sighting.reception.pinhole;
+        let (probe, _) = hit(camera);
+        let moment = probe.camera.at(probe.reception.pinhole_time).unwrap();
+        let error = moment.event - probe.reception.pinhole;
         assert!(
             error.ct.abs() + error.x.length() <= 1e-12,
             "{error:?}: {camera}"
@@ -48,13 +48,9 @@ fn the_pinhole_is_on_its_world_line_when_its_clock_says_so() {
 #[test]
 fn the_element_is_on_its_world_line_at_the_time_of_the_shot() {
     for camera in [SENSOR, crate::pixel_probe::BELL, crate::pixel_probe::RIGID] {
-        let (sighting, _) = met(camera);
-        let moment = sighting
-            .element
-            .unwrap()
-            .at(sighting.reception.time)
-            .unwrap();
-        let error = moment.event - sighting.reception.event;
+        let (probe, _) = hit(camera);
+        let moment = probe.element.unwrap().at(probe.reception.time).unwrap();
+        let error = moment.event - probe.reception.event;
         assert!(
             error.ct.abs() + error.x.length() <= 1e-12,
             "{error:?}: {camera}"
@@ -64,17 +60,17 @@ fn the_element_is_on_its_world_line_at_the_time_of_the_shot() {
 
 #[test]
 fn a_point_camera_receives_at_the_pinhole() {
-    let (sighting, _) = met(STILL);
-    assert_eq!(sighting.reception.event, sighting.reception.pinhole);
-    assert_eq!(sighting.reception.time, sighting.reception.pinhole_time);
-    assert!(sighting.element.is_none());
+    let (probe, _) = hit(STILL);
+    assert_eq!(probe.reception.event, probe.reception.pinhole);
+    assert_eq!(probe.reception.time, probe.reception.pinhole_time);
+    assert!(probe.element.is_none());
 }
 
 #[test]
 fn the_emission_is_on_the_world_line_of_its_point() {
     for camera in ALL {
-        let (_, met) = met(camera);
-        let error = met.track.at(met.time).unwrap().event - met.emission;
+        let (_, hit) = hit(camera);
+        let error = hit.track.at(hit.time).unwrap().event - hit.emission;
         assert!(
             error.ct.abs() + error.x.length() <= 1e-12,
             "{error:?}: {camera}"
@@ -85,15 +81,15 @@ fn the_emission_is_on_the_world_line_of_its_point() {
 #[test]
 fn now_is_simultaneous_with_the_reception() {
     for camera in ALL {
-        let (sighting, met) = met(camera);
-        let reception = sighting.reception;
-        let (now, in_world) = (met.now.unwrap(), met.now_in_world.unwrap());
+        let (probe, hit) = hit(camera);
+        let reception = probe.reception;
+        let (now, in_world) = (hit.now.unwrap(), hit.now_in_world.unwrap());
         assert!(
             reception.frame.event_from_world(now).ct.abs() <= 1e-12,
             "{camera}"
         );
         equal(in_world.ct, reception.event.ct);
-        let aside = met.track.where_zero(|e| e.ct - now.ct).unwrap().event - now;
+        let aside = hit.track.where_zero(|e| e.ct - now.ct).unwrap().event - now;
         assert!(aside.x.length() <= 1e-12);
     }
 }
@@ -103,20 +99,20 @@ fn a_crate_at_sixty_percent_has_gone_on_by_that_much_of_the_delay() {
     // The camera rests: now is later than the emission by the distance, and the crate has moved 0.6 of it.
     let scene = scene(&text(STILL));
     let pixels = (0..24).flat_map(|row| (0..32).map(move |column| [column, row]));
-    let of_crate = pixels.filter_map(|pixel| traced(&scene, pixel).unwrap().met);
-    let met = of_crate
+    let of_crate = pixels.filter_map(|pixel| traced(&scene, pixel).unwrap().hit);
+    let hit = of_crate
         .into_iter()
-        .find(|met| met.name == "crate")
+        .find(|hit| hit.name == "crate")
         .unwrap();
-    let moved = met.now.unwrap() - met.emission;
-    equal(moved.ct, met.distance);
-    equal(moved.x.x, 0.6 * met.distance);
+    let moved = hit.now.unwrap() - hit.emission;
+    equal(moved.ct, hit.distance);
+    equal(moved.x.x, 0.6 * hit.distance);
     // Its clock runs slower by 1/γ = 0.8.
-    let clock = met
+    let clock = hit
         .track
-        .where_zero(|e| e.ct - met.now.unwrap().ct)
+        .where_zero(|e| e.ct - hit.now.unwrap().ct)
         .unwrap();
-    equal(clock.proper_time - met.time, 0.8 * met.distance);
+    equal(clock.proper_time - hit.time, 0.8 * hit.distance);
 }
 
 const LAMP: &str = "[[source]]\nname = \"lamp\"\n\
@@ -125,10 +121,10 @@ const LAMP: &str = "[[source]]\nname = \"lamp\"\n\
 #[test]
 fn a_pulse_is_drawn_back_to_the_event_at_which_the_light_left_it() {
     let scene = scene(&(text(STILL) + LAMP));
-    let sighting = traced(&scene, [16, 20]).unwrap();
-    let met = sighting.met.unwrap();
-    let lamp = &met.pulses[0];
-    assert!(off_light(lamp.left, met.emission) <= 1e-12);
+    let probe = traced(&scene, [16, 20]).unwrap();
+    let hit = probe.hit.unwrap();
+    let lamp = &hit.pulses[0];
+    assert!(off_light(lamp.left, hit.emission) <= 1e-12);
     assert_eq!(lamp.left.x.to_array(), [0.5, 3.0, 1.0]);
     equal(lamp.deviations, (lamp.left.ct + 8.0) / 4.0);
     equal(lamp.share, 1.0);
@@ -140,43 +136,40 @@ fn pulses_share_what_they_light_by_their_strengths() {
         .replace("\"lamp\"", "\"second\"")
         .replace("10 }", "30 }");
     let scene = scene(&(text(STILL) + LAMP + &second));
-    let met = traced(&scene, [16, 20]).unwrap().met.unwrap();
-    let names: Vec<&str> = met.pulses.iter().map(|lamp| lamp.name.as_str()).collect();
+    let hit = traced(&scene, [16, 20]).unwrap().hit.unwrap();
+    let names: Vec<&str> = hit.pulses.iter().map(|lamp| lamp.name.as_str()).collect();
     assert_eq!(names, ["second", "lamp"]);
-    equal(met.pulses[0].share, 0.75);
+    equal(hit.pulses[0].share, 0.75);
 }
 
 #[test]
 fn a_pulse_that_is_over_lights_nothing() {
     let over = LAMP.replace("4 m", "1 cm");
-    let met = traced(&scene(&(text(STILL) + &over)), [16, 20])
+    let hit = traced(&scene(&(text(STILL) + &over)), [16, 20])
         .unwrap()
-        .met
+        .hit
         .unwrap();
-    assert!(met.pulses.is_empty());
+    assert!(hit.pulses.is_empty());
 }
 
 #[test]
 fn a_ray_that_meets_nothing_is_followed_as_far_as_there_are_objects() {
-    let sighting = seen(STILL, [0, 0]);
-    assert!(sighting.met.is_none());
-    let end = sighting.far_end();
-    equal(
-        (end.x - sighting.reception.pinhole.x).length(),
-        sighting.reach,
-    );
+    let probe = seen(STILL, [0, 0]);
+    assert!(probe.hit.is_none());
+    let end = probe.far_end();
+    equal((end.x - probe.reception.pinhole.x).length(), probe.reach);
     // The floor's origin is farther than the crate's.
-    equal(sighting.reach, 17f64.sqrt());
+    equal(probe.reach, 17f64.sqrt());
 }
 
 #[test]
 fn in_a_medium_light_takes_the_longer_for_its_way() {
     let medium = "[medium]\nindex = 1.5\n";
-    let sighting = traced(&scene(&(medium.to_string() + &text(STILL))), [16, 20]).unwrap();
-    let met = sighting.met.unwrap();
+    let probe = traced(&scene(&(medium.to_string() + &text(STILL))), [16, 20]).unwrap();
+    let hit = probe.hit.unwrap();
     equal(
-        sighting.reception.pinhole.ct - met.emission.ct,
-        1.5 * met.distance,
+        probe.reception.pinhole.ct - hit.emission.ct,
+        1.5 * hit.distance,
     );
-    assert_eq!(sighting.index, 1.5);
+    assert_eq!(probe.index, 1.5);
 }

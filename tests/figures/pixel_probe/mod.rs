@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::pixel_probe::{Met, Sighting, trace};
+use nullray::figures::pixel_probe::{Hit, Probe, trace};
 use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
@@ -58,24 +58,24 @@ fn scene(text: &str) -> Scene {
         .unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn traced(scene: &Scene, pixel: [u32; 2]) -> Result<Sighting> {
+fn traced(scene: &Scene, pixel: [u32; 2]) -> Result<Probe> {
     trace(scene, pixel, NO_LIMIT, &Silent)
 }
 
-fn seen(camera: &str, pixel: [u32; 2]) -> Sighting {
+fn seen(camera: &str, pixel: [u32; 2]) -> Probe {
     traced(&scene(&text(camera)), pixel).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A sighting of this camera of something, and what it is.
-fn met(camera: &str) -> (Sighting, Met) {
+/// A probe of this camera of something, and what it is.
+fn hit(camera: &str) -> (Probe, Hit) {
     let scene = scene(&text(camera));
     let rows = (0..24)
         .rev()
         .flat_map(|row| (0..32).map(move |column| [column, row]));
     for pixel in rows.step_by(37) {
-        let sighting = traced(&scene, pixel).unwrap();
-        if let Some(met) = sighting.met.clone() {
-            return (sighting, met);
+        let probe = traced(&scene, pixel).unwrap();
+        if let Some(hit) = probe.hit.clone() {
+            return (probe, hit);
         }
     }
     panic!("nothing is met: {camera}");

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use nullray::figures::contact_sheet::{Layout, Options, Panel};
+use nullray::figures::contact_sheet::{Layout, Panel, SheetOptions};
 use nullray::io::image::{RgbImage, png};
 
 use super::panels::{PANELS, folder};
@@ -26,7 +26,7 @@ fn expected(panels: &[([u32; 2], &str)], title: Option<&str>, columns: Option<u3
     };
     let panels: Vec<_> = panels.iter().map(panel).collect();
     let title = title.map(str::to_string);
-    Layout::new(&panels, &Options { title, columns })
+    Layout::new(&panels, &SheetOptions { title, columns })
         .unwrap()
         .size
 }

@@ -7,7 +7,7 @@ use super::solid;
 use super::types::Limits;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
 use super::view::View;
-use crate::figures::diagram::model::{self as model, Line, Side, Track};
+use crate::figures::diagram::model::{self as model, NamedLine, Side, Track};
 use crate::spacetime::Displacement;
 
 /// The largest deviation from straight, in parts of the diagram's size: 0.02 mm on 200 mm.
@@ -25,7 +25,7 @@ pub(super) fn world_lines(view: &View, limits: &Limits) -> Vec<WorldLine> {
     lines.map(|line| world_line(view, limits, line)).collect()
 }
 
-fn world_line(view: &View, limits: &Limits, line: &Line) -> WorldLine {
+fn world_line(view: &View, limits: &Limits, line: &NamedLine) -> WorldLine {
     let times = times(view, limits, &line.track);
     WorldLine {
         name: line.name.clone(),
@@ -119,7 +119,7 @@ fn bend(
 }
 
 /// Ticks of a line's own clock, those in view.
-fn ticks(view: &View, limits: &Limits, line: &Line, [from, to]: [f64; 2]) -> Vec<Tick> {
+fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -> Vec<Tick> {
     let unit = view.diagram.unit.metres;
     let Some(step) = line.ticks else {
         return Vec::new();

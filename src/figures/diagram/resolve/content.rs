@@ -7,7 +7,7 @@ use super::settings::settable;
 use super::stage;
 use crate::error::Result;
 use crate::figures::diagram::file;
-use crate::figures::diagram::model::{Colour, Cone, Diagram, Line, Mark, Signal, Track};
+use crate::figures::diagram::model::{Colour, Cone, Diagram, Mark, NamedLine, Signal, Track};
 use crate::figures::text::rich::escaped;
 use crate::scene::At;
 use crate::scene::Context;
@@ -83,8 +83,8 @@ fn film(scene: &Outline, camera: &Filming, diagram: &mut Diagram) {
     }
 }
 
-fn line(name: String, track: Track) -> Line {
-    Line {
+fn line(name: String, track: Track) -> NamedLine {
+    NamedLine {
         label: Some(name.clone()),
         name,
         track,
@@ -108,7 +108,7 @@ fn add_body(diagram: &mut Diagram, name: String, track: Track) {
     let (n, across) = (diagram.direction, diagram.across.unwrap_or_default());
     let place = |event: Event<World>| [event.ct, n.dot(event.x), across.dot(event.x)];
     let at = |track: &Track, time| track.at(time).map(|m| place(m.event));
-    let same = |other: &Line| {
+    let same = |other: &NamedLine| {
         [0.0, 1.0]
             .iter()
             .all(|t| at(&other.track, *t) == at(&track, *t))

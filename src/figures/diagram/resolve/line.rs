@@ -10,7 +10,7 @@ use super::settings;
 use super::stage;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file::{DiagramLine, LineCircle, LineSegment};
-use crate::figures::diagram::model::{Line, Track};
+use crate::figures::diagram::model::{NamedLine, Track};
 use crate::figures::diagram::spot::Spot;
 use crate::scene::At;
 use crate::scene::{Number, Numbers};
@@ -21,12 +21,12 @@ const WHAT: &str = "this world line is said twice";
 const ONE_WAY: &str = "say it in one way: `of`, `through`, `keyframes`, or `at` with `velocity` and \
                        `acceleration`, `segments` or `profile`, or with `circle`";
 
-pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<Line> {
+pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<NamedLine> {
     let line = &at.value;
     only_one_way(names, line)?;
     let track = track(names, at)?;
     let ticks = settings::positive(names.cx, &line.ticks, "`ticks`")?;
-    Ok(Line {
+    Ok(NamedLine {
         name: line.name.value.clone(),
         label: names.label(&line.label, &line.name)?,
         track: ended(names, line, track)?,

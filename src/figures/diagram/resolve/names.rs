@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{settings, stage};
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
-use crate::figures::diagram::model::{Diagram, Line, Mark, Reference, Track};
+use crate::figures::diagram::model::{Diagram, Mark, NamedLine, Reference, Track};
 use crate::figures::diagram::spot::{OneOrMany, Speed, Spot};
 use crate::scene::At;
 use crate::scene::Context;
@@ -32,7 +32,7 @@ enum Slot<T> {
 #[derive(Clone, Copy)]
 pub(super) struct Resolvers {
     pub frame: fn(&mut Names, &At<file::DiagramFrame>) -> Result<Reference>,
-    pub line: fn(&mut Names, &At<file::DiagramLine>) -> Result<Line>,
+    pub line: fn(&mut Names, &At<file::DiagramLine>) -> Result<NamedLine>,
     pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Mark>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Names<'a> {
     resolvers: Resolvers,
     /// The world, then those of the file, then the camera's unless the file has one of that name.
     frames: Vec<Slot<Reference>>,
-    lines: Vec<Slot<Line>>,
+    lines: Vec<Slot<NamedLine>>,
     events: Vec<Slot<Mark>>,
 }
 
@@ -150,7 +150,7 @@ impl<'a> Names<'a> {
     }
 
     /// The i-th world line, asked for at `span`.
-    pub fn line(&mut self, i: usize, span: &Range<usize>) -> Result<Line> {
+    pub fn line(&mut self, i: usize, span: &Range<usize>) -> Result<NamedLine> {
         if let Some(known) = ask(self.cx, &mut self.lines, i, span)? {
             return Ok(known);
         }

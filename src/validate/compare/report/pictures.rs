@@ -236,7 +236,7 @@ pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result
     ];
     contact_sheet::compose(
         &panels,
-        &contact_sheet::Options {
+        &contact_sheet::SheetOptions {
             title: None,
             columns: Some(3),
         },

@@ -2,8 +2,8 @@
 //! the files' channel names and the documentation are made.
 //!
 //! Identities and places on a triangle (object, primitive, barycentric, uv) are those of the sample
-//! nearest to the pixel's centre; the other channels are means over the samples that met a surface.
-//! With one sample per pixel both are that sample's. A pixel that met nothing holds NaN, and −1 for
+//! nearest to the pixel's centre; the other channels are means over the samples that hit a surface.
+//! With one sample per pixel both are that sample's. A pixel that hit nothing holds NaN, and −1 for
 //! identities. Values are those of the physics whatever effects are turned off for display.
 
 use serde::{Serialize, Serializer};
@@ -124,11 +124,6 @@ impl Aov {
     /// The channel that files name so.
     pub fn named(name: &str) -> Option<Aov> {
         Aov::ALL.iter().copied().find(|aov| aov.name() == name)
-    }
-
-    /// Whether the channel belongs to one sample rather than to the mean of all.
-    pub fn is_of_one_sample(self) -> bool {
-        matches!(self.combine(), Combine::Nearest | Combine::NearestIdentity)
     }
 
     /// Whether the channel holds integers.

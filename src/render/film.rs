@@ -141,10 +141,12 @@ impl TileFilm {
     /// Adds one sample's radiance to `pixel`.
     #[inline]
     pub fn add(&mut self, pixel: usize, radiance: [f64; 3]) {
+        // The box filter: every sample of the pixel counts alike.
         let sum = &mut self.radiance[pixel];
         for (sum, value) in sum.iter_mut().zip(radiance) {
             *sum += value;
         }
+        // Differences from the first sample, so that no digits cancel in the variance.
         if let Some([first, sum, squares]) = self.spread.get_mut(pixel) {
             let mean = mean(radiance);
             if first.is_nan() {
@@ -155,7 +157,7 @@ impl TileFilm {
         }
     }
 
-    /// Notes samples that met nothing.
+    /// Notes samples that hit nothing.
     pub fn add_unmet(&mut self, samples: u64) {
         self.unmet += samples;
     }
@@ -179,8 +181,14 @@ impl TileFilm {
     }
 
     /// Notes a sample at `offset` in `pixel`; true if it is the nearest to the centre so far.
-    pub fn is_nearest_to_centre(&mut self, pixel: usize, offset: [f64; 2], hit: bool) -> bool {
+    pub(crate) fn is_nearest_to_centre(
+        &mut self,
+        pixel: usize,
+        offset: [f64; 2],
+        hit: bool,
+    ) -> bool {
         self.hits[pixel] += hit as u32;
+        // Of equal distances the earlier sample counts.
         let [x, y] = offset.map(|o| o - 0.5);
         let distance = x * x + y * y;
         let nearest = distance < self.nearest[pixel];
@@ -191,12 +199,12 @@ impl TileFilm {
     }
 
     /// Adds to the sum of auxiliary channel `channel`.
-    pub fn add_aov(&mut self, channel: usize, pixel: usize, value: f64) {
+    pub(crate) fn add_aov(&mut self, channel: usize, pixel: usize, value: f64) {
         self.aovs[channel][pixel] += value;
     }
 
     /// Sets auxiliary channel `channel`.
-    pub fn set_aov(&mut self, channel: usize, pixel: usize, value: f64) {
+    pub(crate) fn set_aov(&mut self, channel: usize, pixel: usize, value: f64) {
         self.aovs[channel][pixel] = value;
     }
 
@@ -218,6 +226,7 @@ impl TileFilm {
 
     /// √(sample variance / n): independent samples would have it; stratified ones have less.
     fn standard_error(&self, pixel: usize, n: f64) -> f64 {
+        // Unbiased: Σ(m − m̄)² / (n − 1), and Σ(m − m̄)² = Σ(m − m₀)² − (Σ(m − m₀))²/n.
         let [_, sum, squares] = self.spread[pixel];
         let variance = (squares - sum * sum / n) / (n - 1.0);
         if n > 1.0 {
@@ -272,6 +281,7 @@ impl Film {
         }
         let [left, top] = tile.tile.corner.map(|c| c as usize);
         let (width, across) = (self.layout.size[0] as usize, tile.tile.size[0] as usize);
+        // Sums to means, row by row of the tile.
         for (row, sums) in tile.radiance.chunks(across.max(1)).enumerate() {
             let first = (top + row) * width + left;
             for (mean, sum) in self.radiance[first..].iter_mut().zip(sums) {

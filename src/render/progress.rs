@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::error::{Error, Result};
+
 /// What a caller can watch, and stop. All methods are called from worker threads.
 pub trait Progress: Sync {
     /// `rays` more camera rays are done.
@@ -11,9 +13,20 @@ pub trait Progress: Sync {
     fn is_cancelled(&self) -> bool {
         false
     }
+
+    /// Ends work that is to stop.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn check(&self) -> Result<()> {
+        match self.is_cancelled() {
+            true => Err(Error::Cancelled),
+            false => Ok(()),
+        }
+    }
 }
 
-/// Watches nothing, stops never.
+/// Watches nothing and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

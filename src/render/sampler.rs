@@ -64,6 +64,7 @@ impl Sampler {
             y.fill(0.5);
             return;
         }
+        // The cell (i, j) of this sample, in all pixels alike.
         let (i, j) = (index % self.columns, index / self.columns);
         x.fill(0.0);
         y.fill(0.0);
@@ -71,6 +72,7 @@ impl Sampler {
             1 => &[],
             _ => pixels,
         };
+        // In it the sub-column that row j has in this pixel, and the sub-row that column i has.
         for ((pixel, x), y) in cells.iter().zip(&mut *x).zip(&mut *y) {
             let pixel = hash(*pixel);
             *x = sub_cell(j, self.rows, pixel);
@@ -90,7 +92,7 @@ impl Sampler {
 
 /// What a pixel's random numbers come from.
 #[inline(always)]
-pub fn pixel_key(column: u32, row: u32) -> u64 {
+pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {
     column as u64 | ((row as u64) << 32)
 }
 
@@ -123,8 +125,10 @@ fn jitter(
     let count = pixels.len();
     let (x, y) = (&mut x[..count], &mut y[..count]);
     for k in 0..count {
+        // 32 random bits per axis place the sample in its sub-cell.
         let noise = hash(hash(pixels[k]) ^ salt);
         let (in_x, in_y) = (x[k] + unit(noise as u32), y[k] + unit((noise >> 32) as u32));
+        // x = (i + (sub-column + noise) / rows) / columns, and y likewise.
         x[k] = (i + in_x * height) * width;
         y[k] = (j + in_y * width) * height;
     }
@@ -148,7 +152,9 @@ impl Sampler {
         let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let (i, j) = (index % a, index / a);
         let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
+        // The b-th part of the time: the orthogonal array over rows and columns.
         let part = (permuted(j, b, rows) + permuted(i, a, columns) * (b / a)) % b;
+        // Within the part, one of a strata, permuted anew for each part.
         let within = permuted(i, a, !columns ^ part.wrapping_mul(0x9e37_79b9));
         let within = (f64::from(within) + unit(noise as u32)) / f64::from(a);
         // Rounding may lift the last sample to 1.

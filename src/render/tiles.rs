@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render::film::{Film, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
@@ -63,9 +63,7 @@ fn tiles_with(
             let mut tile_film = TileFilm::new(tile, layout);
             let mut meter = Meter::new(total.is_some());
             for sample in 0..layout.samples {
-                if progress.is_cancelled() {
-                    return Err(Error::Cancelled);
-                }
+                progress.check()?;
                 pipeline.sample(tile, sample, buffers, &mut tile_film, &mut meter);
                 progress.rays_done(tile.pixels() as u64);
             }

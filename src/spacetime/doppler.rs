@@ -18,6 +18,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// The ratio λ′/λ of the observed to the emitted wavelength; below 1 is a blueshift.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct WavelengthRatio(pub f64);
@@ -27,45 +29,85 @@ impl WavelengthRatio {
     pub const NONE: WavelengthRatio = WavelengthRatio(1.0);
 }
 
-/// What a stored radiance measures. The exponent of W follows from it, and from nothing else.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Quantity {
-    /// Energy per area, solid angle and wavelength (the paper's D⁻⁵).
-    PerWavelength,
-    /// Energy per area, solid angle and frequency.
-    PerFrequency,
-    /// Energy per area and solid angle, over the whole spectrum (bolometric).
-    Integrated,
-    /// Energy per area and solid angle of one spectral line.
-    Line {
-        /// The emitted wavelength λ₀ in the emitter's rest frame, metres.
-        wavelength: f64,
-    },
-    /// Photons per area and solid angle, over the whole spectrum.
-    Photons,
-    /// Photons per area, solid angle and wavelength.
-    PhotonsPerWavelength,
-    /// Photons per area, solid angle and frequency.
-    PhotonsPerFrequency,
+/// Makes the quantities from one list: what they are, their words in scene files, and p in L′ = W⁻ᵖ L.
+macro_rules! quantities {
+    ($($variant:ident $({ $wavelength:ident })?, $name:literal, $meaning:literal, $exponent:literal;)*) => {
+        /// What a stored radiance measures. The exponent of W follows from it, and from nothing else.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Quantity {
+            $(
+                #[doc = concat!("Radiance as ", $meaning, ".")]
+                $variant $({
+                    /// The emitted wavelength λ₀ in the emitter's rest frame, metres.
+                    $wavelength: f64,
+                })?,
+            )*
+        }
+
+        /// What a radiance measures.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+        #[cfg_attr(feature = "schema", schemars(inline))]
+        pub(crate) enum QuantityKind {
+            $(#[serde(rename = $name)] $variant,)*
+        }
+
+        impl QuantityKind {
+            /// The word for it in files.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(QuantityKind::$variant => $name,)*
+                }
+            }
+
+            /// The quantity, with the wavelength of its line if it has one.
+            pub fn at(self, line: f64) -> Quantity {
+                match self {
+                    $(QuantityKind::$variant => Quantity::$variant $({ $wavelength: line })?,)*
+                }
+            }
+
+            fn meaning(self) -> &'static str {
+                match self {
+                    $(QuantityKind::$variant => $meaning,)*
+                }
+            }
+
+            const fn exponent(self) -> u32 {
+                match self {
+                    $(QuantityKind::$variant => $exponent,)*
+                }
+            }
+        }
+
+        impl Quantity {
+            pub(crate) const fn kind(self) -> QuantityKind {
+                match self {
+                    $(Quantity::$variant $({ $wavelength: _ })? => QuantityKind::$variant,)*
+                }
+            }
+        }
+    };
+}
+
+// Per area and solid angle, all of them; the first is the default of scene files.
+quantities! {
+    Integrated, "integrated", "energy over the whole spectrum", 4;
+    PerWavelength, "per_wavelength", "energy per wavelength", 5;
+    PerFrequency, "per_frequency", "energy per frequency", 3;
+    Line { wavelength }, "line", "energy of a line", 4;
+    Photons, "photons", "photons over the whole spectrum", 3;
+    PhotonsPerWavelength, "photons_per_wavelength", "photons per wavelength", 4;
+    PhotonsPerFrequency, "photons_per_frequency", "photons per frequency", 2;
 }
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Quantity::PerWavelength => write!(f, "energy per wavelength"),
-            Quantity::PerFrequency => write!(f, "energy per frequency"),
-            Quantity::Integrated => write!(f, "energy over the whole spectrum"),
+        f.write_str(self.kind().meaning())?;
+        match self.line() {
             // Nanometres to the picometre: finer than a line's name, coarser than the rounding of metres.
-            Quantity::Line { wavelength } => {
-                write!(
-                    f,
-                    "energy of a line at {} nm",
-                    (wavelength * 1e12).round() / 1e3
-                )
-            }
-            Quantity::Photons => write!(f, "photons over the whole spectrum"),
-            Quantity::PhotonsPerWavelength => write!(f, "photons per wavelength"),
-            Quantity::PhotonsPerFrequency => write!(f, "photons per frequency"),
+            Some(wavelength) => write!(f, " at {} nm", (wavelength * 1e12).round() / 1e3),
+            None => Ok(()),
         }
     }
 }
@@ -73,11 +115,14 @@ impl fmt::Display for Quantity {
 impl Quantity {
     /// p in L′ = W⁻ᵖ L.
     pub const fn exponent(self) -> u32 {
+        self.kind().exponent()
+    }
+
+    /// The emitted wavelength of a spectral line, metres.
+    pub(crate) fn line(self) -> Option<f64> {
         match self {
-            Quantity::PerWavelength => 5,
-            Quantity::Integrated | Quantity::Line { .. } | Quantity::PhotonsPerWavelength => 4,
-            Quantity::PerFrequency | Quantity::Photons => 3,
-            Quantity::PhotonsPerFrequency => 2,
+            Quantity::Line { wavelength } => Some(wavelength),
+            _ => None,
         }
     }
 
@@ -95,7 +140,9 @@ impl Quantity {
             5 => factors::<5>(ratios),
             4 => factors::<4>(ratios),
             3 => factors::<3>(ratios),
-            _ => factors::<2>(ratios),
+            2 => factors::<2>(ratios),
+            // Not unrolled, and so slower.
+            p => ratios.iter_mut().for_each(|w| *w = 1.0 / power(*w, p)),
         }
     }
 

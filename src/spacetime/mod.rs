@@ -25,6 +25,7 @@ pub mod worldline;
 
 pub(crate) use boost::Tangents;
 pub use boost::{Boost, InertialFrame};
+pub(crate) use doppler::QuantityKind;
 pub use doppler::{Quantity, WavelengthRatio};
 pub use event::{Camera, Direction, Displacement, Event, Frame, Rest, World};
 pub use ray::NullRay;

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::draw::{RayBatch, ShadingRay, TileSamples, Visibility};
 use super::method::{Lookup, Map, Warp, moves};
 use crate::accel::Method;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
@@ -44,9 +44,7 @@ impl Warped {
         let texels = (0..runs)
             .into_par_iter()
             .map_init(HitBuffer::default, |hits, run| {
-                if progress.is_cancelled() {
-                    return Err(Error::Cancelled);
-                }
+                progress.check()?;
                 let texels = run * RUN..map.texels().min((run + 1) * RUN);
                 let directions = texels.map(|t| map.direction(t));
                 Ok(met(&surfaces, directions, scene.method, hits))

@@ -1,6 +1,6 @@
 //! Which objects share a rest frame, and so a BVH.
 
-use super::{PlannedFrame, PlannedObject};
+use super::planned::{PlannedFrame, PlannedObject};
 use crate::accel::Bvh;
 use crate::error::{Error, Result};
 use crate::scene::model::Scene;

@@ -4,18 +4,13 @@
 //! [`prepare`](crate::render::prepare) carries out, no more and no less, and what `nullray plan` prints.
 
 mod bindings;
-mod checks;
 mod frames;
 mod memory;
 mod notes;
+mod planned;
 mod report;
 
-use std::path::PathBuf;
-
-use serde::Serialize;
-
-use crate::accel::Precision;
-use crate::camera::{self, Camera};
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::io::{cube as cubes, gltf};
 use crate::mesh::shapes;
@@ -24,138 +19,8 @@ use crate::render::film::Layout;
 use crate::scene::model::{Elements, Geometry, Mapping, Scene, SourceKind};
 
 pub use bindings::{Lit, lit_by};
-pub use memory::Memory;
+pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
-
-/// What is asked of a scene beyond what its file says.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Request {
-    /// Auxiliary channels.
-    pub aovs: Vec<Aov>,
-    /// One sample per pixel, at its centre.
-    pub pixel_centers: bool,
-    /// The most memory that the scene may take, bytes. Default: 16 GiB.
-    pub memory_limit: u64,
-    /// What visibility is worth. Default: certified.
-    pub precision: Precision,
-}
-
-impl Default for Request {
-    fn default() -> Self {
-        Request {
-            aovs: Vec::new(),
-            pixel_centers: false,
-            memory_limit: 16 << 30,
-            precision: Precision::Certified,
-        }
-    }
-}
-
-/// What will be done.
-#[derive(Debug, Clone, Serialize)]
-pub struct Plan {
-    /// The scene's name.
-    pub scene: String,
-    /// How film points become world directions.
-    pub view: camera::Kind,
-    /// The rest frames; one BVH each.
-    pub frames: Vec<PlannedFrame>,
-    /// Per object of the scene, what is loaded of it.
-    pub objects: Vec<PlannedObject>,
-    /// Per source of the scene: its cube, where it has one and lights anything.
-    pub cubes: Vec<Option<PlannedCube>>,
-    /// Whether any radiance varies with time.
-    pub time_resolved: bool,
-    /// Film: size, samples per pixel, channels.
-    pub film: Layout,
-    /// Rays that will be traced.
-    pub rays: Rays,
-    /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
-    pub memory: Memory,
-    /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
-    pub memory_limit: u64,
-    /// What is not done, and why.
-    pub skipped: Vec<Skipped>,
-    /// What the pictures do not show, and other things worth knowing.
-    pub notes: Vec<String>,
-}
-
-/// Objects at rest relative to each other.
-#[derive(Debug, Clone, Serialize)]
-pub struct PlannedFrame {
-    /// β in the world.
-    pub beta: [f64; 3],
-    /// γ.
-    pub gamma: f64,
-    /// Indices of the objects.
-    pub objects: Vec<usize>,
-    /// Triangles.
-    pub triangles: u64,
-}
-
-/// What is loaded of an object.
-#[derive(Debug, Clone, Serialize)]
-pub struct PlannedObject {
-    /// The object's name.
-    pub name: String,
-    /// The file, or none for a built-in shape.
-    pub file: Option<PathBuf>,
-    /// Files that this one refers to.
-    pub files: Vec<PathBuf>,
-    /// Triangles.
-    pub triangles: u64,
-    /// Vertices.
-    pub vertices: u64,
-    /// Whether texture coordinates are loaded.
-    pub uvs: bool,
-    /// Whether base colour textures are loaded.
-    pub textures: bool,
-    /// What gives it radiance.
-    pub radiance: Vec<String>,
-    /// Sets of texture coordinates that its file has.
-    pub uv_sets: usize,
-    #[serde(skip)]
-    materials: Vec<String>,
-    #[serde(skip)]
-    images: usize,
-}
-
-/// A cube that is loaded.
-#[derive(Debug, Clone, Serialize)]
-pub struct PlannedCube {
-    /// The source's name.
-    pub source: String,
-    /// The file.
-    pub file: PathBuf,
-    /// The array, where the scene names one.
-    pub array: Option<String>,
-    /// H, W, T, C.
-    pub shape: [usize; 4],
-    /// Bytes in memory.
-    pub bytes: u64,
-    /// Rays from the capture camera, one per pixel, where the cube is projected.
-    pub capture_rays: u64,
-}
-
-/// How many rays.
-#[derive(Debug, Clone, Serialize)]
-pub struct Rays {
-    /// From the camera.
-    pub camera: u64,
-    /// Towards pulses and capture cameras, at most.
-    pub shadow_at_most: u64,
-    /// From capture cameras, before rendering.
-    pub capture: u64,
-}
-
-/// Something that is not done.
-#[derive(Debug, Clone, Serialize)]
-pub struct Skipped {
-    /// What.
-    pub what: String,
-    /// Why.
-    pub why: String,
-}
 
 impl Plan {
     /// Plans `request` for `scene`, reading headers only.
@@ -165,7 +30,7 @@ impl Plan {
     /// scene that takes more than the request's memory limit.
     pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
         let mut objects = inspect_objects(scene)?;
-        checks::check(scene, &objects)?;
+        bindings::check(scene, &objects)?;
         let wants_uv = request
             .aovs
             .iter()

@@ -1,9 +1,8 @@
 //! What a plan leaves out, and what its pictures do not show.
 
-use super::{Plan, Skipped};
+use super::planned::{Plan, Skipped};
 use crate::camera::Kind;
 use crate::scene::model::{Scene, SourceKind};
-use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
     plan.skipped = skipped(scene, plan);
@@ -102,8 +101,8 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
     let moving = plan.view != Kind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
-    let is_line = |q: Quantity| matches!(q, Quantity::Line { .. });
-    let colours = !is_line(scene.quantity) || scene.sources.iter().any(|s| !is_line(s.quantity));
+    let sources = scene.sources.iter().map(|s| s.quantity);
+    let colours = sources.chain([scene.quantity]).any(|q| q.line().is_none());
     if moving && colours && scene.effects.doppler {
         notes.push(
             "colour channels hold no spectrum: the Doppler shift changes their brightness, not their hue \

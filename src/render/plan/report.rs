@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Formatter, Write};
 
-use super::{Plan, PlannedFrame, PlannedObject};
+use super::planned::{Plan, PlannedFrame, PlannedObject};
 use crate::accel::Precision;
 use crate::camera::Kind;
 

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::Light;
 use crate::accel::Ray;
 use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Cube};
@@ -17,13 +16,36 @@ use crate::mesh::{Material, Mesh};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Response, RestFrame, TimeResolved,
+    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Radiance, Response, RestFrame,
+    TimeResolved,
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeSource, Effects, Equations, Geometry, Mapping, Scene,
     SourceKind,
 };
 use crate::spacetime::Quantity;
+
+/// Radiance of surfaces: constant, varying with time, or of the caller's own.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Light {
+    /// Base colours only.
+    Constant(BaseColours),
+    /// Cubes, pulses, base colours.
+    TimeResolved(TimeResolved),
+    /// Whatever the caller puts in place of what the scene says.
+    Custom(Box<dyn Radiance>),
+}
+
+impl Light {
+    pub(crate) fn radiance(&self) -> &dyn Radiance {
+        match self {
+            Light::Constant(radiance) => radiance,
+            Light::TimeResolved(radiance) => radiance,
+            Light::Custom(radiance) => radiance.as_ref(),
+        }
+    }
+}
 
 /// Gathers emitters object by object, then loads cubes.
 pub(super) struct Builder<'a> {
@@ -93,7 +115,7 @@ impl<'a> Builder<'a> {
         let mut stores = Stores::default();
         let mut sources = Vec::new();
         for (index, source) in scene.sources.iter().enumerate() {
-            super::stop_if_cancelled(progress)?;
+            progress.check()?;
             let planned = plan.cubes.get(index).is_some_and(Option::is_some);
             sources.push(match &source.kind {
                 SourceKind::Cube(cube) if planned => Some(stores.cube(scene, index, cube, frames)?),
@@ -150,10 +172,10 @@ fn response(quantity: Quantity, scene: &Scene) -> Response {
         searchlight,
         ..
     } = scene.effects;
-    let colour = match (quantity, doppler) {
-        (Quantity::Line { wavelength }, true) => Colouring::ShiftedLine(wavelength),
-        (Quantity::Line { wavelength }, false) => Colouring::UnshiftedLine(wavelength),
-        _ => Colouring::Channels,
+    let colour = match (quantity.line(), doppler) {
+        (Some(wavelength), true) => Colouring::ShiftedLine(wavelength),
+        (Some(wavelength), false) => Colouring::UnshiftedLine(wavelength),
+        (None, _) => Colouring::Channels,
     };
     Response {
         scaled: searchlight.then_some(scaling(quantity, scene.equations)),

@@ -3,17 +3,18 @@
 mod emitters;
 mod geometry;
 
+pub use emitters::Light;
 pub(crate) use emitters::scaling;
 pub use geometry::object_mesh;
 
 use crate::accel::Method;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render::film::Layout;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
-use crate::render::trace::{BaseColours, Radiance, RestFrame, TimeResolved};
+use crate::render::trace::RestFrame;
 use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
@@ -27,7 +28,7 @@ pub struct Prepared {
     pub light: Light,
     /// Refractive index that delays camera rays; 0 where retardation is turned off.
     pub ray_index: f64,
-    /// Observed radiance of rays that meet nothing.
+    /// Observed radiance of rays that hit nothing.
     pub background: [f64; 3],
     /// Where samples lie in a pixel.
     pub sampler: Sampler,
@@ -39,28 +40,6 @@ pub struct Prepared {
     pub warnings: Vec<String>,
     /// How long the trees took to build, seconds.
     pub built_in: f64,
-}
-
-/// Radiance of surfaces: constant, varying with time, or of the caller's own.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Light {
-    /// Base colours only.
-    Constant(BaseColours),
-    /// Cubes, pulses, base colours.
-    TimeResolved(TimeResolved),
-    /// Whatever the caller puts in place of what the scene says.
-    Custom(Box<dyn Radiance>),
-}
-
-impl Light {
-    pub(crate) fn radiance(&self) -> &dyn Radiance {
-        match self {
-            Light::Constant(radiance) => radiance,
-            Light::TimeResolved(radiance) => radiance,
-            Light::Custom(radiance) => radiance.as_ref(),
-        }
-    }
 }
 
 impl Prepared {
@@ -75,7 +54,7 @@ impl Prepared {
         let mut built_in = 0.0;
         let mut frames = Vec::with_capacity(plan.frames.len());
         for planned in &plan.frames {
-            stop_if_cancelled(progress)?;
+            progress.check()?;
             frames.push(geometry::frame(
                 scene,
                 plan,
@@ -85,7 +64,7 @@ impl Prepared {
                 &mut built_in,
             )?);
         }
-        stop_if_cancelled(progress)?;
+        progress.check()?;
         let light = light.finish(plan, &frames, progress)?;
         let ray_index = if scene.effects.retardation {
             scene.medium_index
@@ -121,14 +100,6 @@ impl Prepared {
     /// As [`Camera::new`].
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
-        Ok(())
-    }
-}
-
-fn stop_if_cancelled(progress: &dyn Progress) -> Result<()> {
-    if progress.is_cancelled() {
-        Err(Error::Cancelled)
-    } else {
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Which rest frames a batch of rays can meet at all.
+//! Which rest frames a batch of rays can hit at all.
 //!
 //! What lies within a sphere of radius r about c, seen from the origin of its rest frame, has look directions
 //! d′ with d′·ĉ ≥ cos α, sin α = r/|c|. With past-directed null vectors k′ = ω (−1, d′) this is
@@ -14,7 +14,7 @@
 //! N_ct + N_x·m + ρ |N_x| < 0,   since   k·N = N_ct + N_x·d.
 //! ```
 //!
-//! Light in a medium is not null, and rays with origins of their own share no event: both are let pass.
+//! Light in a medium is not null, and rays with origins of their own share no event: neither is culled.
 
 use glam::DVec3;
 
@@ -24,7 +24,7 @@ use crate::spacetime::{Displacement, Event, Rest, World};
 /// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
 const SLACK: f64 = 1e-11;
 
-/// The directions in which a rest frame is seen from one event.
+/// The directions in which a rest frame is seen from one event: N, |N_x| and the slack.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VisibleCone {
     normal: Displacement<World>,
@@ -33,16 +33,19 @@ pub(super) struct VisibleCone {
 }
 
 impl VisibleCone {
-    /// None where every direction may meet something, or nothing is known.
+    /// None where every direction may hit something, or nothing is known.
     pub fn of(rest: &RestFrame, camera: Event<Rest>, index: f64) -> Option<VisibleCone> {
+        // The sphere about the bounding box: centre c from the camera, radius half the diagonal.
         let (lo, hi) = rest.bvh.bounds()?;
         let centre = (lo + hi) * 0.5 - camera.x;
         let distance = centre.length();
+        // sin α, and more than the rounding of c and of the box.
         let sine = (hi - lo).length() * 0.5 / distance * (1.0 + 1e-9) + 1e-9;
         // Not for NaN either.
         if !(sine < 1.0 && index == 1.0) {
             return None;
         }
+        // N′ = (−cos α, ĉ), boosted to the world.
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
         let normal = Displacement::new(-cosine, centre / distance);
         let normal = rest.frame.world_from_frame().displacement(normal);
@@ -53,9 +56,10 @@ impl VisibleCone {
         })
     }
 
-    /// Whether no ray of `bounds` can meet anything.
+    /// Whether no ray of `bounds` can hit anything.
     #[inline]
     pub fn misses(&self, bounds: &DirectionBounds) -> bool {
+        // N_ct + N_x·m + ρ |N_x|, which is below 0 by more than rounding.
         let most = self.normal.ct + self.normal.x.dot(bounds.middle) + bounds.radius * self.length;
         most < -self.slack
     }
@@ -124,10 +128,10 @@ mod tests {
                 .frame
                 .event_from_world(Event::new(next(), vector(next)));
             let towards = vector(next).normalize();
-            let bounds: Vec<_> = (0..16)
+            let directions: Vec<_> = (0..16)
                 .map(|_| (towards + vector(next) * 0.02).normalize())
                 .collect();
-            let met = bounds.iter().any(|d| {
+            let met = directions.iter().any(|d| {
                 let d = Direction::from_unit(*d);
                 let ray = Ray {
                     origin: camera.x,
@@ -137,7 +141,7 @@ mod tests {
                 rest.bvh.closest(&ray, f64::INFINITY).is_some()
             });
             let cone = VisibleCone::of(&rest, camera, 1.0);
-            let missed = cone.is_some_and(|cone| cone.misses(&DirectionBounds::of(&bounds)));
+            let missed = cone.is_some_and(|cone| cone.misses(&DirectionBounds::of(&directions)));
             assert!(!(met && missed), "{rest:?} is met along {towards}");
             counts[usize::from(!met)] += usize::from(met || missed);
         }

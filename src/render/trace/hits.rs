@@ -120,6 +120,7 @@ impl HitBuffer {
             origins => Origins::Each(origins),
         };
         let directions = directions.unwrap_or(&self.local);
+        // The traversal is compiled with counting and without.
         match meter.visibility() {
             None => bvh.closest_by(
                 rays.method,
@@ -218,6 +219,7 @@ fn boost_origins(
 ) {
     let count = origins.len();
     let (places, times) = (&mut places[..count], &mut times[..count]);
+    // E′ = E′_shot + Λ ΔE; boosts are linear.
     for k in 0..count {
         let event = shot + boost.displacement(origins[k].displacement);
         places[k] = event.x;

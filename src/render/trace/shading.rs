@@ -141,6 +141,7 @@ impl Shading {
         // The triangles of the patch that was hit last.
         let (mut frame, mut first, mut end, mut black_back) = (u32::MAX, 0, 0, false);
         for (ray, hit) in traced.hits.hits().iter().enumerate() {
+            // Elements of the sensor that are hidden from the pinhole.
             let weight = weight(ray);
             if weight == 0.0 {
                 sink.add_coverage(ray, Coverage::OCCLUDED);
@@ -148,6 +149,7 @@ impl Shading {
                 unmet += 1;
                 continue;
             }
+            // The background has no motion and no quantity: it is taken as observed.
             let Some(hit) = hit else {
                 sink.add(ray, background.map(|c| c * weight));
                 self.plain.push(ray as u32);
@@ -229,6 +231,7 @@ fn add_colours(
     if let (Colouring::Channels, []) = (emitted.response.colour, emitted.details.as_slice()) {
         return add_scaled(&emitted.radiance, factors, members, sink);
     }
+    // Details are ascending by point: each is taken when its point comes.
     let mut details = emitted.details.iter().peekable();
     for (k, ray) in members.iter().enumerate() {
         let mut unscaled = [0.0; 3];
@@ -244,6 +247,7 @@ fn add_colours(
             ),
             Colouring::UnshiftedLine(wavelength) => line(emitted.radiance[k], wavelength),
         };
+        // Stand-ins for missing data are shown as they are; all else gets the observer's factor.
         let factor = factors[k];
         let [r, g, b] = colour;
         let [r0, g0, b0] = unscaled;

@@ -112,7 +112,7 @@ impl Meter {
     }
 
     /// What was noted.
-    pub fn into_stats(self) -> Option<Stats> {
+    pub(crate) fn into_stats(self) -> Option<Stats> {
         self.0
     }
 

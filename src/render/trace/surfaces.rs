@@ -168,7 +168,7 @@ impl<'a> Surfaces<'a> {
     }
 
     /// Answers `queries`, in which `index` is that of the medium.
-    pub fn occlude(
+    pub(super) fn occlude(
         &self,
         queries: &mut OcclusionQueries,
         index: f64,

@@ -18,6 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
 use super::values::{Number, Vector};
+use crate::spacetime::QuantityKind;
 use crate::spacetime::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::Camera;
@@ -138,7 +139,7 @@ pub(in crate::scene) struct Radiance {
     /// The quantity: "integrated" over the spectrum, "per_wavelength", "per_frequency", "line" (one
     /// spectral line, needs `wavelength`), "photons", "photons_per_wavelength" or
     /// "photons_per_frequency". Default: "integrated".
-    pub quantity: At<Quantity>,
+    pub quantity: At<QuantityKind>,
     /// The emitted wavelength of the line, like "532 nm", in the emitter's rest frame. Required with
     /// quantity = "line", refused with any other.
     pub wavelength: Option<At<Wavelength>>,
@@ -147,7 +148,7 @@ pub(in crate::scene) struct Radiance {
 impl Default for Radiance {
     fn default() -> Self {
         Radiance {
-            quantity: At::nowhere(Quantity::Integrated),
+            quantity: At::nowhere(QuantityKind::Integrated),
             wavelength: None,
         }
     }
@@ -157,21 +158,6 @@ impl<T: Default> Default for At<T> {
     fn default() -> Self {
         At::nowhere(T::default())
     }
-}
-
-/// What a radiance measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Quantity {
-    Integrated,
-    PerWavelength,
-    PerFrequency,
-    Line,
-    Photons,
-    PhotonsPerWavelength,
-    PhotonsPerFrequency,
 }
 
 /// The effects of relativity and of light's delay.

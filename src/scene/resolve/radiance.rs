@@ -3,15 +3,15 @@
 use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
-use crate::scene::file::{self, Radiance};
-use crate::spacetime::Quantity;
+use crate::scene::file::Radiance;
+use crate::spacetime::{Quantity, QuantityKind};
 
 pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
     let Radiance {
         quantity,
         wavelength,
     } = &radiance.value;
-    if quantity.value == file::Quantity::Line {
+    if quantity.value == QuantityKind::Line {
         return line(cx, radiance);
     }
     if let Some(wavelength) = wavelength {
@@ -19,14 +19,7 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
         let help = "leave `wavelength` out, or say quantity = \"line\"";
         return Err(cx.refuse(wavelength, what, help));
     }
-    Ok(match quantity.value {
-        file::Quantity::Integrated | file::Quantity::Line => Quantity::Integrated,
-        file::Quantity::PerWavelength => Quantity::PerWavelength,
-        file::Quantity::PerFrequency => Quantity::PerFrequency,
-        file::Quantity::Photons => Quantity::Photons,
-        file::Quantity::PhotonsPerWavelength => Quantity::PhotonsPerWavelength,
-        file::Quantity::PhotonsPerFrequency => Quantity::PhotonsPerFrequency,
-    })
+    Ok(quantity.value.at(f64::NAN))
 }
 
 fn line(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {

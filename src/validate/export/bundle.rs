@@ -221,8 +221,7 @@ pub struct PartEntry {
 #[derive(Debug, Clone, Copy, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Radiometry {
-    /// "integrated", "line", "per_wavelength", "per_frequency", "photons", "photons_per_wavelength" or
-    /// "photons_per_frequency".
+    /// The word of scene files, like "integrated" or "line".
     pub quantity: &'static str,
     /// The emitted wavelength of a line, metres.
     pub line_wavelength: Option<f64>,

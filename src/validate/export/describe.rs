@@ -138,18 +138,9 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
 
 /// What radiance of `quantity` measures, and by which power of W the scene's observers see it.
 pub(super) fn radiometry(scene: &Scene, quantity: Quantity) -> Radiometry {
-    let (word, line_wavelength) = match quantity {
-        Quantity::Integrated => ("integrated", None),
-        Quantity::Line { wavelength } => ("line", Some(wavelength)),
-        Quantity::PerWavelength => ("per_wavelength", None),
-        Quantity::PerFrequency => ("per_frequency", None),
-        Quantity::Photons => ("photons", None),
-        Quantity::PhotonsPerWavelength => ("photons_per_wavelength", None),
-        Quantity::PhotonsPerFrequency => ("photons_per_frequency", None),
-    };
     Radiometry {
-        quantity: word,
-        line_wavelength,
+        quantity: quantity.kind().name(),
+        line_wavelength: quantity.line(),
         exponent: match scene.effects.searchlight {
             true => scaling(quantity, scene.equations).exponent(),
             false => 0,

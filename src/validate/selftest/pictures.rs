@@ -9,6 +9,7 @@
 use glam::DVec3;
 
 use super::{Check, Outcome, counted};
+use crate::Result;
 use crate::render::aov::Aov;
 use crate::render::film::Film;
 use crate::render::plan::{Plan, Request};
@@ -17,7 +18,6 @@ use crate::render::progress::{Progress, Silent};
 use crate::render::render;
 use crate::scene::model::{Geometry, Scene, Shape};
 use crate::scene::{self, Overrides};
-use crate::{Error, Result};
 
 pub(super) const CHECKS: [Check; 1] = [counted(
     "pictures",
@@ -60,9 +60,7 @@ fn pictures(_: u64, progress: &dyn Progress) -> Result<Outcome> {
     ];
     let mut differing = 0;
     for other in &others {
-        if progress.is_cancelled() {
-            return Err(Error::Cancelled);
-        }
+        progress.check()?;
         differing += difference(&original, &film(other)?);
         progress.rays_done(PIXELS);
     }

@@ -9,19 +9,19 @@ use nullray::scene::model::{Scene, SourceKind};
 /// All files that `scene` and `plan` name, sources that light nothing included.
 pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
     let cubes = scene.sources.iter().filter_map(|s| match &s.kind {
-        SourceKind::Cube(cube) => Some(&cube.path),
+        SourceKind::Cube(cube) => cube.data.path().map(PathBuf::from),
         SourceKind::Pulse(_) => None,
     });
     let meshes = plan
         .objects
         .iter()
-        .flat_map(|o| o.file.iter().chain(&o.files));
+        .flat_map(|o| o.file.iter().chain(&o.files).cloned());
     let named = cubes
         .chain(meshes)
         .filter(|p| !p.starts_with(files::BUILT_IN));
     // The built-in scene has a name, and no file.
     std::iter::once(PathBuf::from(&scene.name))
-        .chain(named.cloned())
+        .chain(named)
         .collect()
 }
 

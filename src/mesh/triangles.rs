@@ -69,7 +69,82 @@ pub enum Wrap {
     Clamp,
 }
 
+/// Which array of a mesh does not fit the others, and why.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: {what}")]
+pub struct MeshError {
+    /// The field, as in `triangles[7]`.
+    pub field: String,
+    /// What is wrong with it.
+    pub what: String,
+}
+
 impl Mesh {
+    /// A mesh of one material without a name, of linear base colour `colour`, that is seen from the front.
+    pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, colour: [f32; 3]) -> Mesh {
+        Mesh {
+            parts: vec![Part {
+                first_triangle: 0,
+                triangles: triangles.len() as u32,
+                material: 0,
+                node: String::new(),
+            }],
+            materials: vec![Material {
+                name: String::new(),
+                base_colour: colour,
+                texture: None,
+                double_sided: false,
+            }],
+            positions,
+            uvs: Vec::new(),
+            triangles,
+        }
+    }
+
+    /// Checks that indices are in range, and that lists are as long as they must be.
+    ///
+    /// # Errors
+    /// The first field that does not fit the others.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let refuse = |field: String, what: String| Err(MeshError { field, what });
+        let vertices = self.positions.len();
+        let beyond = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= vertices);
+        if let Some(i) = self.triangles.iter().position(beyond) {
+            let what = format!(
+                "{:?} names a vertex that is not there: there are {vertices}",
+                self.triangles[i]
+            );
+            return refuse(format!("triangles[{i}]"), what);
+        }
+        let odd = |set: &Vec<[f32; 2]>| !set.is_empty() && set.len() != vertices;
+        if let Some(set) = self.uvs.iter().position(odd) {
+            let what = format!(
+                "{} texture coordinates for {vertices} vertices",
+                self.uvs[set].len()
+            );
+            return refuse(format!("uvs[{set}]"), what);
+        }
+        let mut next = 0;
+        for (i, part) in self.parts.iter().enumerate() {
+            if u64::from(part.first_triangle) != next {
+                let what = format!("begins at triangle {}, not {next}", part.first_triangle);
+                return refuse(format!("parts[{i}].first_triangle"), what);
+            }
+            next += u64::from(part.triangles);
+            if part.material as usize >= self.materials.len() {
+                let what = format!("there are {} materials", self.materials.len());
+                return refuse(format!("parts[{i}].material"), what);
+            }
+        }
+        match next == self.triangles.len() as u64 {
+            true => Ok(()),
+            false => {
+                let what = format!("cover {next} of {} triangles", self.triangles.len());
+                refuse("parts".into(), what)
+            }
+        }
+    }
+
     /// The three corners of triangle `index`.
     pub fn corners(&self, index: u32) -> [DVec3; 3] {
         self.triangles[index as usize].map(|v| self.positions[v as usize])

@@ -321,6 +321,18 @@ impl Film {
         &self.radiance
     }
 
+    /// The radiance as an array: its shape (height, width, 3), and its numbers in C order.
+    pub fn radiance_array(&self) -> ([usize; 3], &[f64]) {
+        let [width, height] = self.size().map(|n| n as usize);
+        ([height, width, 3], self.radiance().as_flattened())
+    }
+
+    /// An auxiliary channel as an array of shape (height, width), where it was asked for.
+    pub fn aov_array(&self, aov: Aov) -> Option<([usize; 2], &[f64])> {
+        let [width, height] = self.size().map(|n| n as usize);
+        Some(([height, width], self.aov(aov)?))
+    }
+
     /// The values of an auxiliary channel, where it was asked for.
     pub fn aov(&self, aov: Aov) -> Option<&[f64]> {
         let channel = self.layout.channels.iter().position(|c| *c == aov)?;

@@ -16,7 +16,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::tree::PLACED;
 
-/// A value and the byte range of the text that says it; of a table with a header, the header.
+/// A value and the byte range of the text where it stands; of a table with a header, the header.
 #[derive(Debug, Clone)]
 pub(crate) struct At<T> {
     pub value: T,
@@ -24,14 +24,25 @@ pub(crate) struct At<T> {
 }
 
 impl<T> At<T> {
-    /// A default: nothing in the text says it.
+    /// A default, which stands nowhere in the text.
     pub fn nowhere(value: T) -> Self {
         At { value, span: 0..0 }
     }
 
-    /// Whether the text says it.
-    pub fn is_said(&self) -> bool {
+    /// Where it stands in the text, if it does.
+    pub fn span_of(at: &Option<Self>) -> Option<&Range<usize>> {
+        at.as_ref().map(|at| &at.span)
+    }
+
+    /// Whether it stands in the text.
+    pub fn is_given(&self) -> bool {
         !self.span.is_empty()
+    }
+}
+
+impl<T: Default> Default for At<T> {
+    fn default() -> Self {
+        At::nowhere(T::default())
     }
 }
 

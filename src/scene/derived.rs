@@ -1,8 +1,9 @@
-//! What follows from a scene: conversions and frames.
+//! What follows from a scene: conversions, frames, world lines.
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Object, Scene, Sensor};
+use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor};
+use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
 
 impl Scene {
@@ -22,6 +23,14 @@ impl CameraModel {
     /// accelerate. Its origin is the pinhole then.
     pub fn frame(&self) -> InertialFrame<Camera> {
         InertialFrame::new(self.velocity, self.origin)
+    }
+
+    /// The world line of the pinhole, whose proper time the camera's clock shows.
+    ///
+    /// # Errors
+    /// Where nothing slower than light moves like that; never of a camera that a scene file gave.
+    pub fn world_line(&self) -> Result<WorldLine, WorldLineError> {
+        self.motion.world_line(self.velocity, self.origin)
     }
 
     /// The world event of the shot of a camera without acceleration: the pinhole when its clock shows
@@ -51,6 +60,30 @@ impl CameraModel {
             corner(1.0, -1.0),
             corner(-1.0, -1.0),
         ])
+    }
+}
+
+impl Motion {
+    /// The world line with this motion that has `velocity` at `zero`, where its clock shows 0. Paths in
+    /// the world (keyframes, circles) have their own velocity, and keyframes their own beginning.
+    ///
+    /// # Errors
+    /// Where nothing slower than light moves like that.
+    pub fn world_line(
+        &self,
+        velocity: Velocity,
+        zero: Event<World>,
+    ) -> Result<WorldLine, WorldLineError> {
+        match self {
+            Motion::Inertial => Ok(WorldLine::inertial(velocity, zero)),
+            Motion::Accelerated(a) => WorldLine::hyperbolic(velocity, zero, *a),
+            Motion::Segments(segments) => WorldLine::segments(velocity, zero, segments),
+            Motion::Profile(knots) => WorldLine::profile(velocity, zero, knots),
+            Motion::Keyframes(events) => WorldLine::keyframes(events),
+            Motion::Circular { centre, axis, rate } => {
+                WorldLine::circular(zero, *centre, *axis, *rate)
+            }
+        }
     }
 }
 

@@ -1,18 +1,21 @@
 //! From a file, or its text, to a scene.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
 use super::at::At;
 use super::file;
+use super::inputs::{Inputs, Pose};
+use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve::{self, Context, Outline};
+use super::resolve::{self, Context, GLTF, Outline};
 use crate::error::{Error, Result};
+use crate::io::{files, gltf};
 use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
@@ -48,9 +51,62 @@ pub(crate) fn base(path: &Path) -> &Path {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Result<Scene> {
-    let report = report(text, name, overrides)?;
-    let file = report.read()?;
-    resolve::scene(report, base, &file)
+    scene(report(text, name, overrides)?, base, Memory::default())
+}
+
+/// The scene that the report's text means, with what is in `memory`.
+pub(super) fn scene(report: Report, base: &Path, memory: Memory) -> Result<Scene> {
+    let file: file::Scene = report.read()?;
+    let mut inputs = Inputs::new(base.to_path_buf(), memory);
+    let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
+    let cubes = || file.source.iter().filter_map(|at| at.value.cube.as_ref());
+    for name in meshes.chain(cubes().map(|cube| &cube.value.file)) {
+        look_for(&mut inputs, name);
+    }
+    for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
+        read_pose(&mut inputs, &capture.value.gltf, &capture.value.node);
+    }
+    camera(&mut inputs, &file);
+    resolve::scene(report, inputs, &file)
+}
+
+fn camera<D>(inputs: &mut Inputs, file: &file::Scene<D>) {
+    if let Some(camera) = &file.camera {
+        read_pose(inputs, &camera.value.gltf, &camera.value.node);
+    }
+}
+
+/// Notes what is wrong with the file that `name` names. None is opened.
+fn look_for(inputs: &mut Inputs, name: &At<String>) {
+    if name.value.starts_with(memory::PREFIX) {
+        return;
+    }
+    let path = inputs.base.join(&name.value);
+    match files::length(&path) {
+        Ok(_) => {}
+        // There, but a directory or a device.
+        Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
+            inputs.add_problem(name, error.to_string());
+        }
+        Err(error) => inputs.add_problem(name, format!("cannot find this file: {error}")),
+    }
+}
+
+/// Reads the pose of the camera at `node` of the glTF file `name`, where there is one.
+fn read_pose(inputs: &mut Inputs, name: &Option<At<String>>, node: &Option<At<String>>) {
+    let Some(name) = name else { return };
+    look_for(inputs, name);
+    let path = inputs.base.join(&name.value);
+    if inputs.problem(name).is_some() || !resolve::has_extension(&path, GLTF) {
+        return;
+    }
+    let node = node.as_ref().map(|node| node.value.as_str());
+    let pose = gltf::camera(&path, node).map(|camera| Pose {
+        eye: camera.eye,
+        axes: camera.axes,
+        gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
+    });
+    inputs.add_pose(name, pose);
 }
 
 /// Reads the text of a file whose `[diagram]` is a `D`; what it means is resolved by `resolve`, from what the
@@ -64,7 +120,9 @@ pub(crate) fn parse_diagram<D: DeserializeOwned + JsonSchema, T>(
 ) -> Result<T> {
     let report = report(text, name, overrides)?;
     let file: file::Scene<D> = report.read()?;
-    let cx = Context::new(report, base, &file.speed_of_light)?;
+    let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
+    camera(&mut inputs, &file);
+    let cx = Context::new(report, inputs, &file.speed_of_light)?;
     resolve(&cx, &Outline::new(&cx, &file)?, file.diagram.as_ref())
 }
 

@@ -1,15 +1,18 @@
-//! The scene: from the text of a file to a typed model, with nothing loaded yet.
+//! The scene: from the text of a file, or from a program's values, to a typed model with nothing loaded yet.
 //!
 //! ```text
-//! text ── overrides ──▶ text ── toml ──▶ file structure ── resolve ──▶ model::Scene
+//! file ── overrides ──▶ text ── toml ──▶ file structure ── what it names is looked for ── resolve ──▶ model::Scene
+//! Builder ──────────────┘
 //! ```
+//!
+//! A program that has meshes and cubes as arrays needs no file: see [`Builder`].
 //!
 //! # The format of a scene file
 //!
 //! TOML (UTF-8, at most 4 MiB). Unknown keys are refused. [`schema`] gives a JSON schema with every
 //! description and default, made from the types that parse the file.
 //!
-//! | table | what it says |
+//! | table | what it is for |
 //! |---|---|
 //! | `speed_of_light` | a key at the top: with what speed seconds become metres |
 //! | `model` | a key at the top: special relativity, or the equations of Jarabo et al. 2015 |
@@ -52,7 +55,7 @@
 //!   picture's axes stay the same, turned by `rotation` alone. `look_at − eye` is the forward axis **in the
 //!   camera frame**. For a camera at rest all this is what it seems; at 0.9 c the point `look_at` is in
 //!   general not seen in the middle of the picture.
-//! - `motion` says how the pinhole moves on from there: without acceleration where the file says none; with
+//! - `motion` is how the pinhole moves on from there: without acceleration where there is none; with
 //!   a proper acceleration (what an accelerometer on board shows), whose direction is one of the camera
 //!   frame; or along a path in the world (`keyframes`, `circle`), whose times are the world's. Profiles and
 //!   keyframes have a first and a last time, and an exposure lies between them.
@@ -69,7 +72,7 @@
 //!   which the object's own origin is when the object's clock shows 0. Lengths in the object's frame are
 //!   rest lengths: contraction is computed, never modelled. Objects exist at all times; where one is so far
 //!   away, or so fast, that its light has only come from long ago, it is seen where it was then.
-//! - A velocity is said in one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`. A vector has its own
+//! - A velocity is given in one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`. A vector has its own
 //!   direction, a number needs `direction`.
 //! - The pose of a camera may come from a glTF file (`gltf`, `node`) in place of `eye`, `look_at`, `up`.
 //!
@@ -103,11 +106,13 @@
 //! ```
 
 mod at;
+mod builder;
 mod derived;
 mod file;
+mod inputs;
 mod load;
+mod memory;
 pub mod model;
-mod motion;
 mod names;
 mod overrides;
 mod panel;
@@ -119,6 +124,7 @@ mod suggest;
 mod tree;
 mod values;
 
+pub use builder::{Builder, Value};
 pub use load::{load, parse};
 pub use overrides::Overrides;
 pub use panel::{load_panel, parse_panel};

@@ -3,13 +3,16 @@
 mod camera;
 mod panel;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use crate::io::cube::Cube;
+use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
 pub use crate::io::gltf::BadVertices;
@@ -28,6 +31,7 @@ pub const MOST_SAMPLES: u32 = 65_536;
 
 /// A scene, ready to be planned. All lengths and times are in metres (time is ct).
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Scene {
     /// The scene file as named by the user, or "built-in scene".
     pub name: String,
@@ -43,7 +47,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Time-resolved sources, in the order of the file.
     pub sources: Vec<Source>,
-    /// What the radiance of base colours measures, and of sources that do not say otherwise.
+    /// What the radiance of base colours measures, and of sources that give none of their own.
     pub quantity: Quantity,
     /// Whose equations.
     pub equations: Equations,
@@ -53,7 +57,7 @@ pub struct Scene {
     pub outside: Outside,
     /// Back faces, where the scene overrides the files.
     pub back_faces: BackFaces,
-    /// Linear RGB radiance of rays that meet nothing.
+    /// Linear RGB radiance of rays that hit nothing.
     pub background: [f64; 3],
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
@@ -66,11 +70,12 @@ pub struct Scene {
 }
 
 /// Whose equations a picture follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Equations {
     /// Special relativity.
+    #[default]
     Exact,
     /// Those of Jarabo et al. 2015, with their approximations.
     Paper2015,
@@ -78,6 +83,7 @@ pub enum Equations {
 
 /// A thing with geometry, at rest in its own frame.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Object {
     /// Unique name.
     pub name: String,
@@ -85,7 +91,7 @@ pub struct Object {
     pub geometry: Geometry,
     /// Object coordinates from the file's (or shape's) coordinates.
     pub transform: DAffine3,
-    /// What is done about vertices of its file that are no places.
+    /// What is done about vertices that no ray can hit.
     pub bad_vertices: BadVertices,
     /// Velocity in the world.
     pub velocity: Velocity,
@@ -112,10 +118,13 @@ pub enum Geometry {
         /// Linear RGB base colour.
         colour: [f32; 3],
     },
+    /// A mesh in memory, in its own coordinates. Textures of its materials are not there.
+    Mesh(Arc<Mesh>),
 }
 
 /// A time-resolved source of radiance on surfaces.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Source {
     /// Unique name.
     pub name: String,
@@ -155,11 +164,10 @@ pub enum SourceKind {
 
 /// A stored cube (H, W, T[, C]) and how it lies on surface and time.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct CubeSource {
-    /// `.npy` or `.npz` file.
-    pub path: PathBuf,
-    /// The array of an `.npz`; needed where it holds several.
-    pub array: Option<String>,
+    /// The samples.
+    pub data: CubeData,
     /// How surface points address it.
     pub mapping: Mapping,
     /// Which clock its time axis shows.
@@ -174,6 +182,30 @@ pub struct CubeSource {
     pub filter: TimeFilter,
     /// Factor on all values.
     pub scale: f64,
+}
+
+/// Where the samples of a cube are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CubeData {
+    /// In a file.
+    File {
+        /// `.npy` or `.npz` file, relative paths already resolved against the scene file.
+        path: PathBuf,
+        /// The array of an `.npz`; needed where it holds several.
+        array: Option<String>,
+    },
+    /// In memory.
+    Memory(Arc<Cube>),
+}
+
+impl CubeData {
+    /// The file that holds them, if one does.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            CubeData::File { path, .. } => Some(path),
+            CubeData::Memory(_) => None,
+        }
+    }
 }
 
 /// How a surface point addresses a cube.
@@ -200,11 +232,12 @@ pub struct CaptureCamera {
 }
 
 /// The clock that a time axis shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Clock {
     /// World time of the emission event.
+    #[default]
     World,
     /// The emitting object's own time.
     Object,
@@ -215,24 +248,26 @@ pub enum Clock {
 }
 
 /// What a stored value is along time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BinValues {
     /// The integral over the bin.
+    #[default]
     PerBin,
     /// The mean density per metre over the bin.
     Density,
 }
 
 /// Reconstruction along time from bin-centred values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TimeFilter {
     /// The bin's own value.
     Nearest,
     /// Linear between bin centres.
+    #[default]
     Linear,
     /// Cubic (Catmull–Rom) through bin centres.
     Cubic,
@@ -246,6 +281,7 @@ pub enum TimeFilter {
 /// Irradiance at distance r: I(t − ηr) cos θ / r², with I(t) = intensity · g((t − t₀)/σ)/σ per metre
 /// of time, g the unit Gaussian; reflected as albedo/π of it. The albedo is the surface's base colour.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Pulse {
     /// Where and when the centre of the pulse is emitted.
     pub origin: Event<World>,
@@ -267,7 +303,7 @@ pub struct Effects {
     pub doppler: bool,
     /// Off: the observed radiance is the emitted one.
     pub searchlight: bool,
-    /// Off: light takes no time (η = 0 in the ray): surfaces are met, and their radiance looked up,
+    /// Off: light takes no time (η = 0 in the ray): surfaces are hit, and their radiance looked up,
     /// at the world time of the shot.
     pub retardation: bool,
 }
@@ -300,11 +336,12 @@ pub enum Fill {
 }
 
 /// Which faces of a triangle are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BackFaces {
-    /// As each file's materials say: double-sided, or else culled.
+    /// By each file's materials: double-sided, or else culled.
+    #[default]
     AsFile,
     /// Both faces alike.
     TwoSided,

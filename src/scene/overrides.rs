@@ -10,11 +10,11 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, TableLike, Value};
 
 use super::names;
 use super::place::{Place, Step};
-use super::suggest::nearest;
+use super::suggest::did_you_mean;
 use crate::error::{Error, Result};
 use crate::spacetime::units::quoted;
 
-/// What the command line says in place of the scene file.
+/// What the command line sets in place of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     /// Dotted keys and the TOML text of their values; bare words are taken as a text.
@@ -39,100 +39,92 @@ pub(crate) struct Edit {
     pub place: Place,
 }
 
-/// An edit to be made.
-struct Request {
-    flag: String,
-    path: Vec<String>,
-    value: Value,
-    /// The key beside it that would contradict it, and goes.
-    replaces: Option<&'static str>,
-}
-
 /// The keys of a path, at most: more than any that exists.
 const LONGEST_PATH: usize = 16;
 
 /// Makes the edits in `text`. A text that is not TOML stays as it is: reading it says why.
 pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Edit>)> {
-    let requests = requests(overrides)?;
-    if requests.is_empty() {
+    let changes = changes(overrides)?;
+    if changes.is_empty() {
         return Ok((text.to_string(), Vec::new()));
     }
     let Ok(mut document) = DocumentMut::from_str(text) else {
         return Ok((text.to_string(), Vec::new()));
     };
     let mut edits = Vec::new();
-    for request in requests {
-        edits.push(make(&mut document, request)?);
+    for (flag, key, value) in changes {
+        let place = set(&mut document, &key, value, &|what, help| {
+            refuse(&flag, what, help)
+        })?;
+        // The flags of the two ways to say how bright white is take each other's place.
+        let rival = match (key.as_str(), flag.starts_with("--set ")) {
+            ("display.exposure", false) => "white",
+            ("display.white", false) => "exposure",
+            _ => "",
+        };
+        if let Some(display) = document
+            .get_mut("display")
+            .and_then(Item::as_table_like_mut)
+        {
+            display.remove(rival);
+        }
+        edits.push(Edit { flag, place });
     }
     Ok((document.to_string(), edits))
 }
 
-fn requests(overrides: &Overrides) -> Result<Vec<Request>> {
-    let set = overrides.set.iter().map(|(key, text)| {
+/// What is set: as it stands on the command line, the dotted key, the value.
+fn changes(overrides: &Overrides) -> Result<Vec<(String, String, Value)>> {
+    let Overrides {
+        set,
+        size,
+        exposure,
+        white,
+        samples_per_pixel,
+        time,
+    } = overrides;
+    let mut all = Vec::new();
+    for (key, text) in set {
         let flag = format!("--set {key}={text}");
-        let (path, value) = (parse_path(key, &flag)?, parse_value(text, &flag)?);
-        Ok(Request {
-            flag,
-            path,
-            value,
-            replaces: None,
-        })
-    });
-    let fixed = |flag: String, table: &str, key: &str, value: Value| {
-        // The flags of the two ways to say how bright white is take each other's place.
-        let replaces = match key {
-            "exposure" => Some("white"),
-            "white" => Some("exposure"),
-            _ => None,
-        };
-        Ok(Request {
-            flag,
-            path: vec![table.to_string(), key.to_string()],
-            value,
-            replaces,
-        })
-    };
-    let size = overrides.size.map(|[w, h]| {
+        let value = parse_value(text, &flag)?;
+        all.push((flag, key.clone(), value));
+    }
+    let mut add = |flag: String, key: &str, value: Value| all.push((flag, key.into(), value));
+    if let Some([w, h]) = *size {
         let value = [w, h].into_iter().map(i64::from).collect();
-        fixed(format!("--size {w}x{h}"), "camera", "size", value)
-    });
-    let samples = overrides.samples_per_pixel.map(|n| {
-        let (flag, value) = (format!("--spp {n}"), i64::from(n).into());
-        fixed(flag, "display", "samples_per_pixel", value)
-    });
-    let time = overrides.time.as_ref().map(|text| {
-        let (flag, value) = (format!("--time {text}"), text.as_str().into());
-        fixed(flag, "camera", "time", value)
-    });
-    let exposure = overrides.exposure.as_ref().map(|text| {
-        let (flag, value) = (format!("--exposure {text}"), text.as_str().into());
-        fixed(flag, "display", "exposure", value)
-    });
-    let white = overrides.white.map(|radiance| {
-        let flag = format!("--white {radiance}");
-        fixed(flag, "display", "white", radiance.into())
-    });
-    let fixed = size.into_iter().chain(samples).chain(time);
-    set.chain(fixed).chain(exposure).chain(white).collect()
+        add(format!("--size {w}x{h}"), "camera.size", value);
+    }
+    if let Some(n) = *samples_per_pixel {
+        add(
+            format!("--spp {n}"),
+            "display.samples_per_pixel",
+            i64::from(n).into(),
+        );
+    }
+    if let Some(text) = time {
+        add(format!("--time {text}"), "camera.time", text.into());
+    }
+    if let Some(text) = exposure {
+        add(
+            format!("--exposure {text}"),
+            "display.exposure",
+            text.into(),
+        );
+    }
+    if let Some(radiance) = *white {
+        add(
+            format!("--white {radiance}"),
+            "display.white",
+            radiance.into(),
+        );
+    }
+    Ok(all)
 }
 
-fn refuse(flag: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
+fn refuse(flag: &str, what: String, help: String) -> Error {
     let short: String = flag.chars().take(200).collect();
     let place = format!("`{}`", short.escape_debug());
     Error::invalid("command line", place, what, help)
-}
-
-fn parse_path(key: &str, flag: &str) -> Result<Vec<String>> {
-    let path = Key::parse(key)
-        .ok()
-        .filter(|path| path.len() <= LONGEST_PATH);
-    let path = path.ok_or_else(|| {
-        let what = format!("{} is not a dotted key", quoted(key));
-        let help = "write keys with dots between, like camera.velocity.beta=[0.5,0,0]; a name with other \
-                    characters than letters, digits, - and _ goes in quotes";
-        refuse(flag, what, help)
-    })?;
-    Ok(path.iter().map(|key| key.get().to_string()).collect())
 }
 
 fn parse_value(text: &str, flag: &str) -> Result<Value> {
@@ -145,36 +137,38 @@ fn parse_value(text: &str, flag: &str) -> Result<Value> {
         Err(error) if trimmed.is_empty() || trimmed.starts_with(['[', '{', '"', '\'']) => {
             let what = format!("{} is not a TOML value: {}", quoted(text), error.message());
             let help = "write a number, a text, [x, y, z], or { key = value }";
-            Err(refuse(flag, what.replace('\n', ", "), help))
+            Err(refuse(flag, what.replace('\n', ", "), help.into()))
         }
         Err(_) => Ok(Value::from(trimmed)),
     }
 }
 
-fn make(document: &mut DocumentMut, request: Request) -> Result<Edit> {
-    let Request {
-        flag,
-        path,
-        value,
-        replaces,
-    } = request;
-    let mut walk = Walk {
-        flag: &flag,
-        place: Place::default(),
-    };
+/// Sets the dotted `key` of `document`, making tables that are missing; the place that was set. `refuse`
+/// makes the error, of what is wrong and what would be right.
+pub(super) fn set(
+    document: &mut DocumentMut,
+    key: &str,
+    value: Value,
+    refuse: &dyn Fn(String, String) -> Error,
+) -> Result<Place> {
+    let path = Key::parse(key).ok();
+    let path = path.filter(|path| path.len() <= LONGEST_PATH);
+    let path = path.ok_or_else(|| {
+        let what = format!("{} is not a dotted key", quoted(key));
+        let help = "write keys with dots between, like camera.velocity.beta=[0.5,0,0]; a name with other \
+                    characters than letters, digits, - and _ goes in quotes";
+        refuse(what, help.into())
+    })?;
+    let path: Vec<&str> = path.iter().map(Key::get).collect();
+    let place = Place::default();
+    let mut walk = Walk { refuse, place };
     walk.set_in_table(document.as_table_mut(), &path, value)?;
-    if let (Some(rival), [table, _]) = (replaces, path.as_slice())
-        && let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut)
-    {
-        table.remove(rival);
-    }
-    let place = walk.place;
-    Ok(Edit { flag, place })
+    Ok(walk.place)
 }
 
 /// A walk down the document to where a value is to be set.
 struct Walk<'a> {
-    flag: &'a str,
+    refuse: &'a dyn Fn(String, String) -> Error,
     /// Where it has come to.
     place: Place,
 }
@@ -183,21 +177,19 @@ impl Walk<'_> {
     fn set_in_table(
         &mut self,
         table: &mut dyn TableLike,
-        path: &[String],
+        path: &[&str],
         value: Value,
     ) -> Result<()> {
-        let Some((key, rest)) = path.split_first() else {
-            let help = "name a key of it";
-            return Err(refuse(
-                self.flag,
+        let Some((&key, rest)) = path.split_first() else {
+            return Err(self.refuse(
                 format!("{} is a whole table", self.place),
-                help,
+                "name a key of it",
             ));
         };
         let at_root = self.place == Place::default();
-        self.place.0.push(Step::Key(key.clone()));
+        self.place.0.push(Step::Key(key.to_string()));
         if rest.is_empty() {
-            set(table, key, value);
+            replace(table, key, value);
             return Ok(());
         }
         if table.get(key).is_none_or(Item::is_none) {
@@ -214,12 +206,12 @@ impl Walk<'_> {
     fn refuse_new_entry(&self, key: &str) -> Result<()> {
         if self.place.0.len() == 1 && matches!(key, "object" | "source") {
             let help = format!("add a [[{key}]] table to the scene file");
-            return Err(refuse(self.flag, format!("the scene has no {key}"), help));
+            return Err(self.refuse(format!("the scene has no {key}"), help));
         }
         Ok(())
     }
 
-    fn set_in_item(&mut self, item: &mut Item, path: &[String], value: Value) -> Result<()> {
+    fn set_in_item(&mut self, item: &mut Item, path: &[&str], value: Value) -> Result<()> {
         if let Item::ArrayOfTables(tables) = item {
             let entries: Vec<&dyn TableLike> = tables.iter().map(|t| t as _).collect();
             let (index, rest) = self.choose(&entries, path)?;
@@ -238,7 +230,7 @@ impl Walk<'_> {
         let Some(table) = item.as_table_like_mut() else {
             let what = format!("{} is not a table, and has no keys", self.place);
             let help = format!("set {} itself, or another key", self.place);
-            return Err(refuse(self.flag, what, help));
+            return Err(self.refuse(what, help));
         };
         self.set_in_table(table, path, value)
     }
@@ -247,12 +239,10 @@ impl Walk<'_> {
     fn choose<'p>(
         &mut self,
         entries: &[&dyn TableLike],
-        path: &'p [String],
-    ) -> Result<(usize, &'p [String])> {
+        path: &'p [&'p str],
+    ) -> Result<(usize, &'p [&'p str])> {
         let names = names::unique(entries.iter().map(|table| entry_names(*table)).collect());
-        let (word, rest) = path
-            .split_first()
-            .map_or(("", path), |(w, r)| (w.as_str(), r));
+        let (word, rest) = path.split_first().map_or(("", path), |(w, r)| (*w, r));
         let by_name = names.iter().position(|name| name == word);
         let by_number = || word.parse().ok().filter(|&n: &usize| n < entries.len());
         let Some(index) = by_name.or_else(by_number) else {
@@ -265,11 +255,14 @@ impl Walk<'_> {
     fn no_such_entry(&self, word: &str, names: &[String]) -> Error {
         let what = format!("there is no {} {}", self.place, quoted(word));
         let known: Vec<String> = names.iter().take(12).map(|name| quoted(name)).collect();
-        let meant = nearest(word, names.iter().map(String::as_str));
-        let meant = meant.map(|name| format!("did you mean {}? ", quoted(name)));
-        let (meant, known) = (meant.unwrap_or_default(), known.join(", "));
+        let meant = did_you_mean(word, names.iter().map(String::as_str), quoted);
+        let known = known.join(", ");
         let help = format!("{meant}there are: {known} (or a number, from 0)");
-        refuse(self.flag, what, help)
+        self.refuse(what, help)
+    }
+
+    fn refuse(&self, what: String, help: impl Into<String>) -> Error {
+        (self.refuse)(what, help.into())
     }
 }
 
@@ -300,7 +293,7 @@ fn empty_table(at_root: bool) -> Item {
 }
 
 /// Sets a key; a value that it replaces leaves its place on the line, and the comment after it.
-fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
+fn replace(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(Item::Value(old)) = table.get(key) {
         *value.decor_mut() = old.decor().clone();
     }

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use toml_edit::DocumentMut;
 
-use super::load::{base, text_of};
+use super::load::{self, base, text_of};
+use super::memory::Memory;
 use super::model::{Panel, Scene};
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve;
 use crate::error::{Error, Result};
 
 /// Reads the scene of `panel`, one of those of `scene`, which was read from the file at `path`.
@@ -66,8 +66,7 @@ fn parse_changed(
         text: without_panels(&text),
         edits,
     };
-    let file = report.read()?;
-    resolve::scene(report, base, &file)
+    load::scene(report, base, Memory::default())
 }
 
 /// The text without its panels and their sheet. One that is not TOML stays as it is.

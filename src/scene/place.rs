@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use toml_edit::{Array, Document, InlineTable, Item, TableLike, Value};
+use toml_edit::{Document, Item, TableLike, Value};
 
 /// A step from a table or array to a value in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -122,20 +122,14 @@ impl Search<'_> {
     fn value(&mut self, value: &Value) {
         self.offer(value.span());
         match value {
-            Value::Array(array) => self.array(array),
-            Value::InlineTable(table) => self.inline(table),
+            Value::Array(array) => {
+                for (i, value) in array.iter().enumerate() {
+                    self.within(Step::Index(i), |search| search.value(value));
+                }
+            }
+            Value::InlineTable(table) => self.table(table),
             _ => {}
         }
-    }
-
-    fn array(&mut self, array: &Array) {
-        for (i, value) in array.iter().enumerate() {
-            self.within(Step::Index(i), |search| search.value(value));
-        }
-    }
-
-    fn inline(&mut self, table: &InlineTable) {
-        self.table(table);
     }
 }
 

@@ -10,12 +10,12 @@ use super::file;
 use super::overrides::Edit;
 use super::place::{Place, Step, place_of};
 use super::schema;
-use super::suggest::nearest;
+use super::suggest::did_you_mean;
 use super::tree;
 use crate::error::{Error, Problem, Result};
 use crate::scene::schema::JsonSchema;
 
-/// The text of a scene, and who said what in it.
+/// The text of a scene, and which parts of it the command line set.
 pub(crate) struct Report {
     /// The scene's name.
     pub name: String,
@@ -92,7 +92,7 @@ impl Report {
             .invalid()
     }
 
-    /// The edit that said what stands at `place`.
+    /// The edit that set what stands at `place`.
     fn edit_within(&self, place: &Place) -> Option<&Edit> {
         self.edits.iter().find(|edit| place.is_within(&edit.place))
     }
@@ -122,7 +122,7 @@ impl Report {
 /// Names the command line's flag in the help, once.
 fn cite(help: &mut String, edit: Option<&Edit>) {
     let Some(edit) = edit else { return };
-    let cited = format!("(`{}` on the command line says so.)", edit.flag);
+    let cited = format!("(Set by `{}` on the command line.)", edit.flag);
     if !help.contains(&cited) {
         let space = if help.is_empty() { "" } else { " " };
         help.push_str(&format!("{space}{cited}"));
@@ -154,9 +154,8 @@ fn explain(schema: &Value, message: &str, place: &Place) -> (String, String) {
             .map_or("", |(_, known)| known);
         let words: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
         let what = format!("{} is not one of {}", printable(word), words.join(", "));
-        let meant = nearest(word, words.iter().copied());
-        let meant = meant.map(|word| format!("did you mean \"{word}\"? "));
-        let help = meant.unwrap_or_default() + &described(&place.0).unwrap_or_default();
+        let meant = did_you_mean(word, words.iter().copied(), |word| format!("\"{word}\""));
+        let help = meant + &described(&place.0).unwrap_or_default();
         return (what, help);
     }
     let help = (0..place.0.len())
@@ -170,8 +169,7 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
     let node = schema::at(schema, &parent.0);
     let keys = node.map_or_else(Vec::new, |node| schema::keys(schema, node));
     let key = last_key(&place.0).unwrap_or_default();
-    let meant = nearest(key, keys.iter().copied());
-    let meant = meant.map(|key| format!("did you mean `{key}`? "));
+    let meant = did_you_mean(key, keys.iter().copied(), |key| format!("`{key}`"));
     let what = format!("unknown key `{}`", printable(key));
     let (table, keys) = (parent.to_string(), keys.join(", "));
     let table = if table.is_empty() {
@@ -179,13 +177,7 @@ fn unknown_key(schema: &Value, place: &Place) -> (String, String) {
     } else {
         format!("`{table}`")
     };
-    (
-        what,
-        format!(
-            "{}the keys of {table} are: {keys}",
-            meant.unwrap_or_default()
-        ),
-    )
+    (what, format!("{meant}the keys of {table} are: {keys}"))
 }
 
 fn last_key(place: &[Step]) -> Option<&str> {

@@ -1,5 +1,7 @@
 //! The JSON schema of a scene file, made from the types that parse it, and questions to it.
 
+use std::collections::HashMap;
+
 use serde_json::{Map, Value};
 
 use super::file;
@@ -30,7 +32,41 @@ pub(crate) fn with_diagram<D: JsonSchema>() -> Value {
     #[cfg(not(feature = "schema"))]
     let mut schema = Value::Null;
     tidy(&mut schema);
+    inline_words(&mut schema);
     schema
+}
+
+/// Lists the words of enumerations where they may stand; what they mean is in the description of the key.
+fn inline_words(schema: &mut Value) {
+    let Some(Value::Object(definitions)) = schema.get_mut("$defs") else {
+        return;
+    };
+    let words = |definition: &Value| -> Option<Vec<Value>> {
+        let words = definition.get("oneOf")?.as_array()?.iter();
+        words.map(|word| word.get("const").cloned()).collect()
+    };
+    let mut lists = HashMap::new();
+    definitions.retain(|name, definition| match words(definition) {
+        Some(list) => lists.insert(format!("#/$defs/{name}"), list).is_some(),
+        None => true,
+    });
+    put_words(schema, &lists);
+}
+
+fn put_words(value: &mut Value, lists: &HashMap<String, Vec<Value>>) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| put_words(item, lists)),
+        Value::Object(map) => {
+            let target = map.get("$ref").and_then(Value::as_str);
+            if let Some(list) = target.and_then(|target| lists.get(target)) {
+                map.remove("$ref");
+                map.insert("type".into(), "string".into());
+                map.insert("enum".into(), list.clone().into());
+            }
+            map.values_mut().for_each(|item| put_words(item, lists));
+        }
+        _ => {}
+    }
 }
 
 /// Takes out `null`, which TOML does not have, and the repeated defaults of whole tables.

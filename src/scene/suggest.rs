@@ -1,6 +1,6 @@
 //! The name that was probably meant.
 
-/// The candidate nearest to `word` by edit distance, if any is near; the first of equals.
+/// The candidate nearest to `word` by edit distance (letter case ignored), if any is near; the first of equals.
 pub(crate) fn nearest<'c>(
     word: &str,
     candidates: impl IntoIterator<Item = &'c str>,
@@ -12,30 +12,30 @@ pub(crate) fn nearest<'c>(
     if letters > LONGEST {
         return None;
     }
+    let word = word.to_lowercase();
     let near = candidates
         .into_iter()
         .take(MOST)
         .filter(|candidate| candidate.chars().count() <= LONGEST)
-        .map(|candidate| (distance(word, candidate), candidate))
+        .map(|candidate| {
+            (
+                strsim::levenshtein(&word, &candidate.to_lowercase()),
+                candidate,
+            )
+        })
         .min_by_key(|&(distance, _)| distance);
     near.filter(|&(distance, _)| distance <= 1 + letters / 4)
         .map(|(_, candidate)| candidate)
 }
 
-/// Insertions, deletions and substitutions (Levenshtein), letter case ignored.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.to_lowercase().chars().enumerate() {
-        let mut next = vec![i + 1];
-        for ((y, above), left_above) in b.iter().zip(row.iter().skip(1)).zip(&row) {
-            let left = next.last().copied().unwrap_or(i + 1);
-            let replace = left_above + usize::from(x != *y);
-            next.push(replace.min(left + 1).min(above + 1));
-        }
-        row = next;
-    }
-    row.last().copied().unwrap_or(0)
+/// "did you mean NAME? ", with the nearest candidate as `show` shows it; or nothing.
+pub(super) fn did_you_mean<'c>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'c str>,
+    show: impl Fn(&str) -> String,
+) -> String {
+    let meant = nearest(word, candidates);
+    meant.map_or_else(String::new, |name| format!("did you mean {}? ", show(name)))
 }
 
 #[cfg(test)]
@@ -50,12 +50,5 @@ mod tests {
         assert_eq!(nearest("HFOV", keys), Some("hfov"));
         assert_eq!(nearest("mass", keys), None);
         assert_eq!(nearest("", keys), None);
-    }
-
-    #[test]
-    fn distances_are_those_of_levenshtein() {
-        assert_eq!(distance("kitten", "sitting"), 3);
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("abc", ""), 3);
     }
 }

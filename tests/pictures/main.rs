@@ -12,6 +12,7 @@ mod accel;
 mod cameras;
 mod capture;
 mod exposures;
+mod in_memory;
 mod lookups;
 mod moving_meshes;
 mod paper_scenes;

@@ -5,7 +5,7 @@ use std::path::Path;
 use nullray::Result;
 use nullray::render::metadata;
 use nullray::scene::model::{
-    Binding, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
+    Binding, CubeSource, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
 };
 use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
@@ -33,6 +33,7 @@ fn object(object: &Object) -> String {
             node: Some(node),
         } => format!("{}, node {node}", path.display()),
         Geometry::Shape { shape, .. } => shape_name(*shape).into(),
+        Geometry::Mesh(_) => "mesh in memory".into(),
     };
     format!(
         "{} ({geometry}): {}",
@@ -59,7 +60,7 @@ fn source(scene: &Scene, source: &Source) -> String {
             };
             format!(
                 "cube {} {mapping}, bins of {} m from {} m",
-                cube.path.display(),
+                path(cube).unwrap_or_else(|| "in memory".into()),
                 cube.bin_width,
                 cube.start
             )
@@ -73,6 +74,10 @@ fn source(scene: &Scene, source: &Source) -> String {
         }
     };
     format!("{}: {kind}; lights {}", source.name, lit(scene, source))
+}
+
+fn path(cube: &CubeSource) -> Option<String> {
+    Some(cube.data.path()?.display().to_string())
 }
 
 fn lit(scene: &Scene, source: &Source) -> String {
@@ -121,13 +126,13 @@ fn data(scene: &Scene) -> Value {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
             Geometry::Gltf { path, .. } => json!(path.display().to_string()),
-            Geometry::Shape { .. } => Value::Null,
+            Geometry::Shape { .. } | Geometry::Mesh(_) => Value::Null,
         };
         json!({ "name": o.name, "file": file, "velocity": camera::velocity(o.velocity) })
     });
     let sources = scene.sources.iter().map(|s| {
         let file = match &s.kind {
-            SourceKind::Cube(cube) => json!(cube.path.display().to_string()),
+            SourceKind::Cube(cube) => json!(path(cube)),
             SourceKind::Pulse(_) => Value::Null,
         };
         json!({ "name": s.name, "file": file, "lights": lit(scene, s) })

@@ -65,6 +65,16 @@ impl Samples {
         }
     }
 
+    /// How many bytes they take.
+    pub fn bytes(&self) -> u64 {
+        let each = match self {
+            Samples::F16(_) => 2,
+            Samples::F32(_) => 4,
+            Samples::F64(_) => 8,
+        };
+        each * self.len() as u64
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

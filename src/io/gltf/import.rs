@@ -1,5 +1,9 @@
 //! What is asked of an import, and what comes of it.
 
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::mesh::Mesh;
 
 /// What an import is to read besides positions and indices.
@@ -31,7 +35,9 @@ pub struct Imported {
 }
 
 /// What is done about vertices that are NaN or infinite, or too far away for a ray to meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum BadVertices {
     /// The file is refused.
     #[default]

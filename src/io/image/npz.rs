@@ -17,6 +17,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::file::{write_all, write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples};
 use crate::error::{Error, Result};
+use crate::io::cube::{Cube, Samples as CubeSamples};
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
@@ -52,6 +53,33 @@ pub fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
         rows.iter()
             .flatten()
             .try_for_each(|value| write_all(writer, path, &value.to_le_bytes()))
+    })
+}
+
+/// Writes `cube` to `path` as one array of shape (H, W, T, C), a .npy file, whole or not at all.
+///
+/// # Errors
+/// I/O errors.
+pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
+    let shape = format!("{:?}", cube.shape).replace(['[', ']'], "");
+    write_atomically(path, |writer| {
+        let mut write = |descriptor, bytes: &mut dyn Iterator<Item = u8>| {
+            write_all(writer, path, &npy_header(descriptor, &format!("({shape})")))?;
+            let mut block = Vec::new();
+            loop {
+                block.clear();
+                block.extend(bytes.take(1 << 16));
+                match block.as_slice() {
+                    [] => return Ok(()),
+                    block => write_all(writer, path, block)?,
+                }
+            }
+        };
+        match &cube.samples {
+            CubeSamples::F16(v) => write("<f2", &mut v.iter().flat_map(|x| x.to_le_bytes())),
+            CubeSamples::F32(v) => write("<f4", &mut v.iter().flat_map(|x| x.to_le_bytes())),
+            CubeSamples::F64(v) => write("<f8", &mut v.iter().flat_map(|x| x.to_le_bytes())),
+        }
     })
 }
 

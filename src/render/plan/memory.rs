@@ -33,9 +33,10 @@ pub(super) fn memory(
     let captures = cubes
         .clone()
         .map(|c| c.capture_rays * Capture::BYTES_PER_PIXEL);
-    // One array that several sources use is loaded once.
+    // One array that several sources use is loaded once; those in memory are there already.
     let mut files: Vec<_> = cubes
         .clone()
+        .filter(|c| c.file.is_some())
         .map(|c| (&c.file, &c.array, c.bytes))
         .collect();
     files.sort();

@@ -16,7 +16,7 @@ use crate::io::{cube as cubes, gltf};
 use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
-use crate::scene::model::{Elements, Geometry, Mapping, Scene, SourceKind};
+use crate::scene::model::{CubeData, Elements, Geometry, Mapping, Scene, SourceKind};
 
 pub use bindings::{Lit, lit_by};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
@@ -121,6 +121,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                 Ok(PlannedObject {
                     name: object.name.clone(),
                     file: Some(path.clone()),
+                    without_file: "",
                     files: summary.files,
                     triangles: summary.triangles,
                     vertices: summary.vertices,
@@ -137,6 +138,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                 Ok(PlannedObject {
                     name: object.name.clone(),
                     file: None,
+                    without_file: "shape",
                     files: Vec::new(),
                     triangles,
                     vertices: 2 * triangles,
@@ -148,6 +150,20 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                     images: 0,
                 })
             }
+            Geometry::Mesh(mesh) => Ok(PlannedObject {
+                name: object.name.clone(),
+                file: None,
+                without_file: "mesh in memory",
+                files: Vec::new(),
+                triangles: mesh.triangles.len() as u64,
+                vertices: mesh.positions.len() as u64,
+                uvs: false,
+                textures: false,
+                radiance: Vec::new(),
+                uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
+                materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
+                images: 0,
+            }),
         })
         .collect()
 }
@@ -165,15 +181,21 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             if !used {
                 return Ok(None);
             }
-            let info = cubes::inspect(&cube.path, cube.array.as_deref())?;
-            let [h, w, ..] = info.shape;
+            let (shape, bytes, file, array) = match &cube.data {
+                CubeData::File { path, array } => {
+                    let info = cubes::inspect(path, array.as_deref())?;
+                    (info.shape, info.bytes, Some(path.clone()), array.clone())
+                }
+                CubeData::Memory(cube) => (cube.shape, cube.samples.bytes(), None, None),
+            };
+            let [h, w, ..] = shape;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
             Ok(Some(PlannedCube {
                 source: source.name.clone(),
-                file: cube.path.clone(),
-                array: cube.array.clone(),
-                shape: info.shape,
-                bytes: info.bytes,
+                file,
+                array,
+                shape,
+                bytes,
                 capture_rays: if projected { (h * w) as u64 } else { 0 },
             }))
         })

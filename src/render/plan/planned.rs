@@ -80,8 +80,11 @@ pub struct PlannedFrame {
 pub struct PlannedObject {
     /// The object's name.
     pub name: String,
-    /// The file, or none for a built-in shape.
+    /// The file, or none for a built-in shape or a mesh in memory.
     pub file: Option<PathBuf>,
+    /// What stands for the name of the file where there is none.
+    #[serde(skip)]
+    pub(super) without_file: &'static str,
     /// Files that this one refers to.
     pub files: Vec<PathBuf>,
     /// Triangles.
@@ -107,13 +110,13 @@ pub struct PlannedObject {
 pub struct PlannedCube {
     /// The source's name.
     pub source: String,
-    /// The file.
-    pub file: PathBuf,
+    /// The file, or none for a cube in memory.
+    pub file: Option<PathBuf>,
     /// The array, where the scene names one.
     pub array: Option<String>,
     /// H, W, T, C.
     pub shape: [usize; 4],
-    /// Bytes in memory.
+    /// Bytes of its samples.
     pub bytes: u64,
     /// Rays from the capture camera, one per pixel, where the cube is projected.
     pub capture_rays: u64,

@@ -1,6 +1,7 @@
 //! The plan as text, for people: short whatever the size of the scene. All of it is in the JSON.
 
 use std::fmt::{self, Formatter, Write};
+use std::path::Path;
 
 use super::planned::{Plan, PlannedFrame, PlannedObject};
 use crate::accel::Precision;
@@ -91,7 +92,7 @@ impl Plan {
             let text = format!(
                 "{} ({}): {h} rows × {w} columns × {t} time bins, {channels}, {}",
                 cube.source.escape_debug(),
-                cube.file.display().to_string().escape_debug(),
+                file_name(cube.file.as_deref(), "in memory").escape_debug(),
                 bytes(cube.bytes)
             );
             row(f, "cube", &text)?;
@@ -127,10 +128,7 @@ impl Plan {
 }
 
 fn describe(object: &PlannedObject) -> String {
-    let file = match &object.file {
-        None => "shape".into(),
-        Some(path) => path.display().to_string(),
-    };
+    let file = file_name(object.file.as_deref(), object.without_file);
     format!(
         "{} ({}, {}): {}",
         object.name.escape_debug(),
@@ -138,6 +136,10 @@ fn describe(object: &PlannedObject) -> String {
         of(object.triangles, "triangle"),
         object.radiance.join("; ").escape_debug()
     )
+}
+
+fn file_name(file: Option<&Path>, without: &str) -> String {
+    file.map_or_else(|| without.to_string(), |path| path.display().to_string())
 }
 
 fn row(f: &mut Formatter<'_>, label: &str, text: &str) -> fmt::Result {

@@ -20,8 +20,8 @@ use crate::render::trace::{
     TimeResolved,
 };
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeSource, Effects, Equations, Geometry, Mapping, Scene,
-    SourceKind,
+    Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, Mapping,
+    Scene, SourceKind,
 };
 use crate::spacetime::Quantity;
 
@@ -79,7 +79,7 @@ impl<'a> Builder<'a> {
     ) -> Result<Vec<u32>> {
         let file = match &self.scene.objects[object].geometry {
             Geometry::Gltf { path, .. } => path.clone(),
-            Geometry::Shape { .. } => PathBuf::new(),
+            Geometry::Shape { .. } | Geometry::Mesh(_) => PathBuf::new(),
         };
         let textures = images
             .into_iter()
@@ -273,11 +273,15 @@ impl Stores {
     }
 
     fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
-        let key = (cube.path.clone(), cube.array.clone());
+        let (path, array) = match &cube.data {
+            CubeData::File { path, array } => (path, array),
+            CubeData::Memory(cube) => return Ok(cube.clone()),
+        };
+        let key = (path.clone(), array.clone());
         if let Some(loaded) = self.files.get(&key) {
             return Ok(loaded.clone());
         }
-        let loaded = Arc::new(cubes::load(&cube.path, cube.array.as_deref())?);
+        let loaded = Arc::new(cubes::load(path, array.as_deref())?);
         self.files.insert(key, loaded.clone());
         Ok(loaded)
     }

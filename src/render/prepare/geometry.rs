@@ -85,6 +85,7 @@ pub fn object_mesh(
             (imported.mesh, imported.images)
         }
         Geometry::Shape { shape, colour } => (shapes::mesh(*shape, *colour), Vec::new()),
+        Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new()),
     };
     if !want.uvs {
         mesh.uvs.clear();
@@ -136,7 +137,7 @@ fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> 
 fn file(object: &Object) -> String {
     match &object.geometry {
         Geometry::Gltf { path, .. } => path.display().to_string(),
-        Geometry::Shape { .. } => object.name.clone(),
+        Geometry::Shape { .. } | Geometry::Mesh(_) => object.name.clone(),
     }
 }
 

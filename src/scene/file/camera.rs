@@ -23,7 +23,7 @@ pub(in crate::scene) struct Camera {
     /// World position of the pinhole when the camera's clock shows 0, metres, like [0, 1, 5].
     pub eye: Option<At<Vector>>,
     /// look_at − eye is the forward axis in the *camera* frame, whose axes are the world's, boosted
-    /// without rotation, at any time. For a moving camera it is a direction, not a point that is met: aberration
+    /// without rotation, at any time. For a moving camera it is a direction, not a point that is seen in the middle: aberration
     /// moves what is seen there.
     pub look_at: Option<At<Vector>>,
     /// A direction of the camera frame that is up in the picture; only its part across the forward axis
@@ -35,7 +35,7 @@ pub(in crate::scene) struct Camera {
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
     /// Horizontal field of view in the camera frame, above 0 and below 180 deg; with a sensor, at its
-    /// focal length as said. Default: the glTF camera's, or else "60 deg".
+    /// focal length as given. Default: the glTF camera's, or else "60 deg".
     pub hfov: Option<At<Angle>>,
     /// Width and height in pixels, each 1 to 65536, together at most 2^28. Default: [640, 480].
     pub size: At<[u32; 2]>,
@@ -88,7 +88,7 @@ impl Camera {
     pub const HFOV: Angle = Angle::customary(60.0);
 }
 
-/// A velocity in the world, said in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;
+/// A velocity in the world, given in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;
 /// a plain number goes with a `direction`.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

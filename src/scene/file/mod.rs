@@ -7,6 +7,7 @@ mod camera;
 mod motion;
 mod object;
 mod panel;
+mod radiance;
 mod sensor;
 mod source;
 
@@ -17,19 +18,18 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
+use super::model::{BackFaces, Equations};
 use super::values::{Number, Vector};
-use crate::spacetime::QuantityKind;
-use crate::spacetime::units::{Percentage, Speed, Wavelength};
+use crate::spacetime::units::{Percentage, Speed};
 
 pub(super) use camera::Camera;
 pub(crate) use camera::Velocity;
 pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
-pub(super) use object::{
-    BadVertices, BoxShape, Lattice, Object, Plane, Rotation, Shape, Sphere, Transform,
-};
-pub(super) use panel::{Panel, Sheet, Show};
-pub(super) use sensor::{Assembly, Elements, Pivot, Records, Sensor, SensorRotation};
-pub(super) use source::{BinValues, Capture, Clock, Cube, Pulse, Source, TimeFilter};
+pub(super) use object::{Lattice, Object, Rotation, Shape, Sphere, Transform};
+pub(super) use panel::{Panel, Sheet};
+pub(super) use radiance::Radiance;
+pub(super) use sensor::{Sensor, SensorRotation};
+pub(super) use source::{Capture, Cube, Pulse, Source};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
 /// texts with a unit, like "2 ps", "0.6 m", "60 deg".
@@ -58,14 +58,14 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// Time-resolved radiance on the surfaces of objects.
     #[serde(default)]
     pub source: Vec<At<Source>>,
-    /// What the radiance of base colours measures, and of sources that do not say otherwise.
+    /// What the radiance of base colours measures, and of sources that give none of their own.
     #[serde(default)]
     pub radiance: At<Radiance>,
     /// The effects of relativity and of light's delay, each of which can be turned off alone.
     #[serde(default)]
     pub effects: Effects,
     /// What stands in for time-resolved data that a source does not have: "black", "hold", or a table
-    /// that says it by case. Default: "black".
+    /// that gives it case by case. Default: "black".
     #[serde(default)]
     pub outside: Outside,
     /// How radiance becomes a picture to look at.
@@ -93,17 +93,6 @@ impl Scene {
     }
 }
 
-/// Whose equations a picture follows.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Equations {
-    #[default]
-    Exact,
-    Paper2015,
-}
-
 /// What light travels through.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -123,40 +112,6 @@ impl Default for Medium {
         Medium {
             index: At::nowhere(Number(1.0)),
         }
-    }
-}
-
-/// What a radiance measures. The power of the wavelength ratio that the searchlight effect applies
-/// follows from it.
-#[derive(Debug, Clone, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(
-    default,
-    deny_unknown_fields,
-    expecting = "a table like { quantity = \"integrated\" }"
-)]
-pub(in crate::scene) struct Radiance {
-    /// The quantity: "integrated" over the spectrum, "per_wavelength", "per_frequency", "line" (one
-    /// spectral line, needs `wavelength`), "photons", "photons_per_wavelength" or
-    /// "photons_per_frequency". Default: "integrated".
-    pub quantity: At<QuantityKind>,
-    /// The emitted wavelength of the line, like "532 nm", in the emitter's rest frame. Required with
-    /// quantity = "line", refused with any other.
-    pub wavelength: Option<At<Wavelength>>,
-}
-
-impl Default for Radiance {
-    fn default() -> Self {
-        Radiance {
-            quantity: At::nowhere(QuantityKind::Integrated),
-            wavelength: None,
-        }
-    }
-}
-
-impl<T: Default> Default for At<T> {
-    fn default() -> Self {
-        At::nowhere(T::default())
     }
 }
 
@@ -212,7 +167,7 @@ pub(in crate::scene) struct OutsideTable {
     /// Not seen by the capture camera: "black", "hold" (what the capture camera saw in that direction)
     /// or { mark = [r, g, b] }. Default: `mark`, or else "black".
     pub occluded: Option<Fill>,
-    /// Linear RGB that marks every case that the other keys do not say.
+    /// Linear RGB that marks every case for which no other key is given.
     pub mark: Option<Vector>,
 }
 
@@ -292,7 +247,7 @@ pub(in crate::scene) struct Display {
     pub exposure: Option<At<Percentage>>,
     /// The radiance that becomes white, above 0. Excludes `exposure`.
     pub white: Option<At<Number>>,
-    /// Linear RGB radiance of rays that meet nothing. Default: [0, 0, 0].
+    /// Linear RGB radiance of rays that hit nothing. Default: [0, 0, 0].
     pub background: At<Vector>,
     /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
     /// "two_sided", "black" (back faces are black and hide what is behind them) or "culled".
@@ -312,16 +267,4 @@ impl Default for Display {
             samples_per_pixel: At::nowhere(4),
         }
     }
-}
-
-/// Which faces of a triangle are seen.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum BackFaces {
-    AsFile,
-    TwoSided,
-    Black,
-    Culled,
 }

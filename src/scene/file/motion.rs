@@ -8,7 +8,7 @@ use crate::scene::at::At;
 use crate::scene::values::Vector;
 use crate::spacetime::units::{Acceleration, AngularRate, Time};
 
-/// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, said in exactly one way. Without
+/// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, given in exactly one way. Without
 /// this table: without acceleration.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -19,7 +19,7 @@ use crate::spacetime::units::{Acceleration, AngularRate, Time};
 pub(in crate::scene) struct Motion {
     /// Constant proper acceleration, for ever: hyperbolic motion.
     pub acceleration: Option<At<ProperAcceleration>>,
-    /// One stretch of constant proper acceleration after the other, from the camera's time 0 on; before
+    /// Segments of constant proper acceleration, one after the other from the camera's time 0 on; before
     /// and after them the camera coasts. At most 100000.
     pub segments: Option<At<Vec<At<MotionSegment>>>>,
     /// Proper acceleration at ascending proper times, linear between them. The world line goes from the
@@ -51,7 +51,7 @@ pub(in crate::scene) struct ProperAcceleration {
     pub direction: Option<At<Vector>>,
 }
 
-/// A stretch of constant proper acceleration.
+/// A segment of constant proper acceleration.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -59,10 +59,10 @@ pub(in crate::scene) struct ProperAcceleration {
     expecting = "a table like { duration = \"2 m\", acceleration = { proper = \"0.5 /m\", direction = [0, 0, -1] } }"
 )]
 pub(in crate::scene) struct MotionSegment {
-    /// The camera's time that it takes, above 0. Only the last stretch may leave it out: it then goes on
+    /// The camera's time that it takes, above 0. Only the last segment may leave it out: it then goes on
     /// for ever.
     pub duration: Option<At<Time>>,
-    /// The proper acceleration, in the camera's frame when the stretch begins. Default: none; the camera
+    /// The proper acceleration, in the camera's frame when the segment begins. Default: none; the camera
     /// coasts.
     pub acceleration: Option<At<ProperAcceleration>>,
 }

@@ -4,8 +4,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Velocity;
+use super::camera::Velocity;
 use crate::scene::at::At;
+use crate::scene::model::BadVertices;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -45,16 +46,6 @@ pub(in crate::scene) struct Object {
 impl Object {
     /// What `colour` is unless the file says otherwise.
     pub const COLOUR: Vector = Numbers([0.8; 3]);
-}
-
-/// What to do about vertices that are no places.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum BadVertices {
-    Refuse,
-    Drop,
 }
 
 /// A shape that needs no file: exactly one of the keys.

@@ -1,16 +1,11 @@
 //! `[sheet]` and every `[[panel]]`.
 
 #[cfg(feature = "schema")]
-use std::borrow::Cow;
-use std::fmt;
-
-#[cfg(feature = "schema")]
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{IgnoredAny, MapAccess, Visitor};
-use serde::ser::SerializeMap;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::scene::at::At;
+use crate::scene::model::Show;
 
 /// How the panels of the scene are put on one page.
 #[derive(Debug, Default, Deserialize, Serialize)]
@@ -49,60 +44,10 @@ pub(in crate::scene) struct Panel {
     pub set: At<Changes>,
 }
 
-/// What a panel shows.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Show {
-    #[default]
-    Picture,
-    Isochrones,
-}
-
 /// A table of any keys and values. What they are is asked of the document itself: only there a dotted key
 /// and a table are told apart.
-#[derive(Debug, Default)]
-pub(in crate::scene) struct Changes;
-
-struct ChangesVisitor;
-
-impl<'de> Visitor<'de> for ChangesVisitor {
-    type Value = Changes;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a table like { \"camera.time\" = \"2 ns\" }")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Changes, A::Error> {
-        while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
-        Ok(Changes)
-    }
-}
-
-impl<'de> Deserialize<'de> for Changes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ChangesVisitor)
-    }
-}
-
-impl Serialize for Changes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_map(Some(0))?.end()
-    }
-}
-
-#[cfg(feature = "schema")]
-impl JsonSchema for Changes {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> Cow<'static, str> {
-        "changes".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "object" })
-    }
-}
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(expecting = "a table like { \"camera.time\" = \"2 ns\" }")]
+#[cfg_attr(feature = "schema", schemars(inline))]
+pub(in crate::scene) struct Changes {}

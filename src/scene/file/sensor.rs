@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::at::At;
+use crate::scene::model::{Assembly, Elements, Pivot, Records};
 use crate::scene::values::Vector;
 use crate::spacetime::units::{AngularRate, Length, Time};
 
@@ -28,18 +29,6 @@ pub(in crate::scene) struct Sensor {
     /// Default: "rigid".
     #[serde(default)]
     pub assembly: At<Assembly>,
-}
-
-/// What keeps sensor and pinhole apart.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Assembly {
-    #[default]
-    Rigid,
-    WorldLength,
-    Bell,
 }
 
 /// A sensor that turns at a constant rate about an axis that is fixed in the frame of a camera without
@@ -68,29 +57,6 @@ pub(in crate::scene) struct SensorRotation {
     pub elements: At<Elements>,
 }
 
-/// What an axis of rotation passes through.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Pivot {
-    #[default]
-    Pinhole,
-    Sensor,
-}
-
-/// How the elements of a turning sensor see.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Elements {
-    #[default]
-    Exact,
-    Comoving,
-    Aberrated,
-}
-
 /// A shutter that is open for a while. Without this table the picture is of an instant.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -105,15 +71,4 @@ pub(in crate::scene) struct Shutter {
     /// mean × duration in metres). Default: "mean".
     #[serde(default)]
     pub records: At<Records>,
-}
-
-/// What an exposure records.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Records {
-    #[default]
-    Mean,
-    Energy,
 }

@@ -4,8 +4,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Radiance;
+use super::radiance::Radiance;
 use crate::scene::at::At;
+use crate::scene::model::{BinValues, Clock, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -53,15 +54,15 @@ pub(in crate::scene) struct Cube {
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
     /// pinhole). Default: "world".
-    #[serde(default = "Cube::clock")]
+    #[serde(default)]
     pub clock: At<Clock>,
     /// Whether a value is the integral over its bin, "per_bin", or the mean per metre, "density".
     /// Default: "per_bin".
-    #[serde(default = "Cube::values")]
+    #[serde(default)]
     pub values: BinValues,
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
     /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "linear".
-    #[serde(default = "Cube::filter")]
+    #[serde(default)]
     pub filter: TimeFilter,
     /// Factor on all values. Default: 1.
     #[serde(default = "Cube::scale")]
@@ -79,54 +80,9 @@ impl Cube {
         At::nowhere(Time::customary(0.0))
     }
 
-    fn clock() -> At<Clock> {
-        At::nowhere(Clock::World)
-    }
-
-    fn values() -> BinValues {
-        BinValues::PerBin
-    }
-
-    fn filter() -> TimeFilter {
-        TimeFilter::Linear
-    }
-
     fn scale() -> Number {
         Number(1.0)
     }
-}
-
-/// The clock of a time axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum Clock {
-    World,
-    Object,
-    Capture,
-}
-
-/// What a stored value is along time.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum BinValues {
-    PerBin,
-    Density,
-}
-
-/// Reconstruction along time.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(in crate::scene) enum TimeFilter {
-    Nearest,
-    Linear,
-    Cubic,
-    CubicMeans,
 }
 
 /// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its
@@ -150,7 +106,7 @@ pub(in crate::scene) struct Capture {
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
     /// Horizontal field of view, above 0 and below 180 deg; the vertical one follows from the cube's
-    /// shape (square pixels). Required unless the glTF camera says it.
+    /// shape (square pixels). Required unless the glTF camera gives it.
     pub hfov: Option<At<Angle>>,
 }
 

@@ -3,13 +3,14 @@
 use glam::DVec3;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::spacetime::worldline::Segment;
 use crate::spacetime::{Event, Velocity, World};
 
 /// The camera: a pinhole on a world line, and a sensor behind it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CameraModel {
     /// Where the pinhole is in the world when the camera's clock shows 0, and the world time then.
     pub origin: Event<World>,
@@ -44,7 +45,7 @@ pub enum Motion {
     Inertial,
     /// Constant proper acceleration, 1/m, in the camera's axes when its clock shows 0; for ever.
     Accelerated(DVec3),
-    /// One stretch after the other from proper time 0 on; without acceleration before and after.
+    /// One segment after the other from proper time 0 on; without acceleration before and after.
     Segments(Vec<Segment>),
     /// Proper acceleration at proper times, linear between; from the first time to the last.
     Profile(Vec<(f64, DVec3)>),
@@ -64,7 +65,7 @@ pub enum Motion {
 /// A sensor behind the pinhole, across the forward axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// From the sensor to the pinhole, metres, above 0, in the frame that `assembly` says. The sensor's
+    /// From the sensor to the pinhole, metres, above 0, in the frame that `assembly` names. The sensor's
     /// width is 2 d tan(fov/2) at this length d, whatever its length in the camera's own frame.
     pub focal_length: f64,
     /// What holds the two together.
@@ -72,11 +73,12 @@ pub struct Sensor {
 }
 
 /// What keeps sensor and pinhole apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Assembly {
     /// A rigid body: the focal length is that of the camera's own frame. When it accelerates, Born-rigid.
+    #[default]
     Rigid,
     /// The focal length is that measured in the world: along the motion the camera's own is γ times longer.
     WorldLength,
@@ -99,22 +101,24 @@ pub struct Rotation {
 }
 
 /// What an axis of rotation passes through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Pivot {
     /// The pinhole.
+    #[default]
     Pinhole,
     /// The centre of the sensor.
     Sensor,
 }
 
 /// How the elements of a turning sensor see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Elements {
     /// By the light that comes to them through the pinhole, which does not turn.
+    #[default]
     Exact,
     /// Each like an inertial camera with a pinhole of its own that moves along with it.
     Comoving,
@@ -132,11 +136,12 @@ pub struct Shutter {
 }
 
 /// What an exposure records.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Records {
     /// The mean over the exposure.
+    #[default]
     Mean,
     /// The integral over the exposure: mean × duration in metres.
     Energy,

@@ -1,5 +1,9 @@
 //! Variants of one scene side by side: the panels of a figure, and the sheet that they are on.
 
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// A variant of the scene: a picture of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
@@ -17,7 +21,9 @@ pub struct Panel {
 }
 
 /// What a picture shows.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Show {
     /// Radiance, tone-mapped.
     #[default]

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{Binding, Object};
-use crate::scene::suggest::nearest;
+use crate::scene::suggest::did_you_mean;
 use crate::spacetime::units::quoted;
 
 /// Surfaces (objects × materials) that sources may be bound to, in total.
@@ -17,7 +17,7 @@ const MOST_SURFACES: usize = 1 << 20;
 
 /// The surfaces that sources have been bound to so far.
 pub(super) struct Bindings<'a> {
-    cx: &'a Context<'a>,
+    cx: &'a Context,
     objects: &'a [Object],
     index: HashMap<&'a str, usize>,
     /// By object: all its surfaces, or some.
@@ -54,7 +54,7 @@ impl Claim {
 }
 
 impl<'a> Bindings<'a> {
-    pub fn new(cx: &'a Context<'a>, objects: &'a [Object]) -> Self {
+    pub fn new(cx: &'a Context, objects: &'a [Object]) -> Self {
         let named = objects.iter().enumerate();
         Bindings {
             cx,
@@ -67,7 +67,7 @@ impl<'a> Bindings<'a> {
         }
     }
 
-    /// The binding of a source; refused where it names what is not there, or meets another source.
+    /// The binding of a source; refused where it names what is not there, or shares a surface that it must not share.
     pub fn bind(&mut self, at: &'a At<file::Source>) -> Result<Binding> {
         let objects = self.objects_of(at)?;
         let materials = self.materials_of(at)?;
@@ -101,11 +101,10 @@ impl<'a> Bindings<'a> {
 
     fn unknown_object(&self, name: &At<String>) -> crate::Error {
         let names = self.objects.iter().map(|object| object.name.as_str());
-        let meant = nearest(&name.value, names.clone());
-        let meant = meant.map(|name| format!("did you mean {}? ", quoted(name)));
+        let meant = did_you_mean(&name.value, names.clone(), quoted);
         let known: Vec<String> = names.take(12).map(quoted).collect();
         let what = format!("no object is called {}", quoted(&name.value));
-        let (meant, known) = (meant.unwrap_or_default(), known.join(", "));
+        let known = known.join(", ");
         self.cx
             .refuse(name, what, format!("{meant}the objects are: {known}"))
     }

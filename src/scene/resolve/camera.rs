@@ -6,6 +6,7 @@ use super::{path, pose, sensor, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
+use crate::scene::inputs::Pose;
 use crate::scene::model::CameraModel;
 
 /// The largest width or height.
@@ -45,7 +46,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
 }
 
 /// The pose when the camera's clock shows 0.
-fn pose(cx: &Context, at: &At<Camera>) -> Result<pose::Pose> {
+fn pose(cx: &Context, at: &At<Camera>) -> Result<Pose> {
     let camera = &at.value;
     let mut keys = pose::Keys::from(camera);
     let start = match motion::keyframes(camera) {
@@ -62,7 +63,7 @@ fn pose(cx: &Context, at: &At<Camera>) -> Result<pose::Pose> {
 fn horizontal_fov(
     cx: &Context,
     camera: &Camera,
-    pose: &pose::Pose,
+    pose: &Pose,
     [width, height]: [u32; 2],
 ) -> Result<f64> {
     if let Some(horizontal) = sensor::horizontal_fov(cx, camera)? {
@@ -101,39 +102,31 @@ fn image_size(cx: &Context, at: &At<[u32; 2]>) -> Result<[u32; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use glam::DVec3;
 
     use super::*;
-    use crate::io::gltf::GltfCamera;
+    use crate::scene::inputs::Inputs;
     use crate::scene::report::Report;
     use crate::spacetime::Event;
 
     /// A camera of the file with a vertical field of view of 90 degrees and no aspect ratio.
-    fn upright(_: &Path, node: Option<&str>) -> Result<GltfCamera> {
-        assert_eq!(node, Some("cam"));
-        Ok(GltfCamera {
-            eye: DVec3::new(1.0, 2.0, 3.0),
-            axes: [DVec3::X, DVec3::Y, DVec3::NEG_Z],
-            horizontal_fov: None,
-            vertical_fov: std::f64::consts::FRAC_PI_2,
-            aspect: None,
-        })
-    }
-
     fn resolved(keys: &str) -> CameraModel {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("a.glb"), "").unwrap();
         let report = Report {
             name: "test".into(),
             text: format!("[camera]\ngltf = 'a.glb'\nnode = 'cam'\n{keys}").into(),
             edits: Vec::new(),
         };
         let file: crate::scene::file::Scene = report.read().unwrap();
-        let mut cx = Context::new(report, folder.path(), &file.speed_of_light).unwrap();
-        cx.read_gltf_camera = upright;
-        resolve(&cx, file.camera.as_ref().unwrap()).unwrap()
+        let camera = file.camera.as_ref().unwrap();
+        let mut inputs = Inputs::default();
+        let pose = Pose {
+            eye: DVec3::new(1.0, 2.0, 3.0),
+            axes: [DVec3::X, DVec3::Y, DVec3::NEG_Z],
+            gltf_fov: Some((None, std::f64::consts::FRAC_PI_2)),
+        };
+        inputs.add_pose(camera.value.gltf.as_ref().unwrap(), Ok(pose));
+        let cx = Context::new(report, inputs, &file.speed_of_light).unwrap();
+        resolve(&cx, camera).unwrap()
     }
 
     #[test]

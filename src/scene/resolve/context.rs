@@ -1,41 +1,52 @@
 //! What every part of resolution asks: times in metres, positive numbers, colours, paths.
 
 use std::fmt::Display;
-use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
 use crate::error::{Error, Result};
-use crate::io::files;
-use crate::io::gltf::{self, GltfCamera};
 use crate::scene::at::At;
+use crate::scene::inputs::{Inputs, Pose};
+use crate::scene::memory;
 use crate::scene::report::Report;
 use crate::scene::values::{Number, Vector};
 use crate::spacetime::units::{Acceleration, AngularRate, LARGEST, Length, Speed, Time, quoted};
+use crate::spacetime::{Direction, World};
 
 /// The smallest positive number accepted: powers of smaller ones leave f64's range.
 const SMALLEST: f64 = 1e-30;
+
+/// The most segments, times of a profile, or keyframes.
+const LONGEST_LIST: usize = 100_000;
 
 /// Factors on a bound, for naming in a message four digits that are safely on the right side of it.
 pub(super) const BELOW: f64 = 0.999;
 pub(super) const ABOVE: f64 = 1.001;
 
-/// Reads the pose of a camera from a glTF file: the named node's, or the only one.
-pub(crate) type ReadGltfCamera = fn(&Path, Option<&str>) -> Result<GltfCamera>;
+/// The extensions of glTF files, and of cubes.
+pub(in crate::scene) const GLTF: [&str; 2] = ["glb", "gltf"];
+pub(super) const CUBES: [&str; 2] = ["npy", "npz"];
 
-/// The surroundings of a scene that is being resolved.
-pub(crate) struct Context<'a> {
-    /// The text, for refusals.
-    pub report: Report,
-    /// The folder against which relative paths resolve.
-    pub base: &'a Path,
-    /// Metres per second, above 0.
-    pub speed_of_light: f64,
-    /// How the pose of a glTF camera is read.
-    pub read_gltf_camera: ReadGltfCamera,
+/// Whether `path` ends with one of these extensions.
+pub(in crate::scene) fn has_extension(path: &Path, extensions: [&str; 2]) -> bool {
+    let own = path.extension().and_then(|e| e.to_str());
+    own.is_some_and(|own| extensions.iter().any(|e| e.eq_ignore_ascii_case(own)))
 }
 
-impl<'a> Context<'a> {
-    pub fn new(report: Report, base: &'a Path, c: &At<Speed>) -> Result<Self> {
+/// The surroundings of a scene that is being resolved.
+pub(crate) struct Context {
+    /// The text, for refusals.
+    pub report: Report,
+    /// What the text names.
+    pub(in crate::scene) inputs: Inputs,
+    /// Metres per second, above 0.
+    pub speed_of_light: f64,
+}
+
+impl Context {
+    pub(in crate::scene) fn new(report: Report, inputs: Inputs, c: &At<Speed>) -> Result<Self> {
         let speed_of_light = c.value.metres_per_second();
         if speed_of_light <= 0.0 {
             let what = format!("the speed of light {} is not above 0", c.value);
@@ -43,18 +54,17 @@ impl<'a> Context<'a> {
         }
         Ok(Context {
             report,
-            base,
+            inputs,
             speed_of_light,
-            read_gltf_camera: gltf::camera,
         })
     }
 
-    /// The refusal of what `at` says.
+    /// The refusal of the value at `at`.
     pub fn refuse<T>(&self, at: &At<T>, what: impl Into<String>, help: impl Into<String>) -> Error {
         self.report.refuse(&at.span, what, help)
     }
 
-    /// The refusal of `second`, which cannot be said together with `first`.
+    /// The refusal of `second`, which cannot be given together with `first`.
     pub fn refuse_both<T, U>(
         &self,
         (first, first_key): (&At<T>, &str),
@@ -78,6 +88,62 @@ impl<'a> Context<'a> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses more than one of the `ways` to give a `thing`.
+    pub fn only_one<const N: usize>(
+        &self,
+        thing: &str,
+        ways: [(&str, Option<&Range<usize>>); N],
+        help: &str,
+    ) -> Result<()> {
+        let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
+        let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
+            return Ok(());
+        };
+        let what = format!("{thing} is given twice, as `{first}` and as `{second}`");
+        Err(self
+            .report
+            .refuse_two(there, (here, "and here"), what, help))
+    }
+
+    /// Refuses lists that are too short or too long.
+    pub fn bounded<T>(&self, at: &At<Vec<T>>, fewest: usize, name: &str) -> Result<()> {
+        let count = at.value.len();
+        if (fewest..=LONGEST_LIST).contains(&count) {
+            return Ok(());
+        }
+        let few = if count < fewest {
+            "too few"
+        } else {
+            "too many"
+        };
+        let what = format!("{count} {name} are {few}");
+        Err(self.refuse(at, what, format!("give {fewest} to {LONGEST_LIST}")))
+    }
+
+    /// Refuses times that do not ascend, at the first that does not; `said` is where the i-th stands.
+    pub fn ascending<'a, T: Display + 'a>(
+        &self,
+        times: &[f64],
+        said: impl Fn(usize) -> Option<&'a At<T>>,
+    ) -> Result<()> {
+        let before = times.windows(2).position(|pair| pair[1] <= pair[0]);
+        let pair = before.and_then(|before| Some((said(before)?, said(before + 1)?)));
+        let Some((first, second)) = pair else {
+            return Ok(());
+        };
+        let (earlier, later) = (&first.value, &second.value);
+        let what = format!("the time {later} is not after that of the entry before, {earlier}");
+        let help = "give the entries in the order of their times, each time once";
+        let other = (&first.span, "the entry before");
+        Err(self.report.refuse_two(&second.span, other, what, help))
+    }
+
+    /// The unit vector of a direction, whose `name` is for messages.
+    pub fn unit(&self, at: &At<Vector>, name: &str, help: &str) -> Result<DVec3> {
+        let direction = Direction::<World>::new(at.value.vec()).map(Direction::unit);
+        direction.ok_or_else(|| self.refuse(at, format!("{name} is the zero vector"), help))
     }
 
     /// A time in metres.
@@ -178,32 +244,44 @@ impl<'a> Context<'a> {
 
     /// The path of a file that is there, with one of these extensions.
     pub fn path(&self, file: &At<String>, extensions: [&str; 2]) -> Result<PathBuf> {
-        let path = self.base.join(self.text(file, "the file's name")?);
-        let extension = path
-            .extension()
-            .and_then(|e| e.to_str())
-            .unwrap_or_default();
-        if !extensions
-            .iter()
-            .any(|known| known.eq_ignore_ascii_case(extension))
-        {
+        let base = &self.inputs.base;
+        let path = base.join(self.text(file, "the file's name")?);
+        if !has_extension(&path, extensions) {
             let [a, b] = extensions;
             let what = format!("{} is neither a .{a} nor a .{b} file", quoted(&file.value));
             return Err(self.refuse(file, what, format!("name a .{a} or .{b} file")));
         }
-        let problem = match files::length(&path) {
-            Ok(_) => return Ok(path),
-            // There, but a directory or a device.
-            Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
-                error.to_string()
-            }
-            Err(error) => format!("cannot find this file: {error}"),
+        let Some(problem) = self.inputs.problem(file) else {
+            return Ok(path);
         };
-        let folder = match self.base.as_os_str().is_empty() {
+        let folder = match base.as_os_str().is_empty() {
             true => "the current folder".to_string(),
-            false => self.base.display().to_string(),
+            false => base.display().to_string(),
         };
         let help = format!("paths are relative to the scene file, that is to {folder}");
         Err(self.refuse(file, problem, help))
+    }
+
+    /// The pose of the camera in a glTF file.
+    pub(in crate::scene) fn gltf_pose(&self, file: &At<String>) -> Result<Pose> {
+        self.path(file, GLTF)?;
+        let missing = || Err(self.refuse(file, "the camera of this file was not read", ""));
+        self.inputs.pose(file).unwrap_or_else(missing)
+    }
+
+    /// What `name` names in memory, as `find` finds it; none where it names a file.
+    pub fn in_memory<T>(
+        &self,
+        name: &At<String>,
+        find: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<Option<T>> {
+        if !name.value.starts_with(memory::PREFIX) {
+            return Ok(None);
+        }
+        find(&name.value).map(Some).ok_or_else(|| {
+            let what =
+                "this was given in memory by the program that made the scene, and is in no file";
+            self.refuse(name, what, "name a file in its place")
+        })
     }
 }

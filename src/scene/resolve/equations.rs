@@ -7,19 +7,11 @@ use glam::DVec3;
 
 use super::context::Context;
 use crate::error::Result;
-use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{CameraModel, Elements, Equations, Motion, Scene};
 use crate::spacetime::units::quoted;
 
 const EXACT: &str = "leave this out, or give model = \"exact\"";
-
-pub(super) fn resolve(equations: &At<file::Equations>) -> Equations {
-    match equations.value {
-        file::Equations::Exact => Equations::Exact,
-        file::Equations::Paper2015 => Equations::Paper2015,
-    }
-}
 
 /// Refuses scenes that the equations do not cover.
 pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
@@ -96,7 +88,7 @@ fn rotation(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
         return at_rest(cx, file, scene);
     }
     let elements = &at.value.elements;
-    let span = if elements.is_said() {
+    let span = if elements.is_given() {
         &elements.span
     } else {
         &at.span

@@ -1,5 +1,5 @@
-//! From the file's structure to the model: units, names, alternatives, ranges. Nothing is loaded; of
-//! files it is only asked that they are there (a glTF camera excepted, which is read for its pose).
+//! From the file's structure to the model: units, names, alternatives, ranges. Nothing is opened
+//! here: what the file names was looked for before.
 
 mod binding;
 mod camera;
@@ -20,19 +20,19 @@ mod transform;
 pub(crate) mod velocity;
 mod worldline;
 
-use std::path::Path;
-
 use super::file;
+use super::inputs::Inputs;
 use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
 pub(crate) use context::Context;
+pub(super) use context::{GLTF, has_extension};
 pub(crate) use object::refuse_duplicates;
 pub(crate) use outline::{Body, Filming, Outline};
 
-/// The scene that `file`, read from the report's text, means; relative paths resolve against `base`.
-pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<Scene> {
-    let cx = Context::new(report, base, &file.speed_of_light)?;
+/// The scene that `file`, read from the report's text, means; with what was found of that which it names.
+pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Result<Scene> {
+    let cx = Context::new(report, inputs, &file.speed_of_light)?;
     let medium_index = settings::medium_index(&cx, &file.medium)?;
     let said = file
         .camera
@@ -49,10 +49,10 @@ pub(super) fn scene(report: Report, base: &Path, file: &file::Scene) -> Result<S
         objects,
         sources,
         quantity,
-        equations: equations::resolve(&file.model),
+        equations: file.model.value,
         effects: settings::effects(&file.effects),
         outside: settings::outside(&file.outside),
-        back_faces: settings::back_faces(file.display.value.back_faces),
+        back_faces: file.display.value.back_faces,
         background: cx.colour(&file.display.value.background)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,

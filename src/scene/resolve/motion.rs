@@ -1,23 +1,18 @@
 //! How the pinhole moves: the state when the camera's clock shows 0, and what becomes of it.
 
-use std::ops::Range;
-
 use glam::DVec3;
 
 use super::context::Context;
 use super::{path, velocity, worldline};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::Motion;
 use crate::spacetime::worldline::{Segment, WorldLine};
-use crate::spacetime::{Direction, Event, Velocity, World};
-
-/// The most segments, times of a profile, or keyframes.
-const MOST: usize = 100_000;
+use crate::spacetime::{Event, Velocity, World};
 
 const HELP: &str =
-    "say it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes` or `circle`";
+    "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes` or `circle`";
 
 /// A world line as the file gives it.
 pub(super) struct Moving {
@@ -31,7 +26,7 @@ pub(super) struct Moving {
     pub line: WorldLine,
 }
 
-/// The motion that `camera` says in one way, and whose pose has the pinhole at `eye`.
+/// The motion of `camera`, given in one way; its pose has the pinhole at `eye`.
 pub(super) fn resolve(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Moving> {
     let motion = motion(cx, camera, eye)?;
     let velocity = velocity::resolve(cx, &camera.velocity)?;
@@ -65,7 +60,7 @@ fn motion(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Motion> {
     } else if let Some(circle) = &motion.circle {
         path::circle(cx, camera, circle, eye)
     } else {
-        Err(cx.refuse(at, "this says no motion", HELP))
+        Err(cx.refuse(at, "no motion is given", HELP))
     }
 }
 
@@ -74,28 +69,19 @@ pub(super) fn keyframes(camera: &file::Camera) -> Option<&At<Vec<At<file::Keyfra
     camera.motion.as_ref()?.value.keyframes.as_ref()
 }
 
-/// Refuses all but one way to say a motion.
+/// Refuses more than one way to give a motion.
 pub(super) fn only_one_way(cx: &Context, camera: &file::Camera) -> Result<()> {
     let Some(motion) = camera.motion.as_ref().map(|at| &at.value) else {
         return Ok(());
     };
-    let ways: [(&str, Option<&Range<usize>>); 5] = [
-        ("acceleration", span(&motion.acceleration)),
-        ("segments", span(&motion.segments)),
-        ("profile", span(&motion.profile)),
-        ("keyframes", span(&motion.keyframes)),
-        ("circle", span(&motion.circle)),
+    let ways = [
+        ("acceleration", At::span_of(&motion.acceleration)),
+        ("segments", At::span_of(&motion.segments)),
+        ("profile", At::span_of(&motion.profile)),
+        ("keyframes", At::span_of(&motion.keyframes)),
+        ("circle", At::span_of(&motion.circle)),
     ];
-    let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
-    let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
-        return Ok(());
-    };
-    let what = format!("the motion is said twice, as `{first}` and as `{second}`");
-    Err(cx.report.refuse_two(there, (here, "and here"), what, HELP))
-}
-
-fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
-    at.as_ref().map(|at| &at.span)
+    cx.only_one("the motion", ways, HELP)
 }
 
 /// A constant proper acceleration, which may be none.
@@ -117,11 +103,9 @@ fn acceleration(cx: &Context, at: &At<file::ProperAcceleration>) -> Result<DVec3
         let help = "add direction = [0, 0, -1], or the like";
         return Err(cx.refuse(at, "this acceleration has no direction", help));
     };
-    let unit = Direction::<World>::new(direction.value.vec()).ok_or_else(|| {
-        let what = "the direction of an acceleration that is not 0 is the zero vector";
-        cx.refuse(direction, what, "any direction of length above 0 will do")
-    })?;
-    Ok(unit.unit() * magnitude)
+    let name = "the direction of an acceleration that is not 0";
+    let unit = cx.unit(direction, name, "any direction of length above 0 will do")?;
+    Ok(unit * magnitude)
 }
 
 fn optional(cx: &Context, at: &Option<At<file::ProperAcceleration>>) -> Result<DVec3> {
@@ -129,7 +113,7 @@ fn optional(cx: &Context, at: &Option<At<file::ProperAcceleration>>) -> Result<D
 }
 
 fn segments(cx: &Context, at: &At<Vec<At<file::MotionSegment>>>) -> Result<Motion> {
-    bounded(cx, at, 1, "segments")?;
+    cx.bounded(at, 1, "segments")?;
     let last = at.value.len() - 1;
     let entries = at.value.iter().enumerate();
     let segments = entries.map(|(i, entry)| segment(cx, entry, i == last));
@@ -157,14 +141,14 @@ fn segment(cx: &Context, at: &At<file::MotionSegment>, last: bool) -> Result<Seg
 }
 
 fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> {
-    bounded(cx, at, 2, "times of a profile")?;
+    cx.bounded(at, 2, "times of a profile")?;
     let knot = |knot: &At<file::ProfileKnot>| {
         let time = cx.time(&knot.value.time)?;
         Ok((time, optional(cx, &knot.value.acceleration)?))
     };
     let knots: Vec<(f64, DVec3)> = at.value.iter().map(knot).collect::<Result<_>>()?;
     let times: Vec<f64> = knots.iter().map(|(time, _)| *time).collect();
-    ascending(cx, &times, |i| Some(&at.value.get(i)?.value.time))?;
+    cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
     if let (Some(&first), Some(&last)) = (times.first(), times.last())
         && (first > 0.0 || last < 0.0)
     {
@@ -173,43 +157,4 @@ fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> 
         return Err(cx.refuse(at, what, help));
     }
     Ok(Motion::Profile(knots))
-}
-
-/// Refuses lists that are too short or too long.
-pub(super) fn bounded<T>(cx: &Context, at: &At<Vec<T>>, fewest: usize, name: &str) -> Result<()> {
-    let count = at.value.len();
-    if (fewest..=MOST).contains(&count) {
-        return Ok(());
-    }
-    let few = if count < fewest {
-        "too few"
-    } else {
-        "too many"
-    };
-    let what = format!("{count} {name} are {few}");
-    Err(cx.refuse(at, what, format!("give {fewest} to {MOST}")))
-}
-
-/// Refuses times that do not ascend, at the first that does not; `said` is what says the i-th.
-pub(super) fn ascending<'a, T: std::fmt::Display + 'a>(
-    cx: &Context,
-    times: &[f64],
-    said: impl Fn(usize) -> Option<&'a At<T>>,
-) -> Result<()> {
-    let pairs = times.iter().zip(times.iter().skip(1));
-    let Some(before) = pairs.into_iter().position(|(a, b)| b <= a) else {
-        return Ok(());
-    };
-    let (Some(first), Some(second)) = (said(before), said(before + 1)) else {
-        return Ok(());
-    };
-    Err(not_ascending(cx, first, second))
-}
-
-fn not_ascending<T: std::fmt::Display>(cx: &Context, first: &At<T>, second: &At<T>) -> Error {
-    let (earlier, later) = (&first.value, &second.value);
-    let what = format!("the time {later} is not after that of the entry before, {earlier}");
-    let help = "give the entries in the order of their times, each time once";
-    let other = (&first.span, "the entry before");
-    cx.report.refuse_two(&second.span, other, what, help)
 }

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::context::Context;
+use super::context::{Context, GLTF};
 use super::{shape, transform, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{BadVertices, Geometry, Object};
+use crate::scene::model::{Geometry, Object};
 use crate::scene::names;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
@@ -73,7 +73,11 @@ fn resolve(cx: &Context, at: &At<file::Object>, name: String) -> Result<Object> 
         name,
         geometry: geometry(cx, at)?,
         transform: transform::resolve(cx, &object.transform)?,
-        bad_vertices: bad_vertices(object),
+        bad_vertices: object
+            .bad_vertices
+            .as_ref()
+            .map(|at| at.value)
+            .unwrap_or_default(),
         velocity: velocity::resolve(cx, &object.velocity)?,
         origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
         span: span(at),
@@ -94,8 +98,12 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;
     if let Some(gltf) = &object.gltf {
         cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
+        if let Some(mesh) = cx.in_memory(gltf, |name| cx.inputs.memory.mesh(name))? {
+            cx.exclusive((&object.gltf, "mesh"), (&object.node, "node"))?;
+            return Ok(Geometry::Mesh(mesh));
+        }
         return Ok(Geometry::Gltf {
-            path: cx.path(gltf, ["glb", "gltf"])?,
+            path: cx.path(gltf, GLTF)?,
             node: cx.optional_text(&object.node, "the node's name")?,
         });
     }
@@ -110,13 +118,6 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         shape: shape::resolve(cx, shape)?,
         colour: colour(cx, object)?,
     })
-}
-
-fn bad_vertices(object: &file::Object) -> BadVertices {
-    match object.bad_vertices.as_ref().map(|at| at.value) {
-        None | Some(file::BadVertices::Refuse) => BadVertices::Refuse,
-        Some(file::BadVertices::Drop) => BadVertices::Drop,
-    }
 }
 
 fn colour(cx: &Context, object: &file::Object) -> Result<[f32; 3]> {

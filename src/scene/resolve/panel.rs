@@ -9,7 +9,7 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{Panel, Sheet, Show};
+use crate::scene::model::{Panel, Sheet};
 use crate::spacetime::units::quoted;
 
 /// The most panels of a scene, and of a row of them.
@@ -65,10 +65,7 @@ fn resolve(
     Ok(Panel {
         name: name.to_string(),
         label: label.unwrap_or_else(|| name.to_string()),
-        show: match panel.show {
-            file::Show::Picture => Show::Picture,
-            file::Show::Isochrones => Show::Isochrones,
-        },
+        show: panel.show,
         set,
         span: match panel.set.span.is_empty() {
             true => at.span.clone(),

@@ -1,24 +1,23 @@
-//! Motions that the world's coordinates say: keyframes and circles.
+//! Motions given in world coordinates: keyframes and circles.
 //!
 //! A point at the distance r from an axis about which it goes at the rate ω has the speed β = |ω| r (c = 1).
 
 use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
-use super::motion::{ascending, bounded};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Circle, Keyframe};
 use crate::scene::model::Motion;
 use crate::scene::values::Vector;
-use crate::spacetime::{Direction, Event, World};
+use crate::spacetime::{Event, World};
 
 /// The smallest distance from the axis, in parts of the distances that it is the difference of.
 const ON_AXIS: f64 = 1e-12;
 
 const SLOWER: &str = "give more time or less way between keyframes: a camera is slower than light";
 
-/// The position of the first keyframe, in place of `eye`: beside keyframes nothing else says where the
+/// The position of the first keyframe, in place of `eye`: beside keyframes nothing else gives where the
 /// camera is or how fast.
 pub(super) fn start(
     cx: &Context,
@@ -32,10 +31,10 @@ pub(super) fn start(
     if let Some(velocity) = &camera.velocity {
         return Err(cx.refuse_both(key, (velocity, "velocity")));
     }
-    if camera.clock_zero.is_said() {
+    if camera.clock_zero.is_given() {
         return Err(cx.refuse_both(key, (&camera.clock_zero, "clock_zero")));
     }
-    bounded(cx, at, 2, "keyframes")?;
+    cx.bounded(at, 2, "keyframes")?;
     let first = at.value.first();
     Ok(first.map(|first| first.value.position.clone()))
 }
@@ -48,7 +47,7 @@ pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Moti
     };
     let events: Vec<Event<World>> = at.value.iter().map(event).collect::<Result<_>>()?;
     let times: Vec<f64> = events.iter().map(|event| event.ct).collect();
-    ascending(cx, &times, |i| Some(&at.value.get(i)?.value.time))?;
+    cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
     slower_than_light(cx, at, &events)?;
     Ok(Motion::Keyframes(events))
 }
@@ -83,11 +82,12 @@ pub(super) fn circle(cx: &Context, camera: &Camera, at: &At<Circle>, eye: DVec3)
         return Err(cx.refuse_both((at, "circle"), (velocity, "velocity")));
     }
     let circle = &at.value;
-    let axis = Direction::<World>::new(circle.axis.value.vec()).ok_or_else(|| {
-        let what = "the axis of the circle is the zero vector";
-        cx.refuse(&circle.axis, what, "give an axis like [0, 1, 0]")
-    })?;
-    let (axis, centre) = (axis.unit(), circle.centre.value.vec());
+    let axis = cx.unit(
+        &circle.axis,
+        "the axis of the circle",
+        "give an axis like [0, 1, 0]",
+    )?;
+    let centre = circle.centre.value.vec();
     let radius = radius(cx, at, eye, axis)?.length();
     let rate = rate(cx, at)?;
     match rate.abs() * radius {
@@ -110,7 +110,7 @@ fn radius(cx: &Context, at: &At<Circle>, eye: DVec3, axis: DVec3) -> Result<DVec
     Err(cx.refuse(centre, what, help))
 }
 
-/// Radians per metre of world time, from the one of `period` and `rate` that is said.
+/// Radians per metre of world time, from whichever of `period` and `rate` is given.
 fn rate(cx: &Context, at: &At<Circle>) -> Result<f64> {
     let Circle { period, rate, .. } = &at.value;
     cx.exclusive((period, "period"), (rate, "rate"))?;

@@ -8,6 +8,7 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture};
+use crate::scene::inputs::Pose;
 use crate::scene::values::Vector;
 use crate::spacetime::units::Angle;
 use crate::spacetime::{Direction, World};
@@ -48,16 +49,7 @@ impl<'a> From<&'a Capture> for Keys<'a> {
     }
 }
 
-/// Where a camera is and where it looks.
-pub(super) struct Pose {
-    pub eye: DVec3,
-    /// Orthonormal: right, up, forward.
-    pub axes: [DVec3; 3],
-    /// What a glTF camera says: the horizontal field of view where it is known, and the vertical one.
-    pub gltf_fov: Option<(Option<f64>, f64)>,
-}
-
-/// The pose that `keys` of the table `at` say.
+/// The pose given by `keys` of the table `at`.
 pub(super) fn resolve<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
     match keys.gltf {
         Some(gltf) => from_gltf(cx, gltf, keys),
@@ -75,14 +67,8 @@ fn from_gltf(cx: &Context, gltf: &At<String>, keys: &Keys) -> Result<Pose> {
             return Err(cx.refuse_both((gltf, "gltf"), (key, name)));
         }
     }
-    let node = cx.optional_text(keys.node, "the node's name")?;
-    let path = cx.path(gltf, ["glb", "gltf"])?;
-    let camera = (cx.read_gltf_camera)(&path, node.as_deref())?;
-    Ok(Pose {
-        eye: camera.eye,
-        axes: camera.axes,
-        gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
-    })
+    cx.optional_text(keys.node, "the node's name")?;
+    cx.gltf_pose(gltf)
 }
 
 fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {

@@ -16,7 +16,7 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
     }
     if let Some(wavelength) = wavelength {
         let what = "only the radiance of a spectral line has one wavelength";
-        let help = "leave `wavelength` out, or say quantity = \"line\"";
+        let help = "leave `wavelength` out, or set quantity = \"line\"";
         return Err(cx.refuse(wavelength, what, help));
     }
     Ok(quantity.value.at(f64::NAN))

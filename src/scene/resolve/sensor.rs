@@ -13,22 +13,17 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Sensor, Shutter,
+    Assembly, CameraModel, Elements, Motion, Pivot, Rotation, Sensor, Shutter,
 };
-use crate::spacetime::{Direction, World};
 
-/// The sensor that the file says.
+/// The sensor of the file, if there is one.
 pub(super) fn resolve(cx: &Context, camera: &file::Camera) -> Result<Option<Sensor>> {
     let Some(at) = &camera.sensor else {
         return Ok(None);
     };
     Ok(Some(Sensor {
         focal_length: focal_length(cx, &at.value)?,
-        assembly: match at.value.assembly.value {
-            file::Assembly::Rigid => Assembly::Rigid,
-            file::Assembly::WorldLength => Assembly::WorldLength,
-            file::Assembly::Bell => Assembly::Bell,
-        },
+        assembly: at.value.assembly.value,
     }))
 }
 
@@ -72,36 +67,30 @@ pub(super) fn rotation(cx: &Context, camera: &file::Camera) -> Result<Option<Rot
         return Ok(None);
     };
     let rotation = &at.value;
-    let axis = Direction::<World>::new(rotation.axis.value.vec()).ok_or_else(|| {
-        let what = "the axis of rotation is the zero vector";
-        cx.refuse(&rotation.axis, what, "give an axis like [0, 1, 0]")
-    })?;
+    let axis = cx.unit(
+        &rotation.axis,
+        "the axis of rotation",
+        "give an axis like [0, 1, 0]",
+    )?;
     if camera.sensor.is_none() {
         without_sensor(cx, rotation)?;
     }
     Ok(Some(Rotation {
-        axis: axis.unit(),
+        axis,
         rate: cx.angular_rate(&rotation.rate)?,
-        through: match rotation.through.value {
-            file::Pivot::Pinhole => Pivot::Pinhole,
-            file::Pivot::Sensor => Pivot::Sensor,
-        },
-        elements: match rotation.elements.value {
-            file::Elements::Exact => Elements::Exact,
-            file::Elements::Comoving => Elements::Comoving,
-            file::Elements::Aberrated => Elements::Aberrated,
-        },
+        through: rotation.through.value,
+        elements: rotation.elements.value,
     }))
 }
 
 /// Refuses what only a sensor apart from the pinhole can do.
 fn without_sensor(cx: &Context, rotation: &file::SensorRotation) -> Result<()> {
     let help = "add [camera.sensor] with a focal_length, or leave this out";
-    if rotation.elements.value != file::Elements::Exact {
+    if rotation.elements.value != Elements::Exact {
         let what = "elements that move with the sensor need a sensor, and this camera is a point";
         return Err(cx.refuse(&rotation.elements, what, help));
     }
-    if rotation.through.value == file::Pivot::Sensor {
+    if rotation.through.value == Pivot::Sensor {
         let what = "the axis goes through the sensor, and this camera has none: it is a point";
         return Err(cx.refuse(&rotation.through, what, help));
     }
@@ -115,10 +104,7 @@ pub(super) fn shutter(cx: &Context, camera: &file::Camera) -> Result<Option<Shut
     };
     Ok(Some(Shutter {
         duration: cx.duration(&at.value.duration, "`duration`")?,
-        records: match at.value.records.value {
-            file::Records::Mean => Records::Mean,
-            file::Records::Energy => Records::Energy,
-        },
+        records: at.value.records.value,
     }))
 }
 

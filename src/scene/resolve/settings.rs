@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{BackFaces, Effects, Exposure, Fill, MOST_SAMPLES, Outside};
+use crate::scene::model::{Effects, Exposure, Fill, MOST_SAMPLES, Outside};
 
 /// What `exposure` is unless the file says otherwise, per cent.
 const PERCENTILE: f64 = 99.0;
@@ -59,15 +59,6 @@ fn fill(fill: file::Fill) -> Fill {
         file::Fill::Black => Fill::Black,
         file::Fill::Hold => Fill::Hold,
         file::Fill::Mark(colour) => Fill::Mark(colour.0),
-    }
-}
-
-pub(super) fn back_faces(back_faces: file::BackFaces) -> BackFaces {
-    match back_faces {
-        file::BackFaces::AsFile => BackFaces::AsFile,
-        file::BackFaces::TwoSided => BackFaces::TwoSided,
-        file::BackFaces::Black => BackFaces::Black,
-        file::BackFaces::Culled => BackFaces::Culled,
     }
 }
 

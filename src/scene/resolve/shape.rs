@@ -11,38 +11,27 @@ const HELP: &str = "give exactly one shape: { box = { size = [1, 1, 1] } }, { sp
                     { lattice = { cells = [4, 4, 4], spacing = 1, bar = 0.1 } }";
 
 pub(super) fn resolve(cx: &Context, at: &At<file::Shape>) -> Result<Shape> {
-    match &at.value {
-        file::Shape {
-            cuboid: Some(cuboid),
-            sphere: None,
-            plane: None,
-            lattice: None,
-        } => cuboid_shape(cx, &cuboid.value),
-        file::Shape {
-            cuboid: None,
-            sphere: Some(sphere),
-            plane: None,
-            lattice: None,
-        } => sphere_shape(cx, &sphere.value),
-        file::Shape {
-            cuboid: None,
-            sphere: None,
-            plane: Some(plane),
-            lattice: None,
-        } => plane_shape(cx, &plane.value),
-        file::Shape {
-            cuboid: None,
-            sphere: None,
-            plane: None,
-            lattice: Some(lattice),
-        } => lattice_shape(cx, &lattice.value),
-        shape => {
-            let what = match kind(shape) {
-                Some(_) => "this says more than one shape",
-                None => "this says no shape",
-            };
-            Err(cx.refuse(at, what, HELP))
+    let file::Shape {
+        cuboid,
+        sphere,
+        plane,
+        lattice,
+    } = &at.value;
+    match (cuboid, sphere, plane, lattice) {
+        (Some(cuboid), None, None, None) => {
+            let size = &cuboid.value.size;
+            cx.all_positive(size, &size.value.0, "an edge")?;
+            Ok(Shape::Box { size: size.value.0 })
         }
+        (None, Some(sphere), None, None) => sphere_shape(cx, &sphere.value),
+        (None, None, Some(plane), None) => {
+            let size = &plane.value.size;
+            cx.all_positive(size, &size.value.0, "an edge")?;
+            Ok(Shape::Plane { size: size.value.0 })
+        }
+        (None, None, None, Some(lattice)) => lattice_shape(cx, &lattice.value),
+        (None, None, None, None) => Err(cx.refuse(at, "no shape is given", HELP)),
+        _ => Err(cx.refuse(at, "more than one shape is given", HELP)),
     }
 }
 
@@ -57,12 +46,6 @@ pub(super) fn kind(shape: &file::Shape) -> Option<&'static str> {
     kinds.iter().find(|(said, _)| *said).map(|(_, kind)| *kind)
 }
 
-fn cuboid_shape(cx: &Context, cuboid: &file::BoxShape) -> Result<Shape> {
-    let size = cuboid.size.value.0;
-    cx.all_positive(&cuboid.size, &size, "an edge")?;
-    Ok(Shape::Box { size })
-}
-
 fn sphere_shape(cx: &Context, sphere: &file::Sphere) -> Result<Shape> {
     let subdivisions = sphere.subdivisions.value;
     if subdivisions > 8 {
@@ -73,12 +56,6 @@ fn sphere_shape(cx: &Context, sphere: &file::Sphere) -> Result<Shape> {
         radius: cx.positive(&sphere.radius, "`radius`")?,
         subdivisions,
     })
-}
-
-fn plane_shape(cx: &Context, plane: &file::Plane) -> Result<Shape> {
-    let size = plane.size.value.0;
-    cx.all_positive(&plane.size, &size, "an edge")?;
-    Ok(Shape::Plane { size })
 }
 
 fn lattice_shape(cx: &Context, lattice: &file::Lattice) -> Result<Shape> {

@@ -1,19 +1,18 @@
 //! Time-resolved sources.
 
-use super::context::Context;
+use super::context::{CUBES, Context, has_extension};
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    BinValues, CaptureCamera, Clock, CubeSource, Mapping, Object, Pulse, Source, SourceKind,
-    TimeFilter,
+    CaptureCamera, Clock, CubeData, CubeSource, Mapping, Object, Pulse, Source, SourceKind,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
 use crate::spacetime::{Event, Quantity};
 
-/// All sources; `quantity` is that of sources that do not say their own.
+/// All sources; `quantity` is that of sources that give none of their own.
 pub(super) fn resolve_all(
     cx: &Context,
     sources: &[At<file::Source>],
@@ -64,37 +63,36 @@ fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
 
 fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     let cube = &at.value;
-    let path = cx.path(&cube.file, ["npy", "npz"])?;
-    let is_npy = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("npy"));
-    if let (Some(array), true) = (&cube.array, is_npy) {
-        let help = "leave `array` out, or name an .npz file";
-        return Err(cx.refuse(
-            array,
-            "an .npy file holds a single array without a name",
-            help,
-        ));
-    }
     Ok(CubeSource {
-        path,
-        array: cx.optional_text(&cube.array, "the array's name")?,
+        data: data(cx, cube)?,
         mapping: mapping(cx, cube)?,
         clock: clock(cx, cube)?,
         start: cx.time(&cube.start)?,
         bin_width: cx.duration(&cube.bin_width, "`bin_width`")?,
-        values: match cube.values {
-            file::BinValues::PerBin => BinValues::PerBin,
-            file::BinValues::Density => BinValues::Density,
-        },
-        filter: match cube.filter {
-            file::TimeFilter::Nearest => TimeFilter::Nearest,
-            file::TimeFilter::Linear => TimeFilter::Linear,
-            file::TimeFilter::Cubic => TimeFilter::Cubic,
-            file::TimeFilter::CubicMeans => TimeFilter::CubicMeans,
-        },
+        values: cube.values,
+        filter: cube.filter,
         scale: cube.scale.0,
     })
+}
+
+fn data(cx: &Context, cube: &file::Cube) -> Result<CubeData> {
+    let memory = &cx.inputs.memory;
+    let alone = |what| {
+        let refuse = |array| cx.refuse(array, what, "leave `array` out, or name an .npz file");
+        cube.array
+            .as_ref()
+            .map_or(Ok(()), |array| Err(refuse(array)))
+    };
+    if let Some(cube) = cx.in_memory(&cube.file, |name| memory.cube(name))? {
+        alone("a cube in memory is a single array without a name")?;
+        return Ok(CubeData::Memory(cube));
+    }
+    let path = cx.path(&cube.file, CUBES)?;
+    if has_extension(&path, ["npy"; 2]) {
+        alone("an .npy file holds a single array without a name")?;
+    }
+    let array = cx.optional_text(&cube.array, "the array's name")?;
+    Ok(CubeData::File { path, array })
 }
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
@@ -125,7 +123,7 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
         (None, Some((Some(horizontal), _))) => horizontal,
         (None, gltf) => {
             let what = match gltf {
-                Some(_) => "the glTF camera says no horizontal field of view",
+                Some(_) => "the glTF camera has no horizontal field of view",
                 None => "the key `hfov` is missing",
             };
             return Err(cx.refuse(
@@ -144,14 +142,12 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
 
 fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {
     match cube.clock.value {
-        file::Clock::World => Ok(Clock::World),
-        file::Clock::Object => Ok(Clock::Object),
-        file::Clock::Capture if cube.capture.is_some() => Ok(Clock::Capture),
-        file::Clock::Capture => {
+        Clock::Capture if cube.capture.is_none() => {
             let what = "the clock of the capture camera needs to know where that camera was";
-            let help = "add capture = { eye = […], look_at = […], hfov = \"…\" }, or say clock = \"world\"";
+            let help = "add capture = { eye = […], look_at = […], hfov = \"…\" }, or set clock = \"world\"";
             Err(cx.refuse(&cube.clock, what, help))
         }
+        clock => Ok(clock),
     }
 }
 

@@ -49,11 +49,7 @@ fn from_parts(cx: &Context, transform: &Transform) -> Result<DAffine3> {
 /// Rodrigues' formula: R = cos θ I + sin θ [a]× + (1 − cos θ) a aᵀ.
 fn rotation_matrix(cx: &Context, rotate: &At<Rotation>) -> Result<DMat3> {
     let Rotation { axis, angle } = &rotate.value;
-    let unit = Direction::<World>::new(axis.value.vec()).ok_or_else(|| {
-        let what = "the axis of rotation is the zero vector";
-        cx.refuse(axis, what, "give an axis like [0, 1, 0]")
-    })?;
-    let a = unit.unit();
+    let a = cx.unit(axis, "the axis of rotation", "give an axis like [0, 1, 0]")?;
     let (sin, cos) = angle.value.sin_cos();
     let column = |e: DVec3| e * cos + a.cross(e) * sin + a * (a.dot(e) * (1.0 - cos));
     Ok(DMat3::from_cols(
@@ -64,16 +60,10 @@ fn rotation_matrix(cx: &Context, rotate: &At<Rotation>) -> Result<DMat3> {
 }
 
 fn from_matrix(cx: &Context, parts: &Transform, matrix: &At<Numbers<16>>) -> Result<DAffine3> {
-    let matrix_key = (matrix, "matrix");
-    if let Some(translate) = &parts.translate {
-        return Err(cx.refuse_both(matrix_key, (translate, "translate")));
-    }
-    if let Some(rotate) = &parts.rotate {
-        return Err(cx.refuse_both(matrix_key, (rotate, "rotate")));
-    }
-    if let Some(scale) = &parts.scale {
-        return Err(cx.refuse_both(matrix_key, (scale, "scale")));
-    }
+    let own = || (&parts.matrix, "matrix");
+    cx.exclusive(own(), (&parts.translate, "translate"))?;
+    cx.exclusive(own(), (&parts.rotate, "rotate"))?;
+    cx.exclusive(own(), (&parts.scale, "scale"))?;
     let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = matrix.value.0;
     if last != [0.0, 0.0, 0.0, 1.0] {
         let what = "the last row of the matrix is not 0, 0, 0, 1";

@@ -1,4 +1,4 @@
-//! The ways to say a velocity.
+//! The ways to give a velocity.
 
 use std::ops::Range;
 
@@ -11,11 +11,11 @@ use crate::scene::file;
 use crate::scene::values::NumberOrVector::{Number, Vector};
 use crate::spacetime::{Velocity, VelocityError};
 
-const HELP: &str = "say it in one way: { beta = [0.9, 0, 0] }, { beta = 0.9, direction = [1, 0, 0] }, \
+const HELP: &str = "give it in one way: { beta = [0.9, 0, 0] }, { beta = 0.9, direction = [1, 0, 0] }, \
                     { gamma = 7, direction = … }, { rapidity = [2, 0, 0] }, { rapidity = 2, direction = … } \
                     or { one_minus_beta = 1e-9, direction = … }";
 
-/// The velocity that the file says; at rest where it says none.
+/// The velocity in the file; at rest where there is none.
 pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Result<Velocity> {
     let Some(velocity) = velocity else {
         return Ok(Velocity::REST);
@@ -23,14 +23,20 @@ pub(super) fn resolve(cx: &Context, velocity: &Option<At<file::Velocity>>) -> Re
     said(cx, &velocity.value, &velocity.span, DVec3::ZERO)
 }
 
-/// The velocity that the table `v` at `span` says; a number without a direction goes along `otherwise`.
+/// The velocity in the table `v` at `span`; a number without a direction goes along `otherwise`.
 pub(crate) fn said(
     cx: &Context,
     v: &file::Velocity,
     span: &Range<usize>,
     otherwise: DVec3,
 ) -> Result<Velocity> {
-    only_one_way(cx, v)?;
+    let ways = [
+        ("beta", At::span_of(&v.beta)),
+        ("gamma", At::span_of(&v.gamma)),
+        ("rapidity", At::span_of(&v.rapidity)),
+        ("one_minus_beta", At::span_of(&v.one_minus_beta)),
+    ];
+    cx.only_one("the velocity", ways, HELP)?;
     let said = Said { cx, v, otherwise };
     if let Some(beta) = &v.beta {
         return match beta.value {
@@ -50,26 +56,7 @@ pub(crate) fn said(
     if let Some(q) = &v.one_minus_beta {
         return said.along(q, q.value.0, Velocity::from_one_minus_beta);
     }
-    Err(cx.report.refuse(span, "this says no velocity", HELP))
-}
-
-/// Refuses all but one of `beta`, `gamma`, `rapidity`, `one_minus_beta`.
-fn only_one_way(cx: &Context, v: &file::Velocity) -> Result<()> {
-    let ways: [(&str, Option<&Range<usize>>); 4] = [
-        ("beta", v.beta.as_ref().map(|at| &at.span)),
-        ("gamma", v.gamma.as_ref().map(|at| &at.span)),
-        ("rapidity", v.rapidity.as_ref().map(|at| &at.span)),
-        (
-            "one_minus_beta",
-            v.one_minus_beta.as_ref().map(|at| &at.span),
-        ),
-    ];
-    let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
-    let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
-        return Ok(());
-    };
-    let what = format!("the velocity is said twice, as `{first}` and as `{second}`");
-    Err(cx.report.refuse_two(there, (here, "and here"), what, HELP))
+    Err(cx.report.refuse(span, "no velocity is given", HELP))
 }
 
 /// β along a direction; a negative one is against it.
@@ -82,7 +69,7 @@ pub(crate) fn from_signed_beta(beta: f64, direction: DVec3) -> Result<Velocity, 
 
 /// A velocity's table while it is read.
 struct Said<'a> {
-    cx: &'a Context<'a>,
+    cx: &'a Context,
     v: &'a file::Velocity,
     /// The direction of a number that has none; 0 where it must have one.
     otherwise: DVec3,

@@ -1,4 +1,4 @@
-//! What a world line refuses, said where the file says it; and exposures that are not on it.
+//! Motions that no world line can have, refused where the file gives them; exposures that lie outside it.
 
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ pub(super) fn refusal(cx: &Context, camera: &file::Camera, error: &WorldLineErro
     }
 }
 
-/// The span of an entry of the motion's list, or else of what says the motion.
+/// The span of an entry of the motion's list, or else of the motion itself.
 fn entry(motion: &At<file::Motion>, index: Option<usize>) -> Option<&Range<usize>> {
     fn of<T>(list: &Option<At<Vec<At<T>>>>, index: Option<usize>) -> Option<&Range<usize>> {
         let entry = list.as_ref()?.value.get(index?)?;

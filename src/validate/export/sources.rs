@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use super::bundle::{CubeEntry, LightEntry, SourceEntry};
 use super::{Cubes, Files, describe, stop_if_cancelled};
 use crate::error::{Error, Result};
+use crate::io::cube::Cube;
 use crate::io::cube::format_of;
 use crate::io::files;
-use crate::io::image::write_atomically;
+use crate::io::image::{npz, write_atomically};
 use crate::render::metadata::sha256_of;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
-use crate::scene::model::{CubeSource, Scene, SourceKind};
+use crate::scene::model::{CubeData, CubeSource, Scene, SourceKind};
 
 /// Writes what the sources of `scene` need, and describes them.
 pub(super) fn write(
@@ -30,7 +31,10 @@ pub(super) fn write(
         let light = match &source.kind {
             SourceKind::Pulse(pulse) => describe::pulse(pulse),
             SourceKind::Cube(cube) => {
-                let place = stored.place(&cube.path, cubes, files)?;
+                let place = match &cube.data {
+                    CubeData::File { path, .. } => stored.place(path, cubes, files)?,
+                    CubeData::Memory(cube) => write_out(cube, index, files)?,
+                };
                 let shape = plan.cubes.get(index).and_then(Option::as_ref);
                 LightEntry::Cube(entry(cube, place, shape.map(|cube| cube.shape)))
             }
@@ -49,7 +53,10 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
         file: place.file,
         is_copied: place.is_copied,
         sha256: place.sha256,
-        array: cube.array.clone(),
+        array: match &cube.data {
+            CubeData::File { array, .. } => array.clone(),
+            CubeData::Memory(_) => None,
+        },
         shape,
         start: cube.start,
         bin_width: cube.bin_width,
@@ -89,6 +96,19 @@ impl Stored {
         self.0.insert(path.to_path_buf(), place.clone());
         Ok(place)
     }
+}
+
+/// Writes the cube of source `index`, which is in no file yet.
+fn write_out(cube: &Cube, index: usize, files: &mut Files) -> Result<Place> {
+    files.folder.subfolder("sources")?;
+    let name = format!("sources/memory-{index:03}.npy");
+    files.written(&name, |target| npz::write_cube(target, cube))?;
+    let sha256 = files.entries.last().map(|entry| entry.sha256.clone());
+    Ok(Place {
+        file: name,
+        is_copied: true,
+        sha256: sha256.unwrap_or_default(),
+    })
 }
 
 /// Copies the file `path` as cube `number` of the bundle.

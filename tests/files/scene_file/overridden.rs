@@ -92,7 +92,7 @@ fn what_an_override_breaks_names_the_flag() {
     for (key, value, what) in [
         ("camera.hfov", "200 deg", "200 deg"),
         ("camera.hfovv", "20 deg", "unknown key"),
-        ("camera.velocity.gamma", "2", "said twice"),
+        ("camera.velocity.gamma", "2", "given twice"),
         ("camera.time", "3", "no unit"),
         ("display.white", "2", "exclude each other"),
         ("nonsense", "2", "unknown key"),

@@ -70,7 +70,7 @@ cases! { CAMERA:
     CAMERA_VELOCITY => "velocity = { gamma = 0.5, direction = [1, 0, 0] }" at "camera.velocity.gamma" "0.5": "γ = 0.5 is below 1", "at least 1";
     CAMERA_VELOCITY => "velocity = { one_minus_beta = 0, direction = [1, 0, 0] }" at "camera.velocity.one_minus_beta" "0": "not in (0, 1]", "above 0";
     CAMERA_VELOCITY => "velocity = { rapidity = [41, 0, 0] }" at "camera.velocity.rapidity" "[41, 0, 0]": "rapidity 41 is above 40", "smaller";
-    CAMERA_VELOCITY => "velocity = { beta = 0.5, gamma = 2 }" at "camera.velocity.gamma" "2": "said twice, as `beta` and as `gamma`", "one way";
+    CAMERA_VELOCITY => "velocity = { beta = 0.5, gamma = 2 }" at "camera.velocity.gamma" "2": "given twice, as `beta` and as `gamma`", "one way";
     CAMERA_VELOCITY => "velocity = { beta = [0.5, 0, 0], direction = [1, 0, 0] }" at "camera.velocity.direction" "[1, 0, 0]": "its own direction", "leave `direction` out";
     CAMERA_VELOCITY => "velocity = {}" at "camera.velocity" "{}": "no velocity", "beta = [0.9, 0, 0]";
 }

@@ -38,7 +38,7 @@ pub(super) struct Resolvers {
 
 /// The names of a diagram.
 pub(super) struct Names<'a> {
-    pub cx: &'a Context<'a>,
+    pub cx: &'a Context,
     pub file: &'a file::Diagram,
     /// Metres of a number.
     pub unit: f64,
@@ -56,7 +56,7 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub fn new(
-        cx: &'a Context<'a>,
+        cx: &'a Context,
         file: &'a file::Diagram,
         unit: f64,
         (direction, across): (DVec3, Option<DVec3>),

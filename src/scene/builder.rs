@@ -1,0 +1,261 @@
+//! Scenes made by a program: the keys of a scene file, with meshes and cubes in memory.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use glam::DVec3;
+use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table};
+
+use super::load;
+use super::memory::Memory;
+use super::model::{Scene, Shape};
+use super::overrides;
+use super::report::Report;
+use crate::error::{Error, Result};
+use crate::io::cube::Cube;
+use crate::mesh::Mesh;
+use crate::spacetime::Velocity;
+use crate::spacetime::units::{Dimension, Measure};
+
+/// Makes a [`Scene`] from values in place of a file.
+///
+/// Every key of a scene file can be [set](Builder::set), by the same name and with the same meaning; what a
+/// file must not contain is refused here with the same messages, with the key that is wrong. The first error is
+/// reported by [`build`](Builder::build). [`Scene::text`] is a scene file that says the same, except that it
+/// names meshes and cubes in memory by their SHA-256.
+///
+/// ```
+/// use std::sync::Arc;
+/// use nullray::mesh::Mesh;
+/// use nullray::scene::Builder;
+///
+/// let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Into::into);
+/// let triangle = Mesh::new(corners.into(), vec![[0, 1, 2]], [0.8, 0.2, 0.1]);
+/// let builder = Builder::new("a triangle")
+///     .set("camera.eye", [0.0, 0.0, 5.0])
+///     .set("camera.look_at", [0.0, 0.0, 0.0])
+///     .mesh("triangle", Arc::new(triangle));
+/// let scene = builder.clone().set("object.triangle.velocity.beta", [0.9, 0.0, 0.0]).build()?;
+/// assert_eq!(scene.objects[0].velocity.beta().x, 0.9);
+///
+/// let refused = builder.set("object.triangle.velocity.beta", [1.5, 0.0, 0.0]).build();
+/// let message = refused.unwrap_err().to_string();
+/// assert_eq!(message, "a triangle, object[0].velocity.beta: |β| = 1.5 is not below 1");
+/// # Ok::<(), nullray::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Builder {
+    name: String,
+    base: PathBuf,
+    document: DocumentMut,
+    memory: Memory,
+    /// The first error.
+    error: Option<Refused>,
+}
+
+/// What was wrong: file, place, what, help.
+type Refused = [String; 4];
+
+impl Builder {
+    /// A scene called `name`, with no key set yet.
+    pub fn new(name: impl Into<String>) -> Self {
+        Builder {
+            name: name.into(),
+            base: PathBuf::new(),
+            document: DocumentMut::new(),
+            memory: Memory::default(),
+            error: None,
+        }
+    }
+
+    /// A scene called `name` that begins as the scene file with this `text`.
+    pub fn from_toml(name: impl Into<String>, text: &str) -> Self {
+        let mut builder = Builder::new(name);
+        match DocumentMut::from_str(text) {
+            Ok(document) => builder.document = document,
+            Err(error) => builder.refuse("", error.message(), "the text of a scene is TOML"),
+        }
+        builder
+    }
+
+    /// Relative paths of files resolve against `folder`. Default: the current folder.
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.base = folder.into();
+        self
+    }
+
+    /// Sets a dotted key of the scene, like `camera.velocity.beta`; objects and sources are named by name or
+    /// number, as in `object.ship.origin.time`.
+    pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
+        let file = self.name.clone();
+        let refuse = |what, help| Error::invalid(&file, key, what, help);
+        let set = overrides::set(&mut self.document, key, value.into().0, &refuse);
+        if let Err(Error::Invalid(problem)) = set {
+            self.refuse(&problem.place, &problem.what, &problem.help);
+        }
+        self
+    }
+
+    /// Adds the object `name` with a mesh in memory, which is shared. The base colours of its materials
+    /// hold, but not their textures: those are images in files.
+    pub fn mesh(mut self, name: &str, mesh: Arc<Mesh>) -> Self {
+        if let Err(error) = mesh.check() {
+            let place = format!("object \"{name}\", {}", error.field);
+            self.refuse(&place, &error.what, "arrays of a mesh must fit each other");
+            return self;
+        }
+        let key = self.memory.add_mesh(mesh);
+        self.add("object", name, "gltf", key.into())
+    }
+
+    /// Adds the object `name` with a built-in shape.
+    pub fn shape(self, name: &str, shape: Shape) -> Self {
+        let (kind, keys) = match shape {
+            Shape::Box { size } => ("box", Value::table([("size", size.into())])),
+            Shape::Plane { size } => ("plane", Value::table([("size", size.into())])),
+            Shape::Sphere {
+                radius,
+                subdivisions,
+            } => {
+                let keys = [
+                    ("radius", radius.into()),
+                    ("subdivisions", subdivisions.into()),
+                ];
+                ("sphere", Value::table(keys))
+            }
+            Shape::Lattice {
+                cells,
+                spacing,
+                bar,
+            } => {
+                let (cells, spacing, bar) = (cells.into(), spacing.into(), bar.into());
+                let keys = [("cells", cells), ("spacing", spacing), ("bar", bar)];
+                ("lattice", Value::table(keys))
+            }
+        };
+        self.add("object", name, "shape", Value::table([(kind, keys)]))
+    }
+
+    /// Adds the object `name` from a glTF file.
+    pub fn gltf(self, name: &str, path: &str) -> Self {
+        self.add("object", name, "gltf", path.into())
+    }
+
+    /// Adds the source `name`, a cube in memory, which is shared. Its bins are `bin_width` metres (ct) wide.
+    pub fn cube(mut self, name: &str, cube: Arc<Cube>, bin_width: f64) -> Self {
+        let file = self.memory.add_cube(cube).into();
+        let width = format!("{bin_width} m").into();
+        let keys = Value::table([("file", file), ("bin_width", width)]);
+        self.add("source", name, "cube", keys)
+    }
+
+    /// Adds the source `name`, a spherical pulse of light from `position`, whose standard deviation in time
+    /// is `sigma` metres (ct).
+    pub fn pulse(self, name: &str, position: DVec3, sigma: f64) -> Self {
+        let sigma = format!("{sigma} m").into();
+        let keys = Value::table([("position", position.into()), ("sigma", sigma)]);
+        self.add("source", name, "pulse", keys)
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// As [`load`](super::load()) has them, and what was wrong before.
+    pub fn build(self) -> Result<Scene> {
+        if let Some([file, place, what, help]) = self.error {
+            return Err(Error::invalid(file, place, what, help));
+        }
+        let report = Report {
+            name: self.name,
+            text: self.document.to_string().into(),
+            edits: Vec::new(),
+        };
+        load::scene(report, &self.base, self.memory)
+    }
+
+    /// Adds the entry `name` to the list of objects or sources.
+    fn add(mut self, list: &str, name: &str, key: &str, value: Value) -> Self {
+        let mut entry = Table::new();
+        entry.insert("name", Item::Value(name.into()));
+        entry.insert(key, Item::Value(value.0));
+        let item = self.document.entry(list).or_insert_with(new_list);
+        let mut tables = std::mem::take(item)
+            .into_array_of_tables()
+            .unwrap_or_default();
+        tables.push(entry);
+        *item = Item::ArrayOfTables(tables);
+        self
+    }
+
+    /// Keeps the first error.
+    fn refuse(&mut self, place: &str, what: &str, help: &str) {
+        let refused = [&self.name, place, what, help].map(str::to_string);
+        self.error.get_or_insert(refused);
+    }
+}
+
+fn new_list() -> Item {
+    Item::ArrayOfTables(ArrayOfTables::new())
+}
+
+/// The value of a key: a number, a text, a truth value, or a list or table of such.
+#[derive(Debug, Clone)]
+pub struct Value(toml_edit::Value);
+
+impl Value {
+    /// A table, like `[("gamma", 7.0.into()), ("direction", [1.0, 0.0, 0.0].into())]`.
+    pub fn table<'k>(entries: impl IntoIterator<Item = (&'k str, Value)>) -> Value {
+        let entries = entries.into_iter().map(|(key, value)| (key, value.0));
+        Value(InlineTable::from_iter(entries).into())
+    }
+}
+
+/// What TOML has, by way of its own types.
+macro_rules! from {
+    ($($own:ty => $toml:ty),*) => {
+        $(impl From<$own> for Value {
+            fn from(value: $own) -> Self {
+                Value(<$toml>::from(value).into())
+            }
+        })*
+    };
+}
+
+from!(f64 => f64, f32 => f64, i32 => i64, u32 => i64, i64 => i64, bool => bool, &str => String, String => String);
+
+impl<T: Into<Value>, const N: usize> From<[T; N]> for Value {
+    fn from(values: [T; N]) -> Self {
+        Value::from_iter(values)
+    }
+}
+
+impl<T: Into<Value>> From<Vec<T>> for Value {
+    fn from(values: Vec<T>) -> Self {
+        Value::from_iter(values)
+    }
+}
+
+impl<T: Into<Value>> FromIterator<T> for Value {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        Value(values.into_iter().map(|value| value.into().0).collect())
+    }
+}
+
+impl From<DVec3> for Value {
+    fn from(v: DVec3) -> Self {
+        v.to_array().into()
+    }
+}
+
+impl From<Velocity> for Value {
+    fn from(velocity: Velocity) -> Self {
+        Value::table([("rapidity", velocity.rapidity().into())])
+    }
+}
+
+impl<D: Dimension> From<Measure<D>> for Value {
+    fn from(measure: Measure<D>) -> Self {
+        measure.to_string().into()
+    }
+}

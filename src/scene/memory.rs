@@ -1,0 +1,107 @@
+//! Meshes and cubes that a program gives in memory, in place of files.
+//!
+//! The text of a scene names them by their content, as `memory:` and the SHA-256 of the arrays, so that the
+//! text alone tells one scene from another.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use crate::io::cube::{Cube, Samples};
+use crate::mesh::Mesh;
+
+/// What the names of things in memory begin with, where a path would stand.
+pub(super) const PREFIX: &str = "memory:";
+
+/// Meshes and cubes by name; they are shared, not copied.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Memory {
+    meshes: HashMap<String, Arc<Mesh>>,
+    cubes: HashMap<String, Arc<Cube>>,
+}
+
+impl Memory {
+    /// Keeps `mesh`; the name by which the text of a scene refers to it.
+    pub fn add_mesh(&mut self, mesh: Arc<Mesh>) -> String {
+        let name = name(|hash| hash_mesh(hash, &mesh));
+        self.meshes.insert(name.clone(), mesh);
+        name
+    }
+
+    /// Keeps `cube`; the name by which the text of a scene refers to it.
+    pub fn add_cube(&mut self, cube: Arc<Cube>) -> String {
+        let name = name(|hash| hash_cube(hash, &cube));
+        self.cubes.insert(name.clone(), cube);
+        name
+    }
+
+    /// The mesh of this name.
+    pub fn mesh(&self, name: &str) -> Option<Arc<Mesh>> {
+        self.meshes.get(name).cloned()
+    }
+
+    /// The cube of this name.
+    pub fn cube(&self, name: &str) -> Option<Arc<Cube>> {
+        self.cubes.get(name).cloned()
+    }
+}
+
+fn name(add: impl FnOnce(&mut Sha256)) -> String {
+    let mut hash = Sha256::new();
+    add(&mut hash);
+    let digits = hash
+        .finalize()
+        .iter()
+        .map(|b| format!("{b:02x}"))
+        .collect::<String>();
+    format!("{PREFIX}{digits}")
+}
+
+/// Adds numbers, in blocks, after how many they are.
+fn add<T, const N: usize>(hash: &mut Sha256, numbers: &[T], bytes: impl Fn(&T) -> [u8; N]) {
+    hash.update((numbers.len() as u64).to_le_bytes());
+    for block in numbers.chunks(4096) {
+        hash.update(block.iter().flat_map(&bytes).collect::<Vec<u8>>());
+    }
+}
+
+fn add_text(hash: &mut Sha256, text: &str) {
+    add(hash, text.as_bytes(), |&byte| [byte]);
+}
+
+fn hash_cube(hash: &mut Sha256, cube: &Cube) {
+    add(hash, &cube.shape, |&n| (n as u64).to_le_bytes());
+    match &cube.samples {
+        Samples::F16(samples) => add(hash, samples, |x| x.to_le_bytes()),
+        Samples::F32(samples) => add(hash, samples, |x| x.to_le_bytes()),
+        Samples::F64(samples) => add(hash, samples, |x| x.to_le_bytes()),
+    }
+}
+
+fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
+    let Mesh {
+        positions,
+        uvs,
+        triangles,
+        parts,
+        materials,
+    } = mesh;
+    for axis in 0..3 {
+        add(hash, positions, |p| p[axis].to_le_bytes());
+        add(hash, triangles, |t| t[axis].to_le_bytes());
+    }
+    hash.update((uvs.len() as u64).to_le_bytes());
+    for set in uvs {
+        add(hash, set, |uv| uv[0].to_le_bytes());
+        add(hash, set, |uv| uv[1].to_le_bytes());
+    }
+    add(hash, parts, |p| p.first_triangle.to_le_bytes());
+    add(hash, parts, |p| p.triangles.to_le_bytes());
+    add(hash, parts, |p| p.material.to_le_bytes());
+    add(hash, materials, |m| [u8::from(m.double_sided)]);
+    for material in materials {
+        add_text(hash, &material.name);
+        add(hash, &material.base_colour, |c| c.to_le_bytes());
+    }
+}

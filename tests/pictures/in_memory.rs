@@ -1,0 +1,309 @@
+//! Scenes made in memory, without any file: the same pictures as those of files, bit for bit.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use nullray::Error;
+use nullray::io::cube::{self, Cube, Samples};
+use nullray::io::gltf::{self, Want};
+
+use nullray::mesh::{Mesh, shapes};
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
+use nullray::render::metadata::metadata;
+use nullray::render::plan::{Plan, Request};
+use nullray::scene::model::{BadVertices, Geometry, Scene, SourceKind};
+use nullray::scene::{Builder, Value};
+use nullray::spacetime::Velocity;
+use nullray::spacetime::units::Time;
+
+use crate::pipeline::{files, stage};
+
+/// Two films of the same numbers.
+fn assert_same(a: &Film, b: &Film) {
+    let bits = |film: &Film| {
+        film.radiance_array()
+            .1
+            .iter()
+            .map(|x| x.to_bits())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(a), bits(b));
+    for aov in [Aov::EventCt, Aov::UvU, Aov::Primitive] {
+        let bits = |film: &Film| stage_bits(film, aov);
+        assert_eq!(bits(a), bits(b), "{aov:?}");
+    }
+    assert!(stage::met(a).len() > 50);
+}
+
+fn stage_bits(film: &Film, aov: Aov) -> Vec<u64> {
+    film.aov(aov).unwrap().iter().map(|x| x.to_bits()).collect()
+}
+
+/// A camera at (0.5, 0, 4) that looks at the origin, and takes its picture late enough for light to come.
+fn camera(name: &str) -> Builder {
+    Builder::new(name)
+        .set("camera.eye", [0.5, 0.0, 4.0])
+        .set("camera.look_at", DVec3::ZERO)
+        .set("camera.size", [32, 24])
+        .set("camera.time", "4 m")
+}
+
+const CAMERA: &str =
+    "[camera]\neye = [0.5, 0, 4]\nlook_at = [0, 0, 0]\nsize = [32, 24]\ntime = '4 m'\n";
+
+#[test]
+fn a_mesh_of_a_file_renders_the_same_when_it_is_passed_as_arrays() {
+    let folder = tempfile::tempdir().unwrap();
+    files::glb(&folder.path().join("quad.glb"), &files::Quad::PLAIN);
+    let text =
+        "[[object]]\ngltf = 'quad.glb'\nvelocity = { beta = [0.5, 0, 0] }\norigin.time = '1 m'";
+    let file = stage::scene_in(folder.path(), &format!("{CAMERA}{text}"));
+
+    let want = Want {
+        uvs: true,
+        textures: false,
+        bad_vertices: BadVertices::Refuse,
+    };
+    let mesh = gltf::load(&folder.path().join("quad.glb"), None, want)
+        .unwrap()
+        .mesh;
+    let memory = camera("arrays")
+        .mesh("quad", Arc::new(mesh))
+        .set("object.quad.velocity.beta", [0.5, 0.0, 0.0])
+        .set("object.quad.origin.time", Time::customary(1.0));
+    assert_same(&stage::film(&file), &stage::film(&memory.build().unwrap()));
+}
+
+#[test]
+fn a_cube_of_a_file_renders_the_same_when_it_is_passed_as_an_array() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cube.npy");
+    let value = |i: usize| (i * 37 % 101) as f64 / 7.0;
+    files::npy(&path, &[4, 5, 16, 3], (0..4 * 5 * 16 * 3).map(value));
+    let text = "[[object]]\nname = 'wall'\nshape = { box = { size = [2, 2, 1] } }\n[[source]]\n\
+                cube = { file = 'cube.npy', bin_width = '0.3 m', start = '-1 m', filter = 'cubic' }";
+    let file = stage::scene_in(folder.path(), &format!("{CAMERA}{text}"));
+
+    let cube = Arc::new(cube::load(&path, None).unwrap());
+    let memory = camera("array")
+        .shape("wall", shapes_box())
+        .cube("light", cube.clone(), 0.3)
+        .set("source.light.cube.start", "-1 m")
+        .set("source.light.cube.filter", "cubic")
+        .build()
+        .unwrap();
+    assert_same(&stage::film(&file), &stage::film(&memory));
+
+    // It is shared: the builder and the renderer have made no copy.
+    let SourceKind::Cube(source) = &memory.sources[0].kind else {
+        panic!("{:?}", memory.sources[0]);
+    };
+    assert!(source.data.path().is_none());
+    assert_eq!(Arc::strong_count(&cube), 2);
+}
+
+fn shapes_box() -> nullray::scene::model::Shape {
+    nullray::scene::model::Shape::Box {
+        size: [2.0, 2.0, 1.0],
+    }
+}
+
+#[test]
+fn a_box_renders_the_same_as_its_arrays() {
+    let velocity = Velocity::from_beta(DVec3::new(0.0, 0.6, 0.0)).unwrap();
+    let colour = [0.25, 0.5, 1.0];
+    let shape = camera("shape")
+        .shape("box", shapes_box())
+        .set("object.box.colour", colour)
+        .set("object.box.velocity", velocity);
+    let mesh = shapes::mesh(shapes_box(), colour);
+    let arrays = camera("arrays")
+        .mesh("box", Arc::new(mesh))
+        .set("object.box.velocity", velocity);
+    let [shape, arrays] = [shape, arrays].map(|b| stage::film(&b.build().unwrap()));
+    assert_same(&shape, &arrays);
+}
+
+/// A triangle with texture coordinates.
+fn triangle() -> Mesh {
+    let corners = [DVec3::NEG_X, DVec3::X, DVec3::Y];
+    let mut mesh = Mesh::new(corners.into(), vec![[0, 1, 2]], [1.0; 3]);
+    mesh.uvs = vec![vec![[0.0; 2]; 3]];
+    mesh
+}
+
+#[test]
+fn the_text_of_a_scene_tells_arrays_apart() {
+    let scene = |mesh: Mesh| camera("same").mesh("a", Arc::new(mesh)).build().unwrap();
+    let hash = |scene: &Scene| {
+        let pairs = metadata(scene, &stage::film(scene));
+        pairs
+            .into_iter()
+            .find(|(key, _)| key == "scene_sha256")
+            .unwrap()
+            .1
+    };
+    let one = hash(&scene(triangle()));
+    assert_eq!(one, hash(&scene(triangle())));
+    let mut moved = triangle();
+    moved.positions[2].y += f64::EPSILON;
+    assert_ne!(one, hash(&scene(moved)));
+    let mut painted = triangle();
+    painted.materials[0].base_colour[1] = 0.5;
+    assert_ne!(one, hash(&scene(painted)));
+}
+
+#[test]
+fn a_scene_made_by_a_program_says_what_it_is_as_a_scene_file() {
+    let by_hand = camera("text").shape("box", shapes_box()).build().unwrap();
+    let read = stage::scene(&by_hand.text);
+    assert_same(&stage::film(&by_hand), &stage::film(&read));
+    let more = Builder::from_toml("more", &by_hand.text).shape("second", shapes_box());
+    assert_eq!(more.build().unwrap().objects.len(), 2);
+}
+
+#[test]
+fn a_plan_counts_what_is_in_memory() {
+    let cube = Cube::new([1, 1, 8, 1], Samples::F32(vec![1.0; 8])).unwrap();
+    let scene = camera("plan")
+        .mesh("a", Arc::new(triangle()))
+        .cube("light", Arc::new(cube), 0.5)
+        .build()
+        .unwrap();
+    assert!(matches!(scene.objects[0].geometry, Geometry::Mesh(_)));
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    assert_eq!(plan.frames[0].triangles, 1);
+    let planned = plan.cubes[0].as_ref().unwrap();
+    assert_eq!((planned.shape, planned.bytes), ([1, 1, 8, 1], 32));
+    let text = plan.to_string();
+    assert!(text.contains("a (mesh in memory, 1 triangle)"), "{text}");
+    assert!(text.contains("light (in memory)"), "{text}");
+}
+
+/// Place and text of the refusal of `builder`.
+fn refusal(builder: Builder) -> (String, String) {
+    match builder.build() {
+        Err(Error::Invalid(problem)) => (problem.place, problem.what),
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+#[test]
+fn refusals_name_the_field() {
+    let good = || camera("refused").mesh("a", Arc::new(triangle()));
+    let with = |change: fn(&mut Mesh)| {
+        let mut mesh = triangle();
+        change(&mut mesh);
+        camera("refused").mesh("a", Arc::new(mesh))
+    };
+    let tilted = Value::table([("axis", DVec3::ZERO.into()), ("angle", "1 deg".into())]);
+    let rows = [
+        (
+            with(|m| m.triangles[0][1] = 3),
+            "object \"a\", triangles[0]",
+            "there are 3",
+        ),
+        (
+            with(|m| m.uvs[0].truncate(2)),
+            "object \"a\", uvs[0]",
+            "2 texture coordinates for 3",
+        ),
+        (
+            with(|m| m.parts.clear()),
+            "object \"a\", parts",
+            "cover 0 of 1",
+        ),
+        (
+            with(|m| m.materials.clear()),
+            "object \"a\", parts[0].material",
+            "0 materials",
+        ),
+        (
+            good().set("camera.hfov", 40.0),
+            "camera.hfov",
+            "has no unit",
+        ),
+        (good().set("camera.size", [0, 10]), "camera.size", "0 by 10"),
+        (
+            good().set("camera.eye", [f64::NAN, 0.0, 0.0]),
+            "camera.eye[0]",
+            "not a finite number",
+        ),
+        (
+            good().set("object.a.velocity.beta", [0.0, 1.0, 0.0]),
+            "object[0].velocity.beta",
+            "not below 1",
+        ),
+        (
+            good().set("object.a.transform.rotate", tilted),
+            "object[0].transform.rotate.axis",
+            "zero vector",
+        ),
+        (
+            good().set("object.a.node", "x"),
+            "object[0].node",
+            "exclude each other",
+        ),
+        (
+            good().set("object.b.node", "x"),
+            "object.b.node",
+            "there is no object \"b\"",
+        ),
+        (
+            good().set("camera..eye", 1.0),
+            "camera..eye",
+            "not a dotted key",
+        ),
+        (
+            good().mesh("a", Arc::new(triangle())),
+            "object[1].name",
+            "two objects are called \"a\"",
+        ),
+        (
+            good().pulse("p", DVec3::Y, 0.0),
+            "source[0].pulse.sigma",
+            "not above 0",
+        ),
+        (
+            good().gltf("b", "missing.glb"),
+            "object[1].gltf",
+            "cannot find this file",
+        ),
+        (Builder::from_toml("refused", "a = ["), "", "unclosed array"),
+        (camera("refused"), "camera", "the scene has no object"),
+    ];
+    for (builder, place, what) in rows {
+        let (found, text) = refusal(builder);
+        assert_eq!(found, place, "{text}");
+        assert!(text.contains(what), "{place}: {text}");
+    }
+}
+
+#[test]
+fn a_file_cannot_name_what_was_in_memory() {
+    let scene = camera("first")
+        .mesh("a", Arc::new(triangle()))
+        .build()
+        .unwrap();
+    let overrides = nullray::scene::Overrides::default();
+    let again = nullray::scene::parse(&scene.text, "copy", Path::new(""), &overrides);
+    let message = again.unwrap_err().to_string();
+    assert!(
+        message.contains("object[0].gltf: this was given in memory"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_channel_is_an_array_with_a_shape() {
+    let scene = camera("array").shape("box", shapes_box()).build().unwrap();
+    let film = stage::film(&scene);
+    let (shape, values) = film.radiance_array();
+    assert_eq!(shape, [24, 32, 3]);
+    assert_eq!(values.len(), 24 * 32 * 3);
+    assert_eq!(values[(7 * 32 + 9) * 3 + 1], film.radiance()[7 * 32 + 9][1]);
+    assert_eq!(film.aov_array(Aov::EventCt).unwrap().0, [24, 32]);
+    assert!(film.aov_array(Aov::Coverage).is_some() == film.aov(Aov::Coverage).is_some());
+}

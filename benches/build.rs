@@ -11,9 +11,11 @@ mod common;
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Preset};
+use nullray::accel::{Bvh, Facing, Preset};
 
-use common::{Camera, Peer, TILE, best_of, meshes, on_threads, report, report_file, sphere};
+use common::{
+    Camera, Peer, TILE, best_of, meshes, on_threads, report, report_file, sphere, trace_tile,
+};
 
 fn main() {
     let smoke = common::is_smoke();
@@ -72,9 +74,7 @@ fn worth(triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> (f64, f64) {
     let camera = Camera::new(&bvh, 2.2, 0.5, image);
     let seconds = best_of(2, || {
         for tile in camera.directions.chunks(TILE * TILE) {
-            let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-            bvh.closest_each(camera.origin, tile, &mut hits[..tile.len()], |_| ());
-            std::hint::black_box(&hits);
+            trace_tile(&bvh, camera.origin, tile);
         }
     });
     (bvh.bytes() as f64 / triangles.len() as f64, seconds)

@@ -30,7 +30,7 @@ use nullray::render::progress::{Progress, Silent};
 use nullray::render::trace::Stage;
 use nullray::render::{render, render_with_stats};
 
-use common::{Peer, grid, meshes};
+use common::{Peer, TILE, grid, meshes, trace_tile};
 use scene::{Case, Files, Place};
 
 struct Size {
@@ -256,13 +256,8 @@ struct Rivals<'a> {
 
 /// Certified visibility alone, tile by tile; how many rays hit.
 fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> usize {
-    let mut count = 0;
-    for tile in directions.chunks(TILE * TILE) {
-        let mut hits = [None; TILE * TILE];
-        bvh.closest_each(origin, tile, &mut hits[..tile.len()], |_| count += 1);
-        std::hint::black_box(&hits);
-    }
-    count
+    let tiles = directions.chunks(TILE * TILE);
+    tiles.map(|tile| trace_tile(bvh, origin, tile)).sum()
 }
 
 /// How a scene is rendered.
@@ -303,9 +298,6 @@ fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
     std::hint::black_box(work());
     begin.elapsed().as_secs_f64()
 }
-
-/// Pixels of a tile's side, as in images.
-const TILE: usize = 16;
 
 /// The world look directions through all pixel centres, tile by tile.
 fn world_directions(scene: &Prepared) -> Vec<DVec3> {

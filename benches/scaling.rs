@@ -9,7 +9,7 @@
 mod common;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit};
+use nullray::accel::{Bvh, Facing};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -17,7 +17,7 @@ use nullray::render::render;
 use nullray::scene::{Overrides, parse};
 use rayon::prelude::*;
 
-use common::{Camera, TILE, on_threads, report, report_file, sphere};
+use common::{Camera, TILE, on_threads, report, report_file, sphere, trace_tile};
 
 fn main() {
     let smoke = common::is_smoke();
@@ -110,9 +110,7 @@ impl Bench {
 
 fn trace(bvh: &Bvh, camera: &Camera) {
     camera.directions.par_chunks(TILE * TILE).for_each(|tile| {
-        let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-        bvh.closest_each(camera.origin, tile, &mut hits[..tile.len()], |_| ());
-        std::hint::black_box(&hits);
+        trace_tile(bvh, camera.origin, tile);
     });
 }
 

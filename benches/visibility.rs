@@ -239,7 +239,8 @@ impl Shots {
 /// From what is seen along `directions` to `lamp`.
 fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segment> {
     let mut hits = vec![None; directions.len()];
-    bvh.closest_each(eye, directions, &mut hits, |_| ());
+    let (method, from) = (Method::default(), Origins::Shared(eye));
+    bvh.closest_by(method, from, directions, &mut hits, &mut NoTally, |_| ());
     let seen = directions
         .iter()
         .zip(hits)

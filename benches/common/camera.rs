@@ -1,7 +1,7 @@
 //! The camera of benchmarks of visibility.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Ray};
+use nullray::accel::{Bvh, Hit, Method, NoTally, Origins};
 
 use super::grid;
 
@@ -35,13 +35,17 @@ impl Camera {
     pub fn rays(&self) -> usize {
         self.directions.len()
     }
+}
 
-    /// One of them alone.
-    pub fn ray(&self, direction: DVec3) -> Ray {
-        Ray {
-            origin: self.origin,
-            direction,
-            s_min: 0.0,
-        }
-    }
+/// The closest hits of a tile's rays, traced as pictures trace them; how many there are.
+pub fn trace_tile(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> usize {
+    let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
+    let (method, from) = (Method::default(), Origins::Shared(origin));
+    let entries = &mut hits[..directions.len()];
+    let mut count = 0;
+    bvh.closest_by(method, from, directions, entries, &mut NoTally, |_| {
+        count += 1
+    });
+    std::hint::black_box(&hits);
+    count
 }

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub use camera::{Camera, TILE};
+pub use camera::{Camera, TILE, trace_tile};
 pub use meshes::{meshes, sphere};
 pub use peer::Peer;
 

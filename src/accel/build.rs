@@ -11,12 +11,13 @@ use obvhs::ploc::{PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
-use super::query::Tag;
-use super::slab::{Lattice, Link, Node};
-use super::wide::{Pairs, WideTree};
-use super::{Bvh, Facing};
+use super::bvh::Bvh;
+use super::node::{Child, Node, NodeRef, Tag};
+use super::rays::Facing;
+use super::tree_space::TreeSpace;
+use super::wide::{BinaryTree, WideTree};
 
-/// How much work goes into a tree. What rays meet does not depend on it, only how fast.
+/// How much work goes into a tree. Hits do not depend on it, only how fast they are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Preset {
     /// Built fastest.
@@ -24,7 +25,7 @@ pub enum Preset {
     /// The best sum of building and tracing for a still.
     #[default]
     Balanced,
-    /// Some per cent faster to trace, for several times the building.
+    /// Some per cent faster to trace, for several times the time to build.
     Thorough,
 }
 
@@ -34,8 +35,8 @@ impl Preset {
 
     /// Measured with `benches/visibility.rs` and `benches/build.rs`. Reinsertion beyond 0.1 multiplies the
     /// time to build for 3 % of speed; splitting triangles would break the memory budget. Leaves of up to
-    /// four, where a node costs three triangles, are for single rays, which lose up to a tenth by them;
-    /// packets have packs of their own. They save 16 to 20 bytes per triangle, of 182 to 188.
+    /// four triangles save 16 to 20 bytes per triangle, of 182 to 188, and cost single rays up to a tenth of
+    /// their speed; packets have the leaves of the wide tree.
     fn parameters(self) -> BvhBuildParams {
         let (ploc_search_distance, search_depth_threshold, reinsertion_batch_ratio) = match self {
             Preset::Quick => (PlocSearchDistance::Minimum, 2, 0.0),
@@ -60,12 +61,12 @@ impl Bvh {
     /// A triangle's id is its index; `facing` says which of its sides are there.
     ///
     /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
-    /// are never hit. At most [`Bvh::MAX_TRIANGLES`] are looked at.
+    /// are never hit. Triangles beyond [`Bvh::MAX_TRIANGLES`] are ignored.
     pub fn build(triangles: Vec<[DVec3; 3]>, facing: impl Fn(u32) -> Facing) -> Bvh {
         Bvh::build_with(triangles, facing, Preset::default())
     }
 
-    /// The same, with more or less care for the tree.
+    /// [`Bvh::build`] with more or less care for the tree.
     pub fn build_with(
         triangles: Vec<[DVec3; 3]>,
         facing: impl Fn(u32) -> Facing,
@@ -76,8 +77,8 @@ impl Bvh {
         let Some((lo, hi)) = bounds(&triangles, &solid) else {
             return Bvh::empty();
         };
-        let lattice = Lattice::new(lo, hi);
-        let tree = build_tree(&triangles, &solid, &lattice, preset);
+        let space = TreeSpace::new(lo, hi);
+        let tree = build_tree(&triangles, &solid, &space, preset);
         let layout = Layout::of(&tree);
         drop(tree);
         let ids: Vec<u32> = layout.order.iter().map(|&i| solid[i as usize]).collect();
@@ -94,23 +95,23 @@ impl Bvh {
             nodes: layout.nodes,
             depth: layout.depth,
             wide: WideTree::default(),
-            lattice,
+            space,
             bounds: (lo, hi),
         };
         for &slot in &layout.last_of_leaf {
             bvh.tags[slot as usize].end_leaf();
         }
-        bvh.wide = WideTree::collapsed(Pairs {
+        bvh.wide = WideTree::collapsed(BinaryTree {
             nodes: &bvh.nodes,
             corners: &bvh.corners,
             tags: &bvh.tags,
-            lattice: &bvh.lattice,
+            space: &bvh.space,
         });
         bvh
     }
 }
 
-/// The indices of the triangles that a ray can meet.
+/// The indices of the triangles that a ray can hit.
 fn solid_triangles(triangles: &[[DVec3; 3]]) -> Vec<u32> {
     let ids = 0..triangles.len() as u32;
     ids.into_par_iter()
@@ -142,11 +143,11 @@ fn bounds(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<(DVec3, DVec3)> {
         .reduce_with(|x, y| (x.0.min(y.0), x.1.max(y.1)))
 }
 
-fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], lattice: &Lattice, preset: Preset) -> Bvh2 {
+fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> Bvh2 {
     let boxes: Vec<Aabb> = ids
         .par_iter()
         .map(|&id| {
-            let (lo, hi) = lattice.bounds(&triangles[id as usize]);
+            let (lo, hi) = space.bounds(&triangles[id as usize]);
             Aabb::new(Vec3A::from(lo), Vec3A::from(hi))
         })
         .collect();
@@ -172,7 +173,7 @@ impl Layout {
             last_of_leaf: Vec::with_capacity(inner + 1),
             depth: 1,
         };
-        layout.nodes.push(Node::NOTHING);
+        layout.nodes.push(Node::EMPTY);
         match tree.nodes.first() {
             Some(root) if root.is_leaf() => layout.set_child(tree, 0, 0, 0),
             Some(root) => layout.walk(tree, root.first_index as usize),
@@ -192,7 +193,7 @@ impl Layout {
             for side in [1, 0] {
                 let child = &tree.nodes[pair + side];
                 if !child.is_leaf() {
-                    let index = self.nodes[node].links[side].index();
+                    let index = self.nodes[node].children[side].index();
                     pending.push((child.first_index as usize, index, depth + 1));
                 }
             }
@@ -202,18 +203,22 @@ impl Layout {
     /// Makes `tree.nodes[source]` the child of `node` on `side`.
     fn set_child(&mut self, tree: &Bvh2, source: usize, node: usize, side: usize) {
         let child = &tree.nodes[source];
-        let link = if child.is_leaf() {
+        let node_ref = if child.is_leaf() {
             let first = child.first_index as usize;
             let slot = self.order.len();
             let primitives = &tree.primitive_indices[first..first + child.prim_count as usize];
             self.order.extend_from_slice(primitives);
             self.last_of_leaf.push(self.order.len() as u32 - 1);
-            Link::leaf(slot)
+            NodeRef::leaf(slot)
         } else {
-            self.nodes.push(Node::NOTHING);
-            Link::inner(self.nodes.len() - 1)
+            self.nodes.push(Node::EMPTY);
+            NodeRef::inner(self.nodes.len() - 1)
         };
-        let (lo, hi) = (child.aabb().min.to_array(), child.aabb().max.to_array());
-        self.nodes[node].set_child(side, link, lo, hi);
+        let child = Child {
+            node: node_ref,
+            lo: child.aabb().min.to_array(),
+            hi: child.aabb().max.to_array(),
+        };
+        self.nodes[node].set_child(side, child);
     }
 }

@@ -1,4 +1,4 @@
-//! Rays, and what they meet.
+//! Rays, and what they hit.
 
 use glam::DVec3;
 
@@ -33,7 +33,7 @@ pub struct Segment {
     pub skip: Option<u32>,
 }
 
-/// Where a ray meets a triangle.
+/// Where a ray hits a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray's parameter.
@@ -44,9 +44,9 @@ pub struct Hit {
     pub v: f64,
     /// The triangle's id: its index when the tree was built.
     pub triangle: u32,
-    /// Its place in the tree, for [`Bvh::corners`](super::Bvh::corners).
+    /// Its place in the tree, for `Bvh::corners`.
     pub slot: u32,
-    /// Whether the ray meets the front: the side from which the corners run counter-clockwise.
+    /// Whether the ray hits the front: the side from which the corners run counter-clockwise.
     pub front: bool,
 }
 

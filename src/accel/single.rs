@@ -1,16 +1,21 @@
-//! Rays one by one: the reference for packets, and what is left to them.
+//! Single rays: the reference for packets, and what is left to them.
 
-use super::query::{Any, Closest, Probe};
-use super::slab::{Link, Slabs};
-use super::traverse::{Query, USUAL_DEPTH, Waiting, traverse};
-use super::{Bvh, Hit, NoTally, Origins, Ray, Segment, Tally, Work};
 use glam::DVec3;
+
+use super::bvh::Bvh;
+use super::float::{exponent, power_of_two};
+use super::node::{NodeRef, Tag};
+use super::rays::{Hit, Origins, Ray, Segment};
+use super::slab::SlabRay;
+use super::tally::{NoTally, Tally, Work};
+use super::traverse::{Query, StackEntry, USUAL_DEPTH, traverse};
+use super::triangle::{Crossing, Line};
 
 impl Bvh {
     /// The first hit with `ray.s_min` < s < `s_max`.
     pub fn closest(&self, ray: &Ray, s_max: f64) -> Option<Hit> {
-        let probe = Probe::new(ray)?;
-        self.with_stack(|stack| self.closest_of(&probe, s_max, stack, &mut NoTally))
+        let ray = ScaledRay::new(ray)?;
+        self.with_stack(|stack| self.closest_of(&ray, s_max, stack, &mut NoTally))
     }
 
     /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
@@ -23,7 +28,7 @@ impl Bvh {
         self.with_stack(|stack| self.is_blocked(&segment, stack, &mut NoTally))
     }
 
-    /// [`Bvh::closest_by`] with [`Kernel::Scalar`].
+    /// [`Bvh::closest_by`] ray by ray.
     pub(super) fn closest_singly(
         &self,
         from: Origins,
@@ -41,8 +46,8 @@ impl Bvh {
                     s_min: 0.0,
                 };
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
-                let probe = Probe::new(&ray);
-                if let Some(hit) = probe.and_then(|p| self.closest_of(&p, s_max, stack, tally)) {
+                let ray = ScaledRay::new(&ray);
+                if let Some(hit) = ray.and_then(|ray| self.closest_of(&ray, s_max, stack, tally)) {
                     *entry = Some(hit);
                     replaced(i);
                 }
@@ -50,7 +55,7 @@ impl Bvh {
         })
     }
 
-    /// [`Bvh::any_by`] with [`Kernel::Scalar`].
+    /// [`Bvh::any_by`] segment by segment.
     pub(super) fn any_singly(
         &self,
         segments: &[Segment],
@@ -65,54 +70,280 @@ impl Bvh {
         })
     }
 
-    fn is_blocked(&self, segment: &Segment, stack: &mut [Waiting], tally: &mut impl Tally) -> bool {
-        let Some(probe) = Probe::new(&segment.ray) else {
+    fn is_blocked(
+        &self,
+        segment: &Segment,
+        stack: &mut [StackEntry],
+        tally: &mut impl Tally,
+    ) -> bool {
+        let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = Any::new(self, &probe, segment, tally);
-        self.run(&probe, stack, &mut query);
+        let mut query = AnyHit::new(self, &ray, segment, tally);
+        self.trace(&ray, stack, &mut query);
         query.found
     }
 
     #[inline(always)]
     fn closest_of(
         &self,
-        probe: &Probe,
+        ray: &ScaledRay,
         s_max: f64,
-        stack: &mut [Waiting],
+        stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Option<Hit> {
-        let mut query = Closest {
+        let mut query = ClosestHit {
             bvh: self,
-            line: &probe.line,
-            s_min: probe.s_min,
-            s: s_max * probe.per_unit,
+            line: &ray.line,
+            s_min: ray.s_min,
+            s: s_max * ray.per_unit,
             found: None,
             tally,
         };
-        self.run(probe, stack, &mut query);
+        self.trace(ray, stack, &mut query);
         let (crossing, slot) = query.found?;
-        Some(probe.hit(self, &crossing, slot))
+        Some(ray.hit(self, &crossing, slot))
     }
 
     #[inline(always)]
-    fn run(&self, probe: &Probe, stack: &mut [Waiting], query: &mut impl Query) {
+    fn trace(&self, ray: &ScaledRay, stack: &mut [StackEntry], query: &mut impl Query) {
         if self.is_empty() {
             return;
         }
-        if let Some(slabs) = Slabs::new(&self.lattice, &probe.line, probe.s_min) {
+        if let Some(slabs) = SlabRay::new(&self.space, &ray.line, ray.s_min) {
             traverse(&self.nodes, &slabs, stack, query);
         }
     }
 
     /// A stack as deep as the tree; on the heap only if the tree is deeper than trees are.
     #[inline(always)]
-    fn with_stack<T>(&self, run: impl FnOnce(&mut [Waiting]) -> T) -> T {
-        const NONE: Waiting = (Link::ROOT, 0.0);
+    fn with_stack<T>(&self, run: impl FnOnce(&mut [StackEntry]) -> T) -> T {
+        const NONE: StackEntry = (NodeRef::ROOT, 0.0);
         if self.depth <= USUAL_DEPTH {
             run(&mut [NONE; USUAL_DEPTH])
         } else {
             run(&mut vec![NONE; self.depth])
+        }
+    }
+}
+
+/// A ray whose direction has |d|∞ in [1, 2): s of the ray is `unit` times s of the line.
+pub(super) struct ScaledRay {
+    pub line: Line,
+    pub s_min: f64,
+    pub unit: f64,
+    /// 1 / unit, exactly.
+    pub per_unit: f64,
+}
+
+impl ScaledRay {
+    /// None for NaN, for a direction without length and for numbers beyond the module's limits.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Option<ScaledRay> {
+        let size = ray.direction.abs().max_element();
+        let far = ray.origin.abs().max_element();
+        let finite = (ray.direction * 0.0 + ray.origin * 0.0) == DVec3::ZERO;
+        let usual = power_of_two(-500)..power_of_two(500);
+        if !finite || !usual.contains(&size) || far > Bvh::MAX_COORDINATE {
+            return None;
+        }
+        // Powers of two: s, u, v and all decisions are as for the direction given.
+        let unit = power_of_two(-exponent(size));
+        let per_unit = power_of_two(exponent(size));
+        let line = Line {
+            origin: ray.origin,
+            direction: ray.direction * unit,
+        };
+        Some(ScaledRay {
+            line,
+            s_min: ray.s_min * per_unit,
+            unit,
+            per_unit,
+        })
+    }
+
+    /// The hit of the ray as it was given.
+    #[inline(always)]
+    pub fn hit(&self, bvh: &Bvh, crossing: &Crossing, slot: u32) -> Hit {
+        Hit {
+            s: crossing.s * self.unit,
+            u: crossing.u,
+            v: crossing.v,
+            triangle: bvh.tags[slot as usize].id(),
+            slot,
+            front: crossing.front,
+        }
+    }
+
+    /// The hit with the triangle in `slot`, if it comes before `rival`.
+    pub fn nearer(
+        &self,
+        bvh: &Bvh,
+        rival: Option<(Crossing, u32)>,
+        slot: u32,
+        tally: &mut impl Tally,
+    ) -> Option<(Crossing, u32)> {
+        let mut query = ClosestHit {
+            bvh,
+            line: &self.line,
+            s_min: self.s_min,
+            s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
+            found: rival,
+            tally,
+        };
+        let at = slot as usize;
+        let found = query.consider(slot, &bvh.corners[at], bvh.tags[at]);
+        if found { query.found } else { None }
+    }
+}
+
+/// The nearest hit so far.
+struct ClosestHit<'a, T> {
+    bvh: &'a Bvh,
+    line: &'a Line,
+    s_min: f64,
+    s: f64,
+    found: Option<(Crossing, u32)>,
+    tally: &'a mut T,
+}
+
+impl<T: Tally> ClosestHit<'_, T> {
+    /// Takes over the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
+    #[inline(always)]
+    fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
+        if let Some(crossing) = self.line.intersect(corners, self.tally)
+            && crossing.s > self.s_min
+            && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))
+            && tag.shows(crossing.front)
+        {
+            self.s = crossing.s;
+            self.found = Some((crossing, slot));
+            return true;
+        }
+        false
+    }
+
+    #[cold]
+    fn wins_tie(&self, tag: Tag) -> bool {
+        let rival = self.found.as_ref().map(|f| self.bvh.tags[f.1 as usize]);
+        rival.is_some_and(|rival| tag.id() < rival.id())
+    }
+}
+
+impl<T: Tally> Query for ClosestHit<'_, T> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: usize) -> bool {
+        let triangles = self.bvh.corners[slot..].iter().zip(&self.bvh.tags[slot..]);
+        for (i, (corners, &tag)) in triangles.enumerate() {
+            self.tally.add(Work::Triangles, 1);
+            self.consider((slot + i) as u32, corners, tag);
+            if tag.is_last() {
+                break;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.tally.add(Work::Nodes, 1);
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.s
+    }
+}
+
+/// Whether there is a hit at all.
+pub(super) struct AnyHit<'a, T> {
+    bvh: &'a Bvh,
+    line: &'a Line,
+    s_min: f64,
+    s_max: f64,
+    skip: Option<u32>,
+    found: bool,
+    tally: &'a mut T,
+}
+
+impl<'a, T: Tally> AnyHit<'a, T> {
+    /// Whether anything blocks `segment`; `ray` is its ray.
+    #[inline(always)]
+    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, segment: &Segment, tally: &'a mut T) -> Self {
+        AnyHit {
+            bvh,
+            line: &ray.line,
+            s_min: ray.s_min,
+            s_max: segment.s_max * ray.per_unit,
+            skip: segment.skip,
+            found: false,
+            tally,
+        }
+    }
+
+    /// Whether the triangle in `slot` does.
+    #[inline(always)]
+    pub fn test(&mut self, slot: usize) -> bool {
+        let tag = self.bvh.tags[slot];
+        if let Some(crossing) = self.line.intersect(&self.bvh.corners[slot], self.tally)
+            && crossing.s > self.s_min
+            && crossing.s < self.s_max
+            && tag.shows(crossing.front)
+            && Some(tag.id()) != self.skip
+        {
+            self.found = true;
+        }
+        self.found
+    }
+}
+
+impl<T: Tally> Query for AnyHit<'_, T> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: usize) -> bool {
+        for at in slot..self.bvh.tags.len() {
+            self.tally.add(Work::Triangles, 1);
+            if self.test(at) {
+                return true;
+            }
+            if self.bvh.tags[at].is_last() {
+                break;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.tally.add(Work::Nodes, 1);
+    }
+
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.s_max
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::rays::Facing;
+
+    #[test]
+    fn a_tree_deeper_than_the_usual_stack_is_walked_with_a_longer_one() {
+        let strip = |i: u32| {
+            let x = f64::from(i);
+            [DVec3::X * x, DVec3::X * x + DVec3::Y, DVec3::X * (x + 1.0)]
+        };
+        let mut bvh = Bvh::build((0..100).map(strip).collect(), |_| Facing::TwoSided);
+        let ray = |x: f64| Ray {
+            origin: DVec3::new(x + 0.25, 0.25, 1.0),
+            direction: -DVec3::Z,
+            s_min: 0.0,
+        };
+        bvh.depth = 10 * USUAL_DEPTH;
+        for i in 0..100 {
+            let hit = bvh.closest(&ray(f64::from(i)), f64::INFINITY);
+            assert_eq!(hit.map(|h| h.triangle), Some(i));
         }
     }
 }

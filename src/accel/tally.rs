@@ -1,4 +1,4 @@
-//! How much work rays are: counted where somebody asks, absent from the code where nobody does.
+//! How much work it is to trace rays: counted where the caller asks, compiled away where not.
 
 use std::ops::AddAssign;
 
@@ -7,9 +7,9 @@ use std::ops::AddAssign;
 pub enum Work {
     /// Rays that were asked for.
     Rays,
-    /// Nodes looked at, once per block of rays or single ray.
+    /// Nodes visited, once per block of rays or single ray.
     Nodes,
-    /// Triangles looked at, once per block of rays or single ray.
+    /// Triangles tested, once per block of rays or single ray.
     Triangles,
     /// Pairs of ray and triangle that f32 left to f64.
     Doubts,
@@ -19,9 +19,9 @@ pub enum Work {
     Singles,
 }
 
-/// Is told how much work there was.
+/// Counts work.
 pub trait Tally {
-    /// So much more of it.
+    /// Adds `times` pieces of `work`.
     fn add(&mut self, work: Work, times: usize);
 }
 
@@ -34,7 +34,7 @@ impl Tally for NoTally {
     fn add(&mut self, _: Work, _: usize) {}
 }
 
-/// All the work there was: see [`Work`].
+/// The number of pieces of each kind of [`Work`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// [`Work::Rays`].

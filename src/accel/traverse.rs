@@ -1,15 +1,16 @@
-//! Depth-first traversal, nearer child first.
+//! Depth-first traversal of the binary tree by a single ray, nearer child first.
 
 use glam::Vec4;
 
-use super::slab::{Link, Node, Slabs, met};
+use super::node::{Node, NodeRef};
+use super::slab::{SlabRay, hit_children};
 
-/// What a traversal is for.
+/// What a ray asks of the tree.
 pub(super) trait Query {
-    /// Looks at the triangles of the leaf that starts at `slot`; true ends the traversal.
+    /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
     fn leaf(&mut self, slot: usize) -> bool;
 
-    /// Is told of each node that is looked at.
+    /// Counts a node.
     fn node(&mut self);
 
     /// The ray's parameter up to which boxes are of interest.
@@ -17,15 +18,20 @@ pub(super) trait Query {
 }
 
 /// A child to visit later, and where the ray enters its box.
-pub(super) type Waiting = (Link, f32);
+pub(super) type StackEntry = (NodeRef, f32);
 
 /// Stack entries that are kept without allocation.
 pub(super) const USUAL_DEPTH: usize = 64;
 
-/// Leads `query` through the tree of `nodes` (not empty) along `ray`. `stack` holds at least as many
+/// Puts `query` to the tree of `nodes`, which is not empty, along `ray`. `stack` holds at least as many
 /// entries as the tree is deep.
 #[inline(always)]
-pub(super) fn traverse(nodes: &[Node], ray: &Slabs, stack: &mut [Waiting], query: &mut impl Query) {
+pub(super) fn traverse(
+    nodes: &[Node],
+    ray: &SlabRay,
+    stack: &mut [StackEntry],
+    query: &mut impl Query,
+) {
     match ray.descends {
         [false, false, false] => walk::<false, false, false>(nodes, ray, stack, query),
         [true, false, false] => walk::<true, false, false>(nodes, ray, stack, query),
@@ -40,55 +46,56 @@ pub(super) fn traverse(nodes: &[Node], ray: &Slabs, stack: &mut [Waiting], query
 
 fn walk<const X: bool, const Y: bool, const Z: bool>(
     nodes: &[Node],
-    ray: &Slabs,
-    stack: &mut [Waiting],
+    ray: &SlabRay,
+    stack: &mut [StackEntry],
     query: &mut impl Query,
 ) {
     let mut limit = query.limit();
     let mut range = ray.range(limit);
     let mut waiting = 0;
-    let mut link = Link::ROOT;
+    let mut at = NodeRef::ROOT;
     loop {
-        if link.is_leaf() {
-            if query.leaf(link.index()) {
+        if at.is_leaf() {
+            if query.leaf(at.index()) {
                 return;
             }
+            // A nearer hit narrows the range.
             if query.limit() < limit {
                 limit = query.limit();
                 range = ray.range(limit);
             }
         } else {
             query.node();
-            let node = &nodes[link.index()];
-            let clip = node.clip::<X, Y, Z>(ray, range);
-            let [first, second] = node.links;
+            let node = &nodes[at.index()];
+            let clip = ray.clip::<X, Y, Z>(node, range);
+            let [first, second] = node.children;
             // Branches, not selections: a branch that is guessed right lets the next node load early.
-            match met(clip) {
+            match hit_children(clip) {
                 0 => {}
                 1 => {
-                    link = first;
+                    at = first;
                     continue;
                 }
                 2 => {
-                    link = second;
+                    at = second;
                     continue;
                 }
                 _ if clip.x <= clip.y => {
                     stack[waiting] = (second, clip.y);
                     waiting += 1;
-                    link = first;
+                    at = first;
                     continue;
                 }
                 _ => {
                     stack[waiting] = (first, clip.x);
                     waiting += 1;
-                    link = second;
+                    at = second;
                     continue;
                 }
             }
         }
         match next(stack, &mut waiting, range) {
-            Some(next) => link = next,
+            Some(next) => at = next,
             None => return,
         }
     }
@@ -96,12 +103,12 @@ fn walk<const X: bool, const Y: bool, const Z: bool>(
 
 /// The last waiting child that is entered within `range`.
 #[inline(always)]
-fn next(stack: &[Waiting], waiting: &mut usize, range: Vec4) -> Option<Link> {
+fn next(stack: &[StackEntry], waiting: &mut usize, range: Vec4) -> Option<NodeRef> {
     while *waiting > 0 {
         *waiting -= 1;
-        let (link, entry) = stack[*waiting];
+        let (node, entry) = stack[*waiting];
         if entry <= -range.w {
-            return Some(link);
+            return Some(node);
         }
     }
     None

@@ -1,4 +1,4 @@
-//! Where a ray meets a triangle, decided as exact arithmetic would decide it.
+//! Where a ray hits a triangle, decided as exact arithmetic would decide it.
 //!
 //! With the corners a, b, c relative to the ray's origin o, and e₁ = b − a, e₂ = c − a, n = e₁ × e₂,
 //! Cramer's rule for s d = a + u e₁ + v e₂ gives (Möller, Trumbore, JGT 2(1), 1997)
@@ -7,10 +7,10 @@
 //! Δ = n·d,   U = (a × d)·e₂,   V = −(a × d)·e₁,   s = n·a / Δ,   u = U/Δ,   v = V/Δ.
 //! ```
 //!
-//! U, V and W = Δ − U − V are d·(p × q) over the three edges. The line meets the closed triangle iff
+//! U, V and W = Δ − U − V are d·(p × q) over the three edges. The line hits the closed triangle iff
 //! they have no two opposite signs and are not all zero (then it is parallel).
 //!
-//! **Error bound.** Let ε = 2⁻⁵³, |d|∞ < 2 (the direction is scaled by a power of two), A = |a|₁ and
+//! **(T1) Error bound.** Let ε = 2⁻⁵³, |d|∞ < 2 (the direction is scaled by a power of two), A = |a|₁ and
 //! L = |e₁|₁ + |e₂|₁. Every triple product in U passes at most 7 roundings (two differences, two
 //! products, one subtraction, two additions), and the moduli of the six sum to at most
 //! |d|∞ |a|₁ |e₂|₁, so |δU| ≤ 7.1 ε · 2 A |e₂|₁; likewise V, and |δΔ| ≤ 7.1 ε · 2 |e₁|₁ |e₂|₁. W adds
@@ -18,17 +18,19 @@
 //! 14.2 ε (A + L) L + 4 ε (A + L) L < B = 20 ε (A + L) L, with room for the rounding of B itself. What
 //! underflow can add is below 2⁻⁷⁰⁰ for coordinates below 2³⁰⁰.
 //!
-//! Beyond B a sign is certain. Otherwise all three are taken from [`exact`](super::exact), so that
+//! **(T2)** Beyond B a sign is certain. Otherwise all three are taken from [`exact`](super::exact), so that
 //! rays through a shared edge or corner of closed meshes never fall between their triangles.
 
 use glam::DVec3;
 
-use super::{Tally, Work, exact};
+use super::exact;
+use super::float::{greater, lesser, norm1, power_of_two};
+use super::tally::{Tally, Work};
 
-/// 20 ε.
+/// 20 ε: (T1).
 const RELATIVE: f64 = 20.0 * (f64::EPSILON / 2.0);
-/// Above all that underflow can do: 2⁻⁷⁰⁰.
-const UNDERFLOW: f64 = f64::from_bits((1023 - 700) << 52);
+/// Above all that underflow can do: (T1).
+const UNDERFLOW: f64 = power_of_two(-700);
 /// Below this Δ/L² the rounding of s can leave the triangle's bounding box; see [`Line::clamped_to_box`].
 pub(super) const GRAZING: f64 = 1.0 / 1024.0;
 
@@ -43,14 +45,14 @@ pub(super) struct Crossing {
     pub s: f64,
     pub u: f64,
     pub v: f64,
-    /// Whether the line meets the side from which the corners run counter-clockwise.
+    /// Whether the line hits the side from which the corners run counter-clockwise.
     pub front: bool,
 }
 
 impl Line {
-    /// Where the line meets the triangle; edges and corners belong to it.
+    /// Where the line hits the triangle; edges and corners belong to it.
     #[inline(always)]
-    pub fn meet(&self, corners: &[DVec3; 3], tally: &mut impl Tally) -> Option<Crossing> {
+    pub fn intersect(&self, corners: &[DVec3; 3], tally: &mut impl Tally) -> Option<Crossing> {
         let d = self.direction;
         let a = corners[0] - self.origin;
         let e1 = corners[1] - corners[0];
@@ -61,6 +63,7 @@ impl Line {
         let u = r.dot(e2);
         let v = -r.dot(e1);
         let w = delta - u - v;
+        // The signs of U, V and W, where they are certain: (T2).
         let length = norm1(e1) + norm1(e2);
         let bound = Line::bound(norm1(a), length);
         let (low, high) = (lesser(lesser(u, v), w), greater(greater(u, v), w));
@@ -83,19 +86,19 @@ impl Line {
             });
         }
         tally.add(Work::Exact, 1);
-        self.meet_exactly(corners)
+        self.intersect_exactly(corners)
     }
 
-    /// B, for A = `distance` and L = `length`.
+    /// B for A = `distance` and L = `length`: (T1).
     #[inline(always)]
     pub fn bound(distance: f64, length: f64) -> f64 {
         RELATIVE * (length * (distance + length)) + UNDERFLOW
     }
 
-    /// The same with exact signs, and u, v, s to a few ulp.
+    /// [`Line::intersect`] with exact signs, and u, v, s to a few ulp.
     #[cold]
     #[inline(never)]
-    fn meet_exactly(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
+    fn intersect_exactly(&self, corners: &[DVec3; 3]) -> Option<Crossing> {
         let [a, b, c] = *corners;
         let edge = |p, q| exact::edge(self.origin, self.direction, p, q);
         let (u, v, w) = (edge(c, a), edge(a, b), edge(b, c));
@@ -135,20 +138,4 @@ impl Line {
         }
         s.min(leave).max(enter)
     }
-}
-
-#[inline(always)]
-pub(super) fn norm1(v: DVec3) -> f64 {
-    v.x.abs() + v.y.abs() + v.z.abs()
-}
-
-/// Without the care for NaN of [`f64::min`], which costs three instructions more.
-#[inline(always)]
-pub(super) fn lesser(x: f64, y: f64) -> f64 {
-    if x < y { x } else { y }
-}
-
-#[inline(always)]
-pub(super) fn greater(x: f64, y: f64) -> f64 {
-    if x > y { x } else { y }
 }

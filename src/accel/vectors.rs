@@ -45,6 +45,24 @@ pub(crate) fn prefetch<T>(slice: &[T], at: usize) {
     let _ = (slice, at);
 }
 
+/// Loads all of `what` into the cache, to be read soon.
+#[inline(always)]
+pub(crate) fn prefetch_all<T>(what: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let first: *const i8 = std::ptr::from_ref(what).cast();
+        let mut at = 0;
+        while at < size_of::<T>() {
+            // SAFETY: prefetching reads nothing, and `at` is within `what`.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            at += 64;
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = what;
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::VectorLoop;

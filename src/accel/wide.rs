@@ -1,120 +1,158 @@
-//! The tree of packets: nodes of up to eight children, and packs of up to eight triangles.
+//! The wide tree, which packets traverse: nodes of up to eight children, leaves of up to eight triangles.
 //!
-//! Both are collapsed from the pairs of [`slab`](super::slab), and the boxes are those of the pairs, bit
-//! for bit. What holds no more than eight triangles becomes a pack. Of a node's other children the one
-//! with the largest surface is replaced by its own two until there are eight: rays that meet the node
-//! meet that one most probably (Wald, Benthin, Boulos, RT 2008).
+//! It is collapsed from the binary tree, and its boxes are those of the binary tree, bit for bit. What holds no more than
+//! eight triangles becomes a leaf. Of a node's other children the one with the largest surface is replaced by its own
+//! two until there are eight: rays that hit the node hit that one most probably (Wald, Benthin, Boulos, RT 2008).
+//!
+//! **Corners.** A leaf holds them in f32, relative to a centre of its own in tree space, so that they are as exact as the
+//! leaf is small. How far they are off is known: the error of the conversion is measured, and f64 adds less than 2⁻⁵⁰
+//! before (differences and products with |y| ≤ 1).
 
-use super::pack::Pack;
-use super::query::Tag;
-use super::slab::{Lattice, Link, Node};
 use glam::DVec3;
 
-/// Children of a node, and triangles of a pack.
+use super::float::power_of_two;
+use super::node::{Child, Node, NodeRef, Tag};
+use super::tree_space::TreeSpace;
+
+/// Children of a node, and triangles of a leaf.
 pub(super) const WIDTH: usize = 8;
 
 /// Up to eight child boxes, and where the children are.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
-pub(super) struct Wide {
+pub(super) struct WideNode {
     /// Per axis: lo and hi of the children. Where there is no child, lo = ∞ and hi = −∞.
     pub planes: [[[f32; WIDTH]; 2]; 3],
-    /// What the children are: [`Link::inner`] counts wide nodes here, [`Link::leaf`] packs.
-    pub links: [Link; WIDTH],
+    /// Indices of wide nodes and of wide leaves.
+    pub children: [NodeRef; WIDTH],
 }
 
-/// A box of the tree of pairs.
+/// Up to eight triangles that lie together, one per lane.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Child {
-    pub link: Link,
-    pub lo: [f32; 3],
-    pub hi: [f32; 3],
+#[repr(C, align(64))]
+pub(super) struct WideLeaf {
+    /// Per corner and axis; 0 where there is no triangle.
+    pub corners: [[[f32; WIDTH]; 3]; 3],
+    /// What corners are relative to.
+    pub centre: [f32; 3],
+    /// No coordinate is farther off than this.
+    pub error: f32,
+    /// The slot of the first triangle.
+    pub first: u32,
+    /// Triangles that there are, as bits.
+    pub present: u32,
+    /// Those that show their front only.
+    pub front_only: u32,
 }
 
-impl Child {
-    /// A quarter of the surface.
-    fn weight(&self) -> f32 {
-        let [x, y, z] = std::array::from_fn(|axis| self.hi[axis] - self.lo[axis]);
-        x * y + y * z + z * x
-    }
-}
-
-impl Wide {
-    const NOTHING: Wide = Wide {
-        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-        links: [Link::ROOT; WIDTH],
-    };
-
-    fn set_child(&mut self, at: usize, child: &Child, link: Link) {
-        for axis in 0..3 {
-            self.planes[axis][0][at] = child.lo[axis];
-            self.planes[axis][1][at] = child.hi[axis];
-        }
-        self.links[at] = link;
-    }
-}
-
-/// The tree of packets.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WideTree {
-    pub nodes: Vec<Wide>,
-    pub packs: Vec<Pack>,
+    pub nodes: Vec<WideNode>,
+    pub leaves: Vec<WideLeaf>,
     /// Levels of nodes.
     pub depth: usize,
 }
 
-/// What the tree of pairs holds.
+/// The tree that is collapsed.
 #[derive(Clone, Copy)]
-pub(super) struct Pairs<'a> {
+pub(super) struct BinaryTree<'a> {
     pub nodes: &'a [Node],
     pub corners: &'a [[DVec3; 3]],
     pub tags: &'a [Tag],
-    pub lattice: &'a Lattice,
+    pub space: &'a TreeSpace,
 }
 
-impl WideTree {
-    /// The tree over what `pairs` hold.
-    pub fn collapsed(pairs: Pairs) -> WideTree {
-        let ranges = pairs.ranges();
-        let mut tree = WideTree {
-            nodes: Vec::with_capacity(pairs.nodes.len() / 16 + 1),
-            packs: Vec::with_capacity(pairs.corners.len() / 5 + 1),
-            depth: 0,
-        };
-        let mut pending = Vec::new();
-        if !pairs.nodes.is_empty() {
-            tree.nodes.push(Wide::NOTHING);
-            pending.push((0, 0, 1));
+impl WideNode {
+    const EMPTY: WideNode = WideNode {
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        children: [NodeRef::ROOT; WIDTH],
+    };
+
+    fn set_child(&mut self, at: usize, child: &Child, node: NodeRef) {
+        for axis in 0..3 {
+            self.planes[axis][0][at] = child.lo[axis];
+            self.planes[axis][1][at] = child.hi[axis];
         }
-        while let Some((source, target, level)) = pending.pop() {
-            tree.depth = tree.depth.max(level);
-            for (at, child) in pairs.descendants(&ranges, source).iter().enumerate() {
-                let (first, count) = pairs.range(&ranges, child.link);
-                let link = if count <= WIDTH {
-                    tree.packs.push(pairs.pack(first, count));
-                    Link::leaf(tree.packs.len() - 1)
-                } else {
-                    pending.push((child.link.index(), tree.nodes.len(), level + 1));
-                    tree.nodes.push(Wide::NOTHING);
-                    Link::inner(tree.nodes.len() - 1)
-                };
-                tree.nodes[target].set_child(at, child, link);
-            }
-        }
-        tree.nodes.shrink_to_fit();
-        tree.packs.shrink_to_fit();
-        tree
+        self.children[at] = node;
     }
 }
 
-impl Pairs<'_> {
+impl WideLeaf {
+    /// The triangles with `corners` and `tags`, at most eight, in slots from `first` on.
+    fn new(space: &TreeSpace, corners: &[[DVec3; 3]], tags: &[Tag], first: usize) -> WideLeaf {
+        let all = || corners.as_flattened().iter().map(|&c| space.map(c));
+        let lo = all().fold(DVec3::INFINITY, DVec3::min);
+        let hi = all().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = ((lo + hi) * 0.5).as_vec3();
+        let mut leaf = WideLeaf {
+            corners: [[[0.0; WIDTH]; 3]; 3],
+            centre: centre.to_array(),
+            error: 0.0,
+            first: first as u32,
+            present: (1 << corners.len()) - 1,
+            front_only: 0,
+        };
+        let mut error = 0.0f64;
+        for (at, corner) in all().enumerate() {
+            let exact = corner - centre.as_dvec3();
+            let kept = exact.as_vec3();
+            error = error.max((kept.as_dvec3() - exact).abs().max_element());
+            for axis in 0..3 {
+                leaf.corners[at % 3][axis][at / 3] = kept[axis];
+            }
+        }
+        // The conversion's error as measured, f64's 2⁻⁵⁰, and the rounding of their sum to f32.
+        leaf.error = (error + power_of_two(-50)) as f32 * (1.0 + f32::EPSILON);
+        for (at, tag) in tags.iter().enumerate() {
+            leaf.front_only |= u32::from(!tag.shows(false)) << at;
+        }
+        leaf
+    }
+}
+
+impl WideTree {
+    /// `tree`, collapsed.
+    pub fn collapsed(tree: BinaryTree) -> WideTree {
+        let ranges = tree.ranges();
+        let mut wide = WideTree {
+            nodes: Vec::with_capacity(tree.nodes.len() / 16 + 1),
+            leaves: Vec::with_capacity(tree.corners.len() / 5 + 1),
+            depth: 0,
+        };
+        let mut pending = Vec::new();
+        if !tree.nodes.is_empty() {
+            wide.nodes.push(WideNode::EMPTY);
+            pending.push((0, 0, 1));
+        }
+        while let Some((source, target, level)) = pending.pop() {
+            wide.depth = wide.depth.max(level);
+            for (at, child) in tree.descendants(&ranges, source).iter().enumerate() {
+                let (first, count) = tree.range(&ranges, child.node);
+                let node = if count <= WIDTH {
+                    wide.leaves.push(tree.leaf(first, count));
+                    NodeRef::leaf(wide.leaves.len() - 1)
+                } else {
+                    pending.push((child.node.index(), wide.nodes.len(), level + 1));
+                    wide.nodes.push(WideNode::EMPTY);
+                    NodeRef::inner(wide.nodes.len() - 1)
+                };
+                wide.nodes[target].set_child(at, child, node);
+            }
+        }
+        wide.nodes.shrink_to_fit();
+        wide.leaves.shrink_to_fit();
+        wide
+    }
+}
+
+impl BinaryTree<'_> {
     /// Per node its first slot and how many there are: depth-first, they follow one another.
     fn ranges(&self) -> Vec<(u32, u32)> {
         let mut ranges = vec![(0, 0); self.nodes.len()];
         for node in (0..self.nodes.len()).rev() {
             let (mut first, mut end) = (u32::MAX, 0);
             for child in self.nodes[node].children() {
-                let (slot, count) = self.range(&ranges, child.link);
+                let (slot, count) = self.range(&ranges, child.node);
                 first = first.min(slot as u32);
                 end = end.max((slot + count) as u32);
             }
@@ -123,14 +161,14 @@ impl Pairs<'_> {
         ranges
     }
 
-    /// The first slot below `link`, and how many there are.
-    fn range(&self, ranges: &[(u32, u32)], link: Link) -> (usize, usize) {
-        if link.is_leaf() {
-            let first = link.index();
+    /// The first slot below `node`, and how many there are.
+    fn range(&self, ranges: &[(u32, u32)], node: NodeRef) -> (usize, usize) {
+        if node.is_leaf() {
+            let first = node.index();
             let last = self.tags[first..].iter().position(|tag| tag.is_last());
             (first, last.map_or(1, |last| last + 1))
         } else {
-            let (first, count) = ranges[link.index()];
+            let (first, count) = ranges[node.index()];
             (first as usize, count as usize)
         }
     }
@@ -139,26 +177,25 @@ impl Pairs<'_> {
     fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Vec<Child> {
         let mut children: Vec<Child> = self.nodes[node].children().collect();
         while children.len() < WIDTH {
-            let splits = |child: &Child| self.range(ranges, child.link).1 > WIDTH;
+            let splits = |child: &Child| self.range(ranges, child.node).1 > WIDTH;
             let inner = children.iter().enumerate().filter(|(_, c)| splits(c));
-            let largest = inner.max_by(|(_, x), (_, y)| x.weight().total_cmp(&y.weight()));
-            let Some((at, child)) = largest else {
+            let area = |child: &Child| child.quarter_area();
+            let Some((at, child)) = inner.max_by(|(_, x), (_, y)| area(x).total_cmp(&area(y)))
+            else {
                 break;
             };
-            let pair = self.nodes[child.link.index()].children();
+            let pair = self.nodes[child.node.index()].children();
             children.swap_remove(at);
             children.extend(pair);
         }
         children
     }
 
-    fn pack(&self, first: usize, count: usize) -> Pack {
-        let slots = first..first + count;
-        let corners = &self.corners[slots.clone()];
-        let mut pack = Pack::new(self.lattice, corners, first as u32);
-        for (at, tag) in self.tags[slots].iter().enumerate() {
-            pack.front_only |= u32::from(!tag.shows(false)) << at;
-        }
-        pack
+    fn leaf(&self, first: usize, count: usize) -> WideLeaf {
+        let (corners, tags) = (
+            &self.corners[first..][..count],
+            &self.tags[first..][..count],
+        );
+        WideLeaf::new(self.space, corners, tags, first)
     }
 }

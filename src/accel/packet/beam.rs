@@ -1,64 +1,97 @@
-//! The rays of a block as boxes see them: intervals.
+//! The interval test: which children of a wide node a block may hit.
 //!
-//! **Interval.** Where all directions of a block have one sign along an axis, 1/d lies in an interval, and
+//! **(B1) Interval.** Where all directions of a block have one sign along an axis, 1/d lies in an interval, and
 //! with it for every plane the τ at which rays cross: between (plane − o)/d at its two ends. A box can be
-//! met only if the latest of the earliest entries over the axes isn't after the earliest of the
+//! hit only if the latest of the earliest entries over the axes isn't after the earliest of the
 //! latest exits (Reshetov, Soupikov, Hurley, SIGGRAPH 2005). Along an axis with both signs a box ahead of
 //! or behind the origin has an earliest entry, but no exit.
 //!
-//! Rays with origins of their own have them in a box: planes below are taken relative to its upper end, planes above
+//! **(B2) Origins.** Rays with origins of their own have them in a box: planes below are taken relative to its upper end, planes above
 //! relative to its lower end, so that entries are the earliest and exits the latest over the box.
 //!
-//! **Roundings.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused
+//! **(B3) Roundings.** (plane − o)/d is computed as plane·i − o·i: the product o·i, o itself and, without fused
 //! operations, plane·i are off by 2⁻²⁴ of their own sizes, and |plane| ≤ 1; what remains is relative to the
 //! result. So planes below take o + 2⁻²²(1 + |o|), planes above o − 2⁻²²(1 + |o|), and the interval of 1/d,
 //! its ends rounded three times, is widened by 2⁻²¹. That also holds boxes which are left up to 2⁻²³
-//! before the origin: hits at s > 0 as computed, whose true s is a little less, are in them. A direction
-//! with |d| < 2⁻⁶⁰ goes as if it were that, which displaces it by less than 2⁻⁴⁶ where τ < 2¹⁴.
+//! before the origin: hits at s > 0 as computed, whose true s is a little less, are in them.
+//!
+//! **(B4) Flat directions.** A direction with |d| < 2⁻⁶⁰ goes as if it were that, which displaces it by less than 2⁻⁴⁵
+//! where τ < 2¹⁵ ((K2) of [`block`](super::block)): far less than (B3) widens.
 
-use super::block::View;
-use crate::accel::slab::power_of_two;
+use super::block::BlockBounds;
+use super::simd::Simd;
+use crate::accel::float::power_of_two;
+use crate::accel::wide::{WIDTH, WideNode};
 
-/// What a block's rays have in common along an axis.
-pub(super) struct Axis {
-    /// Which plane is met first: 1 for that above.
-    pub near: usize,
+/// The rays of a block as boxes see them.
+pub(super) struct Beam<K: Simd> {
+    kernel: K,
+    axes: [Axis<K::F>; 3],
+}
+
+/// What a block's rays have in common along an axis, in all lanes.
+struct Axis<F> {
+    /// Which plane is hit first: 1 for that above.
+    near: usize,
     /// Whether there are directions of both signs.
-    pub straddles: bool,
+    straddles: bool,
     /// Ends of the interval of 1/d; if it straddles, its ends above and below.
-    pub inverse: [f32; 2],
+    inverse: [F; 2],
     /// −o/d for the nearer planes; if it straddles, for those below and those above.
-    pub near_offset: [f32; 2],
+    near_offset: [F; 2],
     /// −o/d for the farther planes.
-    pub far_offset: [f32; 2],
+    far_offset: [F; 2],
 }
 
-/// All axes.
-pub(super) struct Beam {
-    pub axes: [Axis; 3],
-}
-
-impl Beam {
-    /// The rays of `view`.
+impl<K: Simd> Beam<K> {
+    /// The rays with these `bounds`, for a kernel of as many lanes as nodes have children.
     #[inline(always)]
-    pub fn new(view: &View) -> Beam {
+    pub fn new(k: K, bounds: &BlockBounds) -> Beam<K> {
         Beam {
-            axes: [Axis::of(view, 0), Axis::of(view, 1), Axis::of(view, 2)],
+            kernel: k,
+            axes: [
+                Axis::new(k, bounds, 0),
+                Axis::new(k, bounds, 1),
+                Axis::new(k, bounds, 2),
+            ],
         }
     }
+
+    /// The children that a ray of the block may hit before `limit`, and where they are entered.
+    #[inline(always)]
+    pub fn intersect(&self, node: &WideNode, limit: f32, entries: &mut [f32; WIDTH]) -> u32 {
+        let k = self.kernel;
+        let (mut enter, mut leave) = (k.splat(0.0), k.splat(limit));
+        let mut axis = 0;
+        while axis < 3 {
+            let (slab, planes) = (&self.axes[axis], &node.planes[axis]);
+            axis += 1;
+            let [i, j] = slab.inverse;
+            let [a, b] = slab.near_offset;
+            let near = k.load(&planes[slab.near]);
+            let far = k.load(&planes[1 - slab.near]);
+            // The latest of the earliest entries and the earliest of the latest exits: (B1).
+            if slab.straddles {
+                enter = k.max(enter, k.max(k.mul_add(near, i, a), k.mul_add(far, j, b)));
+            } else {
+                let [c, d] = slab.far_offset;
+                enter = k.max(enter, k.min(k.mul_add(near, i, a), k.mul_add(near, j, b)));
+                leave = k.min(leave, k.max(k.mul_add(far, i, c), k.mul_add(far, j, d)));
+            }
+        }
+        k.store(entries, enter);
+        k.le(enter, leave)
+    }
 }
 
-impl Axis {
+impl<F> Axis<F> {
     #[inline(always)]
-    fn of(view: &View, axis: usize) -> Axis {
-        let offset = f64::from(view.offsets[axis]);
-        Axis::new(view.point[axis], offset, view.directions[axis])
-    }
-
-    #[inline(always)]
-    fn new(origin: f64, offset: f64, [least, greatest]: [f32; 2]) -> Axis {
+    fn new<K: Simd<F = F>>(k: K, bounds: &BlockBounds, axis: usize) -> Axis<F> {
+        // 2⁻²¹ wider or narrower, and 2⁻²²(1 + |o|) about the origin's box: (B3), (B2).
         const WIDER: f32 = 1.0 + power_of_two(-21) as f32;
         const NARROWER: f32 = 1.0 - power_of_two(-21) as f32;
+        let (origin, [least, greatest]) = (bounds.point[axis], bounds.directions[axis]);
+        let offset = f64::from(bounds.offsets[axis]);
         let margin = offset + (1.0 + origin.abs() + offset) * power_of_two(-22);
         // For planes below and above.
         let offsets = [-(origin + margin) as f32, -(origin - margin) as f32];
@@ -77,14 +110,14 @@ impl Axis {
         Axis {
             near,
             straddles,
-            inverse: [i, j],
-            near_offset: [near_offset * i, second_offset * j],
-            far_offset: [far_offset * i, far_offset * j],
+            inverse: [k.splat(i), k.splat(j)],
+            near_offset: [k.splat(near_offset * i), k.splat(second_offset * j)],
+            far_offset: [k.splat(far_offset * i), k.splat(far_offset * j)],
         }
     }
 }
 
-/// 1/d, at most 2⁶⁰.
+/// 1/d, at most 2⁶⁰: (B4).
 #[inline(always)]
 fn steep(d: f32) -> f32 {
     const FLAT: f32 = power_of_two(-60) as f32;

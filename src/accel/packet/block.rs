@@ -1,70 +1,95 @@
 //! Blocks: up to 64 rays from one point, or from points near one another, that go nearly the same way.
 //!
-//! **Parameter.** Directions of a block are scaled by one power of two, that of its first ray, so that
-//! |d|∞ is about 1; τ is measured in them and in the tree's unit.
+//! **(K1) Parameter.** Directions of a block are scaled by one power of two, that of its first ray, so that
+//! |d|∞ is about 1; τ is measured in them and in tree space.
+//!
+//! **(K2) Coherence.** No |d|∞ of a block is below 1/4 or above 4. The point near the rays is within 2¹⁰ scene sizes, and
+//! origins are within 2¹² of it, so a box, |y| ≤ 1, is met at τ < 4 (2¹⁰ + 2¹² + 1) < 2¹⁵. That directions differ by no
+//! more than 3/4 along an axis is a choice of speed: wider beams cull too little. No bound depends on it.
+//!
+//! **(K3) Bounds of what is rounded.** Directions, moments and offsets are kept in f32, each within 2⁻²⁴ of its size, and
+//! sums of three of them have two roundings more. The bounds D, M, ωᵢ and F of [`setup`](super::setup) hold for the
+//! numbers before rounding: they are the greatest of the rounded ones times 1.001, far above 1 + 2⁻²².
+//!
+//! **(K4) Limits.** s as single rays compute it has an error below 2⁻⁴⁰ of a triangle's distance
+//! ([`triangle`](crate::accel::triangle)), which is at most 4 τ + 4 in tree space; with |d|∞ ≥ 1/4 that is 2⁻³⁶(1 + τ) of
+//! τ. Rounding to f32 adds 2⁻²⁴ τ. Known hits are bounded by factors 1 ± 2⁻²², and boxes are kept up to
+//! (1 + 2⁻²¹) τ + 2⁻²⁶.
 
 use glam::DVec3;
 
-use super::bundle::Bundle;
+use super::ray_set::RaySet;
 use super::simd::Simd;
-use super::{FAR, is_far};
-use crate::accel::Hit;
-use crate::accel::slab::{Lattice, exponent, power_of_two};
-use crate::accel::triangle::{greater, lesser, norm1};
+use crate::accel::float::{exponent, greater, lesser, norm1, power_of_two};
+use crate::accel::rays::Hit;
+use crate::accel::tree_space::TreeSpace;
 
 /// Rays of a block.
 pub(super) const RAYS: usize = 64;
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
-/// Within a block |d|∞ differs by no more than this factor.
+/// Marks slots of triangles whose front was hit, in blocks that are not certified.
+pub(super) const FRONT: u32 = 1 << 31;
+/// Origins farther than this many scene sizes are left to single rays, which rebase them: (K2).
+const FAR: f64 = power_of_two(10);
+/// |d|∞ is between 1/4 and 4: (K2).
 const SPREAD: f32 = 4.0;
-/// Directions of a block differ by no more than this along any axis.
+/// Directions differ by no more than this along any axis: (K2).
 const COHERENT: f32 = 0.75;
+/// (K3).
+const ABOVE: f32 = 1.001;
 
 /// Rays, and the nearest hits so far.
 #[repr(C, align(64))]
 pub(super) struct Block {
     /// Directions, axis by axis.
     pub directions: [[f32; RAYS]; 3],
-    /// Where rays start relative to the view's point, and δ × d, axis by axis: see
-    /// [`facets`](super::facets). Only of rays with origins of their own.
+    /// Where rays start relative to the point of the bounds, δ, and δ × d, axis by axis: see
+    /// [`setup`](super::setup). Only of rays with origins of their own.
     pub offsets: [[f32; RAYS]; 3],
     pub moments: [[f32; RAYS]; 3],
     /// Bounds of τ of the nearest hit.
     pub near: [f32; RAYS],
     pub far: [f32; RAYS],
-    /// Barycentrics of the nearest hit, if nobody is to certify it.
-    pub weights: [[f32; RAYS]; 2],
+    /// Barycentrics of the nearest hit, if it is not to be certified.
+    pub barycentrics: [[f32; RAYS]; 2],
     /// The slot of the nearest hit.
     pub slots: [u32; RAYS],
-    /// The ray's place in the batch.
+    /// The ray's index in the batch.
     pub order: [u32; RAYS],
     /// How many rays there are; the rest repeat the first, and don't count.
     pub count: usize,
-    /// Whether every four rays in `order` follow each other in the batch.
+    /// Whether every four rays in `order` follow one another in the batch.
     pub in_fours: bool,
-    /// s of a ray is so many τ.
+    /// τ per unit of s.
     pub tau_from_s: f64,
 }
 
-/// What is known of all rays of a block, in the frame of the boxes.
-pub(super) struct View {
+/// What is known of all rays of a block, in tree space.
+pub(super) struct BlockBounds {
     /// A point near which the rays pass.
     pub point: DVec3,
     /// Per axis least and greatest direction.
     pub directions: [[f32; 2]; 3],
     /// The same of moments about the point.
     pub moments: [[f32; 2]; 3],
-    /// How far from the point rays start, per axis.
+    /// How far from the point rays start, per axis: ωᵢ.
     pub offsets: [f32; 3],
-    /// |d|∞ at most.
-    pub reach: f32,
-    /// |moment|∞ at most.
-    pub turn: f32,
-    /// No ray's origin is farther from the point, in sum over the axes.
-    pub farthest: f32,
+    /// |d|∞ at most: D.
+    pub max_direction: f32,
+    /// |moment|∞ at most: M.
+    pub max_moment: f32,
+    /// No ray's origin is farther from the point, in sum over the axes: F.
+    pub max_distance: f32,
     /// Whether rays are traced from their ends.
     pub reversed: bool,
+}
+
+/// Whether a point is too far for packets, in tree space; also for NaN.
+#[inline(always)]
+pub(super) fn is_far(point: DVec3) -> bool {
+    let near = point.abs().cmple(DVec3::splat(FAR));
+    !near.all()
 }
 
 impl Block {
@@ -74,7 +99,7 @@ impl Block {
         moments: [[0.0; RAYS]; 3],
         near: [0.0; RAYS],
         far: [0.0; RAYS],
-        weights: [[0.0; RAYS]; 2],
+        barycentrics: [[0.0; RAYS]; 2],
         slots: [NONE; RAYS],
         order: [0; RAYS],
         count: 0,
@@ -82,37 +107,43 @@ impl Block {
         tau_from_s: 1.0,
     };
 
-    /// Takes over the rays in `order`; none if they don't go together.
+    /// Loads the rays in `order`; none if they are incoherent.
     #[inline(always)]
-    pub fn aim<K: Simd, B: Bundle>(&mut self, k: K, lattice: &Lattice, rays: B) -> Option<View> {
+    pub fn load<K: Simd, R: RaySet>(
+        &mut self,
+        k: K,
+        space: &TreeSpace,
+        rays: R,
+    ) -> Option<BlockBounds> {
+        // (K1).
         let first = rays.direction(self.order[0] as usize).abs().max_element();
         if !(power_of_two(-500)..power_of_two(500)).contains(&first) {
             return None;
         }
         let unit = power_of_two(-exponent(first));
-        self.tau_from_s = lattice.scale * power_of_two(exponent(first));
-        self.turn_to(k, rays, unit);
-        let directions = self.extent(k)?;
-        let mut view = View {
+        self.tau_from_s = space.scale * power_of_two(exponent(first));
+        self.load_directions(k, rays, unit);
+        let directions = self.direction_intervals(k)?;
+        let mut bounds = BlockBounds {
             point: DVec3::ZERO,
             directions,
             moments: [[0.0; 2]; 3],
             offsets: [0.0; 3],
-            reach: greatest(&directions) * 1.001,
-            turn: 0.0,
-            farthest: 0.0,
+            max_direction: greatest(&directions) * ABOVE,
+            max_moment: 0.0,
+            max_distance: 0.0,
             reversed: rays.is_reversed(),
         };
         match rays.shared_origin() {
-            Some(origin) => view.point = lattice.place(origin),
-            None => self.stand(k, lattice, rays, unit, &mut view)?,
+            Some(origin) => bounds.point = space.map(origin),
+            None => self.load_origins(k, space, rays, unit, &mut bounds)?,
         }
-        Some(view)
+        Some(bounds)
     }
 
-    /// Takes over directions.
+    /// Loads directions, times `unit`.
     #[inline(always)]
-    fn turn_to<K: Simd, B: Bundle>(&mut self, k: K, rays: B, unit: f64) {
+    fn load_directions<K: Simd, R: RaySet>(&mut self, k: K, rays: R, unit: f64) {
         let [xs, ys, zs] = &mut self.directions;
         match rays.directions() {
             Some(directions) if self.in_fours => {
@@ -120,7 +151,7 @@ impl Block {
                 while first < RAYS {
                     let ray = self.order[first] as usize;
                     let (x, y, z) = (&mut xs[first..], &mut ys[first..], &mut zs[first..]);
-                    k.store_vectors(&directions[ray..ray + 4], unit, x, y, z);
+                    k.store_vectors(&directions[ray..ray + 4], unit, [x, y, z]);
                     first += 4;
                 }
             }
@@ -133,34 +164,36 @@ impl Block {
         }
     }
 
-    /// Takes over where rays start: about the middle of the box of all.
+    /// Loads where rays start, relative to the middle of the box of all starts; none if that is too far.
     #[inline(always)]
-    fn stand<K: Simd, B: Bundle>(
+    fn load_origins<K: Simd, R: RaySet>(
         &mut self,
         k: K,
-        lattice: &Lattice,
-        rays: B,
+        space: &TreeSpace,
+        rays: R,
         unit: f64,
-        view: &mut View,
+        bounds: &mut BlockBounds,
     ) -> Option<()> {
         let mut starts = [[0.0; RAYS]; 3];
         let mut directions = [[0.0; RAYS]; 3];
         self.gather(k, rays, &mut starts, &mut directions);
         let point = centre(&starts);
-        view.point = lattice.place(point);
-        if is_far(view.point) {
+        bounds.point = space.map(point);
+        if is_far(bounds.point) {
             return None;
         }
+        // δ.
         let mut axis = 0;
         while axis < 3 {
             let (start, direction) = (&mut starts[axis], &mut directions[axis]);
             for lane in 0..RAYS {
-                start[lane] = (start[lane] - point[axis]) * lattice.scale;
+                start[lane] = (start[lane] - point[axis]) * space.scale;
                 direction[lane] *= unit;
                 self.offsets[axis][lane] = start[lane] as f32;
             }
             axis += 1;
         }
+        // m = δ × d.
         axis = 0;
         while axis < 3 {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -171,28 +204,31 @@ impl Block {
             }
             axis += 1;
         }
+        // ωᵢ, M and F: (K3).
         let offsets = interval(k, &self.offsets);
         axis = 0;
         while axis < 3 {
-            view.offsets[axis] = greater32(-offsets[axis][0], offsets[axis][1]) * 1.001;
+            bounds.offsets[axis] = greater32(-offsets[axis][0], offsets[axis][1]) * ABOVE;
             axis += 1;
         }
-        view.moments = interval(k, &self.moments);
-        view.turn = greatest(&view.moments) * 1.001;
-        view.farthest = view.offsets[0] + view.offsets[1] + view.offsets[2];
+        bounds.moments = interval(k, &self.moments);
+        bounds.max_moment = greatest(&bounds.moments) * ABOVE;
+        bounds.max_distance = bounds.offsets[0] + bounds.offsets[1] + bounds.offsets[2];
         if rays.is_reversed() {
-            view.farthest = self.farthest(lattice, rays, point);
+            bounds.max_distance = self.max_distance(space, rays, point);
         }
-        let size = f64::from(view.farthest);
-        (size + f64::from(view.turn) <= 4.0 * FAR && is_whole(k, &self.moments)).then_some(())
+        // Origins within 2¹²: (K2).
+        let size = f64::from(bounds.max_distance);
+        (size + f64::from(bounds.max_moment) <= 4.0 * FAR && is_finite(k, &self.moments))
+            .then_some(())
     }
 
     /// Starts and directions of the rays, axis by axis.
     #[inline(always)]
-    fn gather<K: Simd, B: Bundle>(
+    fn gather<K: Simd, R: RaySet>(
         &self,
         k: K,
-        rays: B,
+        rays: R,
         [xs, ys, zs]: &mut [[f64; RAYS]; 3],
         [us, vs, ws]: &mut [[f64; RAYS]; 3],
     ) {
@@ -202,8 +238,10 @@ impl Block {
                 while at < RAYS {
                     let ray = self.order[at] as usize;
                     let (starts, directions) = (&origins[ray..ray + 4], &directions[ray..ray + 4]);
-                    k.split_vectors(starts, &mut xs[at..], &mut ys[at..], &mut zs[at..]);
-                    k.split_vectors(directions, &mut us[at..], &mut vs[at..], &mut ws[at..]);
+                    let to = [&mut xs[at..], &mut ys[at..], &mut zs[at..]];
+                    k.split_vectors(starts, to);
+                    let to = [&mut us[at..], &mut vs[at..], &mut ws[at..]];
+                    k.split_vectors(directions, to);
                     at += 4;
                 }
             }
@@ -219,10 +257,10 @@ impl Block {
 
     /// How far from `point` rays start as given.
     #[inline(always)]
-    fn farthest<B: Bundle>(&self, lattice: &Lattice, rays: B, point: DVec3) -> f32 {
+    fn max_distance<R: RaySet>(&self, space: &TreeSpace, rays: R, point: DVec3) -> f32 {
         let mut farthest = 0.0;
         for &ray in &self.order {
-            let distance = norm1((rays.origin(ray as usize) - point) * lattice.scale);
+            let distance = norm1((rays.origin(ray as usize) - point) * space.scale);
             // Infinite for NaN.
             farthest = if distance <= farthest {
                 farthest
@@ -230,12 +268,12 @@ impl Block {
                 distance
             };
         }
-        farthest as f32 * 1.001
+        farthest as f32 * ABOVE
     }
 
-    /// Least and greatest direction along each axis; none if they don't go together.
+    /// Least and greatest direction along each axis; none if they are incoherent.
     #[inline(always)]
-    fn extent<K: Simd>(&self, k: K) -> Option<[[f32; 2]; 3]> {
+    fn direction_intervals<K: Simd>(&self, k: K) -> Option<[[f32; 2]; 3]> {
         let zero = k.splat(0.0);
         let (mut size, mut broken) = (k.splat(f32::INFINITY), zero);
         let mut least = [k.splat(f32::INFINITY); 3];
@@ -257,21 +295,21 @@ impl Block {
             first += K::LANES;
         }
         let mut extent = [[0.0; 2]; 3];
-        let mut together = k.smallest(size) > 1.0 / SPREAD;
+        let mut coherent = k.smallest(size) > 1.0 / SPREAD;
         let mut axis = 0;
         while axis < 3 {
             let (lo, hi) = (k.smallest(least[axis]), k.greatest(greatest[axis]));
-            together &= hi - lo <= COHERENT && hi < SPREAD && lo > -SPREAD;
+            coherent &= hi - lo <= COHERENT && hi < SPREAD && lo > -SPREAD;
             extent[axis] = [lo, hi];
             axis += 1;
         }
-        together &= k.le(broken, zero) == u32::MAX >> (32 - K::LANES);
-        if together { Some(extent) } else { None }
+        coherent &= k.le(broken, zero) == u32::MAX >> (32 - K::LANES);
+        if coherent { Some(extent) } else { None }
     }
 
     /// Forgets all hits; of interest is what is nearer than those in `hits`, which are of the batch.
     #[inline(always)]
-    pub fn start(&mut self, hits: &[Option<Hit>]) {
+    pub fn reset(&mut self, hits: &[Option<Hit>]) {
         self.near = [f32::INFINITY; RAYS];
         self.far = [f32::INFINITY; RAYS];
         self.slots = [NONE; RAYS];
@@ -282,6 +320,7 @@ impl Block {
         if known {
             self.limit_to(hits);
         }
+        // Lanes without a ray are never nearer.
         for lane in self.count..RAYS {
             (self.near[lane], self.far[lane]) = (-1.0, -1.0);
         }
@@ -295,16 +334,15 @@ impl Block {
         }
     }
 
-    /// Replaces the nearest hit of a lane by one at `s` of the ray.
-    pub fn set(&mut self, lane: usize, slot: u32, s: f64) {
+    /// Replaces the nearest hit of a lane by one at `s` of the ray: (K4).
+    pub fn set_hit(&mut self, lane: usize, slot: u32, s: f64) {
         let tau = s * self.tau_from_s;
         self.near[lane] = (tau * (1.0 - power_of_two(-22))) as f32;
         self.far[lane] = upper(tau);
         self.slots[lane] = slot;
     }
 
-    /// The τ beyond which no ray has an interest. Computed parameters may be off by 2⁻⁴⁰ of a
-    /// triangle's distance, which is below 2¹¹.
+    /// The τ beyond which no ray can have a nearer hit: (K4).
     #[inline(always)]
     pub fn limit<K: Simd>(&self, k: K) -> f32 {
         let mut far = k.load(&self.far);
@@ -317,7 +355,7 @@ impl Block {
     }
 }
 
-/// f32 above a parameter.
+/// An f32 above a parameter: (K4).
 #[inline(always)]
 fn upper(tau: f64) -> f32 {
     (tau * (1.0 + power_of_two(-22))) as f32
@@ -349,7 +387,7 @@ fn centre(points: &[[f64; RAYS]; 3]) -> DVec3 {
 
 /// Whether all numbers are finite.
 #[inline(always)]
-fn is_whole<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> bool {
+fn is_finite<K: Simd>(k: K, vectors: &[[f32; RAYS]; 3]) -> bool {
     let zero = k.splat(0.0);
     let mut broken = zero;
     for numbers in vectors {

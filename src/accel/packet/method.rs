@@ -6,12 +6,12 @@ use serde::{Serialize, Serializer};
 use super::simd::{Avx2, Avx512};
 use super::simd::{Portable, Simd, Task};
 
-/// How rays with a common origin are traced.
+/// How batches of rays are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Method {
     /// The instructions to use.
     pub kernel: Kernel,
-    /// What results are worth.
+    /// How results are worked out.
     pub precision: Precision,
 }
 
@@ -28,13 +28,13 @@ pub enum Kernel {
     Scalar,
 }
 
-/// What results are worth.
+/// How results are worked out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// The triangle that exact arithmetic says, and its numbers in f64.
+    /// The triangle is the one that exact arithmetic finds, and its numbers are f64.
     Certified,
-    /// All in f32, for previews: rays along an edge may miss both its triangles, and near depths may
-    /// be mistaken. With [`Kernel::Scalar`] and for rays that don't go together as certified.
+    /// All in f32, for previews: rays along an edge may miss both its triangles, and of triangles at nearly
+    /// one depth the wrong one may be hit. [`Kernel::Scalar`] and incoherent rays are certified all the same.
     Fast,
 }
 
@@ -96,8 +96,8 @@ impl Kernel {
         supported.unwrap_or(Kernel::Portable)
     }
 
-    /// Does `task` with these instructions.
-    pub(super) fn run(self, task: impl Task) {
+    /// Runs `task` with these instructions.
+    pub(super) fn run<T: Task>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         match self {
             Kernel::Avx512 if let Some(k) = Avx512::detect() => return k.run(task),

@@ -94,7 +94,7 @@ fn an_empty_mesh_is_a_mesh() {
     assert!(bvh.is_empty() && bvh.bounds().is_none());
     assert!(closest(&bvh, DVec3::ZERO, DVec3::X).is_none());
     let mut hits = [None; 2];
-    bvh.closest_each(DVec3::ZERO, &[DVec3::X, DVec3::Y], &mut hits, |_| ());
+    trace(&bvh, DVec3::ZERO, &[DVec3::X, DVec3::Y], &mut hits);
     assert_eq!(hits, [None; 2]);
 }
 
@@ -135,16 +135,16 @@ fn a_batch_replaces_only_farther_hits() {
     let origin = random.vector() * 0.1;
     let directions: Vec<DVec3> = (0..100).map(|_| random.direction()).collect();
     let mut hits = vec![None; directions.len()];
-    near.closest_each(origin, &directions, &mut hits, |_| ());
+    trace(&near, origin, &directions, &mut hits);
     for (&d, hit) in directions.iter().zip(&hits) {
         assert_eq!(*hit, closest(&near, origin, d));
     }
     let before = hits.clone();
-    far.closest_each(origin, &directions, &mut hits, |_| ());
+    trace(&far, origin, &directions, &mut hits);
     assert_eq!(hits, before);
     let mut outward = vec![None; directions.len()];
-    far.closest_each(origin, &directions, &mut outward, |_| ());
-    near.closest_each(origin, &directions, &mut outward, |_| ());
+    trace(&far, origin, &directions, &mut outward);
+    trace(&near, origin, &directions, &mut outward);
     assert_eq!(outward, before);
 }
 

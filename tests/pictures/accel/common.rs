@@ -1,7 +1,7 @@
 //! Meshes, rays and random numbers for the tests.
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, Precision, Ray};
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray};
 
 pub type Triangle = [DVec3; 3];
 
@@ -99,6 +99,12 @@ pub fn certified(kernel: Kernel) -> Method {
         kernel,
         precision: Precision::Certified,
     }
+}
+
+/// Traces rays from one point as pictures do.
+pub fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], hits: &mut [Option<Hit>]) {
+    let (method, from) = (Method::default(), Origins::Shared(origin));
+    bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
 }
 
 /// A tile of `n` × `n` directions about `axis`, `pitch` apart, each off its place by as much as `jitter`.

@@ -36,7 +36,7 @@ fn segment(origin: DVec3, direction: DVec3, s_max: f64, skip: Option<u32>) -> Se
 /// From what a tile sees to `lamp`.
 fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segment> {
     let mut hits = vec![None; directions.len()];
-    bvh.closest_each(eye, directions, &mut hits, |_| ());
+    trace(bvh, eye, directions, &mut hits);
     let hits = directions
         .iter()
         .zip(hits)

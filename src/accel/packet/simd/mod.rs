@@ -1,29 +1,27 @@
 //! Lanes of f32: the few operations that packets need, per instruction set.
 //!
-//! A value of a kernel's type is the proof that the processor has its instructions: only `detect` makes
-//! one. The kernels may round differently (one fuses products and sums, another doesn't); whoever uses
-//! them takes care that decisions don't depend on it.
+//! A value of a kernel's type proves that the processor has its instructions: only `detect` makes one. The kernels
+//! may round differently (some fuse products and sums); their users make sure that decisions don't depend on it.
 //!
-//! What a kernel runs is compiled with its instructions only where it is inlined without fail. Closures, and
-//! with them `array::map` and the like, are not: the loops of packets are written out.
+//! What a kernel runs is compiled with its instructions only where it is certain to be inlined. Closures, and with them
+//! `array::map` and the like, are not: the loops of packets are written out.
 
 use glam::DVec3;
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub(super) use portable::Portable;
 #[cfg(target_arch = "x86_64")]
-pub(super) use {avx2::Avx2, avx512::Avx512};
+pub(super) use x86::{Avx2, Avx512};
 
 /// What is run with the instructions of a kernel. `run` must be `#[inline(always)]`, and all that it
 /// calls where speed matters.
 pub(super) trait Task {
-    /// Does it.
-    fn run<K: Simd>(self, kernel: K);
+    type Output;
+
+    fn run<K: Simd>(self, kernel: K) -> Self::Output;
 }
 
 /// `LANES` numbers at a time. Masks are bits, the lowest for lane 0.
@@ -38,10 +36,8 @@ pub(super) trait Simd: Copy {
     /// The kernel for the children of a node.
     fn children(self) -> Self::Children;
     /// Runs `task`, compiled for these instructions.
-    fn run(self, task: impl Task);
+    fn run<T: Task>(self, task: T) -> T::Output;
 
-    /// Says that this will be read soon.
-    fn prefetch<T>(self, what: &T);
     /// `x` in all lanes.
     fn splat(self, x: f32) -> Self::F;
     /// Each of `x` in all lanes.
@@ -49,7 +45,7 @@ pub(super) trait Simd: Copy {
     fn splat3(self, x: [f32; 3]) -> [Self::F; 3] {
         [self.splat(x[0]), self.splat(x[1]), self.splat(x[2])]
     }
-    /// x·y + z.
+    /// x·y + z for vectors x and y.
     #[inline(always)]
     fn dot(self, x: &[Self::F; 3], y: &[Self::F; 3], z: Self::F) -> Self::F {
         self.mul_add(
@@ -60,26 +56,19 @@ pub(super) trait Simd: Copy {
     }
     /// The first lanes of `from`.
     fn load(self, from: &[f32]) -> Self::F;
-    /// Stores four of `vectors`, times `scale` and rounded, in the first lanes of x, y and z.
-    fn store_vectors(
-        self,
-        vectors: &[DVec3],
-        scale: f64,
-        x: &mut [f32],
-        y: &mut [f32],
-        z: &mut [f32],
-    );
-    /// Stores four of `vectors` in the first places of x, y and z.
-    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]);
     /// Stores to the first lanes of `to`.
     fn store(self, to: &mut [f32], x: Self::F);
     /// Stores the lanes of `mask`.
     fn store_some(self, to: &mut [f32], mask: u32, x: Self::F);
-    /// x in the lanes of `mask`, else y. Stored and loaded again in whole, this doesn't wait, as after
-    /// [`Simd::store_some`].
-    fn select(self, mask: u32, x: Self::F, y: Self::F) -> Self::F;
     /// Stores `x` in the lanes of `mask`.
     fn store_index(self, to: &mut [u32], mask: u32, x: u32);
+    /// Stores four of `vectors`, times `scale` and rounded, in the first lanes of x, y and z.
+    fn store_vectors(self, vectors: &[DVec3], scale: f64, to: [&mut [f32]; 3]);
+    /// Stores four of `vectors` in the first places of x, y and z.
+    fn split_vectors(self, vectors: &[DVec3], to: [&mut [f64]; 3]);
+    /// x in the lanes of `mask`, else y. If all lanes are then stored, loading them again doesn't stall, as it does
+    /// after [`Simd::store_some`].
+    fn select(self, mask: u32, x: Self::F, y: Self::F) -> Self::F;
 
     /// x + y.
     fn add(self, x: Self::F, y: Self::F) -> Self::F;
@@ -109,4 +98,105 @@ pub(super) trait Simd: Copy {
     fn greatest(self, x: Self::F) -> f32;
     /// The smallest lane.
     fn smallest(self, x: Self::F) -> f32;
+}
+
+/// The vectors of a packet: those in `LANES` places from `first` on.
+#[inline(always)]
+pub(super) fn load_vectors<K: Simd, const N: usize>(
+    k: K,
+    [x, y, z]: &[[f32; N]; 3],
+    first: usize,
+) -> [K::F; 3] {
+    [
+        k.load(&x[first..]),
+        k.load(&y[first..]),
+        k.load(&z[first..]),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks each operation of `k` against plain f32, lane by lane. Numbers are small halves: sums of products
+    /// are exact, whether fused or not.
+    struct Check;
+
+    impl Task for Check {
+        type Output = ();
+
+        fn run<K: Simd>(self, k: K) {
+            for seed in 0..50 {
+                let number = |i: usize| ((i * 37 + seed * 101) % 257) as f32 - 128.5;
+                let [x, y, z]: [[f32; 16]; 3] =
+                    [0, 16, 32].map(|first| std::array::from_fn(|i| number(first + i)));
+                check(k, x, y, z, 0x5a5a_c3a5 >> (seed % 13));
+            }
+        }
+    }
+
+    fn check<K: Simd>(k: K, x: [f32; 16], y: [f32; 16], z: [f32; 16], mask: u32) {
+        let lanes = |v: K::F, expected: &dyn Fn(usize) -> f32| {
+            let mut out = [0.5; 16];
+            k.store(&mut out, v);
+            for i in 0..16 {
+                let expected = if i < K::LANES { expected(i) } else { 0.5 };
+                assert_eq!(out[i].to_bits(), expected.to_bits(), "lane {i}");
+            }
+        };
+        let bits = |m: u32, expected: &dyn Fn(usize) -> bool| {
+            assert!((0..32).all(|i| (m >> i & 1 != 0) == (i < K::LANES && expected(i))));
+        };
+        let has = |i: usize| i < K::LANES && mask >> i & 1 != 0;
+        let (a, b, c) = (k.load(&x), k.load(&y), k.load(&z));
+        lanes(k.splat(x[3]), &|_| x[3]);
+        lanes(k.add(a, b), &|i| x[i] + y[i]);
+        lanes(k.sub(a, b), &|i| x[i] - y[i]);
+        lanes(k.mul(a, b), &|i| x[i] * y[i]);
+        lanes(k.div(a, b), &|i| x[i] / y[i]);
+        lanes(k.mul_add(a, b, c), &|i| x[i] * y[i] + z[i]);
+        lanes(k.mul_sub(a, b, c), &|i| x[i] * y[i] - z[i]);
+        lanes(k.abs(a), &|i| x[i].abs());
+        lanes(k.flip(a, b), &|i| if y[i] < 0.0 { -x[i] } else { x[i] });
+        lanes(k.min(a, b), &|i| x[i].min(y[i]));
+        lanes(k.max(a, b), &|i| x[i].max(y[i]));
+        lanes(k.select(mask, a, b), &|i| if has(i) { x[i] } else { y[i] });
+        bits(k.le(a, b), &|i| x[i] <= y[i]);
+        bits(k.not_negative(a, b, c), &|i| {
+            x[i].min(y[i]).min(z[i]) >= 0.0
+        });
+        let (mut some, mut index) = ([0.5; 16], [7; 16]);
+        k.store_some(&mut some, mask, a);
+        k.store_index(&mut index, mask, 9);
+        for i in 0..16 {
+            assert_eq!(some[i], if has(i) { x[i] } else { 0.5 });
+            assert_eq!(index[i], if has(i) { 9 } else { 7 });
+        }
+        let used = &x[..K::LANES];
+        assert_eq!(k.greatest(a), used.iter().copied().fold(f32::MIN, f32::max));
+        assert_eq!(k.smallest(a), used.iter().copied().fold(f32::MAX, f32::min));
+        let vectors = [0, 1, 2, 3].map(|i| DVec3::new(x[i].into(), y[i].into(), z[i].into()));
+        let [mut p, mut q, mut r] = [[0.0f32; 4]; 3];
+        k.store_vectors(&vectors, 0.5, [&mut p, &mut q, &mut r]);
+        let [mut u, mut v, mut w] = [[0.0f64; 4]; 3];
+        k.split_vectors(&vectors, [&mut u, &mut v, &mut w]);
+        for i in 0..4 {
+            assert_eq!([p[i], q[i], r[i]], [x[i] * 0.5, y[i] * 0.5, z[i] * 0.5]);
+            assert_eq!(DVec3::new(u[i], v[i], w[i]), vectors[i]);
+        }
+    }
+
+    #[test]
+    fn every_kernel_computes_what_plain_numbers_do() {
+        Portable.run(Check);
+        #[cfg(target_arch = "x86_64")]
+        {
+            if let Some(k) = Avx2::detect() {
+                k.run(Check);
+            }
+            if let Some(k) = Avx512::detect() {
+                k.run(Check);
+            }
+        }
+    }
 }

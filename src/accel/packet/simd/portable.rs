@@ -10,10 +10,20 @@ pub(in super::super) struct Portable;
 
 type Lanes = [f32; 8];
 
-#[inline(always)]
-fn each(x: Lanes, y: Lanes, f: impl Fn(f32, f32) -> f32) -> Lanes {
-    std::array::from_fn(|i| f(x[i], y[i]))
+/// Operations lane by lane: their names, and what becomes of a lane.
+macro_rules! lanewise {
+    ($($name:ident($($x:ident),+) = $result:expr;)+) => {$(
+        #[inline(always)]
+        fn $name(self, $($x: Lanes),+) -> Lanes {
+            std::array::from_fn(|i| {
+                $(let $x = $x[i];)+
+                $result
+            })
+        }
+    )+};
 }
+
+const SIGN: u32 = 1 << 31;
 
 #[inline(always)]
 fn mask(f: impl Fn(usize) -> bool) -> u32 {
@@ -25,18 +35,28 @@ impl Simd for Portable {
     type Children = Portable;
     const LANES: usize = 8;
 
+    lanewise! {
+        add(x, y) = x + y;
+        sub(x, y) = x - y;
+        mul(x, y) = x * y;
+        div(x, y) = x / y;
+        mul_add(x, y, z) = x * y + z;
+        mul_sub(x, y, z) = x * y - z;
+        abs(x) = x.abs();
+        flip(x, by) = f32::from_bits(x.to_bits() ^ (by.to_bits() & SIGN));
+        min(x, y) = if x < y { x } else { y };
+        max(x, y) = if x > y { x } else { y };
+    }
+
     #[inline(always)]
     fn children(self) -> Portable {
         self
     }
 
     #[inline(always)]
-    fn run(self, task: impl Task) {
-        task.run(self);
+    fn run<T: Task>(self, task: T) -> T::Output {
+        task.run(self)
     }
-
-    #[inline(always)]
-    fn prefetch<T>(self, _: &T) {}
 
     #[inline(always)]
     fn splat(self, x: f32) -> Lanes {
@@ -48,31 +68,6 @@ impl Simd for Portable {
         let mut lanes = [0.0; 8];
         lanes.copy_from_slice(&from[..8]);
         lanes
-    }
-
-    #[inline(always)]
-    fn store_vectors(
-        self,
-        vectors: &[DVec3],
-        scale: f64,
-        x: &mut [f32],
-        y: &mut [f32],
-        z: &mut [f32],
-    ) {
-        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
-        for (i, v) in vectors.iter().enumerate() {
-            x[i] = (v.x * scale) as f32;
-            y[i] = (v.y * scale) as f32;
-            z[i] = (v.z * scale) as f32;
-        }
-    }
-
-    #[inline(always)]
-    fn split_vectors(self, vectors: &[DVec3], x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
-        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
-        for (i, v) in vectors.iter().enumerate() {
-            (x[i], y[i], z[i]) = (v.x, v.y, v.z);
-        }
     }
 
     #[inline(always)]
@@ -89,11 +84,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn select(self, mask: u32, x: Lanes, y: Lanes) -> Lanes {
-        std::array::from_fn(|i| if mask >> i & 1 != 0 { x[i] } else { y[i] })
-    }
-
-    #[inline(always)]
     fn store_index(self, to: &mut [u32], mask: u32, x: u32) {
         let to = &mut to[..8];
         for (i, to) in to.iter_mut().enumerate() {
@@ -102,56 +92,26 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn add(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| x + y)
+    fn store_vectors(self, vectors: &[DVec3], scale: f64, [x, y, z]: [&mut [f32]; 3]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        for (i, v) in vectors.iter().enumerate() {
+            x[i] = (v.x * scale) as f32;
+            y[i] = (v.y * scale) as f32;
+            z[i] = (v.z * scale) as f32;
+        }
     }
 
     #[inline(always)]
-    fn sub(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| x - y)
+    fn split_vectors(self, vectors: &[DVec3], [x, y, z]: [&mut [f64]; 3]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        for (i, v) in vectors.iter().enumerate() {
+            (x[i], y[i], z[i]) = (v.x, v.y, v.z);
+        }
     }
 
     #[inline(always)]
-    fn mul(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| x * y)
-    }
-
-    #[inline(always)]
-    fn div(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| x / y)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
-        std::array::from_fn(|i| x[i] * y[i] + z[i])
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
-        std::array::from_fn(|i| x[i] * y[i] - z[i])
-    }
-
-    #[inline(always)]
-    fn abs(self, x: Lanes) -> Lanes {
-        x.map(f32::abs)
-    }
-
-    #[inline(always)]
-    fn flip(self, x: Lanes, by: Lanes) -> Lanes {
-        const SIGN: u32 = 1 << 31;
-        each(x, by, |x, by| {
-            f32::from_bits(x.to_bits() ^ (by.to_bits() & SIGN))
-        })
-    }
-
-    #[inline(always)]
-    fn min(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| if x < y { x } else { y })
-    }
-
-    #[inline(always)]
-    fn max(self, x: Lanes, y: Lanes) -> Lanes {
-        each(x, y, |x, y| if x > y { x } else { y })
+    fn select(self, mask: u32, x: Lanes, y: Lanes) -> Lanes {
+        std::array::from_fn(|i| if mask >> i & 1 != 0 { x[i] } else { y[i] })
     }
 
     #[inline(always)]

@@ -4,65 +4,68 @@
 //! from `s_max` back. The line is the same, and so are U, V, W and Δ but for the sign of all. A hit that is
 //! certainly between the ends and certainly inside the triangle blocks; one that isn't certainly not is
 //! left to f64.
+//!
+//! **(A1) Ends.** τ of a segment's ends is rounded to f32, and τ of a hit as single rays compute it is off by
+//! 2⁻³⁶(1 + τ) ((K4) of [`block`](super::block)): both far below r τ + a with r = 2⁻²⁰ and a = 2⁻²⁴. The ends in the block
+//! are moved outward by that, so that what is beyond them in f32 certainly doesn't block. Moved inward by 4 r τ + 4 a,
+//! they are certainly inside the true ends: what is between them in f32 certainly does.
 
 use glam::DVec3;
 
-use super::Workspace;
 use super::beam::Beam;
 use super::block::{Block, RAYS};
-use super::bundle::{Bundle, Segments};
-use super::facet::Facet;
-use super::facets::Facets;
-use super::nearest::vectors;
-use super::simd::{Simd, Task};
-use super::slabs::Slabs;
-use super::walk::{Outcome, Quest, Waiting, descend};
-use crate::accel::query::{Any, Probe};
-use crate::accel::slab::power_of_two;
-use crate::accel::triangle::{greater, lesser};
-use crate::accel::{Bvh, Segment, Tally, Work};
+use super::ray_set::{RaySet, Segments};
+use super::setup::{LeafTriangles, PacketTriangle};
+use super::simd::{Simd, Task, load_vectors};
+use super::traverse::{BlockQuery, Outcome, StackEntry, traverse};
+use crate::accel::bvh::Bvh;
+use crate::accel::float::{greater, lesser, power_of_two};
+use crate::accel::rays::Segment;
+use crate::accel::single::{AnyHit, ScaledRay};
+use crate::accel::tally::{Tally, Work};
 
-/// What f64 and the frame leave unknown about τ of a hit is far below 2⁻²⁰ of it and 2⁻²⁴: single rays are off by
-/// 2⁻⁴⁰ of a triangle's distance, which is below 2¹².
+/// r of (A1).
 const RELATIVE: f64 = power_of_two(-20);
+/// a of (A1).
 const ABSOLUTE: f64 = power_of_two(-24);
 const MOST: f64 = f32::MAX as f64;
 
-/// A block of segments to lead through the tree.
-pub(super) struct Blocked<'a, T> {
+/// Finds which of the segments in a block's order are blocked.
+pub(super) struct AnyHits<'a, T> {
     pub bvh: &'a Bvh,
     pub segments: &'a [Segment],
     pub blocked: &'a mut [bool],
-    pub space: &'a mut Workspace,
+    pub block: &'a mut Block,
     /// As many entries as can wait.
-    pub stack: &'a mut [Waiting],
+    pub stack: &'a mut [StackEntry],
     pub tally: &'a mut T,
 }
 
-impl<T: Tally> Task for Blocked<'_, T> {
+impl<T: Tally> Task for AnyHits<'_, T> {
+    type Output = Outcome;
+
     #[inline(always)]
-    fn run<K: Simd>(self, k: K) {
-        let block = &mut self.space.block;
-        self.space.outcome = Outcome::Apart;
+    fn run<K: Simd>(self, k: K) -> Outcome {
+        let (bvh, block) = (self.bvh, self.block);
         let rays = directed(self.segments, &block.order);
-        let Some(view) = block.aim(k, &self.bvh.lattice, rays) else {
-            return;
+        let Some(bounds) = block.load(k, &bvh.space, rays) else {
+            return Outcome::Incoherent;
         };
         let Some(limit) = set_limits(block, rays) else {
-            return;
+            return Outcome::Incoherent;
         };
-        self.space.outcome = Outcome::Met;
-        let slabs = Slabs::new(k.children(), &Beam::new(&view));
-        let mut quest = Shade {
-            bvh: self.bvh,
+        let beam = Beam::new(k.children(), &bounds);
+        let mut query = AnyQuery {
+            bvh,
             rays,
             blocked: self.blocked,
             open: u64::MAX >> (RAYS - block.count),
             limit,
-            space: self.space,
+            block,
             tally: self.tally,
         };
-        descend(k, &self.bvh.wide, &slabs, &view, self.stack, &mut quest);
+        traverse(k, &bvh.wide, &beam, &bounds, self.stack, &mut query);
+        Outcome::Traced
     }
 }
 
@@ -115,7 +118,7 @@ impl Extent {
     }
 }
 
-/// Sets between which τ each ray of the block is of interest, a little more than between its ends, and
+/// Sets between which τ each ray of the block is of interest, a little more than between its ends (A1), and
 /// returns the greatest; none where ends are not numbers or before the start.
 #[inline(always)]
 fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
@@ -140,29 +143,27 @@ fn set_limits(block: &mut Block, rays: Segments) -> Option<f32> {
     (!broken).then_some(limit as f32)
 }
 
-struct Shade<'a, T> {
+struct AnyQuery<'a, T> {
     bvh: &'a Bvh,
     rays: Segments<'a>,
     blocked: &'a mut [bool],
     /// Rays that nothing blocks so far, as bits.
     open: u64,
     limit: f32,
-    space: &'a mut Workspace,
+    block: &'a mut Block,
     tally: &'a mut T,
 }
 
-impl<K: Simd, T: Tally> Quest<K> for Shade<'_, T> {
-    const OWN: bool = true;
-    const CERTIFIED: bool = true;
+impl<'a, K: Simd, T: Tally> BlockQuery<K> for AnyQuery<'a, T> {
+    type Rays = Segments<'a>;
     type Tally = T;
+    const CERTIFIED: bool = true;
 
     #[inline(always)]
-    fn meet(&mut self, k: K, facets: &Facets, at: usize, slot: u32) -> bool {
-        if facets.certain >> at & 1 != 0 {
-            self.meet_facing(k, facets, at, slot);
-        } else {
-            self.meet_facing(k, facets, at, slot);
-            self.meet_facing(k, &facets.turned(at), at, slot);
+    fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool {
+        self.intersect_side(k, triangles, at, slot);
+        if triangles.certain >> at & 1 == 0 {
+            self.intersect_side(k, &triangles.with_other_side(at), at, slot);
         }
         self.open == 0
     }
@@ -178,61 +179,62 @@ impl<K: Simd, T: Tally> Quest<K> for Shade<'_, T> {
     }
 }
 
-impl<T: Tally> Shade<'_, T> {
+impl<'a, T: Tally> AnyQuery<'a, T> {
+    /// Tests triangle `at` for the σ that it has.
     #[inline(always)]
-    fn meet_facing<K: Simd>(&mut self, k: K, facets: &Facets, at: usize, slot: u32) {
-        let facet = Facet::of::<true>(k, facets, at);
+    fn intersect_side<K: Simd>(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) {
+        let triangle = PacketTriangle::new::<Segments<'a>>(k, triangles, at);
         let mut first = 0;
         while first < RAYS {
             let open = (self.open >> first) as u32 & (u32::MAX >> (32 - K::LANES));
             if open != 0 {
-                let d = vectors(k, &self.space.block.directions, first);
-                let m = vectors(k, &self.space.block.moments, first);
-                let weights = facet.weigh::<true>(&d, &m);
-                let [u, v, w] = weights;
+                let d = load_vectors(k, &self.block.directions, first);
+                let edge_functions = triangle.edge_functions::<Segments<'a>>(&d, self.block, first);
+                let [u, v, w] = edge_functions;
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
-                    let sure = facet.is_inside(&weights);
-                    self.stop(k, &facet, slot, first, [inside, sure], d);
+                    let sure = triangle.is_certainly_inside(&edge_functions);
+                    self.block_rays(k, &triangle, slot, first, [inside, sure], d);
                 }
             }
             first += K::LANES;
         }
     }
 
-    /// Of the rays in `candidates` those that the triangle blocks are so from now on; where `sure` says so they
-    /// are inside it.
+    /// Closes the rays of `candidates` that the triangle blocks; those of `sure` are certainly inside it.
     #[inline(always)]
-    fn stop<K: Simd>(
+    fn block_rays<K: Simd>(
         &mut self,
         k: K,
-        facet: &Facet<K>,
+        triangle: &PacketTriangle<K>,
         slot: u32,
         first: usize,
         [candidates, sure]: [u32; 2],
         d: [K::F; 3],
     ) {
-        let block = &self.space.block;
-        let volume = facet.volume::<true>(&vectors(k, &block.offsets, first));
-        let (slope, slack) = (facet.slope(&d), facet.slope_slack());
-        let unsure = facet.volume_slack(volume);
-        let least = k.sub(slope, slack);
-        let near = k.div(k.sub(volume, unsure), k.add(slope, slack));
+        // Bounds of τ: (E6) of `setup`.
+        let volume = triangle.volume::<Segments<'a>>(self.block, first);
+        let (delta, slack) = (triangle.determinant(&d), triangle.determinant_slack());
+        let unsure = triangle.volume_slack(volume);
+        let least = k.sub(delta, slack);
+        let near = k.div(k.sub(volume, unsure), k.add(delta, slack));
         let far = k.div(k.add(volume, unsure), least);
-        let (from, to) = (k.load(&block.near[first..]), k.load(&block.far[first..]));
+        // Certainly beyond the ends, and certainly between them: (A1).
+        let from = k.load(&self.block.near[first..]);
+        let to = k.load(&self.block.far[first..]);
         let steep = k.le(k.splat(f32::MIN_POSITIVE), least);
         let beyond = k.le(to, near) | (k.le(far, from) & steep);
         let (shrunk, margin) = (4.0 * RELATIVE as f32, k.splat(4.0 * ABSOLUTE as f32));
         let from = k.mul_add(from, k.splat(1.0 + shrunk), margin);
         let to = k.mul_sub(to, k.splat(1.0 - shrunk), margin);
         let between = k.le(from, near) & k.le(far, to) & steep;
-        let certain = if facet.is_certain() {
+        let certain = if triangle.is_certain() {
             sure & between
         } else {
             0
         };
         // Where σ isn't certain, neither is the sign of n·a − n·δ.
-        let mut left = match facet.is_certain() {
+        let mut left = match triangle.is_certain() {
             true => candidates & !beyond,
             false => candidates,
         };
@@ -248,7 +250,7 @@ impl<T: Tally> Shade<'_, T> {
     #[inline(always)]
     fn decide(&mut self, lane: usize, slot: u32, certain: bool) {
         let tag = self.bvh.tags[slot as usize];
-        let ray = self.space.block.order[lane] as usize;
+        let ray = self.block.order[lane] as usize;
         let segment = &self.rays.segments[ray];
         if segment.skip == Some(tag.id()) {
             return;
@@ -264,10 +266,10 @@ impl<T: Tally> Shade<'_, T> {
     #[inline(never)]
     fn is_blocked_by(&mut self, segment: &Segment, slot: u32) -> bool {
         self.tally.add(Work::Doubts, 1);
-        let Some(probe) = Probe::new(&segment.ray) else {
+        let Some(ray) = ScaledRay::new(&segment.ray) else {
             return false;
         };
-        let mut query = Any::new(self.bvh, &probe, segment, self.tally);
-        query.meet(slot as usize)
+        let mut query = AnyHit::new(self.bvh, &ray, segment, self.tally);
+        query.test(slot as usize)
     }
 }

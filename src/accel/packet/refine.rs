@@ -1,32 +1,33 @@
-//! The numbers of the hits, in f64 and eight at a time.
+//! s, u and v of the hits, in f64 and eight at a time.
 //!
-//! The arithmetic is that of `Line::meet`, operation by operation, so that each
+//! The arithmetic is that of [`Line::intersect`], operation by operation, so that each
 //! number is the same bit for bit; no sum is fused with a product. Where that test would turn to exact
-//! arithmetic or move s into the triangle's box, nothing is stored and single rays are asked.
+//! arithmetic or move s into the triangle's box, nothing is stored, and the hit is left to single rays.
 
 use glam::DVec3;
 
 use super::block::{Block, NONE, RAYS};
-use super::bundle::Bundle;
+use super::ray_set::RaySet;
 use super::simd::Simd;
-use crate::accel::Bvh;
-use crate::accel::triangle::{GRAZING, Line, greater, lesser, norm1};
+use crate::accel::bvh::Bvh;
+use crate::accel::float::{greater, lesser, norm1};
+use crate::accel::triangle::{GRAZING, Line};
 
 /// Hits worked out together.
 const GROUP: usize = 8;
 
 /// Hits of a block, lane by lane.
 #[repr(C, align(64))]
-pub(super) struct Numbers {
+pub(super) struct RefinedHits {
     s: [f64; RAYS],
     u: [f64; RAYS],
     v: [f64; RAYS],
-    /// n·d, or 0 where single rays are to be asked.
+    /// n·d, or 0 where the hit is left to single rays.
     delta: [f64; RAYS],
 }
 
-impl Numbers {
-    pub const NONE: Numbers = Numbers {
+impl RefinedHits {
+    pub const NONE: RefinedHits = RefinedHits {
         s: [0.0; RAYS],
         u: [0.0; RAYS],
         v: [0.0; RAYS],
@@ -35,25 +36,25 @@ impl Numbers {
 
     /// Works out all hits of `block`.
     #[inline(always)]
-    pub fn fill<K: Simd, B: Bundle>(&mut self, k: K, bvh: &Bvh, rays: B, block: &Block) {
+    pub fn fill<K: Simd, R: RaySet>(&mut self, k: K, bvh: &Bvh, rays: R, block: &Block) {
         let mut first = 0;
         while first < RAYS {
             let slots = &block.slots[first..first + GROUP];
-            let (mut met, mut same) = (NONE, true);
+            let (mut hit, mut same) = (NONE, true);
             for &slot in slots {
                 if slot != NONE {
-                    same &= met == NONE || met == slot;
-                    met = slot;
+                    same &= hit == NONE || hit == slot;
+                    hit = slot;
                 }
             }
-            if met != NONE {
+            if hit != NONE {
                 let order = &block.order[first..first + GROUP];
-                let mut group = Group::aimed(k, rays, order, block.in_fours);
+                let mut pairs = Pairs::load(k, rays, order, block.in_fours);
                 if same {
-                    self.meet_one::<B>(&group, &bvh.corners[met as usize], first);
+                    self.intersect_one::<R>(&pairs, &bvh.corners[hit as usize], first);
                 } else {
-                    group.collect(bvh, slots, met);
-                    self.meet_each::<B>(&group, first);
+                    pairs.collect(bvh, slots, hit);
+                    self.intersect_each::<R>(&pairs, first);
                 }
             }
             first += GROUP;
@@ -73,24 +74,24 @@ impl Numbers {
         (self.s[lane], self.u[lane], self.v[lane], front)
     }
 
-    /// Where the lines meet the triangles.
+    /// Each line with its own triangle.
     #[inline(always)]
-    fn meet_each<B: Bundle>(&mut self, group: &Group, first: usize) {
+    fn intersect_each<R: RaySet>(&mut self, pairs: &Pairs, first: usize) {
         for i in 0..GROUP {
-            let origin = group.origin(if B::OWN { i } else { 0 });
-            let corners = [group.corner(0, i), group.corner(3, i), group.corner(6, i)];
-            let met = meet(origin, group.direction(i), corners);
-            self.set(first + i, met, group.unit[i]);
+            let origin = pairs.origin(if R::OWN_ORIGINS { i } else { 0 });
+            let corners = [pairs.corner(0, i), pairs.corner(3, i), pairs.corner(6, i)];
+            let numbers = intersect(origin, pairs.direction(i), corners);
+            self.set(first + i, numbers, pairs.unit[i]);
         }
     }
 
-    /// Where all meet one triangle.
+    /// All lines with one triangle.
     #[inline(always)]
-    fn meet_one<B: Bundle>(&mut self, group: &Group, corners: &[DVec3; 3], first: usize) {
+    fn intersect_one<R: RaySet>(&mut self, pairs: &Pairs, corners: &[DVec3; 3], first: usize) {
         for i in 0..GROUP {
-            let origin = group.origin(if B::OWN { i } else { 0 });
-            let met = meet(origin, group.direction(i), *corners);
-            self.set(first + i, met, group.unit[i]);
+            let origin = pairs.origin(if R::OWN_ORIGINS { i } else { 0 });
+            let numbers = intersect(origin, pairs.direction(i), *corners);
+            self.set(first + i, numbers, pairs.unit[i]);
         }
     }
 
@@ -103,9 +104,9 @@ impl Numbers {
     }
 }
 
-/// s, u, v and n·d, which is 0 where single rays are to be asked.
+/// s, u, v and n·d, which is 0 where the hit is left to single rays.
 #[inline(always)]
-fn meet(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
+fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     let a = c0 - origin;
     let e1 = c1 - c0;
     let e2 = c2 - c0;
@@ -118,6 +119,7 @@ fn meet(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
     let length = norm1(e1) + norm1(e2);
     let bound = Line::bound(norm1(a), length);
     let (low, high) = (lesser(lesser(ru, rv), rw), greater(greater(ru, rv), rw));
+    // Neither exact arithmetic nor the box: as (T2) and `GRAZING` of `triangle` say.
     let plain = ((low > bound) | (high < -bound)) & (delta.abs() >= GRAZING * (length * length));
     let inverse = 1.0 / delta;
     let s = n.dot(a) / delta;
@@ -131,7 +133,7 @@ fn meet(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
 
 /// Rays and triangles, one pair per lane.
 #[repr(C, align(64))]
-struct Group {
+struct Pairs {
     directions: [[f64; GROUP]; 3],
     origins: [[f64; GROUP]; 3],
     /// s of the ray is so many times s of the line.
@@ -140,25 +142,25 @@ struct Group {
     corners: [[f64; GROUP]; 9],
 }
 
-impl Group {
-    /// Rays with directions of usual size; `Probe` scales them likewise.
+impl Pairs {
+    /// Rays with |d|∞ in [1, 2), scaled as single rays are.
     #[inline(always)]
-    fn aimed<K: Simd, B: Bundle>(k: K, rays: B, order: &[u32], in_fours: bool) -> Group {
-        let mut group = Group {
+    fn load<K: Simd, R: RaySet>(k: K, rays: R, order: &[u32], in_fours: bool) -> Pairs {
+        let mut pairs = Pairs {
             directions: [[0.0; GROUP]; 3],
             origins: [[0.0; GROUP]; 3],
             unit: [0.0; GROUP],
             corners: [[0.0; GROUP]; 9],
         };
         let order = &order[..GROUP];
-        let [x, y, z] = &mut group.directions;
+        let [x, y, z] = &mut pairs.directions;
         match rays.directions() {
             Some(directions) if in_fours => {
                 let mut i = 0;
                 while i < GROUP {
                     let ray = order[i] as usize;
                     let four = &directions[ray..ray + 4];
-                    k.split_vectors(four, &mut x[i..], &mut y[i..], &mut z[i..]);
+                    k.split_vectors(four, [&mut x[i..], &mut y[i..], &mut z[i..]]);
                     i += 4;
                 }
             }
@@ -169,24 +171,25 @@ impl Group {
                 }
             }
         }
-        let places = if B::OWN { GROUP } else { 1 };
+        let places = if R::OWN_ORIGINS { GROUP } else { 1 };
         for (i, &ray) in order.iter().enumerate().take(places) {
             let origin = rays.origin(ray as usize);
-            group.origins[0][i] = origin.x;
-            group.origins[1][i] = origin.y;
-            group.origins[2][i] = origin.z;
+            pairs.origins[0][i] = origin.x;
+            pairs.origins[1][i] = origin.y;
+            pairs.origins[2][i] = origin.z;
         }
-        let [x, y, z] = &mut group.directions;
+        let [x, y, z] = &mut pairs.directions;
         for i in 0..GROUP {
+            // The power of two that takes the greatest coordinate to [1, 2).
             let size = greater(greater(x[i].abs(), y[i].abs()), z[i].abs());
             let exponent = size.to_bits() >> 52;
             let unit = f64::from_bits((2046u64.wrapping_sub(exponent)) << 52);
-            group.unit[i] = unit;
+            pairs.unit[i] = unit;
             x[i] *= unit;
             y[i] *= unit;
             z[i] *= unit;
         }
-        group
+        pairs
     }
 
     /// The triangle of each lane, or that in slot `instead`.

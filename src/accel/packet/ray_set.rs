@@ -1,37 +1,58 @@
-//! What packets are made of: rays as they are given, and as they are traced.
+//! The rays of a batch, as they are given and as they are traced.
 
 use glam::DVec3;
 
-use crate::accel::{Ray, Segment};
+use crate::accel::rays::{Ray, Segment};
 
-/// Rays to trace. `start` and `direction` are a ray as it is traced, which may be the other way round.
-pub(super) trait Bundle: Copy {
-    /// Whether each has an origin of its own.
-    const OWN: bool;
+/// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
+/// may be from its end.
+pub(super) trait RaySet: Copy {
+    /// Whether each ray has an origin of its own.
+    const OWN_ORIGINS: bool;
 
     /// Where all start, if they start together.
-    fn shared_origin(self) -> Option<DVec3>;
-    /// Whether they are traced the other way round.
+    #[inline(always)]
+    fn shared_origin(self) -> Option<DVec3> {
+        None
+    }
+    /// Whether rays are traced from their ends.
+    #[inline(always)]
     fn is_reversed(&self) -> bool {
         false
     }
-    /// All starts in a row, if they are.
+    /// All starts as a slice, if there is one.
+    #[inline(always)]
     fn origins(&self) -> Option<&[DVec3]> {
         None
     }
-    /// All directions in a row, if they are.
-    fn directions(&self) -> Option<&[DVec3]>;
+    /// All directions as a slice, if there is one.
+    #[inline(always)]
+    fn directions(&self) -> Option<&[DVec3]> {
+        None
+    }
     /// Metres per unit of s.
     fn direction(self, ray: usize) -> DVec3;
-    /// Metres.
-    fn start(self, ray: usize) -> DVec3;
-    /// Where the ray starts as given, metres.
+    /// Where the ray starts as it is traced, metres.
+    #[inline(always)]
+    fn start(self, ray: usize) -> DVec3 {
+        self.origin(ray)
+    }
+    /// Where the ray starts as it was given, metres.
     fn origin(self, ray: usize) -> DVec3;
+    /// The ray from its start on.
+    #[inline(always)]
+    fn ray(self, ray: usize) -> Ray {
+        Ray {
+            origin: self.origin(ray),
+            direction: self.direction(ray),
+            s_min: 0.0,
+        }
+    }
 }
 
 /// Rays from one point.
 #[derive(Clone, Copy)]
-pub(super) struct Pencil<'a> {
+pub(super) struct SharedOrigin<'a> {
     /// Metres.
     pub origin: DVec3,
     pub directions: &'a [DVec3],
@@ -39,7 +60,7 @@ pub(super) struct Pencil<'a> {
 
 /// Rays from a point each.
 #[derive(Clone, Copy)]
-pub(super) struct Sheaf<'a> {
+pub(super) struct OwnOrigins<'a> {
     /// Metres.
     pub origins: &'a [DVec3],
     pub directions: &'a [DVec3],
@@ -52,8 +73,8 @@ pub(super) struct Segments<'a> {
     pub reversed: bool,
 }
 
-impl Bundle for Pencil<'_> {
-    const OWN: bool = false;
+impl RaySet for SharedOrigin<'_> {
+    const OWN_ORIGINS: bool = false;
 
     #[inline(always)]
     fn shared_origin(self) -> Option<DVec3> {
@@ -71,23 +92,13 @@ impl Bundle for Pencil<'_> {
     }
 
     #[inline(always)]
-    fn start(self, _: usize) -> DVec3 {
-        self.origin
-    }
-
-    #[inline(always)]
     fn origin(self, _: usize) -> DVec3 {
         self.origin
     }
 }
 
-impl Bundle for Sheaf<'_> {
-    const OWN: bool = true;
-
-    #[inline(always)]
-    fn shared_origin(self) -> Option<DVec3> {
-        None
-    }
+impl RaySet for OwnOrigins<'_> {
+    const OWN_ORIGINS: bool = true;
 
     #[inline(always)]
     fn origins(&self) -> Option<&[DVec3]> {
@@ -105,32 +116,17 @@ impl Bundle for Sheaf<'_> {
     }
 
     #[inline(always)]
-    fn start(self, ray: usize) -> DVec3 {
-        self.origins[ray]
-    }
-
-    #[inline(always)]
     fn origin(self, ray: usize) -> DVec3 {
         self.origins[ray]
     }
 }
 
-impl Bundle for Segments<'_> {
-    const OWN: bool = true;
-
-    #[inline(always)]
-    fn shared_origin(self) -> Option<DVec3> {
-        None
-    }
+impl RaySet for Segments<'_> {
+    const OWN_ORIGINS: bool = true;
 
     #[inline(always)]
     fn is_reversed(&self) -> bool {
         self.reversed
-    }
-
-    #[inline(always)]
-    fn directions(&self) -> Option<&[DVec3]> {
-        None
     }
 
     #[inline(always)]
@@ -152,15 +148,5 @@ impl Bundle for Segments<'_> {
     #[inline(always)]
     fn origin(self, ray: usize) -> DVec3 {
         self.segments[ray].ray.origin
-    }
-}
-
-/// The ray of `rays` that is in place `ray`, from its start on.
-#[inline(always)]
-pub(super) fn ray_of(rays: impl Bundle, ray: usize) -> Ray {
-    Ray {
-        origin: rays.origin(ray),
-        direction: rays.direction(ray),
-        s_min: 0.0,
     }
 }

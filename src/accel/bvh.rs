@@ -1,0 +1,110 @@
+//! The acceleration structure: triangles, and the trees over them.
+
+use glam::DVec3;
+
+use super::float::{exponent, power_of_two};
+use super::node::{Node, Tag};
+use super::rays::{Facing, Hit};
+use super::tree_space::TreeSpace;
+use super::wide::{WideLeaf, WideNode, WideTree};
+
+/// A bounding volume hierarchy over triangles at rest.
+#[derive(Debug, Clone)]
+pub struct Bvh {
+    /// Corners by slot.
+    pub(super) corners: Vec<[DVec3; 3]>,
+    /// Ids by slot.
+    pub(super) tags: Vec<Tag>,
+    pub(super) nodes: Vec<Node>,
+    /// Levels of nodes.
+    pub(super) depth: usize,
+    /// The same tree for packets.
+    pub(super) wide: WideTree,
+    pub(super) space: TreeSpace,
+    pub(super) bounds: (DVec3, DVec3),
+}
+
+impl Bvh {
+    /// Triangles with a coordinate beyond this, 2³⁰⁰ m, are never hit.
+    pub const MAX_COORDINATE: f64 = power_of_two(300);
+
+    /// A tree holds no more triangles than this.
+    pub const MAX_TRIANGLES: usize = 1 << 30;
+
+    pub(super) fn empty() -> Bvh {
+        Bvh {
+            corners: Vec::new(),
+            tags: Vec::new(),
+            nodes: Vec::new(),
+            depth: 0,
+            wide: WideTree::default(),
+            space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
+            bounds: (DVec3::ZERO, DVec3::ZERO),
+        }
+    }
+
+    /// How many triangles can be hit: those that were given, without the degenerate ones.
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// Whether there is nothing to hit.
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// Bytes that the tree holds.
+    pub fn bytes(&self) -> usize {
+        size_of::<Bvh>()
+            + self.corners.capacity() * size_of::<[DVec3; 3]>()
+            + self.tags.capacity() * size_of::<Tag>()
+            + self.nodes.capacity() * size_of::<Node>()
+            + self.wide.nodes.capacity() * size_of::<WideNode>()
+            + self.wide.leaves.capacity() * size_of::<WideLeaf>()
+    }
+
+    /// An upper estimate of [`Bvh::bytes`] for so many triangles.
+    ///
+    /// Wide leaves of meshes hold five triangles or so, and wide nodes seven leaves; three and six are allowed for, and a
+    /// binary node for every second triangle.
+    pub fn estimate_bytes(triangles: usize) -> usize {
+        let binary = size_of::<[DVec3; 3]>() + size_of::<Tag>() + size_of::<Node>() / 2;
+        let wide = size_of::<WideLeaf>() / 3 + size_of::<WideNode>() / 18;
+        let fixed =
+            size_of::<Bvh>() + size_of::<Node>() + size_of::<WideNode>() + size_of::<WideLeaf>();
+        triangles
+            .saturating_mul(binary + wide)
+            .saturating_add(fixed)
+    }
+
+    /// Least and greatest coordinates of the triangles that can be hit, metres.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        (!self.is_empty()).then_some(self.bounds)
+    }
+
+    /// The corners of the triangle in `slot`, metres.
+    pub fn corners(&self, slot: u32) -> [DVec3; 3] {
+        self.corners[slot as usize]
+    }
+
+    /// The id of the triangle in `slot`, and which of its sides are there.
+    pub fn triangle(&self, slot: u32) -> (u32, Facing) {
+        let tag = self.tags[slot as usize];
+        let facing = match tag.shows(false) {
+            true => Facing::TwoSided,
+            false => Facing::FrontOnly,
+        };
+        (tag.id(), facing)
+    }
+
+    /// The unit normal of the triangle that was hit, on the side from which its corners run
+    /// counter-clockwise.
+    pub fn normal(&self, hit: &Hit) -> DVec3 {
+        let [a, b, c] = self.corners(hit.slot);
+        let (e1, e2) = (b - a, c - a);
+        // Equal powers of two leave the direction as it is and the squares within range.
+        let size = e1.abs().max(e2.abs()).max_element();
+        let scale = power_of_two(-exponent(size).clamp(-900, 900));
+        (e1 * scale).cross(e2 * scale).normalize_or_zero()
+    }
+}

@@ -1,0 +1,317 @@
+//! Batches: cut into blocks, which are traced as a whole where their rays are coherent, and else ray by ray.
+
+use glam::DVec3;
+
+use super::any_hits::AnyHits;
+use super::block::{Block, FRONT, NONE, is_far};
+use super::closest_hits::ClosestHits;
+use super::method::{Kernel, Method, Precision};
+use super::ray_set::{OwnOrigins, RaySet, SharedOrigin};
+use super::refine::RefinedHits;
+use super::tile::Tile;
+use super::traverse::{Outcome, StackEntry};
+use crate::accel::bvh::Bvh;
+use crate::accel::float::power_of_two;
+use crate::accel::node::NodeRef;
+use crate::accel::rays::{Hit, Origins, Segment};
+use crate::accel::single::ScaledRay;
+use crate::accel::tally::{Tally, Work};
+use crate::accel::wide::WIDTH;
+
+/// Stack entries that are kept without allocation.
+const USUAL_STACK: usize = 256;
+/// A block with fewer rays is traced ray by ray.
+const FEW: usize = 8;
+
+/// What is reused from block to block.
+struct Workspace {
+    block: Block,
+    refined: RefinedHits,
+}
+
+impl Bvh {
+    /// For each direction the first hit with s > 0 that is nearer than the entry of `hits`, which it
+    /// replaces; `replaced` receives the indices of those entries, and `tally` counts the work.
+    ///
+    /// Fastest where the directions are those of a tile of pixels, row by row, and the origins one or
+    /// near one another. There are as many rays as the shortest of the slices has entries.
+    pub fn closest_by(
+        &self,
+        method: Method,
+        from: Origins,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        replaced: impl FnMut(usize),
+    ) {
+        let count = from.limit(directions.len().min(hits.len()));
+        let (directions, hits) = (&directions[..count], &mut hits[..count]);
+        tally.add(Work::Rays, count);
+        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
+            return self.closest_singly(from, directions, hits, tally, replaced);
+        }
+        match from {
+            Origins::Shared(origin) if is_far(self.space.map(origin)) => {
+                self.closest_singly(from, directions, hits, tally, replaced);
+            }
+            Origins::Shared(origin) => {
+                let rays = SharedOrigin { origin, directions };
+                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+            }
+            Origins::Each(origins) => {
+                let rays = OwnOrigins {
+                    origins,
+                    directions,
+                };
+                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+            }
+        }
+    }
+
+    /// For each segment whether something blocks it. `tally` counts the work.
+    ///
+    /// Fastest where the segments leave the points that a tile of pixels shows, row by row, for one
+    /// point in common or nearly so. Results are certified, whatever `method` says.
+    pub fn any_by(
+        &self,
+        method: Method,
+        segments: &[Segment],
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let count = segments.len().min(blocked.len());
+        let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
+        tally.add(Work::Rays, count);
+        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
+            return self.any_singly(segments, blocked, tally);
+        }
+        blocked.fill(false);
+        let mut block = Block::EMPTY;
+        let tile = Tile::of_count(count);
+        self.with_wide_stack(|stack| {
+            for at in 0..tile.blocks() {
+                tile.select(at, &mut block);
+                let mut outcome = Outcome::Incoherent;
+                if block.count >= FEW {
+                    outcome = method.kernel.run(AnyHits {
+                        bvh: self,
+                        segments,
+                        blocked,
+                        block: &mut block,
+                        stack,
+                        tally,
+                    });
+                }
+                if outcome == Outcome::Incoherent {
+                    for &ray in &block.order[..block.count] {
+                        let ray = ray as usize;
+                        self.any_singly(&segments[ray..=ray], &mut blocked[ray..=ray], tally);
+                    }
+                }
+            }
+        });
+    }
+
+    fn closest_of_tile(
+        &self,
+        method: Method,
+        rays: impl RaySet,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        mut replaced: impl FnMut(usize),
+    ) {
+        let mut space = Workspace {
+            block: Block::EMPTY,
+            refined: RefinedHits::NONE,
+        };
+        let tile = Tile::of(directions);
+        self.with_wide_stack(|stack| {
+            for at in 0..tile.blocks() {
+                tile.select(at, &mut space.block);
+                let outcome = match space.block.count {
+                    0..FEW => Outcome::Incoherent,
+                    _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),
+                };
+                match outcome {
+                    Outcome::Missed => {}
+                    Outcome::Traced => {
+                        let precision = method.precision;
+                        space.replace(self, precision, rays, hits, tally, &mut replaced)
+                    }
+                    Outcome::Incoherent => {
+                        let order = &space.block.order[..space.block.count];
+                        self.closest_of_rays(order, rays, hits, tally, &mut replaced)
+                    }
+                }
+            }
+        });
+    }
+
+    /// Whether the bounds of packets hold in this tree.
+    fn suits_packets(&self) -> bool {
+        let usual = power_of_two(-300)..power_of_two(300);
+        !self.wide.nodes.is_empty() && usual.contains(&self.space.scale)
+    }
+
+    /// Leads the block's rays through the tree.
+    fn closest_of_block(
+        &self,
+        method: Method,
+        rays: impl RaySet,
+        hits: &[Option<Hit>],
+        Workspace { block, refined }: &mut Workspace,
+        stack: &mut [StackEntry],
+        tally: &mut impl Tally,
+    ) -> Outcome {
+        let bvh = self;
+        match method.precision {
+            Precision::Certified => method.kernel.run(ClosestHits::<_, _, true> {
+                bvh,
+                rays,
+                hits,
+                block,
+                refined,
+                stack,
+                tally,
+            }),
+            Precision::Fast => method.kernel.run(ClosestHits::<_, _, false> {
+                bvh,
+                rays,
+                hits,
+                block,
+                refined,
+                stack,
+                tally,
+            }),
+        }
+    }
+
+    /// For incoherent rays: those in `order`, one by one.
+    #[cold]
+    fn closest_of_rays(
+        &self,
+        order: &[u32],
+        rays: impl RaySet,
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        replaced: &mut impl FnMut(usize),
+    ) {
+        for &ray in order {
+            let ray = ray as usize;
+            let from = Origins::Shared(rays.origin(ray));
+            let hit = &mut hits[ray..=ray];
+            self.closest_singly(from, &[rays.direction(ray)], hit, tally, |_| replaced(ray));
+        }
+    }
+
+    fn with_wide_stack(&self, run: impl FnOnce(&mut [StackEntry])) {
+        const NONE: StackEntry = (0.0, NodeRef::ROOT);
+        let most = self.wide.depth * WIDTH + 1;
+        if most <= USUAL_STACK {
+            run(&mut [NONE; USUAL_STACK])
+        } else {
+            run(&mut vec![NONE; most])
+        }
+    }
+}
+
+impl Workspace {
+    /// Puts what the block has hit into `hits`.
+    #[inline]
+    fn replace(
+        &self,
+        bvh: &Bvh,
+        precision: Precision,
+        rays: impl RaySet,
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        replaced: &mut impl FnMut(usize),
+    ) {
+        let block = &self.block;
+        let certified = precision == Precision::Certified;
+        for lane in 0..block.count {
+            if block.slots[lane] == NONE {
+                continue;
+            }
+            let ray = block.order[lane] as usize;
+            let entry = &mut hits[ray];
+            let is_replaced = if certified && !self.refined.has(lane) {
+                replace_singly(bvh, rays, ray, block.slots[lane], entry, tally)
+            } else {
+                let numbers = match certified {
+                    true => self.refined.of(lane),
+                    false => rough(block, lane),
+                };
+                replace(bvh, block.slots[lane] & !FRONT, numbers, entry)
+            };
+            if is_replaced {
+                replaced(ray);
+            }
+        }
+    }
+}
+
+/// s, u, v and front of a lane's hit, as f32 has them.
+#[inline(always)]
+fn rough(block: &Block, lane: usize) -> (f64, f64, f64, bool) {
+    (
+        f64::from(block.far[lane]) / block.tau_from_s,
+        f64::from(block.barycentrics[0][lane]),
+        f64::from(block.barycentrics[1][lane]),
+        block.slots[lane] & FRONT != 0,
+    )
+}
+
+/// Replaces `entry` by a hit with these s, u, v and front if it comes before.
+#[inline(always)]
+fn replace(
+    bvh: &Bvh,
+    slot: u32,
+    (s, u, v, front): (f64, f64, f64, bool),
+    entry: &mut Option<Hit>,
+) -> bool {
+    let nearer = comes_before(s, entry);
+    if nearer {
+        let triangle = bvh.tags[slot as usize].id();
+        // In place: a copy of what was just written would wait for it.
+        *entry = Some(Hit {
+            s,
+            u,
+            v,
+            triangle,
+            slot,
+            front,
+        });
+    }
+    nearer
+}
+
+/// Replaces `entry` by the hit that single rays find with the triangle in `slot`, if it comes before.
+#[cold]
+fn replace_singly(
+    bvh: &Bvh,
+    rays: impl RaySet,
+    ray: usize,
+    slot: u32,
+    entry: &mut Option<Hit>,
+    tally: &mut impl Tally,
+) -> bool {
+    let hit = ScaledRay::new(&rays.ray(ray)).and_then(|ray| {
+        let crossing = ray.line.intersect(&bvh.corners[slot as usize], tally)?;
+        Some(ray.hit(bvh, &crossing, slot))
+    });
+    let nearer = hit.filter(|hit| comes_before(hit.s, entry));
+    if nearer.is_some() {
+        *entry = nearer;
+    }
+    nearer.is_some()
+}
+
+#[inline(always)]
+fn comes_before(s: f64, entry: &Option<Hit>) -> bool {
+    match entry {
+        Some(known) => s < known.s,
+        None => true,
+    }
+}

@@ -1,0 +1,310 @@
+//! AVX2 with FMA: 8 lanes. AVX-512: 16 lanes.
+
+use std::arch::x86_64::*;
+
+use glam::DVec3;
+
+use super::{Simd, Task};
+
+/// A kernel: its lanes, the processor features that it needs, the intrinsics of operations that need no more than
+/// one, and the rest of its operations.
+macro_rules! kernel {
+    (
+        $(#[$doc:meta])*
+        $name:ident, $lanes:literal lanes of $vector:ty, needs [$($feature:tt)+];
+        splat = $splat:ident; load = $load:ident; store = $store:ident;
+        lanewise { $($operation:ident($($x:ident),+) = $intrinsic:ident;)+ }
+        $($rest:tt)+
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy)]
+        pub(in super::super) struct $name(());
+
+        impl $name {
+            /// The kernel, if this processor has its features.
+            pub fn detect() -> Option<$name> {
+                let has = true $(&& is_x86_feature_detected!($feature))+;
+                has.then_some($name(()))
+            }
+
+            #[target_feature($(enable = $feature),+)]
+            fn compiled<T: Task>(self, task: T) -> T::Output {
+                task.run(self)
+            }
+        }
+
+        impl Simd for $name {
+            type F = $vector;
+            const LANES: usize = $lanes;
+
+            #[inline(always)]
+            fn run<T: Task>(self, task: T) -> T::Output {
+                // SAFETY: `self` exists, so `detect` has found the features.
+                unsafe { self.compiled(task) }
+            }
+
+            #[inline(always)]
+            fn splat(self, x: f32) -> $vector {
+                // SAFETY: as `run`.
+                unsafe { $splat(x) }
+            }
+
+            #[inline(always)]
+            fn load(self, from: &[f32]) -> $vector {
+                let from = &from[..$lanes];
+                // SAFETY: as `run`; `from` holds a number for each lane.
+                unsafe { $load(from.as_ptr()) }
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut [f32], x: $vector) {
+                let to = &mut to[..$lanes];
+                // SAFETY: as `run`; `to` holds a number for each lane.
+                unsafe { $store(to.as_mut_ptr(), x) }
+            }
+
+            $(
+                #[inline(always)]
+                fn $operation(self, $($x: $vector),+) -> $vector {
+                    // SAFETY: as `run`.
+                    unsafe { $intrinsic($($x),+) }
+                }
+            )+
+
+            $($rest)+
+        }
+    };
+}
+
+kernel! {
+    /// 8 lanes.
+    Avx2, 8 lanes of __m256, needs ["avx2" "fma" "bmi1" "bmi2" "lzcnt" "popcnt"];
+    splat = _mm256_set1_ps;
+    load = _mm256_loadu_ps;
+    store = _mm256_storeu_ps;
+    lanewise {
+        add(x, y) = _mm256_add_ps;
+        sub(x, y) = _mm256_sub_ps;
+        mul(x, y) = _mm256_mul_ps;
+        div(x, y) = _mm256_div_ps;
+        min(x, y) = _mm256_min_ps;
+        max(x, y) = _mm256_max_ps;
+        mul_add(x, y, z) = _mm256_fmadd_ps;
+        mul_sub(x, y, z) = _mm256_fmsub_ps;
+    }
+
+    type Children = Avx2;
+
+    #[inline(always)]
+    fn children(self) -> Avx2 {
+        self
+    }
+
+    #[inline(always)]
+    fn store_some(self, to: &mut [f32], mask: u32, x: __m256) {
+        let to = &mut to[..8];
+        // SAFETY: as `run`; `to` holds 8 numbers.
+        unsafe { _mm256_maskstore_ps(to.as_mut_ptr(), self.spread(mask), x) }
+    }
+
+    #[inline(always)]
+    fn store_index(self, to: &mut [u32], mask: u32, x: u32) {
+        let to = to[..8].as_mut_ptr().cast();
+        // SAFETY: as `run`; `to` holds 8 numbers.
+        unsafe { _mm256_maskstore_epi32(to, self.spread(mask), _mm256_set1_epi32(x as i32)) }
+    }
+
+    #[inline(always)]
+    fn store_vectors(self, vectors: &[DVec3], scale: f64, [x, y, z]: [&mut [f32]; 3]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        let from: *const f64 = vectors.as_ptr().cast();
+        // SAFETY: as `run`; four vectors are twelve f64 in a row, and x, y and z hold four f32 each.
+        unsafe {
+            let scale = _mm256_set1_pd(scale);
+            let a = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from), scale));
+            let b = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(4)), scale));
+            let c = _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_loadu_pd(from.add(8)), scale));
+            // x₀ y₀ z₀ x₁, y₁ z₁ x₂ y₂, z₂ x₃ y₃ z₃: by place, then in order.
+            let xs = _mm_blend_ps::<0b0010>(_mm_blend_ps::<0b0100>(a, b), c);
+            let ys = _mm_blend_ps::<0b0100>(_mm_blend_ps::<0b1001>(a, b), c);
+            let zs = _mm_blend_ps::<0b1001>(_mm_blend_ps::<0b0010>(a, b), c);
+            _mm_storeu_ps(x.as_mut_ptr(), _mm_permute_ps::<0b01_10_11_00>(xs));
+            _mm_storeu_ps(y.as_mut_ptr(), _mm_permute_ps::<0b10_11_00_01>(ys));
+            _mm_storeu_ps(z.as_mut_ptr(), _mm_permute_ps::<0b11_00_01_10>(zs));
+        }
+    }
+
+    #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], [x, y, z]: [&mut [f64]; 3]) {
+        let (vectors, x, y, z) = (&vectors[..4], &mut x[..4], &mut y[..4], &mut z[..4]);
+        let from: *const f64 = vectors.as_ptr().cast();
+        // SAFETY: as `run`; four vectors are twelve f64 in a row, and x, y and z hold four each.
+        unsafe {
+            let a = _mm256_loadu_pd(from);
+            let b = _mm256_loadu_pd(from.add(4));
+            let c = _mm256_loadu_pd(from.add(8));
+            // As in `store_vectors`.
+            let xs = _mm256_blend_pd::<0b0010>(_mm256_blend_pd::<0b0100>(a, b), c);
+            let ys = _mm256_blend_pd::<0b0100>(_mm256_blend_pd::<0b1001>(a, b), c);
+            let zs = _mm256_blend_pd::<0b1001>(_mm256_blend_pd::<0b0010>(a, b), c);
+            _mm256_storeu_pd(x.as_mut_ptr(), _mm256_permute4x64_pd::<0b01_10_11_00>(xs));
+            _mm256_storeu_pd(y.as_mut_ptr(), _mm256_permute4x64_pd::<0b10_11_00_01>(ys));
+            _mm256_storeu_pd(z.as_mut_ptr(), _mm256_permute4x64_pd::<0b11_00_01_10>(zs));
+        }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u32, x: __m256, y: __m256) -> __m256 {
+        // SAFETY: as `run`.
+        unsafe { _mm256_blendv_ps(y, x, _mm256_castsi256_ps(self.spread(mask))) }
+    }
+
+    #[inline(always)]
+    fn abs(self, x: __m256) -> __m256 {
+        // SAFETY: as `run`.
+        unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
+    }
+
+    #[inline(always)]
+    fn flip(self, x: __m256, by: __m256) -> __m256 {
+        // SAFETY: as `run`.
+        unsafe { _mm256_xor_ps(x, _mm256_and_ps(by, _mm256_set1_ps(-0.0))) }
+    }
+
+    #[inline(always)]
+    fn le(self, x: __m256, y: __m256) -> u32 {
+        // SAFETY: as `run`.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(x, y)) as u32 }
+    }
+
+    #[inline(always)]
+    fn not_negative(self, x: __m256, y: __m256, z: __m256) -> u32 {
+        // SAFETY: as `run`.
+        unsafe {
+            let least = _mm256_min_ps(_mm256_min_ps(x, y), z);
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(least, _mm256_setzero_ps())) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn greatest(self, x: __m256) -> f32 {
+        // SAFETY: as `run`.
+        unsafe {
+            let x = _mm_max_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+            let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)))
+        }
+    }
+
+    #[inline(always)]
+    fn smallest(self, x: __m256) -> f32 {
+        // SAFETY: as `run`.
+        unsafe {
+            let x = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps::<1>(x));
+            let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)))
+        }
+    }
+}
+
+impl Avx2 {
+    /// All bits of a lane where `mask` has its bit.
+    #[inline(always)]
+    fn spread(self, mask: u32) -> __m256i {
+        // SAFETY: as `run`.
+        unsafe {
+            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask as i32), bits), bits)
+        }
+    }
+}
+
+kernel! {
+    /// 16 lanes. The features include those of [`Avx2`].
+    Avx512, 16 lanes of __m512,
+    needs ["avx512f" "avx512vl" "avx512dq" "avx512bw" "avx2" "fma" "bmi1" "bmi2" "lzcnt" "popcnt"];
+    splat = _mm512_set1_ps;
+    load = _mm512_loadu_ps;
+    store = _mm512_storeu_ps;
+    lanewise {
+        add(x, y) = _mm512_add_ps;
+        sub(x, y) = _mm512_sub_ps;
+        mul(x, y) = _mm512_mul_ps;
+        div(x, y) = _mm512_div_ps;
+        min(x, y) = _mm512_min_ps;
+        max(x, y) = _mm512_max_ps;
+        mul_add(x, y, z) = _mm512_fmadd_ps;
+        mul_sub(x, y, z) = _mm512_fmsub_ps;
+        abs(x) = _mm512_abs_ps;
+    }
+
+    type Children = Avx2;
+
+    #[inline(always)]
+    fn children(self) -> Avx2 {
+        Avx2(())
+    }
+
+    #[inline(always)]
+    fn store_some(self, to: &mut [f32], mask: u32, x: __m512) {
+        let to = &mut to[..16];
+        // SAFETY: as `run`; `to` holds 16 numbers.
+        unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask as u16, x) }
+    }
+
+    #[inline(always)]
+    fn store_index(self, to: &mut [u32], mask: u32, x: u32) {
+        let to = to[..16].as_mut_ptr().cast();
+        // SAFETY: as `run`; `to` holds 16 numbers.
+        unsafe { _mm512_mask_storeu_epi32(to, mask as u16, _mm512_set1_epi32(x as i32)) }
+    }
+
+    #[inline(always)]
+    fn store_vectors(self, vectors: &[DVec3], scale: f64, to: [&mut [f32]; 3]) {
+        self.children().store_vectors(vectors, scale, to);
+    }
+
+    #[inline(always)]
+    fn split_vectors(self, vectors: &[DVec3], to: [&mut [f64]; 3]) {
+        self.children().split_vectors(vectors, to);
+    }
+
+    #[inline(always)]
+    fn select(self, mask: u32, x: __m512, y: __m512) -> __m512 {
+        // SAFETY: as `run`.
+        unsafe { _mm512_mask_blend_ps(mask as u16, y, x) }
+    }
+
+    #[inline(always)]
+    fn flip(self, x: __m512, by: __m512) -> __m512 {
+        // SAFETY: as `run`.
+        unsafe { _mm512_xor_ps(x, _mm512_and_ps(by, _mm512_set1_ps(-0.0))) }
+    }
+
+    #[inline(always)]
+    fn le(self, x: __m512, y: __m512) -> u32 {
+        // SAFETY: as `run`.
+        unsafe { u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(x, y)) }
+    }
+
+    #[inline(always)]
+    fn not_negative(self, x: __m512, y: __m512, z: __m512) -> u32 {
+        // SAFETY: as `run`.
+        unsafe {
+            let least = _mm512_min_ps(_mm512_min_ps(x, y), z);
+            u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(least, _mm512_setzero_ps()))
+        }
+    }
+
+    #[inline(always)]
+    fn greatest(self, x: __m512) -> f32 {
+        // SAFETY: as `run`.
+        unsafe { _mm512_reduce_max_ps(x) }
+    }
+
+    #[inline(always)]
+    fn smallest(self, x: __m512) -> f32 {
+        // SAFETY: as `run`.
+        unsafe { _mm512_reduce_min_ps(x) }
+    }
+}

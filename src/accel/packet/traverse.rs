@@ -1,0 +1,121 @@
+//! A block's way through the wide tree, nearer children first.
+
+use super::beam::Beam;
+use super::block::BlockBounds;
+use super::ray_set::RaySet;
+use super::setup::{LeafTriangles, TriangleSetup};
+use super::simd::Simd;
+use crate::accel::node::NodeRef;
+use crate::accel::tally::{Tally, Work};
+use crate::accel::vectors::prefetch_all;
+use crate::accel::wide::{WIDTH, WideLeaf, WideTree};
+
+/// A child to visit later, and where the block enters its box at the earliest.
+pub(super) type StackEntry = (f32, NodeRef);
+
+/// What became of a block.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// Its rays are incoherent, and nothing was done.
+    Incoherent,
+    /// It misses the tree.
+    Missed,
+    /// It was traced.
+    Traced,
+}
+
+/// What a block asks of the tree.
+pub(super) trait BlockQuery<K: Simd> {
+    type Rays: RaySet;
+    type Tally: Tally;
+    /// Whether bounds are asked for.
+    const CERTIFIED: bool;
+
+    /// Tests triangle `at` of `triangles`, which is in `slot`; whether [`BlockQuery::limit`] may have changed.
+    fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool;
+    /// The τ beyond which nothing is of interest; negative if nothing is at all.
+    fn limit(&self, k: K) -> f32;
+    /// Counts the work.
+    fn tally(&mut self) -> &mut Self::Tally;
+}
+
+/// Puts `query` to `tree`, which is not empty, for a block with these `bounds`. `stack` has as many entries as can wait.
+#[inline(always)]
+pub(super) fn traverse<K: Simd, Q: BlockQuery<K>>(
+    k: K,
+    tree: &WideTree,
+    beam: &Beam<K::Children>,
+    bounds: &BlockBounds,
+    stack: &mut [StackEntry],
+    query: &mut Q,
+) {
+    let setup = TriangleSetup::new(k.children(), bounds);
+    let mut triangles = LeafTriangles::NONE;
+    let mut limit = query.limit(k);
+    let mut waiting = 1;
+    stack[0] = (0.0, NodeRef::ROOT);
+    while waiting > 0 {
+        waiting -= 1;
+        let (entry, at) = stack[waiting];
+        // A nearer hit was found since.
+        if entry > limit {
+            continue;
+        }
+        if at.is_leaf() {
+            let leaf = &tree.leaves[at.index()];
+            if intersect_leaf(k, leaf, &setup, limit, &mut triangles, query) {
+                limit = query.limit(k);
+            }
+            continue;
+        }
+        query.tally().add(Work::Nodes, 1);
+        let node = &tree.nodes[at.index()];
+        let mut entries = [0.0; WIDTH];
+        let mut hit = beam.intersect(node, limit, &mut entries);
+        let first = waiting;
+        while hit != 0 {
+            let at = hit.trailing_zeros() as usize % WIDTH;
+            hit &= hit - 1;
+            let (entry, child) = (entries[at], node.children[at]);
+            if child.is_leaf() {
+                prefetch_all(&tree.leaves[child.index()]);
+            } else {
+                prefetch_all(&tree.nodes[child.index()]);
+            }
+            // Insertion sort, the farthest deepest.
+            let mut place = waiting;
+            while place > first && stack[place - 1].0 < entry {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = (entry, child);
+            waiting += 1;
+        }
+    }
+}
+
+/// Tests the triangles of `leaf`; whether the limit may have changed.
+#[inline(always)]
+fn intersect_leaf<K: Simd, Q: BlockQuery<K>>(
+    k: K,
+    leaf: &WideLeaf,
+    setup: &TriangleSetup<K::Children>,
+    limit: f32,
+    triangles: &mut LeafTriangles,
+    query: &mut Q,
+) -> bool {
+    // A trait's constant can't be an argument: two ways, of which one is not compiled.
+    match Q::CERTIFIED {
+        true => setup.set_up::<Q::Rays, true>(leaf, limit, triangles),
+        false => setup.set_up::<Q::Rays, false>(leaf, limit, triangles),
+    }
+    let present = leaf.present.count_ones() as usize;
+    query.tally().add(Work::Triangles, present);
+    let (mut candidates, mut changed) = (triangles.candidates, false);
+    while candidates != 0 {
+        let at = candidates.trailing_zeros();
+        candidates &= candidates - 1;
+        changed |= query.intersect(k, triangles, at as usize, leaf.first + at);
+    }
+    changed
+}

@@ -4,6 +4,7 @@ use std::ops::AddAssign;
 
 /// What is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Work {
     /// Rays that were asked for.
     Rays,
@@ -36,6 +37,7 @@ impl Tally for NoTally {
 
 /// The number of pieces of each kind of [`Work`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counts {
     /// [`Work::Rays`].
     pub rays: u64,
@@ -54,21 +56,14 @@ pub struct Counts {
 impl Tally for Counts {
     #[inline(always)]
     fn add(&mut self, work: Work, times: usize) {
-        *self.of_mut(work) += times as u64;
-    }
-}
-
-impl Counts {
-    #[inline(always)]
-    fn of_mut(&mut self, work: Work) -> &mut u64 {
-        match work {
+        *match work {
             Work::Rays => &mut self.rays,
             Work::Nodes => &mut self.nodes,
             Work::Triangles => &mut self.triangles,
             Work::Doubts => &mut self.doubts,
             Work::Exact => &mut self.exact,
             Work::Singles => &mut self.singles,
-        }
+        } += times as u64;
     }
 }
 

@@ -40,6 +40,7 @@ impl Frustum {
             .max(centre.distance(b))
             .max(centre.distance(c));
         let distance = centre.length();
+        // sin α of the cone about the centre that holds the triangle; 1e-9 covers the rounding of these few steps.
         let sine = radius / distance * (1.0 + 1e-9);
         if sine.is_nan() || sine >= 1.0 {
             return false;
@@ -47,6 +48,7 @@ impl Frustum {
         let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
         let normal = Displacement::new(-cosine, centre / distance);
         let (t, axis) = projection.in_camera(normal);
+        // In the camera's frame the cone is k·N ≥ 0 again; it misses a side that lies beyond its angle.
         let length = axis.length();
         let narrow = t < 0.0;
         narrow

@@ -267,7 +267,8 @@ impl<'a> Divider<'a> {
             true => cross / e.length_squared(),
             false => a.c.length_squared().min(b.c.length_squared()),
         };
-        // |c|² of the nearest point, squared: one |c| for the scale.
+        // E of the module's head: 4/3 (Jung) · |Δ/δ| · |c_A × c_B|² / (8 |c|³), with |c|² of the nearest point
+        // squared, as one |c| belongs to the scale.
         4.0 / 3.0 / 8.0 * a.scale.max(b.scale) * cross / (nearest * nearest)
     }
 

@@ -49,7 +49,7 @@ impl SetupTriangle {
             reach[2].clamp(left, right) - left,
             reach[3].clamp(top, bottom) - top,
         ];
-        // Not for NaN either.
+        // None where the triangle is edge-on, and none for NaN.
         (determinant.abs() > 0.0 && depth.is_finite()).then_some(SetupTriangle {
             edges,
             depth,

@@ -94,6 +94,7 @@ impl<'a> Triangles<'a> {
     fn fragment(&self, triangle: &SetupTriangle, x: f64, y: f64) -> Fragment<'_> {
         let batch = &self.batches[triangle.batch as usize];
         let piece = &batch.triangles[triangle.piece as usize];
+        // λ on the flat apparent triangle; with it the place on the surface, linearly in its rest frame.
         let lambda = triangle.weights(x, y);
         let corners = piece.corners.map(|v| batch.vertices[v as usize].weights);
         let [u, v] = [0, 1].map(|i| (0..3).map(|k| lambda[k] * corners[k][i]).sum());

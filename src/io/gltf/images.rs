@@ -39,9 +39,13 @@ pub(super) fn read(buffers: &mut Buffers, index: usize, most: u64) -> Result<Enc
             return Err(document.invalid(place, "it has no data", help));
         }
     };
-    match is_png(&bytes) || is_jpeg(&bytes) {
-        true => Ok(EncodedImage { bytes, place }),
-        false => Err(buffers.document.unsupported(
+    match media_type(&bytes) {
+        Some(media_type) => Ok(EncodedImage {
+            bytes,
+            media_type,
+            place,
+        }),
+        None => Err(buffers.document.unsupported(
             place,
             "it is neither PNG nor JPEG",
             "store textures as PNG or JPEG, the formats of glTF",
@@ -60,10 +64,11 @@ fn check_size(document: &Document, bytes: u64, most: u64, place: &str) -> Result
     }
 }
 
-fn is_png(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"\x89PNG\r\n\x1a\n")
-}
-
-fn is_jpeg(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"\xff\xd8\xff")
+/// By the first bytes: names and declared types are not to be relied on.
+fn media_type(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some("image/png"),
+        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
+        _ => None,
+    }
 }

@@ -51,6 +51,8 @@ pub enum BadVertices {
 pub struct EncodedImage {
     /// A PNG or JPEG file; only its first bytes have been looked at.
     pub bytes: Vec<u8>,
+    /// Which of the two: "image/png" or "image/jpeg".
+    pub media_type: &'static str,
     /// Where it stands, for messages: `image 2 "bricks"`.
     pub place: String,
 }

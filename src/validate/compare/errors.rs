@@ -109,6 +109,7 @@ impl Sums {
 
     /// Adds row `y`; samples that are no finite numbers in either row, and those outside of `chosen`, do not count.
     pub fn add_row(&mut self, y: usize, r: &[f64], c: &[f64], chosen: Option<&[bool]>) {
+        // Sums of this row alone, added to the total at its end: the order does not depend on the strips.
         let mut row = [0.0f64; 5];
         for x in 0..r.len().min(c.len()) {
             let (r, c) = (r[x], c[x]);

@@ -197,6 +197,7 @@ impl<'a> Field<'a> {
         )?;
         let below = (y + 1 < self.height).then_some(at + self.width);
         let v = self.difference(at, below, y.checked_sub(1).map(|_| at - self.width))?;
+        // δ = (JᵀJ)⁻¹ Jᵀ d by Cramer's rule; det JᵀJ = |u × v|².
         let d = wanted - place(&self.reference, at);
         let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
         let (ud, vd) = (u.dot(d), v.dot(d));

@@ -142,6 +142,7 @@ impl<'a> Strip<'a> {
         let (mean, sample) = (1.0 / n, n / (n - 1.0));
         let inner = self.width - 2 * RADIUS;
         let [sr, sc, srr, scc, src, bad] = self.windows.each_mut().map(|sums| &mut sums[..inner]);
+        // Means and sample covariances of the window, then the fraction of the definition.
         for x in 0..inner {
             let (r, c) = (sr[x] * mean, sc[x] * mean);
             let vr = sample * (srr[x] * mean - r * r);

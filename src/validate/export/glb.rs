@@ -228,12 +228,8 @@ impl File {
     }
 
     fn image(&mut self, image: &EncodedImage) -> Value {
-        let kind = match image.bytes.starts_with(b"\x89PNG") {
-            true => "image/png",
-            false => "image/jpeg",
-        };
         let view = self.view(image.bytes.iter().copied(), None);
-        json!({ "bufferView": view, "mimeType": kind, "name": image.place })
+        json!({ "bufferView": view, "mimeType": image.media_type, "name": image.place })
     }
 
     fn primitive(&self, run: &Run, position: usize, uvs: &[usize], indices: usize) -> Value {

@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::geometry::GeometricError;
-use super::radiance::RadianceError;
-use super::subject::Subject;
+use super::errors::{GeometricError, RadianceError};
+use super::options::Subject;
 use crate::accel::Precision;
 use crate::approximate::raster::{Map, Method, Tessellation};
 

@@ -1,16 +1,13 @@
 //! The measurement: a reference, the geometry of every method, then rounds of timed pictures.
 
+use std::fs;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use super::Subject;
 use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
-use super::front::front;
-use super::geometry::{self, GeometricError};
-use super::memory::Before;
-use super::options::StudyOptions;
-use super::radiance::{self, RadianceError};
-use super::statistics::quantile;
+use super::errors::{self, GeometricError, RadianceError};
+use super::options::{StudyOptions, Subject};
+use super::statistics::{front, quantile};
 use crate::approximate::projection::Observer;
 use crate::approximate::raster::render;
 use crate::error::{Error, Result};
@@ -46,7 +43,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         options.reference_samples,
         progress,
     )?;
-    let truth = radiance::picture("reference", &truth)?;
+    let truth = errors::picture("reference", &truth)?;
     let reference = Reference {
         samples: options.reference_samples,
         seconds: start.elapsed().as_secs_f64(),
@@ -128,7 +125,7 @@ fn geometries(
     options: &StudyOptions,
     progress: &dyn Progress,
 ) -> Result<Able> {
-    prepared.layout.channels = geometry::channels();
+    prepared.layout.channels = errors::geometry_channels();
     prepared.layout.samples = 1;
     prepared.layout.pixel_centers = true;
     prepared.sampler = Sampler::centred();
@@ -244,7 +241,7 @@ impl Job {
         progress: &dyn Progress,
     ) -> Result<()> {
         let is_first = self.runs.is_empty();
-        let before = is_first.then(Before::now);
+        let before = is_first.then(ResidentMemory::now);
         let watch = Watch {
             progress,
             start: Instant::now(),
@@ -343,4 +340,29 @@ fn verdict(entries: &[Entry], pixels: f64) -> Verdict {
 fn ratios(a: &Timing, b: &Timing) -> [f64; 3] {
     let ratios: Vec<_> = a.runs.iter().zip(&b.runs).map(|(a, b)| a / b).collect();
     [0.5, 0.0, 1.0].map(|part| quantile(&ratios, part))
+}
+
+/// The resident memory of this process before something is done, as Linux counts it.
+struct ResidentMemory(Option<u64>);
+
+impl ResidentMemory {
+    /// Takes note, and has the system count the peak from here.
+    fn now() -> Self {
+        // Where that is not possible the peak of before is not known to be over.
+        let reset = fs::write("/proc/self/clear_refs", "5");
+        ResidentMemory(reset.ok().and_then(|()| status("VmRSS:")))
+    }
+
+    /// By how much the memory in use has grown at most since, bytes; none where nobody counts.
+    fn growth(&self) -> Option<u64> {
+        Some(status("VmHWM:")?.saturating_sub(self.0?))
+    }
+}
+
+/// A line of the process's status, which counts in KiB.
+fn status(name: &str) -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
 }

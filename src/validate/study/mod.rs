@@ -19,22 +19,16 @@
 //! A result is on the *front* (Pareto) where no other is both faster and nearer to the truth.
 
 mod entry;
-mod front;
-mod geometry;
+mod errors;
 mod measure;
-mod memory;
 mod options;
 mod plot;
-mod radiance;
 mod statistics;
-mod subject;
 mod table;
 
 pub use entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
-pub use geometry::{GeometricError, Spread};
+pub use errors::{GeometricError, RadianceError, Spread};
 pub use measure::study;
-pub use options::{METHODS, StudyOptions, parse_methods, parse_samples};
+pub use options::{METHODS, StudyOptions, Subject, parse_methods, parse_samples};
 pub use plot::draw;
-pub use radiance::RadianceError;
-pub use subject::Subject;
 pub use table::{csv, table};

@@ -1,8 +1,11 @@
-//! What is studied.
+//! What is studied: methods, and for the ray tracer what its visibility is worth.
 
+use std::fmt;
+use std::str::FromStr;
 use std::time::Duration;
 
-use super::Subject;
+use crate::accel::Precision;
+use crate::approximate::raster::Method;
 use crate::render::plan::Request;
 use crate::scene::model::MOST_SAMPLES;
 
@@ -81,6 +84,52 @@ pub fn parse_samples(text: &str) -> Result<Vec<u32>, String> {
     samples.sort_unstable();
     samples.dedup();
     Ok(samples)
+}
+
+/// A method with a precision of visibility; written like "trace", "trace:fast", "raster:uniform=0.05".
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Subject {
+    /// How pictures are made.
+    pub method: Method,
+    /// What the ray tracer's hits are worth; certified for all other methods, whose hits are their own.
+    pub precision: Precision,
+}
+
+impl Subject {
+    /// What everything is compared with.
+    pub const REFERENCE: Subject = Subject {
+        method: Method::Trace,
+        precision: Precision::Certified,
+    };
+
+    /// The ray tracer as it is for previews.
+    pub const FAST: Subject = Subject {
+        precision: Precision::Fast,
+        ..Subject::REFERENCE
+    };
+}
+
+impl FromStr for Subject {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "trace:fast" => Ok(Subject::FAST),
+            _ => Ok(Subject {
+                method: text.parse()?,
+                ..Subject::REFERENCE
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self.precision {
+            Precision::Certified => self.method.fmt(f),
+            Precision::Fast => write!(f, "{}:{}", self.method, self.precision.name()),
+        }
+    }
 }
 
 #[cfg(test)]

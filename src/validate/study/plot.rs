@@ -13,6 +13,17 @@ const TYPE: f64 = 8.5;
 /// Errors below this are none, pixels.
 const NO_ERROR: f64 = 1e-6;
 
+/// Where words stand relative to their place.
+const LINE: Anchor = anchor(AnchorX::Start, AnchorY::Baseline);
+const ABOVE: Anchor = anchor(AnchorX::Middle, AnchorY::Baseline);
+const BELOW: Anchor = anchor(AnchorX::Middle, AnchorY::Top);
+const LEFT: Anchor = anchor(AnchorX::End, AnchorY::Middle);
+const RIGHT: Anchor = anchor(AnchorX::Start, AnchorY::Middle);
+
+const fn anchor(x: AnchorX, y: AnchorY) -> Anchor {
+    Anchor { x, y }
+}
+
 /// The drawing of `study`.
 ///
 /// # Errors
@@ -43,13 +54,7 @@ pub fn draw(study: &Study) -> Result<Drawing> {
         "{name}, {} × {} pixels, {} triangles, threads: {}",
         study.size[0], study.size[1], study.triangles, study.threads
     );
-    items.push(text(
-        &heading,
-        [14.0, 16.0],
-        AnchorX::Start,
-        AnchorY::Baseline,
-        0.0,
-    )?);
+    items.push(text(&heading, [14.0, 16.0], LINE)?);
     for panel in [geometry, radiance] {
         panel.draw(&mut items)?;
     }
@@ -108,13 +113,7 @@ impl Panel {
     fn draw(&self, items: &mut Vec<Item>) -> Result<()> {
         let Rect { min, max } = self.rect;
         let middle = 0.5 * (min[0] + max[0]);
-        items.push(text(
-            &self.title,
-            [middle, min[1] - 6.0],
-            AnchorX::Middle,
-            AnchorY::Baseline,
-            0.0,
-        )?);
+        items.push(text(&self.title, [middle, min[1] - 6.0], ABOVE)?);
         let x = Axis::around(self.points.iter().map(|p| p.time), [min[0], max[0]]);
         let y = Axis::around(self.points.iter().map(|p| p.error), [max[1], min[1]]);
         self.grid(&x, &y, items)?;
@@ -150,13 +149,7 @@ impl Panel {
                 Path::line([at, min[1]], [at, max[1]]),
                 grey.clone(),
             ));
-            items.push(text(
-                &seconds(decade),
-                [at, max[1] + 5.0],
-                AnchorX::Middle,
-                AnchorY::Top,
-                0.0,
-            )?);
+            items.push(text(&seconds(decade), [at, max[1] + 5.0], BELOW)?);
         }
         for decade in y.decades() {
             let at = y.place(power(decade));
@@ -165,32 +158,14 @@ impl Panel {
                 grey.clone(),
             ));
             let label = format!("10^{{{decade}}}");
-            items.push(Item::Text(set(
-                RichText::parse(&label)?,
-                [min[0] - 4.0, at],
-                AnchorX::End,
-                AnchorY::Middle,
-                0.0,
-            )));
+            items.push(set(RichText::parse(&label)?, [min[0] - 4.0, at], LEFT, 0.0));
         }
         let middle = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
         let under = [middle[0], max[1] + 16.0];
-        items.push(text(
-            "time of one picture",
-            under,
-            AnchorX::Middle,
-            AnchorY::Top,
-            0.0,
-        )?);
+        items.push(text("time of one picture", under, BELOW)?);
         let beside = [min[0] - 30.0, middle[1]];
         let quarter = std::f64::consts::FRAC_PI_2;
-        items.push(text(
-            self.error,
-            beside,
-            AnchorX::Middle,
-            AnchorY::Baseline,
-            quarter,
-        )?);
+        items.push(set(RichText::plain(self.error)?, beside, ABOVE, quarter));
         Ok(())
     }
 }
@@ -256,24 +231,12 @@ fn legend(study: &Study, items: &mut Vec<Item>) -> Result<()> {
     for (k, family) in Family::ALL.iter().filter(has).enumerate() {
         let at = [54.0 + 178.0 * (k % 3) as f64, 259.0 + 13.0 * (k / 3) as f64];
         items.push(mark(*family, at, true));
-        items.push(text(
-            family.name(),
-            [at[0] + 8.0, at[1]],
-            AnchorX::Start,
-            AnchorY::Middle,
-            0.0,
-        )?);
+        items.push(text(family.name(), [at[0] + 8.0, at[1]], RIGHT)?);
     }
     let note = format!(
         "filled: nothing else is both faster and nearer to the truth; below {NO_ERROR:e} pixels is drawn there"
     );
-    items.push(text(
-        &note,
-        [54.0, 286.0],
-        AnchorX::Start,
-        AnchorY::Middle,
-        0.0,
-    )?);
+    items.push(text(&note, [54.0, 286.0], RIGHT)?);
     Ok(())
 }
 
@@ -320,14 +283,14 @@ fn mark(family: Family, [x, y]: [f64; 2], filled: bool) -> Item {
     }
 }
 
-fn text(words: &str, at: [f64; 2], x: AnchorX, y: AnchorY, angle: f64) -> Result<Item> {
-    Ok(Item::Text(set(RichText::plain(words)?, at, x, y, angle)))
+fn text(words: &str, at: [f64; 2], anchor: Anchor) -> Result<Item> {
+    Ok(set(RichText::plain(words)?, at, anchor, 0.0))
 }
 
-fn set(words: RichText, at: [f64; 2], x: AnchorX, y: AnchorY, angle: f64) -> Text {
-    Text {
-        anchor: Anchor { x, y },
+fn set(words: RichText, at: [f64; 2], anchor: Anchor, angle: f64) -> Item {
+    Item::Text(Text {
+        anchor,
         angle,
         ..Text::new(words, at, TYPE)
-    }
+    })
 }

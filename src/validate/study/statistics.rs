@@ -1,4 +1,4 @@
-//! Medians and other quantiles.
+//! Medians and other quantiles, and which results no other beats.
 
 /// The `part` quantile of `values`, 0 to 1, linear between ranks; NaN of nothing. NaN counts as largest.
 pub(super) fn quantile(values: &[f64], part: f64) -> f64 {
@@ -16,9 +16,18 @@ pub(super) fn quantile(values: &[f64], part: f64) -> f64 {
     }
 }
 
+/// For each pair (time, error), whether no other is at least as good in both and better in one. Pairs that
+/// are not finite are not.
+pub(super) fn front(results: &[[f64; 2]]) -> Vec<bool> {
+    let finite = |r: &[f64; 2]| r.iter().all(|x| x.is_finite());
+    let beats = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;
+    let unbeaten = |r: &[f64; 2]| !results.iter().any(|other| finite(other) && beats(other, r));
+    results.iter().map(|r| finite(r) && unbeaten(r)).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::quantile;
+    use super::{front, quantile};
 
     #[test]
     fn quantiles_lie_between_ranks() {
@@ -33,5 +42,19 @@ mod tests {
     #[test]
     fn an_infinite_value_does_not_spoil_the_median() {
         assert_eq!(quantile(&[1.0, f64::INFINITY, 2.0], 0.5), 2.0);
+    }
+
+    #[test]
+    fn what_is_slower_and_worse_than_another_is_not_on_the_front() {
+        let results = [[1.0, 4.0], [2.0, 2.0], [3.0, 3.0], [4.0, 1.0], [4.0, 1.5]];
+        assert_eq!(front(&results), [true, true, false, true, false]);
+    }
+
+    #[test]
+    fn equals_share_the_front_and_what_is_unknown_is_not_on_it() {
+        assert_eq!(
+            front(&[[1.0, 1.0], [1.0, 1.0], [0.5, f64::NAN]]),
+            [true, true, false]
+        );
     }
 }

@@ -2,51 +2,64 @@
 
 use std::fmt::Write;
 
-use super::entry::{Entry, Study, Verdict};
+use super::entry::{Entry, Study, Timing, Verdict};
+use super::errors::RadianceError;
+
+/// A column of [`csv`]: its name, and what stands in it.
+type Column = (&'static str, fn(&Entry) -> String);
 
 /// The columns of [`csv`].
-const COLUMNS: &str = "method,family,samples,runs,seconds,seconds_q1,seconds_q3,setup_seconds,memory_bytes,\
-                       geometric_median_px,geometric_p99_px,geometric_max_px,emission_p99_m,emission_max_m,\
-                       wrong_object_pixels,relrmse,mrse,flip,front_geometry,front_radiance";
+const COLUMNS: [Column; 20] = [
+    ("method", |e| format!("\"{}\"", e.method)),
+    ("family", |e| e.family.name().replace(',', "")),
+    ("samples", |e| e.samples.to_string()),
+    ("runs", |e| {
+        e.timing.as_ref().map_or(0, |t| t.runs.len()).to_string()
+    }),
+    ("seconds", |e| of_timing(e, |t| t.median)),
+    ("seconds_q1", |e| of_timing(e, |t| t.quartiles[0])),
+    ("seconds_q3", |e| of_timing(e, |t| t.quartiles[1])),
+    ("setup_seconds", |e| of_timing(e, |t| t.setup)),
+    ("memory_bytes", |e| {
+        e.memory.map_or(String::new(), |bytes| bytes.to_string())
+    }),
+    ("geometric_median_px", |e| number(e.geometry.pixels.median)),
+    ("geometric_p99_px", |e| number(e.geometry.pixels.p99)),
+    ("geometric_max_px", |e| number(e.geometry.pixels.max)),
+    ("emission_p99_m", |e| number(e.geometry.emission_time.p99)),
+    ("emission_max_m", |e| number(e.geometry.emission_time.max)),
+    ("wrong_object_pixels", |e| {
+        e.geometry.wrong_object.to_string()
+    }),
+    ("relrmse", |e| of_radiance(e, |r| r.relrmse)),
+    ("mrse", |e| of_radiance(e, |r| r.mrse)),
+    ("flip", |e| of_radiance(e, |r| r.flip)),
+    ("front_geometry", |e| e.front.geometry.to_string()),
+    ("front_radiance", |e| e.front.radiance.to_string()),
+];
 
 /// All entries as comma-separated values, a line of names first; what is not known is empty.
 pub fn csv(study: &Study) -> String {
-    let mut text = format!("{COLUMNS}\n");
+    let mut text = COLUMNS.map(|(name, _)| name).join(",") + "\n";
     for entry in &study.entries {
-        let timing = entry.timing.as_ref();
-        let geometry = &entry.geometry;
-        let fields = [
-            format!("\"{}\"", entry.method),
-            entry.family.name().replace(',', ""),
-            entry.samples.to_string(),
-            timing.map_or(0, |t| t.runs.len()).to_string(),
-            number(timing.map(|t| t.median)),
-            number(timing.map(|t| t.quartiles[0])),
-            number(timing.map(|t| t.quartiles[1])),
-            number(timing.map(|t| t.setup)),
-            entry
-                .memory
-                .map_or(String::new(), |bytes| bytes.to_string()),
-            number(Some(geometry.pixels.median)),
-            number(Some(geometry.pixels.p99)),
-            number(Some(geometry.pixels.max)),
-            number(Some(geometry.emission_time.p99)),
-            number(Some(geometry.emission_time.max)),
-            geometry.wrong_object.to_string(),
-            number(entry.radiance.map(|r| r.relrmse)),
-            number(entry.radiance.map(|r| r.mrse)),
-            number(entry.radiance.map(|r| r.flip)),
-            entry.front.geometry.to_string(),
-            entry.front.radiance.to_string(),
-        ];
-        text.push_str(&fields.join(","));
+        text.push_str(&COLUMNS.map(|(_, value)| value(entry)).join(","));
         text.push('\n');
     }
     text
 }
 
-fn number(value: Option<f64>) -> String {
-    value.map_or(String::new(), |value| format!("{value:.5e}"))
+fn of_timing(entry: &Entry, value: fn(&Timing) -> f64) -> String {
+    let timing = entry.timing.as_ref();
+    timing.map_or(String::new(), |timing| number(value(timing)))
+}
+
+fn of_radiance(entry: &Entry, value: fn(&RadianceError) -> f64) -> String {
+    let radiance = entry.radiance.as_ref();
+    radiance.map_or(String::new(), |radiance| number(value(radiance)))
+}
+
+fn number(value: f64) -> String {
+    format!("{value:.5e}")
 }
 
 /// All entries and verdicts, to read.

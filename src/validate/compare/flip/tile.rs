@@ -22,7 +22,7 @@ const LANES: usize = 16;
 /// first and second derivative and the smoothed luminance.
 const KEPT: usize = 7;
 
-/// Limits of the definition.
+/// The definition: differences up to 0.4 of the largest map to errors up to 0.95.
 const LARGE_PART: f32 = 0.4;
 const LARGE_ERROR: f32 = 0.95;
 
@@ -411,13 +411,16 @@ fn lanes(row: &[f32], start: usize) -> Lanes {
 /// ꟻLIP of one pixel from both pictures' Y + 16, Cx, Cz, edge and point.
 #[inline(always)]
 fn error(r: [f32; 5], c: [f32; 5], largest: f32) -> f32 {
+    // Colour: the HyAB distance, of which the part up to 0.4 of the largest takes the range up to 0.95.
     let difference = power_of_definition(hyab(lab(&r), lab(&c)));
     let large = LARGE_PART * largest;
     let small = difference * (LARGE_ERROR / large);
     let beyond = LARGE_ERROR + (difference - large) / (largest - large) * (1.0 - LARGE_ERROR);
     let colour = if difference < large { small } else { beyond };
+    // Features: the larger change of edges and points, normalised by √2, as a square root.
     let (edge, point) = ((r[3] - c[3]).abs(), (r[4] - c[4]).abs());
     let feature = if edge > point { edge } else { point };
     let feature = (feature * (std::f32::consts::FRAC_1_SQRT_2 / 116.0)).sqrt();
+    // ꟻLIP = ΔEc^(1 − ΔEf).
     power(colour, 1.0 - feature)
 }

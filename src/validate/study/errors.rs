@@ -1,13 +1,16 @@
-//! Where the points that a picture shows should have been.
+//! Errors of a method: where the points that a picture shows should have been, and how far its radiance is from that
+//! of a reference.
 
 use serde::Serialize;
 
 use super::statistics::quantile;
 use crate::approximate::projection::{CHANNELS as PLACES, displacements};
 use crate::error::Result;
+use crate::io::image::Layers;
 use crate::render::aov::Aov;
 use crate::render::film::Film;
 use crate::render::prepare::Prepared;
+use crate::validate::compare::{CompareOptions, NotFinite, Picture, compare};
 
 /// Errors of geometry and of time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -34,7 +37,7 @@ pub struct Spread {
 }
 
 /// The channels that [`GeometricError::of`] reads.
-pub(super) fn channels() -> Vec<Aov> {
+pub(super) fn geometry_channels() -> Vec<Aov> {
     PLACES.into_iter().chain([Aov::EventCt]).collect()
 }
 
@@ -82,4 +85,51 @@ impl GeometricError {
 fn late(film: &Film, exact: &Film, pixels: impl Iterator<Item = usize>) -> Vec<f64> {
     let [time, truth] = [film, exact].map(|f| f.aov(Aov::EventCt).unwrap_or_default());
     pixels.map(|i| (time[i] - truth[i]).abs()).collect()
+}
+
+/// Errors of radiance, by the definitions of [`crate::validate::compare`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RadianceError {
+    /// Root mean square error relative to the reference's root mean square; NaN against black.
+    pub relrmse: f64,
+    /// Mean relative square error.
+    pub mrse: f64,
+    /// Mean HDR-ꟻLIP.
+    pub flip: f64,
+}
+
+/// The radiance of `film` as a picture that can be compared.
+pub(super) fn picture(name: &str, film: &Film) -> Result<Picture> {
+    let [width, height] = film.size();
+    let layers = Layers::new(width, height, film.channels(&[]), Vec::new())?;
+    Ok(Picture::linear(name, layers))
+}
+
+impl RadianceError {
+    /// The error of `film` against `reference`.
+    ///
+    /// # Errors
+    /// As [`compare`].
+    pub(super) fn of(film: &Film, reference: &Picture) -> Result<Self> {
+        let options = CompareOptions {
+            not_finite: NotFinite::Ignore,
+            ..CompareOptions::default()
+        };
+        let found = compare(reference, &picture("picture", film)?, &options)?;
+        let metrics = found.metrics();
+        let value = |name: &str| {
+            let row = metrics.iter().find(|(metric, _)| metric == name);
+            row.map_or(f64::NAN, |(_, value)| *value)
+        };
+        let is_relative = value("relrmse").is_finite();
+        Ok(RadianceError {
+            relrmse: if is_relative {
+                value("relrmse")
+            } else {
+                f64::NAN
+            },
+            mrse: value("mrse"),
+            flip: value("flip"),
+        })
+    }
 }

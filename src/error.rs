@@ -169,8 +169,8 @@ fn remedy(kind: io::ErrorKind) -> &'static str {
 #[cfg(feature = "reports")]
 impl Error {
     /// The error with the lines of the file that it is about, and what would be right: for people to read.
-    /// Coloured by ANSI escape codes.
-    pub fn report(&self) -> String {
+    /// With ANSI colours where it is `styled`.
+    pub fn report(&self, styled: bool) -> String {
         use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
         let mut group = Level::ERROR
             .primary_title(self.to_string())
@@ -192,6 +192,10 @@ impl Error {
         if !self.help().is_empty() {
             group = group.element(Level::HELP.message(self.help()));
         }
-        Renderer::styled().render(&[group]) + "\n"
+        let renderer = match styled {
+            true => Renderer::styled(),
+            false => Renderer::plain(),
+        };
+        renderer.render(&[group]) + "\n"
     }
 }

@@ -43,7 +43,7 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
         Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
         Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
-            complain(&error.report());
+            complain(&error.report(true));
             ExitCode::from(FAILED)
         }
         Err(what) => {

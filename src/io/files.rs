@@ -6,20 +6,20 @@
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
 use std::path::Path;
+use std::sync::LazyLock;
+
+use super::packed;
 
 /// The folder of compiled-in files.
 pub const BUILT_IN: &str = "builtin:";
 
 /// Compiled-in files by path below [`BUILT_IN`].
-const FILES: &[(&str, &[u8])] = &[
+static FILES: [(&str, LazyLock<Vec<u8>>); 2] = [
     (
         "corner/corner.glb",
-        include_bytes!("../../scenes/corner/corner.glb"),
+        LazyLock::new(|| include_bytes!("../../scenes/corner/corner.glb").to_vec()),
     ),
-    (
-        "corner/lightmap.npz",
-        include_bytes!("../../scenes/corner/lightmap.npz"),
-    ),
+    ("corner/lightmap.npz", LazyLock::new(packed::lightmap)),
 ];
 
 /// The paths of the compiled-in files below [`BUILT_IN`].
@@ -71,7 +71,7 @@ fn built_in(path: &Path) -> Option<io::Result<&'static [u8]>> {
     let below = path.strip_prefix(BUILT_IN).ok()?;
     let file = FILES.iter().find(|(name, _)| Path::new(name) == below);
     Some(
-        file.map(|(_, bytes)| *bytes)
+        file.map(|(_, bytes)| bytes.as_slice())
             .ok_or_else(|| io::ErrorKind::NotFound.into()),
     )
 }

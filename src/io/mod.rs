@@ -11,3 +11,4 @@ pub mod gltf;
 pub mod image;
 pub mod npy;
 mod open;
+mod packed;

@@ -41,7 +41,7 @@ use crate::spacetime::units::{Dimension, Measure};
 ///
 /// let refused = builder.set("object.triangle.velocity.beta", [1.5, 0.0, 0.0]).build();
 /// let message = refused.unwrap_err().to_string();
-/// assert_eq!(message, "a triangle, object[0].velocity.beta: |β| = 1.5 is not below 1");
+/// assert!(message.starts_with("a triangle, object[0].velocity.beta: |β| = 1.5 is not below 1"));
 /// # Ok::<(), nullray::Error>(())
 /// ```
 #[derive(Debug, Clone)]

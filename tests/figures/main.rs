@@ -1,5 +1,10 @@
 //! Diagrams, drawings, overlays, contact sheets, the pixel probe.
 
+#[path = "../common"]
+mod common {
+    pub mod png;
+}
+
 mod contact_sheet;
 mod diagrams;
 mod drawing;

@@ -1,5 +1,6 @@
 //! What glTF files give, against positions worked out by hand.
 
+use crate::common::png::decode;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -155,10 +156,8 @@ fn materials_are_those_in_use_and_so_are_images() {
     );
     assert_eq!(imported.images.len(), 1);
     assert_eq!(imported.images[0].place, "image 1 \"stripes\"");
-    let pixels = image::load_from_memory(&imported.images[0].bytes)
-        .unwrap()
-        .into_rgb8();
-    assert_eq!(pixels.into_raw(), [255, 0, 0, 0, 0, 255]);
+    let pixels = decode(&imported.images[0].bytes).unwrap();
+    assert_eq!(pixels.rgba, [255, 0, 0, 255, 0, 0, 255, 255]);
 }
 
 #[test]

@@ -1,5 +1,10 @@
 //! Files that come in and go out: scene files, glTF, NumPy arrays, pictures.
 
+#[path = "../common"]
+mod common {
+    pub mod png;
+}
+
 mod gltf;
 mod image_files;
 mod invalid;

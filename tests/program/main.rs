@@ -1,5 +1,10 @@
 //! The program as its users meet it, and the tools that validate pictures.
 
+#[path = "../common"]
+mod common {
+    pub mod png;
+}
+
 mod cli;
 mod compare;
 mod export;

@@ -127,7 +127,7 @@ fn check_reach(object: &Object, mesh: &mut Mesh, warnings: &mut Vec<String>) -> 
     let bad = mesh.positions.iter_mut().filter(|p| !is_reached(p));
     bad.for_each(|p| *p = DVec3::ZERO);
     warnings.push(format!(
-        "object \"{}\": {dropped} triangles with a vertex that is out of cone are dropped",
+        "object \"{}\": {dropped} triangles with a vertex that is out of reach are dropped",
         object.name
     ));
     Ok(())

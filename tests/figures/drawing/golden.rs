@@ -1,5 +1,6 @@
 //! Pictures as they were when they were last looked at.
 
+use crate::common::png::decode;
 use std::path::PathBuf;
 
 use nullray::figures::drawing::png::{Raster, render, write};
@@ -52,14 +53,17 @@ fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
 #[test]
 fn samples_look_as_they_did() {
     for (name, actual) in pictures() {
-        let expected = image::open(golden(&name)).unwrap().into_rgba8();
-        assert_eq!(expected.dimensions(), (actual.width, actual.height));
-        let pairs = expected.iter().zip(&actual.rgba);
+        let expected = decode(&std::fs::read(golden(&name)).unwrap()).unwrap();
+        assert_eq!(
+            (expected.width, expected.height),
+            (actual.width, actual.height)
+        );
+        let pairs = expected.rgba.iter().zip(&actual.rgba);
         let off: Vec<u8> = pairs.map(|(a, b)| a.abs_diff(*b)).collect();
         let most = *off.iter().max().unwrap();
         let mean = off.iter().map(|o| f64::from(*o)).sum::<f64>() / off.len() as f64;
         if most > MOST || mean > MEAN {
-            let strip = strip(&name, expected.as_raw(), &actual);
+            let strip = strip(&name, &expected.rgba, &actual);
             panic!(
                 "{name} is off by {most}, {mean} on the average: see {}",
                 strip.display()

@@ -1,6 +1,6 @@
 //! One row per refusal: what is changed in the valid scene, and where, what and why it is refused.
 
-use crate::scene_file::{Folder, VALID, problem, shown};
+use crate::scene_file::{Folder, VALID, problem};
 
 pub struct Case {
     pub from: &'static str,
@@ -38,7 +38,7 @@ pub fn check(cases: &[Case]) {
         );
         let result = folder.parse(&text);
         if let Err(error) = &result {
-            assert!(shown(error).contains(" --> scene.toml:"), "{error}");
+            assert!(error.report(false).contains(" --> scene.toml:"), "{error}");
         }
         let refusal = problem(result);
         let named = format!("{} → {}: {refusal} ({})", case.from, case.to, refusal.help);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use nullray::Error;
 use nullray::scene::{Overrides, load};
 
-use crate::scene_file::{Folder, VALID, problem, shown};
+use crate::scene_file::{Folder, VALID, problem};
 
 #[test]
 fn no_change_of_a_byte_makes_the_reader_panic() {
@@ -27,7 +27,7 @@ fn no_truncation_makes_the_reader_or_its_report_panic() {
     let folder = Folder::with_files();
     for end in 0..VALID.len() {
         if let Err(error) = folder.parse(&VALID[..end]) {
-            assert!(shown(&error).contains(" --> scene.toml:"), "{end}");
+            assert!(error.report(false).contains(" --> scene.toml:"), "{end}");
         }
     }
 }

@@ -99,8 +99,3 @@ pub fn problem<T: std::fmt::Debug>(result: Result<T>) -> Box<Problem> {
         other => panic!("not refused as invalid: {other:?}"),
     }
 }
-
-/// The report of `error`, without colours.
-pub fn shown(error: &Error) -> String {
-    anstream::adapter::strip_str(&error.report()).to_string()
-}

@@ -1,7 +1,7 @@
 //! What is refused of all parts of a scene, row by row.
 
 use crate::scene_file::cases::check;
-use crate::scene_file::{Folder, VALID, problem, shown};
+use crate::scene_file::{Folder, VALID, problem};
 
 const HFOV: &str = "hfov = \"40 deg\"";
 const CAMERA_VELOCITY: &str = "velocity = { beta = 0.5, direction = [0, 0, -1] }";
@@ -194,6 +194,6 @@ fn a_scene_without_objects_or_camera_is_refused() {
 fn both_places_of_a_contradiction_are_shown() {
     let folder = Folder::with_files();
     let text = VALID.replacen("name = \"ship\"", "name = \"floor\"", 1);
-    let shown = shown(&folder.parse(&text).unwrap_err());
+    let shown = folder.parse(&text).unwrap_err().report(false);
     assert!(shown.contains("first here"), "{shown}");
 }

@@ -21,6 +21,9 @@
 //! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them and `build` makes them; `slab`,
 //! `traverse` and `single` trace single rays; `packet` traces batches.
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 mod build;
 mod bvh;
 mod exact;

@@ -57,7 +57,7 @@ impl Sampler {
         [x[0], y[0]]
     }
 
-    /// The same in many pixels, by their [`pixel_key`]s.
+    /// The same in many pixels, by their keys.
     pub fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
         if self.centred {
             x.fill(0.5);

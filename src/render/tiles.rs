@@ -18,7 +18,7 @@ use crate::spacetime::Direction;
 /// Renders a prepared scene on rayon's current thread pool.
 ///
 /// # Errors
-/// [`Error::Cancelled`] when `progress` says so.
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
 pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
     render_tiles(scene, 0..Tile::count(scene.layout.size), progress)
 }

@@ -169,7 +169,7 @@ impl Kind {
                 "png" => Ok(Kind::Png),
                 "toml" => Ok(Kind::Scene),
                 _ if first == Some(&b'{') => Ok(Kind::Gltf),
-                _ if is_text && std::str::from_utf8(&start).is_ok() => Ok(Kind::Scene),
+                _ if is_text && std::str::from_utf8(start).is_ok() => Ok(Kind::Scene),
                 _ => Err(Error::unsupported(
                     path,
                     "",

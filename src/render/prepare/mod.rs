@@ -46,7 +46,7 @@ impl Prepared {
     /// Carries out `plan`, which must be that of `scene`.
     ///
     /// # Errors
-    /// Broken files, and [`Error::Cancelled`] when `progress` says so.
+    /// Broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
     pub fn new(scene: &Scene, plan: &Plan, progress: &dyn Progress) -> Result<Prepared> {
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);

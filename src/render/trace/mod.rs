@@ -9,7 +9,7 @@
 //!                                             → emit (lookups, shadows, all of a run together) → factors → film
 //! ```
 //!
-//! The kinds of cameras, [`Surfaces`] and [`Radiance`] are matched once per batch or run, so that loops over rays
+//! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays
 //! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
 
 mod camera_rays;

@@ -125,8 +125,11 @@ pub const METRICS: [Metric; 22] = [
     }),
 ];
 
+/// A name and a number of a distribution.
+type Part = (&'static str, fn(&Distribution) -> f64);
+
 /// The numbers of a distribution.
-const PARTS: [(&str, fn(&Distribution) -> f64); 6] = [
+const PARTS: [Part; 6] = [
     ("mean", |d| d.mean),
     ("rms", |d| d.rms),
     ("p50", |d| d.p50),

@@ -29,26 +29,10 @@
 
 use glam::DVec3;
 
-use super::regimes::EPS;
+use super::rows::{EPS, Fine};
 use crate::accel::{Bvh, Facing, Ray};
 use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Rest, Velocity, World};
-
-/// A number as its nearest f64 and what that leaves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fine {
-    /// The nearest f64; NaN where there is none.
-    pub value: f64,
-    /// What is left.
-    pub rest: f64,
-}
-
-impl Fine {
-    /// `got` minus this.
-    fn error(self, got: f64) -> f64 {
-        (got - self.value) - self.rest
-    }
-}
 
 /// The angle of a pixel at the centre of 1024 that cover 60°.
 const PIXEL: f64 = 1.127_637_244_512_189_7e-3; // 2 tan 30° / 1024

@@ -11,9 +11,8 @@ mod rows;
 use crate::Result;
 use crate::render::progress::Progress;
 
-pub use measures::Fine;
-pub use regimes::{EPS, REGIMES, Regime};
-pub use rows::{Row, embedded};
+pub use regimes::{REGIMES, Regime};
+pub use rows::{EPS, Fine, Row, embedded};
 
 /// How much is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,8 @@
 //! The regimes that are compared with arbitrary precision.
 
-use super::measures::{self, Fine};
-use super::rows::{Row, embedded};
+use super::measures;
+use super::rows::{Fine, Row, embedded};
 use super::{Check, Outcome};
-
-/// The largest relative rounding error of one operation, 2⁻⁵³.
-pub const EPS: f64 = f64::EPSILON / 2.0;
 
 /// A regime with references.
 #[derive(Debug)]

@@ -5,7 +5,24 @@
 
 use std::sync::LazyLock;
 
-use super::measures::Fine;
+/// The largest relative rounding error of one operation, 2⁻⁵³.
+pub const EPS: f64 = f64::EPSILON / 2.0;
+
+/// A number as its nearest f64 and what that leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fine {
+    /// The nearest f64; NaN where there is none.
+    pub value: f64,
+    /// What is left.
+    pub rest: f64,
+}
+
+impl Fine {
+    /// `got` minus this.
+    pub(super) fn error(self, got: f64) -> f64 {
+        (got - self.value) - self.rest
+    }
+}
 
 /// A case with its reference.
 #[derive(Debug, Clone, PartialEq)]

@@ -139,9 +139,9 @@ mod tests {
         let lanes = |v: K::F, expected: &dyn Fn(usize) -> f32| {
             let mut out = [0.5; 16];
             k.store(&mut out, v);
-            for i in 0..16 {
+            for (i, got) in out.iter().enumerate() {
                 let expected = if i < K::LANES { expected(i) } else { 0.5 };
-                assert_eq!(out[i].to_bits(), expected.to_bits(), "lane {i}");
+                assert_eq!(got.to_bits(), expected.to_bits(), "lane {i}");
             }
         };
         let bits = |m: u32, expected: &dyn Fn(usize) -> bool| {

@@ -19,16 +19,16 @@ fn scenes() -> [Scene; 3] {
     ]
 }
 
-fn foretold(scene: &Scene, pixels: f64) -> Forecast {
+fn forecast_of(scene: &Scene, pixels: f64) -> Forecast {
     forecast(scene, &centred(scene), pixels, &Silent).unwrap()
 }
 
 #[test]
-fn with_the_edges_that_are_foretold_errors_are_at_most_as_allowed_and_not_much_less() {
+fn errors_with_the_forecast_edge_lengths_are_as_allowed_and_not_much_smaller() {
     for (index, scene) in scenes().iter().enumerate() {
         let stage = centred(scene);
         for pixels in [0.5, 0.1, 0.02] {
-            for object in foretold(scene, pixels).objects {
+            for object in forecast_of(scene, pixels).objects {
                 let Some(length) = object.edge_length.filter(|_| object.parts > 1) else {
                     continue;
                 };
@@ -74,14 +74,14 @@ fn adaptive_tessellation_keeps_what_it_is_told_and_not_much_more() {
 #[test]
 fn a_quarter_of_the_error_takes_half_the_length() {
     let scene = &scenes()[0];
-    let [coarse, fine] = [0.4, 0.1].map(|pixels| foretold(scene, pixels).objects.remove(0));
+    let [coarse, fine] = [0.4, 0.1].map(|pixels| forecast_of(scene, pixels).objects.remove(0));
     let (coarse, fine) = (coarse.edge_length.unwrap(), fine.edge_length.unwrap());
     assert!((coarse / fine - 2.0).abs() < 1e-12);
 }
 
 #[test]
 fn what_rests_before_a_camera_at_rest_needs_no_tessellation() {
-    let found = foretold(&scene(&(camera("") + BODIES)), 0.5);
+    let found = forecast_of(&scene(&(camera("") + BODIES)), 0.5);
     assert_eq!(found.objects.len(), 2);
     for object in &found.objects {
         assert_eq!(
@@ -96,7 +96,7 @@ fn what_rests_before_a_camera_at_rest_needs_no_tessellation() {
 fn the_worst_place_is_where_the_picture_shows_it() {
     let scene = &scenes()[0];
     let film = film(&centred(scene), "trace");
-    for object in foretold(scene, 0.5).objects {
+    for object in forecast_of(scene, 0.5).objects {
         let [column, row] = object.worst.pixel.map(|p| p as usize);
         let pixel = row * 120 + column;
         assert_eq!(values(&film, Aov::Object)[pixel] as u32, object.object);

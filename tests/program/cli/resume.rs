@@ -1,4 +1,4 @@
-//! Sequences that are gone on with: which frames are taken as they are, and which are not.
+//! Resuming a sequence: which frames are kept, and which are rendered again.
 
 use std::fs;
 

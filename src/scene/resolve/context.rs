@@ -25,12 +25,11 @@ const LONGEST_LIST: usize = 100_000;
 pub(super) const BELOW: f64 = 0.999;
 pub(super) const ABOVE: f64 = 1.001;
 
-/// The extensions of glTF files, and of cubes.
-pub(in crate::scene) const GLTF: [&str; 2] = ["glb", "gltf"];
-pub(super) const CUBES: [&str; 2] = ["npy", "npz"];
+/// The extensions of glTF files.
+pub(in crate::scene) const GLTF: &[&str] = &["glb", "gltf"];
 
 /// Whether `path` ends with one of these extensions.
-pub(in crate::scene) fn has_extension(path: &Path, extensions: [&str; 2]) -> bool {
+pub(in crate::scene) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let own = path.extension().and_then(|e| e.to_str());
     own.is_some_and(|own| extensions.iter().any(|e| e.eq_ignore_ascii_case(own)))
 }
@@ -243,13 +242,17 @@ impl Context {
     }
 
     /// The path of a file that is there, with one of these extensions.
-    pub fn path(&self, file: &At<String>, extensions: [&str; 2]) -> Result<PathBuf> {
+    pub fn path(&self, file: &At<String>, extensions: &[&str]) -> Result<PathBuf> {
         let base = &self.inputs.base;
         let path = base.join(self.text(file, "the file's name")?);
         if !has_extension(&path, extensions) {
-            let [a, b] = extensions;
-            let what = format!("{} is neither a .{a} nor a .{b} file", quoted(&file.value));
-            return Err(self.refuse(file, what, format!("name a .{a} or .{b} file")));
+            let what = format!(
+                "{} is neither a .{} file",
+                quoted(&file.value),
+                extensions.join(" nor a .")
+            );
+            let help = format!("name a .{} file", extensions.join(" or ."));
+            return Err(self.refuse(file, what, help));
         }
         let Some(problem) = self.inputs.problem(file) else {
             return Ok(path);

@@ -1,8 +1,9 @@
 //! Time-resolved sources.
 
-use super::context::{CUBES, Context, has_extension};
+use super::context::{Context, has_extension};
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
+use crate::io::cube::FORMATS;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -87,8 +88,12 @@ fn data(cx: &Context, cube: &file::Cube) -> Result<CubeData> {
         alone("a cube in memory is a single array without a name")?;
         return Ok(CubeData::Memory(cube));
     }
-    let path = cx.path(&cube.file, CUBES)?;
-    if has_extension(&path, ["npy"; 2]) {
+    let extensions: Vec<_> = FORMATS.iter().map(|format| format.extension).collect();
+    let path = cx.path(&cube.file, &extensions)?;
+    if !FORMATS
+        .iter()
+        .any(|f| f.named && has_extension(&path, &[f.extension]))
+    {
         alone("an .npy file holds a single array without a name")?;
     }
     let array = cx.optional_text(&cube.array, "the array's name")?;

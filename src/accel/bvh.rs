@@ -83,11 +83,13 @@ impl Bvh {
     }
 
     /// The corners of the triangle in `slot`, metres.
+    #[inline]
     pub fn corners(&self, slot: u32) -> [DVec3; 3] {
         self.corners[slot as usize]
     }
 
     /// The id of the triangle in `slot`, and which of its sides are there.
+    #[inline]
     pub fn triangle(&self, slot: u32) -> (u32, Facing) {
         let tag = self.tags[slot as usize];
         let facing = match tag.shows(false) {
@@ -99,6 +101,7 @@ impl Bvh {
 
     /// The unit normal of the triangle that was hit, on the side from which its corners run
     /// counter-clockwise.
+    #[inline]
     pub fn normal(&self, hit: &Hit) -> DVec3 {
         let [a, b, c] = self.corners(hit.slot);
         let (e1, e2) = (b - a, c - a);

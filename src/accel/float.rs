@@ -3,11 +3,13 @@
 use glam::DVec3;
 
 /// 2^`exponent` for exponents of normal numbers.
+#[inline]
 pub(super) const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 /// The exponent e of a positive normal x: 2^e ≤ x < 2^(e+1).
+#[inline]
 pub(super) fn exponent(x: f64) -> i64 {
     ((x.to_bits() >> 52) & 0x7ff) as i64 - 1023
 }

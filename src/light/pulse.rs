@@ -76,6 +76,7 @@ pub struct Irradiance {
 
 impl Irradiance {
     /// Adds the light of one pulse.
+    #[inline]
     pub fn add(&mut self, light: &Incident) {
         for (sum, part) in self.sum.iter_mut().zip(light.irradiance) {
             *sum += part;
@@ -85,11 +86,13 @@ impl Irradiance {
     }
 
     /// The radiance that a surface of this albedo reflects: L′.
+    #[inline]
     pub fn reflected(&self, albedo: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|c| albedo[c] * self.sum[c] / std::f64::consts::PI)
     }
 
     /// Wavelength of the light over that of the source.
+    #[inline]
     pub fn wavelength_scale(&self) -> f64 {
         match self.weight > 0.0 {
             true => self.weighted / self.weight,
@@ -99,6 +102,7 @@ impl Irradiance {
 }
 
 /// The unit Gaussian; 0 where it is below the smallest f64 that matters (|x| > 8: 5·10⁻¹⁵).
+#[inline]
 fn gaussian(x: f64) -> f64 {
     if x.abs() > 8.0 {
         return 0.0;

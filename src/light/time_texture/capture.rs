@@ -185,6 +185,7 @@ impl Capture {
 
 impl View {
     /// What the ray through the centre of a pixel sees.
+    #[inline]
     fn look_through(
         &self,
         pixel: usize,
@@ -207,6 +208,7 @@ impl View {
     }
 
     /// The normal by its components along the axes, on the side that the ray comes from.
+    #[inline]
     fn facing(&self, normal: DVec3, ray: DVec3) -> DVec3 {
         let normal = self.projection.along_axes(normal);
         if normal.dot(ray) > 0.0 {

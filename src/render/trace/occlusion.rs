@@ -40,6 +40,7 @@ pub(super) struct OcclusionQuery {
 
 impl OcclusionQuery {
     /// From `point` along `d`.
+    #[inline]
     pub fn new(point: &SurfacePoint, d: Direction<World>, distance: f64) -> Self {
         OcclusionQuery {
             frame: point.frame,
@@ -105,6 +106,7 @@ pub(super) fn any_hit(
 /// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
 /// the edge of a triangle the ray could hit the neighbour right there; what is nearer than 2⁻⁴² of the
 /// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
+#[inline]
 pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
     const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
     let size = camera.abs().max_element() + from.abs().max_element();

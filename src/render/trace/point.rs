@@ -55,6 +55,7 @@ impl SurfacePoint<'_> {
     }
 
     /// The geometric unit normal, in the rest frame, on the side that the camera sees.
+    #[inline]
     pub fn facing_normal(&self) -> DVec3 {
         let normal = self.rest.bvh.normal(&self.hit);
         if self.hit.front { normal } else { -normal }

@@ -48,6 +48,7 @@ pub(super) fn illuminate(
 }
 
 /// The light of a pulse on the side of the surface that faces the camera, if nothing is in its way.
+#[inline]
 fn incident(
     surfaces: &Surfaces,
     arrival: &Arrival,

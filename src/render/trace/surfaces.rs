@@ -213,6 +213,7 @@ impl<'a> Frame<'a> {
         }
     }
 
+    #[inline]
     fn boost(&self) -> &'a Boost<Rest, World> {
         self.rest.frame.frame_from_world()
     }
@@ -256,6 +257,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The segment of `query` in this frame, in which `seen` is the ray that hit the point.
+    #[inline]
     fn segment(
         &self,
         query: &OcclusionQuery,

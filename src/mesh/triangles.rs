@@ -152,6 +152,7 @@ impl Mesh {
 
     /// The texture coordinates of set `set` at barycentric `(u, v)` of triangle `index`
     /// (u weights the second corner, v the third), or none where the mesh has no such set.
+    #[inline]
     pub fn uv(&self, set: usize, index: u32, barycentric: [f64; 2]) -> Option<DVec2> {
         let uvs = self.uvs.get(set)?;
         let corner = |v: u32| {

@@ -2,6 +2,9 @@
 //!
 //! Texel (j, i) of N × M has its centre at u = (j + ½)/N, v = (i + ½)/M, row 0 at v = 0. A lookup is
 //! bilinear between centres, after decoding: light adds, code values do not.
+//!
+//! PNG and JPEG are decoded by `png` and `zune-jpeg`, as the `image` crate does too; with `image` comes a library for
+//! colour management that nothing here uses, and the two of them took an eighth of a whole build.
 
 use std::io::Cursor;
 use std::path::Path;

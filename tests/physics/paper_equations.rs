@@ -1,6 +1,5 @@
 //! The equations of Jarabo et al. 2015 against reference values, and their exact counterparts by this crate.
 
-#[allow(dead_code)] // each test uses its part
 use crate::common::table::{Row, rows};
 use crate::common::worst::Worst;
 use glam::DVec3;

@@ -1,12 +1,11 @@
 //! Numerical stability at the ends of what is promised, against arbitrary precision.
 //!
-//! `src/selftest` says which regimes there are, in which unit an error is measured and how its bound is derived.
+//! `src/validate/selftest` says which regimes there are, in which unit an error is measured and how its bound is derived.
 //! Here each is tried with thousands of cases, whose references are computed with 320 bits and more; the rows
-//! that `nullray selftest` carries are a part of them; and what the page of `src/selftest` says of the
+//! that `nullray selftest` carries are a part of them; and what the page of `src/validate/selftest` says of the
 //! worst errors is held against what is measured.
 
 mod cases;
-#[allow(dead_code)] // errors are measured by the self-test
 mod limits;
 mod page;
 mod reference;

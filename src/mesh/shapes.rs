@@ -72,10 +72,8 @@ pub fn mesh(shape: Shape, colour: [f32; 3]) -> Mesh {
         node: String::new(),
     }];
     mesh.materials = vec![Material {
-        name: String::new(),
-        base_colour: colour,
-        texture: None,
         double_sided: matches!(shape, Shape::Plane { .. }),
+        ..Material::matte(colour)
     }];
     mesh
 }

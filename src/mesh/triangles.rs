@@ -13,6 +13,8 @@ pub struct Mesh {
     /// top row of an image). A set that no vertex has is empty; otherwise vertices that lack it
     /// hold NaN.
     pub uvs: Vec<Vec<[f32; 2]>>,
+    /// Linear RGBA factors on base colours, per vertex (glTF COLOR_0); empty where no vertex has one.
+    pub colours: Vec<[f32; 4]>,
     /// Three vertex indices per triangle, in the order of the file.
     pub triangles: Vec<[u32; 3]>,
     /// Runs of consecutive triangles that share a material, in order; they cover `triangles`.
@@ -34,17 +36,91 @@ pub struct Part {
     pub node: String,
 }
 
-/// Time-independent radiance of a surface: a factor and, where there is one, a texture.
+/// What a surface is made of: the metallic-roughness model of glTF 2.0 (§3.9).
+///
+/// Its base colour at a point is factor × texture × vertex colour ([`Mesh::colours`]), linear RGBA.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The name in the file, or "" where it has none.
     pub name: String,
-    /// Linear RGB factor (glTF base colour factor; alpha is ignored).
+    /// Linear RGB factor.
     pub base_colour: [f32; 3],
-    /// The base colour texture: index into the importer's list of images.
-    pub texture: Option<TextureRef>,
+    /// The base colour texture, sRGB with linear alpha.
+    pub base_colour_texture: Option<TextureRef>,
+    /// Factor on the metalness, 0 (dielectric) to 1 (metal).
+    pub metallic: f32,
+    /// Factor on the perceptual roughness, 0 (mirror) to 1 (matte); GGX has its square.
+    pub roughness: f32,
+    /// Linear texture: roughness in its green channel, metalness in its blue one.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Linear RGB factor on the emitted radiance, with the emissive strength in it.
+    pub emissive: [f32; 3],
+    /// The texture of the emitted radiance, sRGB.
+    pub emissive_texture: Option<TextureRef>,
+    /// Factor on alpha, 0 to 1.
+    pub alpha: f32,
+    /// What alpha does.
+    pub alpha_mode: AlphaMode,
+    /// Whether the base colour is what it shows under any light (KHR_materials_unlit).
+    pub unlit: bool,
     /// Whether glTF says that the back face is to be seen too.
     pub double_sided: bool,
+}
+
+/// What alpha does to a surface (glTF 2.0 §3.9.4).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// Where it is below `cutoff`, there is no surface.
+    Mask {
+        /// The least alpha that is there.
+        cutoff: f32,
+    },
+    /// The surface is partly transparent.
+    Blend,
+}
+
+/// The default material of glTF: white metal, rough, one-sided, opaque.
+impl Default for Material {
+    fn default() -> Material {
+        Material {
+            name: String::new(),
+            base_colour: [1.0; 3],
+            base_colour_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            unlit: false,
+            double_sided: false,
+        }
+    }
+}
+
+impl Material {
+    /// A matte dielectric of linear base colour `colour`.
+    pub fn matte(colour: [f32; 3]) -> Material {
+        Material {
+            base_colour: colour,
+            metallic: 0.0,
+            ..Material::default()
+        }
+    }
+
+    /// The textures that there are.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let all = [
+            &self.base_colour_texture,
+            &self.metallic_roughness_texture,
+            &self.emissive_texture,
+        ];
+        all.into_iter().flatten()
+    }
 }
 
 /// Where a material's texture lies and how it is addressed.
@@ -89,14 +165,10 @@ impl Mesh {
                 material: 0,
                 node: String::new(),
             }],
-            materials: vec![Material {
-                name: String::new(),
-                base_colour: colour,
-                texture: None,
-                double_sided: false,
-            }],
+            materials: vec![Material::matte(colour)],
             positions,
             uvs: Vec::new(),
+            colours: Vec::new(),
             triangles,
         }
     }
@@ -123,6 +195,11 @@ impl Mesh {
                 self.uvs[set].len()
             );
             return refuse(format!("uvs[{set}]"), what);
+        }
+        let colours = self.colours.len();
+        if colours != 0 && colours != vertices {
+            let what = format!("{colours} colours for {vertices} vertices");
+            return refuse("colours".into(), what);
         }
         let mut next = 0;
         for (i, part) in self.parts.iter().enumerate() {
@@ -163,5 +240,19 @@ impl Mesh {
         let (a, b, c, [u, v]) = (corner(a)?, corner(b)?, corner(c)?, barycentric);
         // NaN of one corner is NaN here.
         Some(a + (b - a) * u + (c - a) * v).filter(|uv| uv.is_finite())
+    }
+
+    /// The vertex colour, linear RGBA, at barycentric `(u, v)` of triangle `index`, or none where the mesh
+    /// has none.
+    #[inline]
+    pub fn colour(&self, index: u32, [u, v]: [f64; 2]) -> Option<[f64; 4]> {
+        if self.colours.is_empty() {
+            return None;
+        }
+        let corners = self.triangles[index as usize];
+        let [a, b, c] = corners.map(|corner| self.colours[corner as usize].map(f64::from));
+        Some(std::array::from_fn(|k| {
+            a[k] + (b[k] - a[k]) * u + (c[k] - a[k]) * v
+        }))
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::io::cube::{Cube, Samples};
-use crate::mesh::Mesh;
+use crate::mesh::{AlphaMode, Material, Mesh};
 
 /// What the names of things in memory begin with, where a path would stand.
 pub(super) const PREFIX: &str = "memory:";
@@ -83,6 +83,7 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
     let Mesh {
         positions,
         uvs,
+        colours,
         triangles,
         parts,
         materials,
@@ -96,12 +97,34 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
         add(hash, set, |uv| uv[0].to_le_bytes());
         add(hash, set, |uv| uv[1].to_le_bytes());
     }
+    for channel in 0..4 {
+        add(hash, colours, |c| c[channel].to_le_bytes());
+    }
     add(hash, parts, |p| p.first_triangle.to_le_bytes());
     add(hash, parts, |p| p.triangles.to_le_bytes());
     add(hash, parts, |p| p.material.to_le_bytes());
-    add(hash, materials, |m| [u8::from(m.double_sided)]);
+    add(hash, materials, |m| {
+        [u8::from(m.double_sided), u8::from(m.unlit)]
+    });
     for material in materials {
         add_text(hash, &material.name);
         add(hash, &material.base_colour, |c| c.to_le_bytes());
+        add(hash, &material.emissive, |c| c.to_le_bytes());
+        let (mode, cutoff) = match material.alpha_mode {
+            AlphaMode::Opaque => (0.0, 0.0),
+            AlphaMode::Mask { cutoff } => (1.0, cutoff),
+            AlphaMode::Blend => (2.0, 0.0),
+        };
+        let Material {
+            metallic,
+            roughness,
+            alpha,
+            ..
+        } = *material;
+        add(
+            hash,
+            &[metallic, roughness, alpha, mode, cutoff],
+            |c: &f32| c.to_le_bytes(),
+        );
     }
 }

@@ -11,6 +11,7 @@ use nullray::scene::model::BadVertices;
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    shading: true,
     bad_vertices: BadVertices::Refuse,
 };
 
@@ -142,14 +143,17 @@ fn materials_are_those_in_use_and_so_are_images() {
         ["plain", "", "shifted"]
     );
     assert_eq!(plain.base_colour, [0.5, 0.25, 0.125]);
-    assert_eq!((default.base_colour, &default.texture), ([1.0; 3], &None));
+    assert_eq!(
+        (default.base_colour, &default.base_colour_texture),
+        ([1.0; 3], &None)
+    );
     assert!(plain.double_sided && !default.double_sided && !shifted.double_sided);
-    let plain = plain.texture.as_ref().unwrap();
+    let plain = plain.base_colour_texture.as_ref().unwrap();
     assert_eq!(
         (plain.image, plain.uv_set, plain.wrap),
         (0, 1, [Wrap::Clamp, Wrap::Mirror])
     );
-    let shifted = shifted.texture.as_ref().unwrap();
+    let shifted = shifted.base_colour_texture.as_ref().unwrap();
     assert_eq!(
         (shifted.image, shifted.uv_set, shifted.wrap),
         (0, 3, [Wrap::Repeat; 2])
@@ -203,7 +207,14 @@ fn only_the_sets_that_textures_need_are_read_unless_all_are_wanted() {
     let read: Vec<bool> = mesh.uvs.iter().map(|set| !set.is_empty()).collect();
     // Sets 0 and 1, and the transformed coordinates after them.
     assert_eq!(read, [true, true, true]);
-    assert_eq!(mesh.materials[2].texture.as_ref().unwrap().uv_set, 2);
+    assert_eq!(
+        mesh.materials[2]
+            .base_colour_texture
+            .as_ref()
+            .unwrap()
+            .uv_set,
+        2
+    );
 }
 
 #[test]

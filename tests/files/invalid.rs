@@ -15,6 +15,7 @@ const DIRECTORY: &str = "tests/data/invalid";
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    shading: true,
     bad_vertices: BadVertices::Refuse,
 };
 
@@ -171,8 +172,8 @@ fn what_is_not_wanted_is_not_read() {
     assert!(plain.mesh.uvs.is_empty());
     assert!(load("uv-nan.glb", true, false).is_err());
     let plain = load("image-view-missing.glb", true, false).unwrap();
-    assert!(plain.images.is_empty() && plain.mesh.materials[0].texture.is_none());
+    assert!(plain.images.is_empty() && plain.mesh.materials[0].base_colour_texture.is_none());
     assert!(load("image-view-missing.glb", true, true).is_err());
     let plain = load("texture-without-image.glb", false, false).unwrap();
-    assert!(plain.mesh.materials[0].texture.is_none());
+    assert!(plain.mesh.materials[0].base_colour_texture.is_none());
 }

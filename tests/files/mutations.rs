@@ -8,6 +8,7 @@ use nullray::scene::model::BadVertices;
 const ALL: Want = Want {
     uvs: true,
     textures: true,
+    shading: true,
     bad_vertices: BadVertices::Refuse,
 };
 

@@ -22,6 +22,10 @@ const EXPORT_AGAIN: &str = "export the file again; a validator of glTF tells mor
 pub(super) enum Purpose {
     Positions,
     TexCoords,
+    /// RGB, or RGBA where `alpha` is set.
+    Colours {
+        alpha: bool,
+    },
     Indices,
 }
 
@@ -133,6 +137,10 @@ impl Check<'_, '_> {
             (Purpose::TexCoords, F32) => (*kind == Type::Vec2 && !normalized, ""),
             (Purpose::TexCoords, U8 | U16) if normalized => (*kind == Type::Vec2, ""),
             (Purpose::TexCoords, I8 | U8 | I16 | U16) => (*kind == Type::Vec2 && quantized, Q),
+            (Purpose::Colours { alpha }, F32 | U8 | U16) => {
+                let right = if alpha { Type::Vec4 } else { Type::Vec3 };
+                (*kind == right && normalized == (component != F32), "")
+            }
             _ => (false, ""),
         };
         match right {
@@ -232,6 +240,7 @@ impl Purpose {
         match self {
             Purpose::Positions => 3,
             Purpose::TexCoords => 2,
+            Purpose::Colours { alpha } => 3 + u64::from(alpha),
             Purpose::Indices => 1,
         }
     }
@@ -240,6 +249,7 @@ impl Purpose {
         match self {
             Purpose::Positions => "positions",
             Purpose::TexCoords => "texture coordinates",
+            Purpose::Colours { .. } => "vertex colours",
             Purpose::Indices => "indices",
         }
     }
@@ -248,6 +258,9 @@ impl Purpose {
         match self {
             Purpose::Positions => "positions are VEC3 of FLOAT",
             Purpose::TexCoords => "they are VEC2 of FLOAT or normalized UNSIGNED_BYTE or _SHORT",
+            Purpose::Colours { .. } => {
+                "they are VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"
+            }
             Purpose::Indices => "indices are SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or _INT",
         }
     }

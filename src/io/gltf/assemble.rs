@@ -10,7 +10,7 @@ use super::document::{Document, shortened};
 use super::draft::{Draft, Materials};
 use super::images;
 use super::import::{EncodedImage, Imported, Want};
-use super::materials::Resolved;
+use super::materials::{FIRST_TRANSFORMED, Resolved};
 use super::pieces::Placement;
 use super::primitive::Piece;
 use super::vertices::Vertices;
@@ -99,8 +99,8 @@ impl Builder<'_, '_> {
     }
 
     fn warn_of_missing_uvs(&mut self, piece: &Piece, resolved: &Resolved) {
-        let texture = resolved.material.texture.as_ref();
-        if texture.is_some_and(|texture| !piece.uvs.contains_key(&texture.uv_set)) {
+        let mut sets = resolved.sets();
+        if sets.any(|set| !piece.uvs.contains_key(&set)) {
             let what = "it lacks the texture coordinates of its material's texture";
             self.warnings.add(what, &piece.positions.place);
         }
@@ -108,11 +108,12 @@ impl Builder<'_, '_> {
 
     fn finish(mut self) -> Imported {
         self.vertices.settle();
-        self.vertices.pad_uvs();
+        self.vertices.pad();
         Imported {
             mesh: Mesh {
                 positions: self.vertices.positions,
                 uvs: self.vertices.uvs,
+                colours: self.vertices.colours,
                 triangles: self.triangles,
                 parts: self.parts,
                 materials: self.palette.materials,
@@ -171,10 +172,15 @@ impl Palette {
             return Ok(number);
         }
         let mut material = resolved.material.clone();
-        if let Some(texture) = &mut material.texture {
+        let textures = [
+            &mut material.base_colour_texture,
+            &mut material.metallic_roughness_texture,
+            &mut material.emissive_texture,
+        ];
+        for texture in textures.into_iter().flatten() {
             texture.image = self.image(buffers, texture.image)?;
-            if resolved.transform.is_some() {
-                texture.uv_set = transformed_set;
+            if let Some(which) = texture.uv_set.checked_sub(FIRST_TRANSFORMED) {
+                texture.uv_set = transformed_set + which;
             }
         }
         let number = self.materials.len() as u32;

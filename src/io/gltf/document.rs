@@ -14,9 +14,7 @@ use crate::{Error, Result};
 const UNDERSTOOD: [&str; 4] = [
     "KHR_texture_transform",
     "KHR_mesh_quantization",
-    // Base colours are taken as radiance, which is what "unlit" says.
     "KHR_materials_unlit",
-    // Emission is not read, and so neither is its strength.
     "KHR_materials_emissive_strength",
 ];
 

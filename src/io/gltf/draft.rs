@@ -7,6 +7,7 @@ use super::import::Want;
 use super::materials::{Resolved, resolve};
 use super::nodes::Hierarchy;
 use super::pieces::Pieces;
+use super::primitive::Wanted;
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -30,11 +31,18 @@ impl Draft {
         let placed = hierarchy.select(document, node, &mut warnings)?;
         let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
         let used = materials_of(document, &nodes)?;
-        let materials = resolve(document, used, want.textures, &mut warnings)?;
-        let wanted = |material: Option<usize>, set: usize| {
-            want.uvs || texture_set(&materials, material) == Some(set)
+        let materials = resolve(document, used, want, &mut warnings)?;
+        let wanted = Wanted {
+            set: &|material, set| {
+                let of = materials.get(&material);
+                want.uvs || of.is_some_and(|material| material.uses_set(set))
+            },
+            colours: &|material| {
+                let of = materials.get(&material);
+                want.textures || of.is_some_and(|material| material.is_masked())
+            },
         };
-        let pieces = Pieces::new(document, &placed, &wanted, &mut warnings)?;
+        let pieces = Pieces::new(document, &placed, wanted, &mut warnings)?;
         Ok(Draft {
             pieces,
             materials,
@@ -49,12 +57,6 @@ impl Draft {
         let sets = pieces.flat_map(|piece| piece.uvs.keys());
         sets.max().map_or(0, |last| last + 1)
     }
-}
-
-/// The set that a material's texture is addressed by.
-fn texture_set(materials: &Materials, material: Option<usize>) -> Option<usize> {
-    let texture = materials.get(&material)?.material.texture.as_ref()?;
-    Some(texture.uv_set)
 }
 
 /// The materials of the meshes of these nodes, each of which is there.

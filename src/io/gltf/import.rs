@@ -11,8 +11,11 @@ use crate::mesh::Mesh;
 pub struct Want {
     /// All texture coordinate sets. Without it, only those that textures need are read.
     pub uvs: bool,
-    /// Base colour textures: their images, and the coordinates that address them.
+    /// Base colours: the images of their textures, the coordinates that address them, and vertex colours.
+    /// Those of materials with a mask are read anyway.
     pub textures: bool,
+    /// What else a material shows under lamps: its textures of metal and roughness and of emission.
+    pub shading: bool,
     /// Positions and texture coordinates that are not finite. Triangles that are dropped keep their numbers:
     /// their corners are made one point, so that no ray meets them.
     pub bad_vertices: BadVertices,
@@ -23,10 +26,11 @@ pub struct Want {
 pub struct Imported {
     /// The triangles, in the coordinates of the file's root, metres. Vertices of a primitive
     /// without a texture coordinate set that others have hold NaN in it, which
-    /// [`Mesh::uv`] takes for none. A texture with a transform of its own
-    /// (KHR_texture_transform) has its coordinates in one more list after the file's sets.
+    /// [`Mesh::uv`] takes for none. Textures with transforms of their own
+    /// (KHR_texture_transform) have their coordinates in further lists after the file's sets. Vertices without
+    /// a colour that others have are white.
     pub mesh: Mesh,
-    /// Encoded base colour images of the materials in use; [`TextureRef::image`] counts these.
+    /// Encoded images of the materials in use, as far as they are wanted; [`TextureRef::image`] counts these.
     ///
     /// [`TextureRef::image`]: crate::mesh::TextureRef::image
     pub images: Vec<EncodedImage>,

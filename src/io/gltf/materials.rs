@@ -1,28 +1,55 @@
-//! Base colours as time-independent radiance (glTF 2.0 §3.9): factor, texture, sides.
+//! Materials (glTF 2.0 §3.9): metallic-roughness factors and textures, emission with its strength
+//! (KHR_materials_emissive_strength), alpha, sides, and whether light matters (KHR_materials_unlit).
 //!
-//! Only base colour factor and texture and doubleSided are read. Alpha, emission, vertex colours,
-//! metal, roughness and normal maps are not: surfaces here have a radiance, not a reflectance.
+//! Normal and occlusion textures are not read.
 
 use std::collections::BTreeMap;
 
-use ::gltf::json::material::AlphaMode;
+use ::gltf::json::material::AlphaMode as JsonAlphaMode;
 use ::gltf::json::texture::{Info, WrappingMode};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Index, material};
 use glam::DVec2;
 
 use super::document::{Document, label};
+use super::import::Want;
+use super::primitive::MOST_SETS;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::mesh::{Material, TextureRef, Wrap};
+use crate::mesh::{AlphaMode, Material, TextureRef, Wrap};
 
 /// A material as the mesh will hold it, and what its texture coordinates still need.
 #[derive(Debug, Clone)]
 pub(super) struct Resolved {
-    /// `texture.image` counts images of the *document*, `texture.uv_set` its sets.
+    /// In its textures `image` counts images of the *document*, and `uv_set` its sets; from
+    /// [`FIRST_TRANSFORMED`] on it counts `transforms`.
     pub material: Material,
-    /// KHR_texture_transform, where it is not the identity.
-    pub transform: Option<UvTransform>,
+    /// The sets that KHR_texture_transform changes, and how; different ones.
+    pub transforms: Vec<(usize, UvTransform)>,
+}
+
+/// Where numbers of transforms begin among the sets of a [`Resolved`] material.
+pub(super) const FIRST_TRANSFORMED: usize = MOST_SETS as usize;
+
+impl Resolved {
+    /// The sets of the document that its textures use.
+    pub fn sets(&self) -> impl Iterator<Item = usize> {
+        let set = |t: &TextureRef| match t.uv_set.checked_sub(FIRST_TRANSFORMED) {
+            None => Some(t.uv_set),
+            Some(which) => self.transforms.get(which).map(|(set, _)| *set),
+        };
+        self.material.textures().filter_map(set)
+    }
+
+    /// Whether one of its textures uses this set of the document.
+    pub fn uses_set(&self, set: usize) -> bool {
+        self.sets().any(|used| used == set)
+    }
+
+    /// Whether the surface has holes.
+    pub fn is_masked(&self) -> bool {
+        matches!(self.material.alpha_mode, AlphaMode::Mask { .. })
+    }
 }
 
 /// uv ↦ offset + R(rotation) · scale · uv (KHR_texture_transform). With v pointing down, a positive
@@ -46,20 +73,20 @@ impl UvTransform {
     }
 }
 
-/// Resolves each of `used` (none is the default material); `textures` says whether textures matter.
+/// Resolves each of `used` (none is the default material), with the textures that `want` asks for.
 pub(super) fn resolve(
     document: &Document,
     used: impl IntoIterator<Item = Option<usize>>,
-    textures: bool,
+    want: Want,
     warnings: &mut Warnings,
 ) -> Result<BTreeMap<Option<usize>, Resolved>> {
     let mut resolved = BTreeMap::new();
     for index in used {
         let material = match index {
-            Some(index) => one(document, index, textures, warnings)?,
+            Some(index) => one(document, index, want, warnings)?,
             None => Resolved {
-                material: default_material(),
-                transform: None,
+                material: Material::default(),
+                transforms: Vec::new(),
             },
         };
         resolved.insert(index, material);
@@ -67,83 +94,171 @@ pub(super) fn resolve(
     Ok(resolved)
 }
 
-/// The material of primitives that name none: white, one-sided.
-fn default_material() -> Material {
-    Material {
-        name: String::new(),
-        base_colour: [1.0; 3],
-        texture: None,
-        double_sided: false,
-    }
-}
-
-fn one(
-    document: &Document,
-    index: usize,
-    textures: bool,
-    warnings: &mut Warnings,
-) -> Result<Resolved> {
+fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -> Result<Resolved> {
     let number = Index::<material::Material>::new(u32::try_from(index).unwrap_or(u32::MAX));
     let material = document.get(number, "material", "materials")?;
-    let place = label("material", index, material.name.as_deref());
-    if material.alpha_mode != Checked::Valid(AlphaMode::Opaque) {
-        warnings.add("alpha is ignored: the surface is opaque", &place);
-    }
-    if material.emissive_factor.0 != [0.0; 3] {
-        warnings.add("emission is not read: radiance is the base colour", &place);
-    }
-    let pbr = &material.pbr_metallic_roughness;
-    let [r, g, b, _] = pbr.base_color_factor.0;
-    if [r, g, b].iter().any(|c| !(0.0..=f32::MAX).contains(c)) {
-        let what = format!("its base colour is {r}, {g}, {b}");
-        return Err(document.invalid(place, what, "base colours are finite and not negative"));
-    }
-    let (texture, transform) = match &pbr.base_color_texture {
-        Some(info) if textures => texture(document, info, &place)?,
-        _ => (None, None),
+    let mut reader = Reader {
+        document,
+        place: label("material", index, material.name.as_deref()),
+        transforms: Vec::new(),
     };
+    reader.warn(material, warnings);
+    let pbr = &material.pbr_metallic_roughness;
+    let alpha_mode = reader.alpha_mode(material)?;
+    let [r, g, b, alpha] = pbr.base_color_factor.0;
+    let masked = matches!(alpha_mode, AlphaMode::Mask { .. });
     Ok(Resolved {
         material: Material {
             name: material.name.clone().unwrap_or_default(),
-            base_colour: [r, g, b],
-            texture,
+            base_colour: reader.colour([r, g, b], "base colour")?,
+            base_colour_texture: match &pbr.base_color_texture {
+                Some(info) if want.textures || masked => Some(reader.texture(info)?),
+                _ => None,
+            },
+            metallic: reader.fraction(pbr.metallic_factor.0, "metallicFactor")?,
+            roughness: reader.fraction(pbr.roughness_factor.0, "roughnessFactor")?,
+            metallic_roughness_texture: match &pbr.metallic_roughness_texture {
+                Some(info) if want.shading => Some(reader.texture(info)?),
+                _ => None,
+            },
+            emissive: reader.emissive(material)?,
+            emissive_texture: match &material.emissive_texture {
+                Some(info) if want.shading => Some(reader.texture(info)?),
+                _ => None,
+            },
+            alpha: reader.fraction(alpha, "the alpha of its base colour")?,
+            alpha_mode,
+            unlit: (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some()),
             double_sided: material.double_sided,
         },
-        transform,
+        transforms: reader.transforms,
     })
 }
 
-type Texture = (Option<TextureRef>, Option<UvTransform>);
+/// Reads one material.
+struct Reader<'d, 'a> {
+    document: &'d Document<'a>,
+    /// For messages.
+    place: String,
+    transforms: Vec<(usize, UvTransform)>,
+}
 
-fn texture(document: &Document, info: &Info, place: &str) -> Result<Texture> {
-    let place = format!("{place}, texture {}", info.index.value());
-    let texture = document.get(info.index, "texture", &place)?;
-    if texture.source.value() == u32::MAX as usize {
-        return Err(document.unsupported(
-            place,
-            "it has no image, or one that only an extension knows (KTX2, WebP, …)",
-            "store textures as PNG or JPEG",
-        ));
-    }
-    document.get(texture.source, "image", &place)?;
-    let wrap = match texture.sampler {
-        Some(sampler) => {
-            let sampler = document.get(sampler, "sampler", &place)?;
-            [&sampler.wrap_s, &sampler.wrap_t].map(wrap)
+impl Reader<'_, '_> {
+    /// Says what of it is passed over.
+    fn warn(&self, material: &material::Material, warnings: &mut Warnings) {
+        if material.alpha_mode == Checked::Valid(JsonAlphaMode::Blend) {
+            let what = "blending by alpha is not done: the surface is opaque";
+            warnings.add(what, &self.place);
         }
-        None => [Some(Wrap::Repeat); 2],
-    };
-    let [Some(wrap_u), Some(wrap_v)] = wrap else {
-        let help = "wrapS and wrapT must be 10497, 33071 or 33648";
-        return Err(document.invalid(place, "its sampler's wrapping is not of glTF", help));
-    };
-    let (set, transform) = transform(document, info, &place)?;
-    let texture = TextureRef {
-        image: texture.source.value(),
-        uv_set: set as usize,
-        wrap: [wrap_u, wrap_v],
-    };
-    Ok((Some(texture), transform))
+        if material.normal_texture.is_some() {
+            warnings.add("normal maps are not read", &self.place);
+        }
+        if material.occlusion_texture.is_some() {
+            warnings.add("occlusion maps are not read", &self.place);
+        }
+    }
+
+    fn alpha_mode(&self, material: &material::Material) -> Result<AlphaMode> {
+        match material.alpha_mode {
+            Checked::Valid(JsonAlphaMode::Opaque) => Ok(AlphaMode::Opaque),
+            Checked::Valid(JsonAlphaMode::Blend) => Ok(AlphaMode::Blend),
+            Checked::Valid(JsonAlphaMode::Mask) => {
+                let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+                match (0.0..=f32::MAX).contains(&cutoff) {
+                    true => Ok(AlphaMode::Mask { cutoff }),
+                    false => Err(self.invalid(
+                        format!("its alphaCutoff is {cutoff}"),
+                        "alphaCutoff is finite and not negative",
+                    )),
+                }
+            }
+            Checked::Invalid => Err(self.invalid(
+                "its alphaMode is not of glTF",
+                "alphaMode is \"OPAQUE\", \"MASK\" or \"BLEND\"",
+            )),
+        }
+    }
+
+    fn colour(&self, colour: [f32; 3], name: &str) -> Result<[f32; 3]> {
+        let [r, g, b] = colour;
+        match colour.iter().all(|c| (0.0..=f32::MAX).contains(c)) {
+            true => Ok(colour),
+            false => Err(self.invalid(
+                format!("its {name} is {r}, {g}, {b}"),
+                format!("{name}s are finite and not negative"),
+            )),
+        }
+    }
+
+    fn fraction(&self, value: f32, name: &str) -> Result<f32> {
+        match (0.0..=1.0).contains(&value) {
+            true => Ok(value),
+            false => Err(self.invalid(format!("{name} is {value}"), "it is between 0 and 1")),
+        }
+    }
+
+    /// Factor and strength.
+    fn emissive(&self, material: &material::Material) -> Result<[f32; 3]> {
+        let extension = material.extensions.as_ref();
+        let strength = extension.and_then(|all| all.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
+        let emitted = material.emissive_factor.0.map(|c| c * strength);
+        self.colour(emitted, "emission")
+    }
+
+    fn texture(&mut self, info: &Info) -> Result<TextureRef> {
+        let document = self.document;
+        let place = format!("{}, texture {}", self.place, info.index.value());
+        let texture = document.get(info.index, "texture", &place)?;
+        if texture.source.value() == u32::MAX as usize {
+            return Err(document.unsupported(
+                place,
+                "it has no image, or one that only an extension knows (KTX2, WebP, …)",
+                "store textures as PNG or JPEG",
+            ));
+        }
+        document.get(texture.source, "image", &place)?;
+        let wrap = match texture.sampler {
+            Some(sampler) => {
+                let sampler = document.get(sampler, "sampler", &place)?;
+                [&sampler.wrap_s, &sampler.wrap_t].map(wrap)
+            }
+            None => [Some(Wrap::Repeat); 2],
+        };
+        let [Some(wrap_u), Some(wrap_v)] = wrap else {
+            let help = "wrapS and wrapT must be 10497, 33071 or 33648";
+            return Err(document.invalid(place, "its sampler's wrapping is not of glTF", help));
+        };
+        let (set, transform) = transform(document, info, &place)?;
+        if set >= MOST_SETS {
+            let what = format!("it uses TEXCOORD_{set}");
+            let help = "at most 16 texture coordinate sets are read, TEXCOORD_0 to TEXCOORD_15";
+            return Err(document.unsupported(place, what, help));
+        }
+        Ok(TextureRef {
+            image: texture.source.value(),
+            uv_set: self.set(set as usize, transform),
+            wrap: [wrap_u, wrap_v],
+        })
+    }
+
+    /// The number of a set as this transform changes it.
+    fn set(&mut self, set: usize, transform: Option<UvTransform>) -> usize {
+        let Some(transform) = transform else {
+            return set;
+        };
+        let changed = (set, transform);
+        let known = self.transforms.iter().position(|known| *known == changed);
+        FIRST_TRANSFORMED
+            + known.unwrap_or_else(|| {
+                self.transforms.push(changed);
+                self.transforms.len() - 1
+            })
+    }
+
+    fn invalid(&self, what: impl Into<String>, help: impl Into<String>) -> crate::Error {
+        self.document.invalid(&self.place, what, help)
+    }
 }
 
 fn wrap(mode: &Checked<WrappingMode>) -> Option<Wrap> {

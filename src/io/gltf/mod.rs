@@ -11,8 +11,8 @@
 //! Vertices are taken as they are, denormal numbers too, which f64 holds exactly. NaN and infinities are
 //! refused, or their triangles dropped, as the scene says.
 //!
-//! Not read, each with a warning where it would be seen: skins, morph targets, vertex colours,
-//! alpha, emission, points and lines. Animations and lights are ignored. Extensions that a file
+//! Not read, each with a warning where it would be seen: skins, morph targets, blending by alpha, normal
+//! and occlusion maps, points and lines. Animations and lights are ignored. Extensions that a file
 //! *requires* and that are not known here are refused.
 
 mod accessor;

@@ -6,7 +6,7 @@ use std::collections::btree_map::Entry;
 
 use super::document::Document;
 use super::nodes::Placed;
-use super::primitive::{Piece, WantedSets, of_mesh};
+use super::primitive::{Piece, Wanted, of_mesh};
 use super::warnings::Warnings;
 use crate::Result;
 
@@ -14,7 +14,7 @@ use crate::Result;
 /// number of them; the same holds for the next two.
 const MOST_TRIANGLES: u64 = 1 << 26;
 
-/// The most bytes of vertices (24 for a position, 8 for a pair of texture coordinates).
+/// The most bytes of vertices (24 for a position, 8 for a pair of texture coordinates, 16 for a colour).
 const MOST_VERTEX_BYTES: u64 = 1 << 31;
 
 /// The most primitives, counted at every node.
@@ -42,7 +42,7 @@ impl Pieces {
     pub fn new(
         document: &Document,
         placed: &[Placed],
-        wanted: WantedSets,
+        wanted: Wanted,
         warnings: &mut Warnings,
     ) -> Result<Self> {
         let mut pieces = Pieces::default();
@@ -88,7 +88,8 @@ impl Totals {
     fn add(&mut self, pieces: &[Piece]) -> &Self {
         self.parts += pieces.len() as u64;
         for piece in pieces {
-            let bytes = 24 + 8 * piece.uvs.len() as u64;
+            let bytes = 24 + 8 * piece.uvs.len() + 16 * usize::from(piece.colours.is_some());
+            let bytes = bytes as u64;
             let bytes = piece.positions.count.saturating_mul(bytes);
             self.vertex_bytes = self.vertex_bytes.saturating_add(bytes);
             self.triangles = self.triangles.saturating_add(piece.triangles);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 
@@ -11,7 +12,7 @@ use super::warnings::Warnings;
 use crate::Result;
 
 /// The most texture coordinate sets.
-const MOST_SETS: u32 = 16;
+pub(super) const MOST_SETS: u32 = 16;
 
 /// A primitive of triangles.
 #[derive(Debug, Clone)]
@@ -20,14 +21,29 @@ pub(super) struct Piece {
     pub positions: Layout,
     /// By set; sets that are not wanted are absent.
     pub uvs: BTreeMap<usize, Layout>,
+    pub colours: Option<Colours>,
     pub indices: Option<Layout>,
     /// Index in the document; none is the default material.
     pub material: Option<usize>,
     pub triangles: u64,
 }
 
-/// Which texture coordinate sets are wanted of a material.
-pub(super) type WantedSets<'w> = &'w dyn Fn(Option<usize>, usize) -> bool;
+/// Vertex colours (COLOR_0), checked.
+#[derive(Debug, Clone)]
+pub(super) struct Colours {
+    pub layout: Layout,
+    /// Whether there is a fourth component.
+    pub alpha: bool,
+}
+
+/// Which attributes are wanted besides positions, by material.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'w> {
+    /// Whether a texture coordinate set is.
+    pub set: &'w dyn Fn(Option<usize>, usize) -> bool,
+    /// Whether vertex colours are.
+    pub colours: &'w dyn Fn(Option<usize>) -> bool,
+}
 
 /// How corners make triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +57,7 @@ pub(super) enum Topology {
 pub(super) fn of_mesh(
     document: &Document,
     mesh: usize,
-    wanted: WantedSets,
+    wanted: Wanted,
     warnings: &mut Warnings,
 ) -> Result<Vec<Piece>> {
     let primitives = document
@@ -90,8 +106,11 @@ impl Place<'_, '_> {
             warnings.add("a primitive without positions: skipped", &self.label);
             return Ok(None);
         }
-        if has(Semantic::Colors(0)) {
-            warnings.add("vertex colours are not read", &self.label);
+        if has(Semantic::Colors(1)) {
+            warnings.add(
+                "vertex colours after the first set are not read",
+                &self.label,
+            );
         }
         if self
             .primitive
@@ -104,14 +123,18 @@ impl Place<'_, '_> {
         Ok(Some(topology))
     }
 
-    fn piece(&self, topology: Topology, wanted: WantedSets) -> Result<Piece> {
+    fn piece(&self, topology: Topology, wanted: Wanted) -> Result<Piece> {
         let material = self.primitive.material.map(|material| material.value());
         let (positions, indices) = (self.positions()?, self.indices()?);
         let corners = indices.as_ref().unwrap_or(&positions).count;
         Ok(Piece {
             topology,
             triangles: self.triangles(topology, corners)?,
-            uvs: self.uvs(positions.count, &|set| wanted(material, set))?,
+            uvs: self.uvs(positions.count, &|set| (wanted.set)(material, set))?,
+            colours: match (wanted.colours)(material) {
+                true => self.colours(positions.count)?,
+                false => None,
+            },
             positions,
             indices,
             material,
@@ -152,17 +175,35 @@ impl Place<'_, '_> {
                 return Err(self.document.unsupported(&self.label, what, help));
             }
             let layout = Layout::new(self.document, index, Purpose::TexCoords, &self.label)?;
-            if layout.count != vertices {
-                let what = format!(
-                    "TEXCOORD_{set} has {} elements and POSITION {vertices}",
-                    layout.count
-                );
-                let help = "all attributes of a primitive must have the same count";
-                return Err(self.document.invalid(layout.place, what, help));
-            }
+            self.check_count(&layout, &format!("TEXCOORD_{set}"), vertices)?;
             uvs.insert(set as usize, layout);
         }
         Ok(uvs)
+    }
+
+    fn colours(&self, vertices: u64) -> Result<Option<Colours>> {
+        let attributes = &self.primitive.attributes;
+        let Some(&index) = attributes.get(&Checked::Valid(Semantic::Colors(0))) else {
+            return Ok(None);
+        };
+        let accessor = self.document.get(index, "accessor", &self.label)?;
+        let alpha = accessor.type_ == Checked::Valid(Type::Vec4);
+        let purpose = Purpose::Colours { alpha };
+        let layout = Layout::new(self.document, index, purpose, &self.label)?;
+        self.check_count(&layout, "COLOR_0", vertices)?;
+        Ok(Some(Colours { layout, alpha }))
+    }
+
+    fn check_count(&self, layout: &Layout, name: &str, vertices: u64) -> Result<()> {
+        if layout.count == vertices {
+            return Ok(());
+        }
+        let what = format!(
+            "{name} has {} elements and POSITION {vertices}",
+            layout.count
+        );
+        let help = "all attributes of a primitive must have the same count";
+        Err(self.document.invalid(&layout.place, what, help))
     }
 
     fn triangles(&self, topology: Topology, corners: u64) -> Result<u64> {

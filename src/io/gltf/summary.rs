@@ -31,7 +31,7 @@ pub struct Summary {
     pub vertices: u64,
     /// Names of the materials in use; "" for one without a name, and for the default material.
     pub materials: Vec<String>,
-    /// How many different base colour images they use.
+    /// How many different images they use.
     pub images: usize,
     /// How many texture coordinate sets there are: the highest number, plus one.
     pub uv_sets: usize,
@@ -51,12 +51,13 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
         bad_vertices: BadVertices::Refuse,
         uvs: true,
         textures: true,
+        shading: true,
     };
     let draft = Draft::new(document, node, want)?;
     let (pieces, materials) = (&draft.pieces, used_materials(&draft));
     let all = || pieces.all().map(|(_, piece)| piece);
     let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
-    let textures = materials.iter().filter_map(|m| m.texture.as_ref());
+    let textures = materials.iter().flat_map(|m| m.textures());
     let images: BTreeSet<usize> = textures.map(|texture| texture.image).collect();
     Ok(Summary {
         generator: document.root.asset.generator.clone(),

@@ -9,24 +9,37 @@ use super::buffers::Buffers;
 use super::import::BadVertices;
 use super::materials::{Resolved, UvTransform};
 use super::pieces::Placement;
-use super::primitive::Piece;
+use super::primitive::{Colours, Piece};
 use crate::Result;
+
+/// What vertices without a colour have.
+const WHITE: [f32; 4] = [1.0; 4];
 
 /// The vertices of all that has been read so far.
 pub(super) struct Vertices {
     pub positions: Vec<DVec3>,
     /// By set; shorter than `positions` where the last vertices lack the set.
     pub uvs: Vec<Vec<[f32; 2]>>,
+    /// Shorter than `positions` where the last vertices lack colours.
+    pub colours: Vec<[f32; 4]>,
     /// Where shared vertices start.
     blocks: BTreeMap<BlockKey, u32>,
-    /// The list for coordinates of transformed textures: the one after the file's sets.
+    /// The first list for coordinates of transformed textures: the one after the file's sets.
     pub transformed_set: usize,
     bad: BadVertices,
 }
 
-/// What makes two primitives share their vertices: node, positions, sets, and the material where
-/// it transforms its coordinates.
-type BlockKey = (usize, usize, Vec<(usize, usize)>, Option<usize>);
+/// What makes two primitives share their vertices.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct BlockKey {
+    node: usize,
+    /// Accessors of positions, of sets, and of colours.
+    positions: usize,
+    sets: Vec<(usize, usize)>,
+    colours: Option<usize>,
+    /// The material, where it transforms coordinates.
+    material: Option<usize>,
+}
 
 impl Vertices {
     /// No vertices yet, of a file with this many sets.
@@ -34,6 +47,7 @@ impl Vertices {
         Vertices {
             positions: Vec::new(),
             uvs: Vec::new(),
+            colours: Vec::new(),
             blocks: BTreeMap::new(),
             transformed_set: sets,
             bad,
@@ -48,14 +62,15 @@ impl Vertices {
         piece: &Piece,
         material: &Resolved,
     ) -> Result<u32> {
-        let transform = texture_transform(piece, material);
         let sets = piece.uvs.iter();
-        let key = (
-            at.placed.node,
-            piece.positions.accessor,
-            sets.map(|(&set, uvs)| (set, uvs.accessor)).collect(),
-            transform.as_ref().and(piece.material),
-        );
+        let transforms = !material.transforms.is_empty();
+        let key = BlockKey {
+            node: at.placed.node,
+            positions: piece.positions.accessor,
+            sets: sets.map(|(&set, uvs)| (set, uvs.accessor)).collect(),
+            colours: piece.colours.as_ref().map(|c| c.layout.accessor),
+            material: piece.material.filter(|_| transforms),
+        };
         if let Some(&base) = self.blocks.get(&key) {
             return Ok(base);
         }
@@ -64,8 +79,14 @@ impl Vertices {
         for (&set, uvs) in &piece.uvs {
             self.read_uvs(buffers, set, uvs, base, None)?;
         }
-        if let Some((uvs, transform)) = transform {
-            self.read_uvs(buffers, self.transformed_set, uvs, base, Some(transform))?;
+        for (which, &(set, transform)) in material.transforms.iter().enumerate() {
+            if let Some(uvs) = piece.uvs.get(&set) {
+                let list = self.transformed_set + which;
+                self.read_uvs(buffers, list, uvs, base, Some(transform))?;
+            }
+        }
+        if let Some(colours) = &piece.colours {
+            self.read_colours(buffers, colours, base)?;
         }
         self.blocks.insert(key, base as u32);
         Ok(base as u32)
@@ -135,6 +156,36 @@ impl Vertices {
         }
     }
 
+    fn read_colours(&mut self, buffers: &mut Buffers, from: &Colours, base: usize) -> Result<()> {
+        let Colours { layout, alpha } = from;
+        let (colours, positions) = (&mut self.colours, &mut self.positions[base..]);
+        let mut bad = None;
+        colours.resize(base, WHITE);
+        colours.resize(base + layout.count as usize, WHITE);
+        let mut take = |at: u64, colour: [f64; 4]| {
+            let stored = colour.map(|c| c as f32);
+            if !stored.iter().all(|c| (0.0..=f32::MAX).contains(c)) {
+                bad.get_or_insert((at, colour));
+                positions[at as usize] = DVec3::NAN;
+            }
+            colours[base + at as usize] = stored;
+        };
+        match alpha {
+            true => accessor::read::<4>(buffers, layout, &mut take)?,
+            false => accessor::read::<3>(buffers, layout, &mut |at, [r, g, b]| {
+                take(at, [r, g, b, 1.0]);
+            })?,
+        }
+        match bad.filter(|_| self.bad == BadVertices::Refuse) {
+            None => Ok(()),
+            Some((at, [r, g, b, a])) => Err(buffers.document.invalid(
+                format!("{}, vertex {at}", layout.place),
+                format!("the vertex colour is {r}, {g}, {b}, {a}"),
+                "colours are finite and not negative; bad_vertices = \"drop\" leaves their triangles out",
+            )),
+        }
+    }
+
     /// Whether a vertex is no place, or has no place on its texture.
     pub fn is_bad(&self, vertex: u32) -> bool {
         self.positions[vertex as usize].is_nan()
@@ -146,19 +197,13 @@ impl Vertices {
         bad.for_each(|position| *position = DVec3::ZERO);
     }
 
-    /// Brings every set that is in use to the number of vertices.
-    pub fn pad_uvs(&mut self) {
+    /// Brings every list that is in use to the number of vertices.
+    pub fn pad(&mut self) {
         let vertices = self.positions.len();
         let used = self.uvs.iter_mut().filter(|set| !set.is_empty());
         used.for_each(|set| set.resize(vertices, [f32::NAN; 2]));
+        if !self.colours.is_empty() {
+            self.colours.resize(vertices, WHITE);
+        }
     }
-}
-
-/// The coordinates that the material's texture transforms, and how.
-fn texture_transform<'p>(
-    piece: &'p Piece,
-    material: &Resolved,
-) -> Option<(&'p Layout, UvTransform)> {
-    let texture = material.material.texture.as_ref()?;
-    Some((piece.uvs.get(&texture.uv_set)?, material.transform?))
 }

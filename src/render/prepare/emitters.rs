@@ -157,7 +157,7 @@ impl<'a> Builder<'a> {
 
 /// `textures`: by image of the file, its index among the decoded ones; empty where none are loaded.
 fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
-    let texture = material.texture.as_ref();
+    let texture = material.base_colour_texture.as_ref();
     let texture = texture.and_then(|t| Some((*textures.get(t.image)?, t.uv_set, t.wrap)));
     BaseColour {
         factor: material.base_colour.map(f64::from),

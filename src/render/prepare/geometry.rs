@@ -33,6 +33,7 @@ pub(super) fn frame(
         let want = gltf::Want {
             uvs: planned.uvs,
             textures: planned.textures,
+            shading: false,
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, want, warnings)?;
@@ -181,11 +182,12 @@ impl Gathered {
         }
         // The BVH holds the corners from here on; what addresses textures stays.
         mesh.positions = Vec::new();
-        if mesh.uvs.is_empty() {
+        if mesh.uvs.is_empty() && mesh.colours.is_empty() {
             mesh.triangles = Vec::new();
         }
         mesh.triangles.shrink_to_fit();
         mesh.uvs.iter_mut().for_each(Vec::shrink_to_fit);
+        mesh.colours.shrink_to_fit();
         self.meshes.push(mesh);
     }
 }

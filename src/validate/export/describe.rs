@@ -128,7 +128,7 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
         triangles: run.count,
         material: material.name.clone(),
         base_colour: material.base_colour,
-        has_texture: material.texture.is_some(),
+        has_texture: material.base_colour_texture.is_some(),
         double_sided: material.double_sided,
         uv_sets: run.uv_sets.clone(),
         radiance,

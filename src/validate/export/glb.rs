@@ -83,7 +83,7 @@ pub(super) fn write(
     let textures = mesh
         .materials
         .iter()
-        .filter_map(|m| m.texture.as_ref())
+        .filter_map(|m| m.base_colour_texture.as_ref())
         .enumerate()
         .map(|(index, t)| json!({ "source": t.image, "sampler": index }));
     let mut document = json!({
@@ -133,7 +133,7 @@ fn materials(materials: &[Material]) -> Vec<Value> {
         // glTF has no factors above 1; the bundle's own description has them.
         let [r, g, b] = m.base_colour.map(|c| c.clamp(0.0, 1.0));
         let mut pbr = json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0 });
-        if let Some(texture) = &m.texture {
+        if let Some(texture) = &m.base_colour_texture {
             pbr["baseColorTexture"] = json!({ "index": textures, "texCoord": texture.uv_set });
             textures += 1;
         }
@@ -153,7 +153,7 @@ fn sampler(material: &Material) -> Option<Value> {
         Wrap::Mirror => 33648,
         Wrap::Clamp => 33071,
     };
-    let [s, t] = material.texture.as_ref()?.wrap.map(code);
+    let [s, t] = material.base_colour_texture.as_ref()?.wrap.map(code);
     const LINEAR: u32 = 9729;
     Some(json!({ "wrapS": s, "wrapT": t, "magFilter": LINEAR, "minFilter": LINEAR }))
 }

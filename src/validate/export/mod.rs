@@ -172,6 +172,7 @@ fn objects(
         let all = Want {
             uvs: true,
             textures: true,
+            shading: false,
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;

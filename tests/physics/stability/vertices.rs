@@ -233,6 +233,7 @@ fn texture_coordinates_that_are_no_numbers_are_dropped_as_positions_are() {
     let want = |bad_vertices| Want {
         uvs: true,
         textures: false,
+        shading: false,
         bad_vertices,
     };
     assert!(gltf::load(&path, None, want(BadVertices::Refuse)).is_err());
@@ -287,6 +288,7 @@ fn denormal_positions_of_a_file_are_kept_exactly() {
     let want = Want {
         uvs: false,
         textures: false,
+        shading: false,
         bad_vertices: BadVertices::Refuse,
     };
     let imported = gltf::load(&path, None, want).unwrap();

@@ -178,6 +178,7 @@ fn our_own_importer_reads_the_geometry() {
     let want = gltf::Want {
         uvs: true,
         textures: true,
+        shading: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
@@ -196,6 +197,7 @@ fn a_base_colour_that_gltf_cannot_hold_is_in_the_description() {
     let want = gltf::Want {
         uvs: false,
         textures: false,
+        shading: false,
         bad_vertices: BadVertices::Refuse,
     };
     let mesh = gltf::load(&exported.path("geometry/000.glb"), None, want)
@@ -220,11 +222,12 @@ fn textures_go_with_the_geometry() {
     let want = gltf::Want {
         uvs: true,
         textures: true,
+        shading: false,
         bad_vertices: BadVertices::Refuse,
     };
     let loaded = gltf::load(&exported.path("geometry/000.glb"), None, want).unwrap();
     assert_eq!(loaded.images[0].bytes, bytes);
-    assert!(loaded.mesh.materials[0].texture.is_some());
+    assert!(loaded.mesh.materials[0].base_colour_texture.is_some());
 }
 
 /// A triangle with texture coordinates and the image beside it.

@@ -215,9 +215,9 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         true
     }
 
-    /// A triangle in whose plane rays may start: f64 decides wherever it may be hit, from either side.
-    #[cold]
-    #[inline(never)]
+    /// A triangle in whose plane rays may start: f64 decides wherever it may be hit, from either side. Inlined, because
+    /// a function of its own would not have the kernel's instructions.
+    #[inline(always)]
     fn intersect_edge_on<K: Simd>(
         &mut self,
         k: K,

@@ -1,11 +1,16 @@
-//! Colours: sRGB, and the colour of monochromatic light.
+//! Colours: sRGB, spectra, and what an observer in motion sees of them.
 //!
 //! RGB is linear, with the primaries and the white point (D65) of sRGB, unless "8-bit" is said.
 
 mod line;
 mod observer;
+mod rgb_basis;
+mod shift;
+mod spectrum;
 mod srgb;
 
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
+pub use shift::{ColourTable, ReflectionTable, RgbShift};
+pub use spectrum::{Continuation, Scale, Shape, Spectrum, planck};
 pub use srgb::{RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8};

@@ -9,7 +9,10 @@ use std::sync::LazyLock;
 const TABLE: &str = include_str!("cie_1931_2deg.csv");
 
 /// The first wavelength of the table, nanometres; the step is 1 nm.
-const FIRST: f64 = 360.0;
+pub(super) const FIRST: f64 = 360.0;
+
+/// The last.
+pub(super) const LAST: f64 = 830.0;
 
 /// Lines `wavelength,x,y,z`.
 static ROWS: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| TABLE.lines().filter_map(row).collect());

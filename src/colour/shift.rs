@@ -1,0 +1,528 @@
+//! Colours as functions of W = λ′/λ, tabulated for rendering.
+//!
+//! [`Spectrum::colour_at`] and [`Spectrum::reflected_at`] integrate over the observer's range. Here their values lie
+//! ready at 1024 steps per factor of 2 of W, equal ones between two powers of 2 (found by the exponent and the
+//! first digits of W alone, without a logarithm), and are linear between: off by at most 1e-4 of
+//! the colour's largest component, or of W⁻⁵ where that is more. The step is h = 1/1024 at most, and linear
+//! interpolation is off by h²/8 of the second derivative, which is below 400 times the value for the observer's
+//! functions and the basis of RGB, and for Gaussians of σ/λ above 0.01 or so; what is narrower gets worse. Lines are
+//! not tabulated.
+//!
+//! Beyond the table: what has an end (lines, Gaussians, tables, dark continuations) has no colour; a constant
+//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is.
+
+use std::array::from_fn;
+use std::sync::LazyLock;
+
+use rayon::prelude::*;
+
+use super::observer::{FIRST, LAST};
+use super::rgb_basis::{self, WHITE_TEMPERATURE};
+use super::spectrum::{Continuation, Shape, Spectrum, integrate};
+use super::{colour_matching, rgb_from_xyz};
+
+/// Bits of the mantissa that number the steps of a factor of 2.
+const STEP_BITS: u32 = 10;
+
+/// What an f64 is shifted right by to leave sign, exponent and these bits.
+const SHIFT: u32 = 52 - STEP_BITS;
+
+/// The most factors of 2 that a table spans: 1 to 32 times what lies between γ = 1 and 500.
+const MOST_OCTAVES: u32 = 20;
+
+/// N numbers at equal steps between powers of 2.
+#[derive(Debug, Clone, PartialEq)]
+struct Table<const N: usize> {
+    /// The shifted bits of the argument of the first entry.
+    first: u64,
+    /// One less than there are entries.
+    steps: u64,
+    entries: Vec<[f32; N]>,
+}
+
+impl<const N: usize> Table<N> {
+    /// `f` from the power of 2 at or below `from` to that at or above `to`.
+    fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
+        let first = octave(from);
+        let last = octave(to) + 1;
+        let first = first.max(last.saturating_sub(u64::from(MOST_OCTAVES)));
+        let (first, last) = (first << STEP_BITS, last << STEP_BITS);
+        let entry = |bits| f(f64::from_bits(bits << SHIFT)).map(|x| x as f32);
+        Table {
+            first,
+            steps: last - first,
+            entries: (first..=last).into_par_iter().map(entry).collect(),
+        }
+    }
+
+    /// A table of nothing.
+    fn empty() -> Self {
+        Table {
+            first: 0,
+            steps: 0,
+            entries: Vec::new(),
+        }
+    }
+
+    /// The number of the entry at or below `x`, and how far `x` is on the way to the next; none beyond the ends, for
+    /// NaN and below 0.
+    #[inline(always)]
+    fn place(&self, x: f64) -> Option<(usize, f64)> {
+        let bits = x.to_bits();
+        let index = (bits >> SHIFT).wrapping_sub(self.first);
+        let is_inside = index < self.steps;
+        let rest = (bits & ((1 << SHIFT) - 1)) as f64 * (1.0 / (1u64 << SHIFT) as f64);
+        is_inside.then_some((index as usize, rest))
+    }
+
+    /// Linear between entries.
+    #[inline(always)]
+    fn at(&self, x: f64) -> Option<[f64; N]> {
+        let (index, rest) = self.place(x)?;
+        let [a, b] = [self.entries[index], self.entries[index + 1]];
+        Some(from_fn(|k| {
+            let (a, b) = (f64::from(a[k]), f64::from(b[k]));
+            a + (b - a) * rest
+        }))
+    }
+}
+
+/// The exponent's bits of a positive number.
+fn octave(x: f64) -> u64 {
+    x.to_bits() >> 52
+}
+
+/// Of RGB: M(W), by which linear RGB at rest is multiplied.
+#[derive(Debug)]
+pub struct RgbShift {
+    /// Columns of M for red, green and blue, each with a fourth number of 0.
+    table: Table<12>,
+    continuation: Continuation,
+}
+
+impl RgbShift {
+    /// That of a continuation, made when it is first asked for.
+    pub fn of(continuation: Continuation) -> &'static RgbShift {
+        static ALL: [LazyLock<RgbShift>; 3] = [
+            LazyLock::new(|| RgbShift::new(Continuation::Dark)),
+            LazyLock::new(|| RgbShift::new(Continuation::Edge)),
+            LazyLock::new(|| RgbShift::new(Continuation::Blackbody)),
+        ];
+        &ALL[continuation as usize]
+    }
+
+    fn new(continuation: Continuation) -> RgbShift {
+        // Beyond these ratios, all that the observer sees is of the continuation alone.
+        let ends = [FIRST / LAST, LAST / FIRST];
+        let table = Table::new(ends, |w| {
+            let columns = rgb_shift(w, continuation);
+            from_fn(|k| match k % 4 {
+                3 => 0.0,
+                row => columns[row][k / 4],
+            })
+        });
+        RgbShift {
+            table,
+            continuation,
+        }
+    }
+
+    /// M(W) · rgb: the linear RGB that an observer sees of what has the linear RGB `rgb` at rest.
+    #[inline(always)]
+    pub fn apply(&self, w: f64, [r, g, b]: [f64; 3]) -> [f64; 3] {
+        match self.table.at(w) {
+            Some(m) => from_fn(|j| m[j] * r + m[4 + j] * g + m[8 + j] * b),
+            None => self.beyond(w, [r, g, b]),
+        }
+    }
+
+    /// M(W), rows of linear RGB.
+    pub fn matrix(&self, w: f64) -> [[f64; 3]; 3] {
+        let columns = [0, 1, 2].map(|k| self.apply(w, from_fn(|i| f64::from(i == k))));
+        from_fn(|j| from_fn(|k| columns[k][j]))
+    }
+
+    #[cold]
+    fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
+        // Blueshift shows what is above 830 nm.
+        let side = usize::from(w < 1.0);
+        if !(w > 0.0 && w.is_finite()) {
+            return [0.0; 3];
+        }
+        match self.continuation {
+            Continuation::Dark => [0.0; 3],
+            Continuation::Edge => {
+                let edge = rgb_basis::radiances([FIRST, LAST][side] * 1e-9, Continuation::Edge);
+                let value = (0..3).fold(0.0, |sum, k| sum + edge[k] * rgb[k]);
+                let scale = value / (w * w * w * w * w);
+                FLAT.map(|c| c * scale)
+            }
+            Continuation::Blackbody => {
+                let factors = rgb_basis::thermal()[side];
+                let scale = (0..3).fold(0.0, |sum, k| sum + factors[k] * rgb[k]);
+                BLACKBODIES.colour(WHITE_TEMPERATURE / w).map(|c| c * scale)
+            }
+        }
+    }
+}
+
+/// The colour of a radiance of 1 per metre at all wavelengths.
+static FLAT: LazyLock<[f64; 3]> = LazyLock::new(|| rgb_from_xyz(integrate(&[], colour_matching)));
+
+/// M(W) by integration, rows of linear RGB.
+fn rgb_shift(w: f64, continuation: Continuation) -> [[f64; 3]; 3] {
+    let scale = 1.0 / (w * w * w * w * w);
+    let knots: Vec<f64> = rgb_basis::knots().map(|knot| knot * w).collect();
+    let sums = integrate(&knots, |l| {
+        let radiances = rgb_basis::radiances(l / w, continuation);
+        let xyz = colour_matching(l);
+        from_fn::<f64, 9, _>(|k| scale * radiances[k / 3] * xyz[k % 3])
+    });
+    let column = |k: usize| rgb_from_xyz([sums[3 * k], sums[3 * k + 1], sums[3 * k + 2]]);
+    let columns = [0, 1, 2].map(column);
+    let m = from_fn(|j| from_fn(|k| columns[k][j]));
+    match w == 1.0 {
+        // It is the unit matrix by the making of the basis; without the rounding of it.
+        true => m.map(|row: [f64; 3]| row.map(f64::round)),
+        false => m,
+    }
+}
+
+/// The colours of all blackbodies, by temperature.
+struct Blackbodies {
+    /// By temperature in kelvin, divided by `reference`.
+    table: Table<3>,
+}
+
+static BLACKBODIES: LazyLock<Blackbodies> = LazyLock::new(Blackbodies::new);
+
+impl Blackbodies {
+    /// Below, the luminance is less than 1e-17 of that of daylight, and taken as 0.
+    const COLDEST: f64 = 512.0;
+
+    /// Above, all grows with the temperature plus a constant (Rayleigh and Jeans, to 1e-8).
+    const HOTTEST: f64 = 16_777_216.0;
+
+    /// Factors of 2 between them.
+    const OCTAVES: u32 = 15;
+
+    /// Exact colours per factor of 2; between them, cubic in the logarithm of the temperature.
+    const EXACT: u32 = 64;
+
+    fn new() -> Blackbodies {
+        let exact = |k: u32| {
+            let power = (f64::from(k) - 1.0) / f64::from(Self::EXACT);
+            ratio(Self::COLDEST * libm::exp2(power))
+        };
+        let count = Self::OCTAVES * Self::EXACT + 4;
+        let ratios: Vec<[f64; 3]> = (0..count).into_par_iter().map(exact).collect();
+        let table = Table::new([Self::COLDEST, Self::HOTTEST * 0.999], |t| {
+            let at = libm::log2(t / Self::COLDEST) * f64::from(Self::EXACT);
+            let first = (at.max(0.0) as usize).min(ratios.len() - 4);
+            let f = at - first as f64;
+            // Lagrange through the points at −1, 0, 1 and 2.
+            let weights = [
+                -f * (f - 1.0) * (f - 2.0) / 6.0,
+                (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
+                -(f + 1.0) * f * (f - 2.0) / 2.0,
+                (f + 1.0) * f * (f - 1.0) / 6.0,
+            ];
+            let value = |j| (0..4).fold(0.0, |sum, k| sum + weights[k] * ratios[first + k][j]);
+            [value(0), value(1), value(2)]
+        });
+        Blackbodies { table }
+    }
+
+    /// Linear sRGB of Planck's law at `t` kelvin.
+    fn colour(&self, t: f64) -> [f64; 3] {
+        let hottest = Self::HOTTEST * 0.999;
+        match self.table.at(t) {
+            Some(ratio) => ratio.map(|c| c * reference(t)),
+            // a t + b, by the values at two temperatures below.
+            None if t >= hottest => {
+                let [a, b] = [hottest * 0.5, hottest * 0.999].map(|t| (t, self.colour(t)));
+                let along = (t - a.0) / (b.0 - a.0);
+                from_fn(|k| a.1[k] + (b.1[k] - a.1[k]) * along)
+            }
+            None => [0.0; 3],
+        }
+    }
+}
+
+/// What varies most about the colours of blackbodies: Planck's law at 600 nm.
+fn reference(t: f64) -> f64 {
+    super::planck(600e-9, t)
+}
+
+/// The colour of a blackbody, divided by [`reference`].
+fn ratio(t: f64) -> [f64; 3] {
+    let colour = Spectrum::with_factor(Shape::Blackbody(t), 1.0).colour_at(1.0);
+    colour.map(|c| c / reference(t))
+}
+
+/// The colour of a spectrum by W.
+#[derive(Debug, Clone)]
+pub struct ColourTable(Kind);
+
+#[derive(Debug, Clone)]
+enum Kind {
+    /// Linear RGB and its continuation.
+    Rgb([f64; 3], &'static RgbShift),
+    /// A temperature in kelvin, and a factor.
+    Blackbody(f64, f64),
+    /// Of any other shape.
+    Own(Reach<4>),
+}
+
+impl ColourTable {
+    /// That of `spectrum`.
+    pub fn new(spectrum: &Spectrum) -> ColourTable {
+        let factor = spectrum.factor();
+        ColourTable(match spectrum.shape() {
+            Shape::Rgb(rgb, continuation) => {
+                Kind::Rgb(rgb.map(|c| c * factor), RgbShift::of(*continuation))
+            }
+            Shape::Blackbody(t) => Kind::Blackbody(*t, factor),
+            _ => Kind::Own(Reach::new(spectrum, |spectrum, w| {
+                let [r, g, b] = spectrum.colour_at(w);
+                [r, g, b, 0.0]
+            })),
+        })
+    }
+
+    /// Linear sRGB of the spectrum seen with wavelengths times `w`.
+    #[inline]
+    pub fn colour(&self, w: f64) -> [f64; 3] {
+        match &self.0 {
+            Kind::Rgb(rgb, shift) => shift.apply(w, *rgb),
+            Kind::Blackbody(t, factor) => BLACKBODIES.colour(t / w).map(|c| c * factor),
+            Kind::Own(reach) => {
+                let [r, g, b, _] = reach.at(w);
+                [r, g, b]
+            }
+        }
+    }
+}
+
+/// What surfaces make of the light of a spectrum, by W: R(W) of [`Spectrum::reflected_at`].
+#[derive(Debug, Clone)]
+pub struct ReflectionTable(Reach<12>);
+
+impl ReflectionTable {
+    /// That of the light of `spectrum`.
+    pub fn new(spectrum: &Spectrum) -> ReflectionTable {
+        ReflectionTable(Reach::new(spectrum, |spectrum, w| {
+            let matrix = spectrum.reflected_at(w);
+            from_fn(|k| match k % 4 {
+                3 => 0.0,
+                row => matrix[row][k / 4],
+            })
+        }))
+    }
+
+    /// R(W) · albedo: linear sRGB of what has the reflectance of the linear RGB `albedo`, in its rest frame, under the
+    /// light with wavelengths times `w`.
+    #[inline]
+    pub fn reflected(&self, w: f64, [r, g, b]: [f64; 3]) -> [f64; 3] {
+        let m = self.0.at(w);
+        from_fn(|j| m[j] * r + m[4 + j] * g + m[8 + j] * b)
+    }
+}
+
+/// What an observer makes of a spectrum, over the ratios at which there is something to be seen.
+#[derive(Debug, Clone)]
+struct Reach<const N: usize> {
+    table: Table<N>,
+    /// By which all entries are divided, so that they fit f32.
+    scale: f64,
+    /// For ratios beyond the table, where there is more to be seen there.
+    beyond: Option<Box<Exact<N>>>,
+}
+
+/// A spectrum, and what an observer makes of it.
+type Exact<const N: usize> = (Spectrum, fn(&Spectrum, f64) -> [f64; N]);
+
+impl<const N: usize> Reach<N> {
+    fn new(spectrum: &Spectrum, f: fn(&Spectrum, f64) -> [f64; N]) -> Self {
+        // A few products, and no integral: as fast as a table, and exact.
+        if let Shape::Lines(_) = spectrum.shape() {
+            return Reach {
+                table: Table::empty(),
+                scale: 1.0,
+                beyond: Some(Box::new((spectrum.clone(), f))),
+            };
+        }
+        let ratios = reach(spectrum);
+        let kept = ratios.unwrap_or([1.0 / 32.0, 32.0]);
+        let is_whole = ratios.is_some() && kept[1] <= kept[0] * f64::from(1 << (MOST_OCTAVES - 2));
+        let scale = peak(spectrum, kept);
+        Reach {
+            table: Table::new(kept, |w| f(spectrum, w).map(|x| x / scale)),
+            scale,
+            beyond: (!is_whole).then(|| Box::new((spectrum.clone(), f))),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, w: f64) -> [f64; N] {
+        match self.table.at(w) {
+            Some(values) => values.map(|x| x * self.scale),
+            None => self.beyond(w),
+        }
+    }
+
+    #[cold]
+    fn beyond(&self, w: f64) -> [f64; N] {
+        match self.beyond.as_deref() {
+            Some((spectrum, f)) => f(spectrum, w),
+            None => [0.0; N],
+        }
+    }
+}
+
+/// The ratios at which an observer sees something of a spectrum; none where that is without an end.
+fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
+    let (from, to) = match spectrum.shape() {
+        Shape::Gaussian { centre, sigma } if *centre > 9.0 * sigma => {
+            (centre - 8.0 * sigma, centre + 8.0 * sigma)
+        }
+        Shape::Table(rows) => (rows.first()?[0], rows.last()?[0]),
+        Shape::Rgb(_, Continuation::Dark) => (FIRST * 1e-9, LAST * 1e-9),
+        _ => return None,
+    };
+    Some([FIRST * 1e-9 / to, LAST * 1e-9 / from])
+}
+
+/// The largest colour over a few ratios, so that what is tabulated is about 1.
+fn peak(spectrum: &Spectrum, [from, to]: [f64; 2]) -> f64 {
+    let at = |k: u32| {
+        let part = f64::from(k) / 16.0;
+        let w = libm::pow(from, 1.0 - part) * libm::pow(to, part);
+        let colour = spectrum.colour_at(w).into_iter();
+        colour.fold(0.0, |a: f64, c| a.max(c.abs()))
+    };
+    let largest = (0..=16).map(at).fold(0.0, f64::max);
+    match largest > 0.0 && largest.is_finite() {
+        true => largest,
+        false => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour::Scale;
+
+    const ALL: [Continuation; 3] = [
+        Continuation::Dark,
+        Continuation::Edge,
+        Continuation::Blackbody,
+    ];
+
+    /// Ratios from 2⁻³ to 2³ that are no entries of a table.
+    fn ratios() -> impl Iterator<Item = f64> {
+        (0..600).map(|k| libm::exp2(-3.0 + 6.0 * (f64::from(k) + 0.37) / 600.0))
+    }
+
+    fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+        values.into_iter().fold(0.0, |a, x| a.max(x.abs()))
+    }
+
+    #[test]
+    fn without_a_shift_rgb_is_what_it_was() {
+        for continuation in ALL {
+            for (j, row) in rgb_shift(1.0 + 1e-15, continuation).iter().enumerate() {
+                for (k, value) in row.iter().enumerate() {
+                    let unit = f64::from(j == k);
+                    assert!((value - unit).abs() < 1e-11, "{continuation:?}: {value}");
+                }
+            }
+            assert_eq!(
+                RgbShift::of(continuation).apply(1.0, [0.25, 0.5, 2.0]),
+                [0.25, 0.5, 2.0]
+            );
+        }
+    }
+
+    #[test]
+    fn tabulated_shifts_are_those_of_integration_to_1e_4() {
+        for continuation in ALL {
+            let shift = RgbShift::of(continuation);
+            let mut worst: f64 = 0.0;
+            for w in ratios() {
+                let (exact, table) = (rgb_shift(w, continuation), shift.matrix(w));
+                let pairs = exact.into_iter().flatten().zip(table.into_iter().flatten());
+                let error = largest(pairs.map(|(a, b)| a - b));
+                let size = largest(exact.into_iter().flatten()).max(1.0 / (w * w * w * w * w));
+                worst = worst.max(error / size);
+            }
+            assert!(worst < 1e-4, "{continuation:?}: {worst:e}");
+        }
+    }
+
+    #[test]
+    fn tabulated_colours_are_those_of_integration_to_1e_4() {
+        let rows = [[4e-7, 1.0], [5e-7, 3.0], [6e-7, 0.5], [7e-7, 2.0]];
+        let shapes = [
+            Shape::Lines(vec![[486e-9, 1.0], [656e-9, 2.0]]),
+            Shape::Gaussian {
+                centre: 550e-9,
+                sigma: 10e-9,
+            },
+            Shape::Table(rows.into()),
+            Shape::Blackbody(5800.0),
+            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Dark),
+            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Edge),
+            Shape::Rgb([0.2, 0.5, 0.9], Continuation::Blackbody),
+        ];
+        for shape in shapes {
+            let spectrum = Spectrum::new(shape, Scale::Luminance(1.0)).unwrap();
+            let table = ColourTable::new(&spectrum);
+            let mut worst: f64 = 0.0;
+            for w in ratios() {
+                let (exact, seen) = (spectrum.colour_at(w), table.colour(w));
+                let error = largest((0..3).map(|k| exact[k] - seen[k]));
+                worst = worst.max(error / largest(exact).max(1.0 / (w * w * w * w * w)));
+            }
+            assert!(worst < 1e-4, "{spectrum:?}: {worst:e}");
+        }
+    }
+
+    #[test]
+    fn tabulated_reflections_are_those_of_integration_to_1e_4() {
+        for spectrum in [
+            Spectrum::rgb([1.0, 0.8, 0.6], Continuation::Blackbody),
+            Spectrum::new(Shape::Blackbody(3000.0), Scale::Luminance(1.0)).unwrap(),
+            Spectrum::new(Shape::Lines(vec![[589e-9, 1.0]]), Scale::Luminance(1.0)).unwrap(),
+        ] {
+            let table = ReflectionTable::new(&spectrum);
+            let albedo = [0.7, 0.3, 0.1];
+            for w in ratios().step_by(7) {
+                let exact = spectrum.reflected_at(w);
+                let exact = exact.map(|row| (0..3).map(|k| row[k] * albedo[k]).sum::<f64>());
+                let seen = table.reflected(w, albedo);
+                let error = largest((0..3).map(|k| exact[k] - seen[k]));
+                let size = largest(exact).max(1.0 / (w * w * w * w * w));
+                assert!(error < 1e-4 * size, "{spectrum:?} {w}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_shifts_go_on_as_the_continuation_says() {
+        // Constant beyond 830 nm: at W = 1/8 and less all that is seen is the constant, and grows as W⁻⁵.
+        let edge = RgbShift::of(Continuation::Edge);
+        let [a, b] = [0.125, 0.0625].map(|w| edge.apply(w, [1.0; 3])[1]);
+        assert!((b / a / 32.0 - 1.0).abs() < 1e-6);
+        // The white is a blackbody there: at W = 1/10 one of 65040 K, brighter by little more than W⁻¹ · (1 + …).
+        let thermal = RgbShift::of(Continuation::Blackbody);
+        let [a, b] = [1e-4, 0.5e-4].map(|w| thermal.apply(w, [1.0; 3])[1]);
+        assert!((b / a - 2.0).abs() < 2e-3, "{}", b / a);
+        for w in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            for continuation in ALL {
+                let seen = RgbShift::of(continuation).apply(w, [1.0; 3]);
+                assert!(seen.iter().all(|c| !c.is_nan()), "{w}: {seen:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,468 @@
+//! Spectra of what shines, and the colours that an observer in motion sees of them.
+//!
+//! A spectrum is a radiance (or intensity, or irradiance) per wavelength L(λ) in the rest frame of its source. An
+//! observer who finds all its wavelengths multiplied by W sees
+//!
+//! ```text
+//! L′(λ) = W⁻⁵ L(λ/W),      c_j(W) = ∫ L′(λ) m_j(λ) dλ,      m = linear sRGB of (x̄, ȳ, z̄).
+//! ```
+//!
+//! (L_ν/ν³ is invariant, and L_λ = L_ν |dν/dλ|; Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.) So
+//!
+//! - a line of energy E at λ₀ has c = W⁻⁴ E m(W λ₀), since δ(λ/W − λ₀) = W δ(λ − W λ₀);
+//! - a blackbody of temperature T is one of temperature T/W: W⁻⁵ B(λ/W; T) = B(λ; T/W), as λT is all that
+//!   Planck's exponential knows;
+//! - RGB is `white · Σ b_i`, with three weights b_i that add up to 1 ([`rgb_basis`](super::rgb_basis)).
+//!
+//! What reflects the light of a spectrum with the reflectance Σ r_k b_k has the colour Σ_k R_jk(W) r_k,
+//! R_jk(W) = ∫ L′(λ) b_k(λ) m_j(λ) dλ: [`Spectrum::reflected_at`]. Under the white at rest R is the unit matrix.
+//!
+//! Integrals are by three points of Gauss between all knots of observer and spectrum: exact for what is linear
+//! between knots (products of three such are cubic), and to 1e-12 for Planck's law over 1 nm.
+//!
+//! Luminance is in units of that of linear RGB (1, 1, 1): ∫ L ȳ dλ with L per metre.
+
+use serde::{Deserialize, Serialize};
+
+use super::observer::{FIRST, LAST, colour_matching};
+use super::rgb_basis;
+use super::rgb_from_xyz;
+
+/// Planck's constant times the speed of light over Boltzmann's constant, m K (exact in SI: 2019).
+pub const SECOND_RADIATION_CONSTANT: f64 = 6.626_070_15e-34 * 299_792_458.0 / 1.380_649e-23;
+
+/// 2 h c², W m² / sr (exact).
+const FIRST_RADIATION_CONSTANT: f64 = 2.0 * 6.626_070_15e-34 * 299_792_458.0 * 299_792_458.0;
+
+/// Points of Gauss on [0, 1], and their weights.
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// Where a Gaussian ends, in standard deviations: below 1e-14 of its peak.
+const GAUSSIAN_REACH: f64 = 8.0;
+
+/// How many knots a Gaussian has per standard deviation: three points between two of them integrate it to 1e-10.
+const GAUSSIAN_KNOTS: u32 = 4;
+
+/// What an RGB spectrum is where no observer at rest sees it, below 360 and above 830 nm.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Continuation {
+    /// Nothing.
+    Dark,
+    /// Constant: its value (per wavelength) at 360 or 830 nm.
+    Edge,
+    /// Falling off as Planck's law at 6504 K, from its value at 360 or 830 nm: like things in daylight.
+    #[default]
+    Blackbody,
+}
+
+impl Continuation {
+    /// As the scene file says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Continuation::Dark => "dark",
+            Continuation::Edge => "edge",
+            Continuation::Blackbody => "blackbody",
+        }
+    }
+}
+
+/// How the energy of a spectrum is spread over wavelengths (metres, in the rest frame of the source).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// Spectral lines: wavelength and energy of each.
+    Lines(Vec<[f64; 2]>),
+    /// Planck's law at a temperature in kelvin, W m⁻² sr⁻¹ per metre.
+    Blackbody(f64),
+    /// A Gaussian of energy 1.
+    Gaussian {
+        /// Where its peak is.
+        centre: f64,
+        /// Standard deviation.
+        sigma: f64,
+    },
+    /// Wavelengths, ascending, and the values per metre there; linear between, 0 beyond.
+    Table(Vec<[f64; 2]>),
+    /// Linear sRGB, and how it goes on beyond 360 to 830 nm.
+    Rgb([f64; 3], Continuation),
+}
+
+/// What the values of a shape are multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scale {
+    /// This factor.
+    Factor(f64),
+    /// What makes this the luminance at rest.
+    Luminance(f64),
+    /// What makes this the sum over all wavelengths.
+    Total(f64),
+}
+
+/// A spectrum, in the rest frame of what shines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    shape: Shape,
+    factor: f64,
+}
+
+impl Spectrum {
+    /// A spectrum of this shape, scaled; none where the scale cannot be had: a luminance where nothing is visible at
+    /// rest, the sum of what has no end.
+    pub fn new(shape: Shape, scale: Scale) -> Option<Spectrum> {
+        let unscaled = Spectrum { shape, factor: 1.0 };
+        let factor = match scale {
+            Scale::Factor(factor) => factor,
+            Scale::Luminance(wanted) => wanted / unscaled.xyz_at(1.0)[1],
+            Scale::Total(wanted) => wanted / unscaled.total()?,
+        };
+        (factor.is_finite() && factor >= 0.0).then_some(Spectrum { factor, ..unscaled })
+    }
+
+    /// A shape whose values are multiplied by `factor`.
+    pub(super) fn with_factor(shape: Shape, factor: f64) -> Spectrum {
+        Spectrum { shape, factor }
+    }
+
+    /// Linear sRGB, as it is seen at rest.
+    pub fn rgb(rgb: [f64; 3], continuation: Continuation) -> Spectrum {
+        Spectrum::with_factor(Shape::Rgb(rgb, continuation), 1.0)
+    }
+
+    /// How the energy is spread.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// What the shape's values are multiplied by.
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// The same spectrum, `factor` times as bright.
+    pub fn scaled(&self, factor: f64) -> Spectrum {
+        Spectrum {
+            shape: self.shape.clone(),
+            factor: self.factor * factor,
+        }
+    }
+
+    /// L(λ), per metre, at a wavelength in metres; of lines, which have none, 0.
+    pub fn per_wavelength(&self, wavelength: f64) -> f64 {
+        self.factor * self.shape.per_wavelength(wavelength)
+    }
+
+    /// The sum over all wavelengths: ∫ L dλ. None for RGB, whose continuation need not have one.
+    pub fn total(&self) -> Option<f64> {
+        let total = match &self.shape {
+            Shape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
+            // σT⁴/π, σ = 2π⁵k⁴/(15h³c²): with c₁ = 2hc² and c₂ = hc/k it is c₁ π⁴ T⁴ / (15 c₂⁴).
+            Shape::Blackbody(t) => {
+                let x = t * std::f64::consts::PI / SECOND_RADIATION_CONSTANT;
+                FIRST_RADIATION_CONSTANT * x * x * x * x / 15.0
+            }
+            Shape::Gaussian { .. } => 1.0,
+            Shape::Table(rows) => {
+                let trapezium =
+                    |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]) * 0.5 * (pair[0][1] + pair[1][1]);
+                rows.windows(2).map(trapezium).sum()
+            }
+            Shape::Rgb(..) => return None,
+        };
+        Some(self.factor * total)
+    }
+
+    /// CIE XYZ of the spectrum seen with wavelengths times `w`.
+    pub fn xyz_at(&self, w: f64) -> [f64; 3] {
+        self.seen_at(w, colour_matching)
+    }
+
+    /// Linear sRGB of the spectrum seen with wavelengths times `w`; below 0 outside the gamut.
+    pub fn colour_at(&self, w: f64) -> [f64; 3] {
+        rgb_from_xyz(self.xyz_at(w))
+    }
+
+    /// R(W): linear sRGB (rows) of what reflects the spectrum, which falls on it with wavelengths times `w`, with
+    /// the reflectances of linear red, green and blue (columns).
+    pub fn reflected_at(&self, w: f64) -> [[f64; 3]; 3] {
+        let products = self.seen_at(w, |wavelength| {
+            let basis = rgb_basis::weights(wavelength);
+            let xyz = colour_matching(wavelength);
+            std::array::from_fn::<f64, 9, _>(|k| xyz[k / 3] * basis[k % 3])
+        });
+        let column = |k: usize| rgb_from_xyz([products[k], products[3 + k], products[6 + k]]);
+        let columns = [0, 1, 2].map(column);
+        std::array::from_fn(|j| std::array::from_fn(|k| columns[k][j]))
+    }
+
+    /// ∫ L′(λ) f(λ) dλ for a function of the observer, `w` being W.
+    fn seen_at<const N: usize>(&self, w: f64, f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+        if !(w > 0.0 && w.is_finite()) {
+            return [0.0; N];
+        }
+        match &self.shape {
+            Shape::Lines(lines) => {
+                let scale = self.factor / (w * w * w * w);
+                lines.iter().fold([0.0; N], |sum, [wavelength, energy]| {
+                    let seen = f(wavelength * w);
+                    std::array::from_fn(|k| sum[k] + scale * energy * seen[k])
+                })
+            }
+            // As a blackbody of temperature T/W: no factor that could overflow.
+            Shape::Blackbody(t) => {
+                let seen = Shape::Blackbody(t / w);
+                integrate(&[], |l| {
+                    let radiance = self.factor * seen.per_wavelength(l);
+                    f(l).map(|f| f * radiance)
+                })
+            }
+            shape => {
+                let scale = self.factor / (w * w * w * w * w);
+                integrate(&shape.knots(w), |l| {
+                    let radiance = scale * shape.per_wavelength(l / w);
+                    f(l).map(|f| f * radiance)
+                })
+            }
+        }
+    }
+}
+
+impl Shape {
+    /// As [`Spectrum::per_wavelength`].
+    fn per_wavelength(&self, wavelength: f64) -> f64 {
+        match self {
+            Shape::Lines(_) => 0.0,
+            Shape::Blackbody(t) => planck(wavelength, *t),
+            Shape::Gaussian { centre, sigma } => {
+                let x = (wavelength - centre) / sigma;
+                libm::exp(-0.5 * x * x) / (sigma * std::f64::consts::TAU.sqrt())
+            }
+            Shape::Table(rows) => between(rows, wavelength),
+            Shape::Rgb(rgb, continuation) => {
+                let basis = rgb_basis::radiances(wavelength, *continuation);
+                rgb[0] * basis[0] + rgb[1] * basis[1] + rgb[2] * basis[2]
+            }
+        }
+    }
+
+    /// Wavelengths between which the spectrum is smooth, times `w`.
+    fn knots(&self, w: f64) -> Vec<f64> {
+        match self {
+            Shape::Lines(_) | Shape::Blackbody(_) => Vec::new(),
+            Shape::Gaussian { centre, sigma } => {
+                let steps = 2 * GAUSSIAN_REACH as u32 * GAUSSIAN_KNOTS;
+                let knot = |k| f64::from(k) / f64::from(GAUSSIAN_KNOTS) - GAUSSIAN_REACH;
+                (0..=steps)
+                    .map(|k| w * (centre + sigma * knot(k)))
+                    .collect()
+            }
+            Shape::Table(rows) => rows.iter().map(|row| w * row[0]).collect(),
+            Shape::Rgb(..) => rgb_basis::knots().map(|knot| w * knot).collect(),
+        }
+    }
+}
+
+/// Planck's law: W m⁻² sr⁻¹ per metre of wavelength, at a temperature in kelvin.
+pub fn planck(wavelength: f64, temperature: f64) -> f64 {
+    let x = SECOND_RADIATION_CONSTANT / (wavelength * temperature);
+    // λ⁻⁵ last: neither factor overflows for any wavelength that is looked at.
+    FIRST_RADIATION_CONSTANT
+        / libm::expm1(x)
+        / (wavelength * wavelength * wavelength)
+        / (wavelength * wavelength)
+}
+
+/// Linear between rows of ascending first elements, 0 beyond the first and the last.
+fn between(rows: &[[f64; 2]], at: f64) -> f64 {
+    let after = rows.partition_point(|row| row[0] < at);
+    match (after.checked_sub(1).map(|k| rows[k]), rows.get(after)) {
+        (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * ((at - x0) / (x1 - x0)),
+        (None, Some([x, y])) if *x == at => *y,
+        _ => 0.0,
+    }
+}
+
+/// ∫ f dλ over the wavelengths that the observer sees (metres), between whose knots and `knots`, which ascend, f is
+/// smooth.
+pub(super) fn integrate<const N: usize>(knots: &[f64], f: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+    let (first, last) = (FIRST * 1e-9, LAST * 1e-9);
+    let begin = knots.partition_point(|knot| *knot <= first);
+    let mut own = knots[begin..].iter().copied().peekable();
+    let mut sum = [0.0; N];
+    let mut from = first;
+    for nanometre in FIRST as u32 + 1..=LAST as u32 {
+        let to = f64::from(nanometre) * 1e-9;
+        while let Some(knot) = own.next_if(|knot| *knot < to) {
+            add_panel(&mut sum, from, knot, &f);
+            from = knot;
+        }
+        add_panel(&mut sum, from, to, &f);
+        from = to;
+    }
+    debug_assert!(from == last);
+    sum
+}
+
+/// Adds ∫ f between two knots.
+#[inline]
+fn add_panel<const N: usize>(sum: &mut [f64; N], from: f64, to: f64, f: impl Fn(f64) -> [f64; N]) {
+    let width = to - from;
+    for (at, weight) in GAUSS {
+        let value = f(from + width * at);
+        for (sum, value) in sum.iter_mut().zip(value) {
+            *sum += width * weight * value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chromaticity([x, y, z]: [f64; 3]) -> [f64; 2] {
+        [x / (x + y + z), y / (x + y + z)]
+    }
+
+    fn is_close(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
+        (a[0] - b[0]).abs() < tolerance && (a[1] - b[1]).abs() < tolerance
+    }
+
+    fn blackbody(t: f64) -> Spectrum {
+        Spectrum::new(Shape::Blackbody(t), Scale::Factor(1.0)).unwrap()
+    }
+
+    #[test]
+    fn a_blackbody_in_motion_is_one_of_another_temperature() {
+        // By W⁻⁵ B(λ/W; T), written out here, and a plain sum over 0.1 nm, against the spectrum of temperature T/W.
+        for (t, w) in [(5800.0, 0.5), (5800.0, 2.0), (3000.0, 0.23), (2.725, 5e-4)] {
+            let mut sum = [0.0; 3];
+            for k in 0..4700 {
+                let l = (360.05 + 0.1 * f64::from(k)) * 1e-9;
+                let x = 6.62607015e-34 * 299792458.0 * w / (l * 1.380649e-23 * t);
+                let per_wavelength = (w / l).powi(5) / x.exp_m1() / w.powi(5);
+                let xyz = colour_matching(l);
+                (0..3).for_each(|j| sum[j] += per_wavelength * xyz[j] * 1e-10);
+            }
+            let sum = sum.map(|c| c * 2.0 * 6.62607015e-34 * 299792458.0f64.powi(2));
+            let (moving, other) = (blackbody(t).xyz_at(w), blackbody(t / w).xyz_at(1.0));
+            assert_eq!(moving, other);
+            assert!(
+                (sum[1] / other[1] - 1.0).abs() < 1e-5,
+                "{t} {w}: {sum:?} {other:?}"
+            );
+            assert!(
+                is_close(chromaticity(sum), chromaticity(other), 1e-6),
+                "{t} {w}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_shifted_table_of_a_blackbody_is_a_blackbody_of_another_temperature() {
+        // The table goes the general way of scaled wavelengths; Planck's law at every nm is linear to 1e-6 there.
+        let rows = (300..2000).map(|nm| {
+            let l = f64::from(nm) * 1e-9;
+            [l, planck(l, 4000.0)]
+        });
+        let table = Spectrum::new(Shape::Table(rows.collect()), Scale::Factor(1.0)).unwrap();
+        for w in [0.6, 0.9, 1.0, 1.15] {
+            let (a, b) = (table.xyz_at(w), blackbody(4000.0 / w).xyz_at(1.0));
+            assert!((a[1] / b[1] - 1.0).abs() < 5e-6, "{w}: {a:?} {b:?}");
+            assert!(is_close(chromaticity(a), chromaticity(b), 1e-6), "{w}");
+        }
+    }
+
+    #[test]
+    fn blackbodies_have_the_published_colours_and_energies() {
+        // CIE 015:2018: illuminant A, 2855.5 K on the scale of today, is at (0.44758, 0.40745).
+        let a = chromaticity(blackbody(2855.5).xyz_at(1.0));
+        assert!(is_close(a, [0.44758, 0.40745], 3e-5), "{a:?}");
+        // Stefan–Boltzmann: σT⁴/π, σ = 5.670374419e-8 W m⁻² K⁻⁴ (CODATA 2018).
+        let total = blackbody(1000.0).total().unwrap();
+        let expected = 5.670374419e-8 * 1e12 / std::f64::consts::PI;
+        assert!((total / expected - 1.0).abs() < 1e-9, "{total}");
+    }
+
+    #[test]
+    fn a_line_in_motion_is_a_line_elsewhere() {
+        // 656.28 nm at W = 0.8 is at 525.024 nm: chromaticity of the locus there by the observer's own table, and
+        // W⁻⁴ of the energy.
+        let line = Spectrum::new(Shape::Lines(vec![[656.28e-9, 3.0]]), Scale::Factor(1.0)).unwrap();
+        let seen = line.xyz_at(0.8);
+        let locus = colour_matching(525.024e-9);
+        for k in 0..3 {
+            let expected = 3.0 * locus[k] * 2.44140625;
+            assert!((seen[k] - expected).abs() < 1e-9 * expected, "{seen:?}");
+        }
+        // Between (0.0743, 0.8338) at 520 nm and (0.1547, 0.8059) at 530 nm (Wyszecki & Stiles, table 3.3.1).
+        let [x, y] = chromaticity(seen);
+        assert!((0.0743..0.1547).contains(&x) && (0.8059..0.8338).contains(&y));
+    }
+
+    #[test]
+    fn a_narrow_gaussian_is_a_line() {
+        let gaussian = Shape::Gaussian {
+            centre: 550.5e-9,
+            sigma: 1e-12,
+        };
+        let gaussian = Spectrum::new(gaussian, Scale::Factor(2.0)).unwrap();
+        let line = Spectrum::new(Shape::Lines(vec![[550.5e-9, 2.0]]), Scale::Factor(1.0)).unwrap();
+        for w in [0.9, 1.0, 1.0 / 1.1] {
+            let (a, b) = (gaussian.xyz_at(w), line.xyz_at(w));
+            for k in 0..3 {
+                assert!((a[k] / b[k] - 1.0).abs() < 2e-3, "{w}: {a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_energy_is_at_a_third_and_a_third() {
+        let flat = Shape::Table(vec![[300e-9, 1.0], [900e-9, 1.0]]);
+        let flat = Spectrum::new(flat, Scale::Luminance(5.0)).unwrap();
+        let xyz = flat.xyz_at(1.0);
+        assert!((xyz[1] - 5.0).abs() < 1e-12);
+        assert!(is_close(chromaticity(xyz), [1.0 / 3.0; 2], 2e-4), "{xyz:?}");
+    }
+
+    #[test]
+    fn rgb_is_what_it_says_at_rest_and_so_is_what_white_light_falls_on() {
+        for continuation in [
+            Continuation::Dark,
+            Continuation::Edge,
+            Continuation::Blackbody,
+        ] {
+            let seen = Spectrum::rgb([0.2, 0.7, 1.5], continuation).colour_at(1.0);
+            for (value, expected) in seen.into_iter().zip([0.2, 0.7, 1.5]) {
+                assert!((value - expected).abs() < 1e-11, "{seen:?}");
+            }
+            let reflected = Spectrum::rgb([1.0; 3], continuation).reflected_at(1.0);
+            for (j, row) in reflected.iter().enumerate() {
+                for (k, value) in row.iter().enumerate() {
+                    assert!((value - f64::from(j == k)).abs() < 1e-11, "{reflected:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn totals_are_integrals() {
+        // A triangle from 400 to 700 nm with a peak of 2 per metre: 3e-7.
+        let triangle = Shape::Table(vec![[400e-9, 0.0], [500e-9, 2.0], [700e-9, 0.0]]);
+        let spectrum = Spectrum::new(triangle.clone(), Scale::Factor(1.0)).unwrap();
+        assert!((spectrum.total().unwrap() - 3e-7).abs() < 1e-20);
+        let unit = Spectrum::new(triangle, Scale::Total(1.0)).unwrap();
+        assert!((unit.total().unwrap() - 1.0).abs() < 1e-12);
+        assert!((unit.per_wavelength(450e-9) - 1.0 / 3e-7).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_luminance_of_what_nobody_sees_cannot_be_had() {
+        let infrared = || Shape::Lines(vec![[10e-6, 1.0]]);
+        assert_eq!(Spectrum::new(infrared(), Scale::Luminance(1.0)), None);
+        assert!(Spectrum::new(infrared(), Scale::Total(1.0)).is_some());
+    }
+}

@@ -12,3 +12,4 @@ pub mod image;
 pub mod npy;
 mod open;
 mod packed;
+pub mod spectrum;

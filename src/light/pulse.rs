@@ -11,7 +11,12 @@
 //!
 //! since radiance scales with ρᵖ and solid angle with ρ⁻² (p by the declared quantity). A line of
 //! wavelength λ₀ arrives, and leaves again, with λ₀/ρ (weighted by irradiance where several pulses meet).
+//!
+//! Linear RGB arrives as M(1/ρ) times what the source has, and leaves as its product with the albedo, component by
+//! component: the light reflected is that of white light on the product of both colours. For a white source
+//! that rests with the surface it is exact; for a coloured or shifted one the products of spectra and of colours differ.
 
+use crate::colour::RgbShift;
 use crate::scene::model::Pulse;
 use crate::spacetime::{Direction, Event, NullRay, Quantity, WavelengthRatio, World};
 
@@ -46,9 +51,25 @@ impl Arrival {
 
     /// What falls on the surface, in its rest frame: E′.
     #[inline]
-    pub fn incident(&self, pulse: &Pulse, quantity: Quantity, rho: f64, cosine: f64) -> Incident {
+    ///
+    /// `shift` is that of [`Quantity::Rgb`]: E′ = M(1/ρ) ρ⁻² I cos θ′ / r², since M has the power of a radiance.
+    pub fn incident(
+        &self,
+        pulse: &Pulse,
+        quantity: Quantity,
+        shift: Option<&RgbShift>,
+        rho: f64,
+        cosine: f64,
+    ) -> Incident {
         let w = WavelengthRatio(1.0 / rho);
         let r = self.distance;
+        if let Some(shift) = shift {
+            let factor = self.strength * (w.0 * w.0) * cosine / (r * r);
+            return Incident {
+                irradiance: shift.apply(w.0, pulse.intensity).map(|i| i * factor),
+                wavelength_scale: 1.0,
+            };
+        }
         let factor = self.strength * quantity.irradiance_factor(w) * cosine / (r * r);
         Incident {
             irradiance: pulse.intensity.map(|i| i * factor),

@@ -8,6 +8,7 @@ use crate::render::film::Film;
 use crate::scene::model::{
     Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
 };
+use crate::spacetime::Quantity;
 
 /// Of a file that is made of a text alone: program, name of the text, hash, and the text.
 pub fn of_text(name: &str, text: &str) -> Vec<(String, String)> {
@@ -51,10 +52,23 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             camera.horizontal_fov.to_string(),
         ),
     ];
+    let has_rgb = scene.quantity == Quantity::Rgb
+        || scene.sources.iter().any(|s| s.quantity == Quantity::Rgb);
+    let continuation = has_rgb.then(|| {
+        (
+            "radiance_continuation",
+            scene.continuation.name().to_string(),
+        )
+    });
+    let false_colour = scene
+        .false_colour
+        .map(|l| ("false_colour_m", l.to_string()));
     let equations = (scene.equations != Equations::Exact)
         .then(|| ("equations", equations(scene.equations).to_string()));
     let own = pairs
         .into_iter()
+        .chain(continuation)
+        .chain(false_colour)
         .chain(equations)
         .chain(moving(camera))
         .chain(sensor(camera));

@@ -31,6 +31,8 @@ pub(super) struct Inputs {
     problems: HashMap<usize, String>,
     /// By place in the text: the pose that the glTF camera named there has.
     poses: RefCell<HashMap<usize, Result<Pose>>>,
+    /// By place in the text: the rows of the table of a spectrum that is named there.
+    tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
 }
 
 impl Inputs {
@@ -51,6 +53,16 @@ impl Inputs {
     /// The glTF camera in the file named at `file` has this pose, or cannot be read.
     pub fn add_pose(&mut self, file: &At<String>, pose: Result<Pose>) {
         self.poses.get_mut().insert(file.span.start, pose);
+    }
+
+    /// The table of a spectrum in the file named at `file` has these rows, or cannot be read.
+    pub fn add_table(&mut self, file: &At<String>, rows: Result<Vec<[f64; 2]>>) {
+        self.tables.get_mut().insert(file.span.start, rows);
+    }
+
+    /// The rows of the table in the file named at `file`, if that was read. Asked once.
+    pub fn table(&self, file: &At<String>) -> Option<Result<Vec<[f64; 2]>>> {
+        self.tables.borrow_mut().remove(&file.span.start)
     }
 
     /// Why the file named at `file` cannot be used, if it cannot.

@@ -13,9 +13,9 @@ use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve::{self, Context, GLTF, Outline};
+use super::resolve::{self, Context, GLTF, Outline, SPECTRUM};
 use crate::error::{Error, Result};
-use crate::io::{files, gltf};
+use crate::io::{files, gltf, spectrum};
 use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
@@ -66,8 +66,23 @@ pub(super) fn scene(report: Report, base: &Path, memory: Memory) -> Result<Scene
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
         read_pose(&mut inputs, &capture.value.gltf, &capture.value.node);
     }
+    for object in &file.object {
+        read_spectrum(&mut inputs, &object.value.spectrum);
+    }
     camera(&mut inputs, &file);
     resolve::scene(report, inputs, &file)
+}
+
+/// Reads the table of a spectrum, where it has one.
+fn read_spectrum(inputs: &mut Inputs, spectrum: &Option<At<file::Spectrum>>) {
+    let Some(name) = spectrum.as_ref().and_then(|at| at.value.table.as_ref()) else {
+        return;
+    };
+    look_for(inputs, name);
+    let path = inputs.base.join(&name.value);
+    if inputs.problem(name).is_none() && resolve::has_extension(&path, SPECTRUM) {
+        inputs.add_table(name, spectrum::load(&path));
+    }
 }
 
 fn camera<D>(inputs: &mut Inputs, file: &file::Scene<D>) {

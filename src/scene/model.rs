@@ -11,6 +11,7 @@ use glam::{DAffine3, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::colour::{Continuation, Spectrum};
 use crate::io::cube::Cube;
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
@@ -49,6 +50,8 @@ pub struct Scene {
     pub sources: Vec<Source>,
     /// What the radiance of base colours measures, and of sources that give none of their own.
     pub quantity: Quantity,
+    /// How RGB spectra go on where nobody at rest sees them.
+    pub continuation: Continuation,
     /// Whose equations.
     pub equations: Equations,
     /// The four effects, each on unless turned off.
@@ -59,6 +62,8 @@ pub struct Scene {
     pub back_faces: BackFaces,
     /// Linear RGB radiance of rays that hit nothing.
     pub background: [f64; 3],
+    /// The observed wavelength that is shown as 555 nm, metres, all others in proportion; none: as they are seen.
+    pub false_colour: Option<f64>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).
@@ -89,6 +94,8 @@ pub struct Object {
     pub name: String,
     /// Where its triangles come from.
     pub geometry: Geometry,
+    /// What it shines with in place of base colours and sources.
+    pub spectrum: Option<Spectrum>,
     /// Object coordinates from the file's (or shape's) coordinates.
     pub transform: DAffine3,
     /// What is done about vertices that no ray can hit.

@@ -12,6 +12,9 @@
 //! | photons per wavelength | ν | W⁻⁴ |
 //! | photons per frequency | 1/ν | W⁻² |
 //!
+//! Linear RGB stands for a spectrum per wavelength ([`colour`](crate::colour)): it becomes M(W) RGB, in which the W⁻⁵
+//! is. Where only its brightness is asked for, it counts as energy over the spectrum: W⁻⁴.
+//!
 //! What the emitter emits within dt arrives within dt′ = W dt: the energy received from a whole flash
 //! carries one power of W more, W⁻ᵖ⁺¹. The irradiance that falls on a moving surface carries
 //! dΩ′ = W² dΩ: two powers more, W⁻ᵖ⁺². Source: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999.
@@ -99,6 +102,7 @@ quantities! {
     Photons, "photons", "photons over the whole spectrum", 3;
     PhotonsPerWavelength, "photons_per_wavelength", "photons per wavelength", 4;
     PhotonsPerFrequency, "photons_per_frequency", "photons per frequency", 2;
+    Rgb, "rgb", "linear RGB of a spectrum", 4;
 }
 
 impl fmt::Display for Quantity {

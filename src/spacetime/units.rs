@@ -32,7 +32,7 @@ pub struct Measure<D> {
 pub struct UnitError(String);
 
 impl<D: Dimension> Measure<D> {
-    /// `number` in the dimension's customary unit: metres, degrees, nanometres, m/s, %, /m, rad/m.
+    /// `number` in the dimension's customary unit: metres, degrees, nanometres, K, m/s, %, /m, rad/m.
     pub const fn customary(number: f64) -> Self {
         Measure {
             number,
@@ -146,6 +146,13 @@ impl Angle {
 impl Wavelength {
     /// In metres.
     pub fn metres(self) -> f64 {
+        self.base()
+    }
+}
+
+impl Temperature {
+    /// In kelvin.
+    pub fn kelvin(self) -> f64 {
         self.base()
     }
 }
@@ -432,6 +439,13 @@ dimension!(
         unit("cm", 1.0, 1e2),
         unit("m", 1.0, 1.0)
     ]
+);
+dimension!(
+    TemperatureDimension,
+    Temperature,
+    "A temperature (K, mK).",
+    "a temperature",
+    [unit("K", 1.0, 1.0), unit("mK", 1.0, 1e3)]
 );
 dimension!(
     SpeedDimension,

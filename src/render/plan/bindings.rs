@@ -10,14 +10,20 @@ use crate::scene::model::{Binding, Mapping, Scene, Source, SourceKind};
 pub enum Lit {
     /// Its base colour.
     Base,
+    /// The spectrum of its object.
+    Spectrum,
     /// A stored cube.
     Cube(usize),
     /// Pulses that it reflects.
     Pulses(Vec<usize>),
 }
 
-/// What lights material `material` of object `object`: a cube, else pulses, else its base colour.
+/// What lights material `material` of object `object`: the object's own spectrum, else a cube, else pulses, else its
+/// base colour.
 pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
+    if scene.objects[object].spectrum.is_some() {
+        return Lit::Spectrum;
+    }
     let bound = |s: &Source| match &s.binding {
         Binding::All => true,
         Binding::Only { objects, materials } => {
@@ -45,7 +51,7 @@ pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool
     for (index, object) in objects.iter().enumerate() {
         for material in &object.materials {
             match lit_by(scene, index, material) {
-                Lit::Base => {}
+                Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => used[source] = true,
                 Lit::Pulses(sources) => sources.iter().for_each(|s| used[*s] = true),
             }
@@ -72,6 +78,7 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
     let name = |s: &usize| scene.sources[*s].name.as_str();
     match lit {
         Lit::Base => (has_images, has_images, "base colour".into()),
+        Lit::Spectrum => (false, false, "its own spectrum".into()),
         Lit::Pulses(pulses) => {
             let names: Vec<_> = pulses.iter().map(name).collect();
             (
@@ -104,7 +111,7 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
     for (index, object) in objects.iter().enumerate() {
         for material in &object.materials {
             match lit_by(scene, index, material) {
-                Lit::Base => {}
+                Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => check_uv_set(scene, &scene.sources[source], object)?,
                 Lit::Pulses(pulses) => check_pulses(scene, &pulses, object)?,
             }

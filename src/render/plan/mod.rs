@@ -100,7 +100,7 @@ fn layout(scene: &Scene, request: &Request, objects: &[PlannedObject]) -> Layout
 fn is_time_resolved(scene: &Scene, objects: &[PlannedObject]) -> bool {
     let varies = |o: usize| {
         let mut materials = objects[o].materials.iter();
-        materials.any(|m| !matches!(lit_by(scene, o, m), Lit::Base))
+        materials.any(|m| !matches!(lit_by(scene, o, m), Lit::Base | Lit::Spectrum))
     };
     (0..objects.len()).any(varies)
 }

@@ -2,7 +2,9 @@
 
 use super::planned::{Plan, Skipped};
 use crate::camera::Kind;
+use crate::colour::Continuation;
 use crate::scene::model::{Scene, SourceKind};
+use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
     plan.skipped = skipped(scene, plan);
@@ -102,13 +104,30 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
     let moving = plan.view != Kind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());
     let sources = scene.sources.iter().map(|s| s.quantity);
-    let colours = sources.chain([scene.quantity]).any(|q| q.line().is_none());
+    let mut quantities = sources.chain([scene.quantity]);
+    let colours = quantities.any(|q| q.line().is_none() && q != Quantity::Rgb);
     if moving && colours && scene.effects.doppler {
         notes.push(
             "colour channels hold no spectrum: the Doppler shift changes their brightness, not their hue \
-             (declare quantity = \"line\" to see hues shift)"
+             (declare quantity = \"rgb\" or \"line\" to see hues shift)"
                 .into(),
         );
+    }
+    if scene.quantity == Quantity::Rgb && moving && scene.effects.doppler {
+        let beyond = match scene.continuation {
+            Continuation::Dark => "dark",
+            Continuation::Edge => "constant",
+            Continuation::Blackbody => "falling off as Planck's law at 6504 K",
+        };
+        notes.push(format!(
+            "colours stand for smooth spectra, which are {beyond} below 360 and above 830 nm (radiance.continuation)"
+        ));
+    }
+    if let Some(wavelength) = scene.false_colour {
+        notes.push(format!(
+            "colours are false: {} nm is shown as 555 nm",
+            (wavelength * 1e12).round() / 1e3
+        ));
     }
     if scene.medium_index != 1.0 {
         notes.push(format!(

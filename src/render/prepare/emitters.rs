@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel::Ray;
+use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Cube};
 use crate::io::gltf::EncodedImage;
@@ -16,8 +17,8 @@ use crate::mesh::{Material, Mesh};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Radiance, Response, RestFrame,
-    TimeResolved,
+    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Eye, Radiance, Response, RestFrame,
+    Scaling, TimeResolved,
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, Mapping,
@@ -85,9 +86,14 @@ impl<'a> Builder<'a> {
             .into_iter()
             .map(|image| self.textures.index(&file, image))
             .collect::<Result<Vec<_>>>()?;
+        let own = self.scene.objects[object].spectrum.as_ref();
+        let own = own.map(|spectrum| spectrum_colour(spectrum, self.scene));
         let emitter = |material: &Material| {
             let lit = lit_by(self.scene, object, &material.name);
-            let colour = base_colour(material, &textures);
+            let colour = match &own {
+                Some(colour) => colour.clone(),
+                None => base_colour(material, &textures),
+            };
             self.colours.push(colour);
             self.emitters.push((lit, self.colours.len() - 1));
             self.emitters.len() as u32 - 1
@@ -126,8 +132,15 @@ impl<'a> Builder<'a> {
             SourceKind::Pulse(pulse) => Some((pulse.clone(), source.quantity)),
             SourceKind::Cube(_) => None,
         });
+        let rgb_pulses = scene.sources.iter().any(|source| {
+            source.quantity == Quantity::Rgb && matches!(source.kind, SourceKind::Pulse(_))
+        });
         let emitters = self.emitters.into_iter().map(|(lit, colour)| match lit {
-            Lit::Base => (Emitter::Base(colour), base.response),
+            Lit::Base | Lit::Spectrum => {
+                let own = base.colours[colour].response.as_ref();
+                let response = own.unwrap_or(&base.response).clone();
+                (Emitter::Base(colour), response)
+            }
             Lit::Pulses(pulses) => {
                 let quantity = scene.sources[pulses[0]].quantity;
                 (
@@ -150,6 +163,7 @@ impl<'a> Builder<'a> {
             cubes: stores.cubes,
             captures: stores.captures,
             pulses: pulses.collect(),
+            shift: rgb_pulses.then(|| RgbShift::of(scene.continuation)),
             index: scene.medium_index,
         }))
     }
@@ -162,6 +176,7 @@ fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
     BaseColour {
         factor: material.base_colour.map(f64::from),
         texture,
+        response: None,
     }
 }
 
@@ -172,15 +187,66 @@ fn response(quantity: Quantity, scene: &Scene) -> Response {
         searchlight,
         ..
     } = scene.effects;
-    let colour = match (quantity.line(), doppler) {
-        (Some(wavelength), true) => Colouring::ShiftedLine(wavelength),
-        (Some(wavelength), false) => Colouring::UnshiftedLine(wavelength),
-        (None, _) => Colouring::Channels,
+    let eye = eye(scene);
+    let brightness = match searchlight {
+        true => Scaling::Of(scaling(quantity, scene.equations)),
+        false => Scaling::None,
     };
-    Response {
-        scaled: searchlight.then_some(scaling(quantity, scene.equations)),
-        colour,
+    let (scaled, colour) = match (quantity.line().map(|l| eye.wavelength(l)), doppler) {
+        (Some(wavelength), true) => (brightness, Colouring::ShiftedLine(wavelength)),
+        (Some(wavelength), false) => (brightness, Colouring::UnshiftedLine(wavelength)),
+        (None, true) if quantity == Quantity::Rgb => {
+            let colour = Colouring::Rgb(RgbShift::of(scene.continuation), eye);
+            (without(searchlight), colour)
+        }
+        (None, _) => (brightness, Colouring::Channels),
+    };
+    Response { scaled, colour }
+}
+
+/// A surface that shines with `spectrum`, and what an observer in `scene` makes of it.
+fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
+    let eye = eye(scene);
+    let Effects {
+        doppler,
+        searchlight,
+        ..
+    } = scene.effects;
+    let (factor, response) = if doppler {
+        let response = Response {
+            scaled: without(searchlight),
+            colour: Colouring::Spectrum(Arc::new(ColourTable::new(spectrum)), eye),
+        };
+        ([1.0; 3], response)
+    } else {
+        // Its colour at rest, by the brightness of all its energy.
+        let response = Response {
+            scaled: match searchlight {
+                true => Scaling::Of(Quantity::Integrated),
+                false => Scaling::None,
+            },
+            colour: Colouring::Channels,
+        };
+        (eye.colour(spectrum), response)
+    };
+    BaseColour {
+        factor,
+        texture: None,
+        response: Some(response),
     }
+}
+
+/// The scaling that goes with colours that have the searchlight effect in them.
+fn without(searchlight: bool) -> Scaling {
+    match searchlight {
+        true => Scaling::None,
+        false => Scaling::HueAlone,
+    }
+}
+
+/// The wavelengths that the observer sees.
+fn eye(scene: &Scene) -> Eye {
+    scene.false_colour.map_or(Eye::HUMAN, Eye::seeing)
 }
 
 /// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.

@@ -1,7 +1,10 @@
 //! The radiance that leaves a run of points, before the observer's factors.
 
+use std::sync::Arc;
+
 use super::occlusion::OcclusionQueries;
 use crate::accel::Segment;
+use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::pulse::{Incident, Irradiance};
 use crate::light::time_texture::{Coverage, Located, Lookups, Sampled};
 use crate::spacetime::Quantity;
@@ -20,16 +23,27 @@ pub struct Emission {
 }
 
 /// What an observer makes of emitted radiance; resolved from quantity and switches beforehand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Response {
-    /// The declared quantity where the searchlight effect is on; its factor is applied.
-    pub scaled: Option<Quantity>,
+    /// The factor on the radiance.
+    pub scaled: Scaling,
     /// The colour.
     pub colour: Colouring,
 }
 
-/// How radiance becomes a colour.
+/// The factor on a radiance, by W.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scaling {
+    /// 1: the searchlight effect is off, or the colouring has it in it.
+    None,
+    /// That of a quantity.
+    Of(Quantity),
+    /// W⁴: takes the searchlight effect out of a colouring that has it in it, and leaves its hue.
+    HueAlone,
+}
+
+/// How radiance becomes a colour.
+#[derive(Debug, Clone)]
 pub enum Colouring {
     /// The channels are colours as they stand.
     Channels,
@@ -37,6 +51,61 @@ pub enum Colouring {
     ShiftedLine(f64),
     /// The same, shown in its emitted colour.
     UnshiftedLine(f64),
+    /// The channels are linear RGB of a spectrum, whose shift has the searchlight effect in it.
+    Rgb(&'static RgbShift, Eye),
+    /// The mean of the channels is a factor on a spectrum, whose colours have the searchlight effect in them.
+    Spectrum(Arc<ColourTable>, Eye),
+}
+
+/// The wavelengths that an observer sees: those of the human eye, times a factor.
+///
+/// An eye with the sensitivity m(λ/s) makes ∫ L′(λ) m(λ/s) dλ = s ∫ L′(sλ) m(λ) dλ of a radiance, and with L′ at W that
+/// is s⁻⁴ times what the human eye makes of it at W/s. So a line keeps its energy whatever it is shown as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Eye {
+    /// 1/s.
+    inverse: f64,
+    /// s⁻⁴.
+    gain: f64,
+}
+
+impl Eye {
+    /// The human one.
+    pub const HUMAN: Eye = Eye {
+        inverse: 1.0,
+        gain: 1.0,
+    };
+
+    /// One that sees `wavelength` as the human one sees 555 nm, metres.
+    pub fn seeing(wavelength: f64) -> Eye {
+        let inverse = 555e-9 / wavelength;
+        Eye {
+            inverse,
+            gain: inverse * inverse * inverse * inverse,
+        }
+    }
+
+    /// W for the human eye's tables.
+    #[inline(always)]
+    pub(super) fn ratio(self, w: f64) -> f64 {
+        w * self.inverse
+    }
+
+    /// The wavelength that the human eye has in place of this one.
+    pub fn wavelength(self, wavelength: f64) -> f64 {
+        wavelength * self.inverse
+    }
+
+    /// Linear sRGB of `spectrum`, seen without a shift.
+    pub fn colour(self, spectrum: &Spectrum) -> [f64; 3] {
+        spectrum.colour_at(self.inverse).map(|c| c * self.gain)
+    }
+
+    /// What colours by the human eye's tables are multiplied by.
+    #[inline(always)]
+    pub(super) fn gain(self) -> f64 {
+        self.gain
+    }
 }
 
 /// What leaves the points of a run towards the camera, point by point.
@@ -78,7 +147,7 @@ impl Default for Emitted {
     fn default() -> Self {
         Emitted {
             response: Response {
-                scaled: None,
+                scaled: Scaling::None,
                 colour: Colouring::Channels,
             },
             radiance: Vec::new(),

@@ -29,7 +29,7 @@ mod surfaces;
 
 pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
 pub(crate) use channels::record;
-pub use emitted::{Colouring, Emission, Emitted, Response};
+pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};
 pub use point::SurfacePoint;
 pub use radiance::{BaseColour, BaseColours, EmissionClock, Emitter, Radiance, TimeResolved};

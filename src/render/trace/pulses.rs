@@ -8,6 +8,7 @@ use super::point::SurfacePoint;
 use super::run::Run;
 use super::stats::Meter;
 use super::surfaces::Surfaces;
+use crate::colour::RgbShift;
 use crate::light::pulse::{Arrival, Incident};
 use crate::scene::model::Pulse;
 use crate::spacetime::Quantity;
@@ -17,6 +18,7 @@ pub(super) fn illuminate(
     run: &Run,
     pulse: &Pulse,
     quantity: Quantity,
+    shift: Option<&RgbShift>,
     index: f64,
     emitted: &mut Emitted,
     meter: &mut Meter,
@@ -28,7 +30,7 @@ pub(super) fn illuminate(
         let Some(arrival) = Arrival::at(pulse, &point.ray, point.hit.s, index) else {
             continue;
         };
-        let Some(incident) = incident(surfaces, &arrival, pulse, quantity, &point) else {
+        let Some(incident) = incident(surfaces, &arrival, pulse, (quantity, shift), &point) else {
             continue;
         };
         emitted.arriving.push((k, incident));
@@ -53,7 +55,7 @@ fn incident(
     surfaces: &Surfaces,
     arrival: &Arrival,
     pulse: &Pulse,
-    quantity: Quantity,
+    (quantity, shift): (Quantity, Option<&RgbShift>),
     point: &SurfacePoint,
 ) -> Option<Incident> {
     let (d, rho) = surfaces.direction(point.frame, arrival.d);
@@ -61,5 +63,5 @@ fn incident(
     if cosine <= 0.0 {
         return None;
     }
-    Some(arrival.incident(pulse, quantity, rho, cosine))
+    Some(arrival.incident(pulse, quantity, shift, rho, cosine))
 }

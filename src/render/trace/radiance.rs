@@ -9,6 +9,7 @@ use super::pulses;
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use crate::accel::{Hit, Segment};
+use crate::colour::RgbShift;
 use crate::io::image::Texture;
 use crate::light::time_texture::{BATCH, Capture, SurfacePoint as CapturePoint, TimeTexture};
 use crate::mesh::Wrap;
@@ -32,6 +33,8 @@ pub struct BaseColour {
     pub factor: [f64; 3],
     /// Texture, its coordinate set and wrap modes.
     pub texture: Option<(usize, usize, [Wrap; 2])>,
+    /// What an observer makes of it, where that is not the common response.
+    pub response: Option<Response>,
 }
 
 /// Base colours of all patches.
@@ -58,6 +61,8 @@ pub struct TimeResolved {
     pub captures: Vec<Capture>,
     /// By source of the scene: pulses, each with its quantity.
     pub pulses: Vec<Option<(Pulse, Quantity)>>,
+    /// What shifts the light of those whose quantity is RGB.
+    pub shift: Option<&'static RgbShift>,
     /// Refractive index of the medium.
     pub index: f64,
 }
@@ -148,8 +153,10 @@ impl Radiance for BaseColours {
     }
 
     fn emit(&self, run: &Run, emitted: &mut Emitted, _: &mut Meter) {
-        emitted.start(self.response);
-        self.fill(run.patch.emitter as usize, run, emitted);
+        let index = run.patch.emitter as usize;
+        let own = self.colours[index].response.as_ref();
+        emitted.start(own.unwrap_or(&self.response).clone());
+        self.fill(index, run, emitted);
     }
 }
 
@@ -160,7 +167,7 @@ impl Radiance for TimeResolved {
 
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
         let (emitter, response) = &self.emitters[run.patch.emitter as usize];
-        emitted.start(*response);
+        emitted.start(response.clone());
         match emitter {
             Emitter::Base(colour) => self.base.fill(*colour, run, emitted),
             Emitter::Uv { cube, set, clock } => {
@@ -279,7 +286,8 @@ impl TimeResolved {
         emitted.incident.clear();
         emitted.incident.resize(run.count(), Default::default());
         for (pulse, quantity) in pulses.iter().filter_map(|k| self.pulses[*k].as_ref()) {
-            pulses::illuminate(run, pulse, *quantity, self.index, emitted, meter);
+            let shift = self.shift.filter(|_| *quantity == Quantity::Rgb);
+            pulses::illuminate(run, pulse, *quantity, shift, self.index, emitted, meter);
         }
         for k in 0..run.count() {
             let Some(hit) = run.hit(k) else {

@@ -1,12 +1,12 @@
 //! From the hits of a batch to the film: runs of points of one patch, their radiance, the observer's
 //! factor W⁻ᵖ and colours.
 
-use super::emitted::{Colouring, Detail, Emitted, Response};
+use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::colour;
+use crate::colour::{self, RgbShift};
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -199,11 +199,12 @@ impl Shading {
 fn weigh(response: &Response, ratios: &[f64], factors: &mut Vec<f64>) {
     factors.clear();
     match response.scaled {
-        None => factors.resize(ratios.len(), 1.0),
-        Some(quantity) => {
+        Scaling::None => factors.resize(ratios.len(), 1.0),
+        Scaling::Of(quantity) => {
             factors.extend_from_slice(ratios);
             dispatch(Powers { quantity, factors });
         }
+        Scaling::HueAlone => factors.extend(ratios.iter().map(|w| w * w * w * w)),
     }
 }
 
@@ -228,8 +229,14 @@ fn add_colours(
     members: &[u32],
     sink: &mut impl RadianceSink,
 ) {
-    if let (Colouring::Channels, []) = (emitted.response.colour, emitted.details.as_slice()) {
-        return add_scaled(&emitted.radiance, factors, members, sink);
+    match (&emitted.response.colour, emitted.details.as_slice()) {
+        (Colouring::Channels, []) => {
+            return add_scaled(&emitted.radiance, factors, members, sink);
+        }
+        (Colouring::Rgb(shift, eye), []) => {
+            return add_shifted(shift, *eye, emitted, ratios, factors, members, sink);
+        }
+        _ => {}
     }
     // Details are ascending by point: each is taken when its point comes.
     let mut details = emitted.details.iter().peekable();
@@ -239,13 +246,20 @@ fn add_colours(
         if let Some(detail) = details.next_if(|detail| detail.at == k) {
             (unscaled, wavelength_scale) = (detail.unscaled, detail.wavelength_scale);
         }
-        let colour = match emitted.response.colour {
+        let colour = match &emitted.response.colour {
             Colouring::Channels => emitted.radiance[k],
             Colouring::ShiftedLine(wavelength) => line(
                 emitted.radiance[k],
                 wavelength * wavelength_scale * ratios[k],
             ),
-            Colouring::UnshiftedLine(wavelength) => line(emitted.radiance[k], wavelength),
+            Colouring::UnshiftedLine(wavelength) => line(emitted.radiance[k], *wavelength),
+            Colouring::Rgb(shift, eye) => shift
+                .apply(eye.ratio(ratios[k]), emitted.radiance[k])
+                .map(|c| c * eye.gain()),
+            Colouring::Spectrum(table, eye) => {
+                let factor = mean(emitted.radiance[k]) * eye.gain();
+                table.colour(eye.ratio(ratios[k])).map(|c| c * factor)
+            }
         };
         // Stand-ins for missing data are shown as they are; all else gets the observer's factor.
         let factor = factors[k];
@@ -270,9 +284,31 @@ fn add_scaled(
     }
 }
 
+/// Adds RGB spectra as they are seen at W `ratios`, times `factors`, and nothing else.
+fn add_shifted(
+    shift: &RgbShift,
+    eye: Eye,
+    emitted: &Emitted,
+    ratios: &[f64],
+    factors: &[f64],
+    members: &[u32],
+    sink: &mut impl RadianceSink,
+) {
+    let rays = members.iter().zip(&emitted.radiance);
+    for ((ray, rgb), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
+        let factor = factor * eye.gain();
+        let seen = shift.apply(eye.ratio(*w), *rgb);
+        sink.add(*ray as usize, seen.map(|c| factor * c));
+    }
+}
+
 /// The colour of a line whose radiance is the mean of three channels.
-fn line([r, g, b]: [f64; 3], wavelength: f64) -> [f64; 3] {
-    colour::line_colour(wavelength).map(|c| c * ((r + g + b) / 3.0))
+fn line(rgb: [f64; 3], wavelength: f64) -> [f64; 3] {
+    colour::line_colour(wavelength).map(|c| c * mean(rgb))
+}
+
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
 }
 
 /// Adds how much of the radiance of a run is known.

@@ -10,6 +10,7 @@ mod panel;
 mod radiance;
 mod sensor;
 mod source;
+mod spectrum;
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -20,7 +21,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::at::At;
 use super::model::{BackFaces, Equations};
 use super::values::{Number, Vector};
-use crate::spacetime::units::{Percentage, Speed};
+use crate::spacetime::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::Camera;
 pub(crate) use camera::Velocity;
@@ -30,6 +31,7 @@ pub(super) use panel::{Panel, Sheet};
 pub(super) use radiance::Radiance;
 pub(super) use sensor::{Sensor, SensorRotation};
 pub(super) use source::{Capture, Cube, Pulse, Source};
+pub(super) use spectrum::{Gaussian, SpectralLine, Spectrum};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are
 /// texts with a unit, like "2 ps", "0.6 m", "60 deg".
@@ -247,6 +249,9 @@ pub(in crate::scene) struct Display {
     pub exposure: Option<At<Percentage>>,
     /// The radiance that becomes white, above 0. Excludes `exposure`.
     pub white: Option<At<Number>>,
+    /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
+    /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.
+    pub false_colour: Option<At<Wavelength>>,
     /// Linear RGB radiance of rays that hit nothing. Default: [0, 0, 0].
     pub background: At<Vector>,
     /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
@@ -262,6 +267,7 @@ impl Default for Display {
         Display {
             exposure: None,
             white: None,
+            false_colour: None,
             background: At::nowhere(super::values::Numbers([0.0; 3])),
             back_faces: BackFaces::AsFile,
             samples_per_pixel: At::nowhere(4),

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::camera::Velocity;
+use super::spectrum::Spectrum;
 use crate::scene::at::At;
 use crate::scene::model::BadVertices;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
@@ -33,6 +34,9 @@ pub(in crate::scene) struct Object {
     pub shape: Option<At<Shape>>,
     /// Linear RGB base colour of the shape, each at least 0. Default: [0.8, 0.8, 0.8].
     pub colour: Option<At<Vector>>,
+    /// What it shines with, alike all over, in place of base colours and whatever [[source]] would give it.
+    /// Excludes `colour`.
+    pub spectrum: Option<At<Spectrum>>,
     /// Object coordinates from the file's (or shape's) coordinates. Default: the identity.
     pub transform: Option<At<Transform>>,
     /// Velocity in the world. Default: at rest.

@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::colour::Continuation;
 use crate::scene::at::At;
 use crate::spacetime::QuantityKind;
 use crate::spacetime::units::Wavelength;
@@ -19,12 +20,17 @@ use crate::spacetime::units::Wavelength;
 )]
 pub(in crate::scene) struct Radiance {
     /// The quantity: "integrated" over the spectrum, "per_wavelength", "per_frequency", "line" (one
-    /// spectral line, needs `wavelength`), "photons", "photons_per_wavelength" or
-    /// "photons_per_frequency". Default: "integrated".
+    /// spectral line, needs `wavelength`), "photons", "photons_per_wavelength", "photons_per_frequency", or "rgb":
+    /// the colour of a smooth spectrum, so that hues shift. All others change in brightness alone.
+    /// Default: "integrated".
     pub quantity: At<QuantityKind>,
     /// The emitted wavelength of the line, like "532 nm", in the emitter's rest frame. Required with
     /// quantity = "line", refused with any other.
     pub wavelength: Option<At<Wavelength>>,
+    /// How the spectra of RGB colours go on below 360 and above 830 nm, where nobody at rest sees them: "blackbody"
+    /// (as Planck's law at 6504 K), "edge" (constant) or "dark". Of the scene's `radiance` only.
+    /// Default: "blackbody".
+    pub continuation: Option<At<Continuation>>,
 }
 
 impl Default for Radiance {
@@ -32,6 +38,7 @@ impl Default for Radiance {
         Radiance {
             quantity: At::nowhere(QuantityKind::Integrated),
             wavelength: None,
+            continuation: None,
         }
     }
 }

@@ -28,6 +28,9 @@ pub(super) const ABOVE: f64 = 1.001;
 /// The extensions of glTF files.
 pub(in crate::scene) const GLTF: &[&str] = &["glb", "gltf"];
 
+/// The extensions of files of spectra.
+pub(in crate::scene) const SPECTRUM: &[&str] = &["csv", "txt"];
+
 /// Whether `path` ends with one of these extensions.
 pub(in crate::scene) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let own = path.extension().and_then(|e| e.to_str());
@@ -270,6 +273,13 @@ impl Context {
         self.path(file, GLTF)?;
         let missing = || Err(self.refuse(file, "the camera of this file was not read", ""));
         self.inputs.pose(file).unwrap_or_else(missing)
+    }
+
+    /// The rows of the spectrum in a text file.
+    pub fn spectrum_table(&self, file: &At<String>) -> Result<Vec<[f64; 2]>> {
+        self.path(file, SPECTRUM)?;
+        let missing = || Err(self.refuse(file, "the spectrum of this file was not read", ""));
+        self.inputs.table(file).unwrap_or_else(missing)
     }
 
     /// What `name` names in memory, as `find` finds it; none where it names a file.

@@ -16,6 +16,7 @@ mod sensor;
 mod settings;
 mod shape;
 mod source;
+mod spectrum;
 mod transform;
 pub(crate) mod velocity;
 mod worldline;
@@ -26,7 +27,7 @@ use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
 pub(crate) use context::Context;
-pub(super) use context::{GLTF, has_extension};
+pub(super) use context::{GLTF, SPECTRUM, has_extension};
 pub(crate) use object::refuse_duplicates;
 pub(crate) use outline::{Body, Filming, Outline};
 
@@ -39,7 +40,8 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         .as_ref()
         .ok_or_else(|| without_camera(&cx, file))?;
     let camera = camera::resolve(&cx, said)?;
-    let objects = object::resolve_all(&cx, &file.object, &said.span)?;
+    let continuation = radiance::continuation(&file.radiance);
+    let objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     let scene = Scene {
@@ -49,11 +51,13 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         objects,
         sources,
         quantity,
+        continuation,
         equations: file.model.value,
         effects: settings::effects(&file.effects),
         outside: settings::outside(&file.outside),
         back_faces: file.display.value.back_faces,
         background: cx.colour(&file.display.value.background)?,
+        false_colour: settings::false_colour(&cx, &file.display)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
         panels: panel::resolve_all(&cx, &file.panel)?,

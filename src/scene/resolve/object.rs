@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::context::{Context, GLTF};
-use super::{shape, transform, velocity};
+use super::{shape, spectrum, transform, velocity};
+use crate::colour::{Continuation, Spectrum};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -13,11 +14,12 @@ use crate::scene::names;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
 
-/// All objects; `camera` is where a scene without any is pointed at.
+/// All objects; `camera` is where a scene without any is pointed at, `continuation` that of RGB spectra.
 pub(super) fn resolve_all(
     cx: &Context,
     objects: &[At<file::Object>],
     camera: &Range<usize>,
+    continuation: Continuation,
 ) -> Result<Vec<Object>> {
     if objects.is_empty() {
         let what = "the scene has no object: there is nothing for this camera to see";
@@ -32,7 +34,9 @@ pub(super) fn resolve_all(
     )?;
     let names = names::unique(objects.iter().map(|at| entry_names(&at.value)).collect());
     let named = objects.iter().zip(names);
-    named.map(|(at, name)| resolve(cx, at, name)).collect()
+    named
+        .map(|(at, name)| resolve(cx, at, name, continuation))
+        .collect()
 }
 
 /// Refuses a name that two objects, or two sources, have.
@@ -66,12 +70,18 @@ pub(super) fn entry_names(object: &file::Object) -> (Option<String>, String) {
     (text(&object.name), default)
 }
 
-fn resolve(cx: &Context, at: &At<file::Object>, name: String) -> Result<Object> {
+fn resolve(
+    cx: &Context,
+    at: &At<file::Object>,
+    name: String,
+    continuation: Continuation,
+) -> Result<Object> {
     let object = &at.value;
     let origin = &object.origin;
     Ok(Object {
         name,
         geometry: geometry(cx, at)?,
+        spectrum: spectrum(cx, object, continuation)?,
         transform: transform::resolve(cx, &object.transform)?,
         bad_vertices: object
             .bad_vertices
@@ -82,6 +92,17 @@ fn resolve(cx: &Context, at: &At<file::Object>, name: String) -> Result<Object> 
         origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),
         span: span(at),
     })
+}
+
+/// What it shines with in place of its base colours.
+fn spectrum(
+    cx: &Context,
+    object: &file::Object,
+    continuation: Continuation,
+) -> Result<Option<Spectrum>> {
+    cx.exclusive((&object.colour, "colour"), (&object.spectrum, "spectrum"))?;
+    let resolve = |at| spectrum::resolve(cx, at, continuation);
+    object.spectrum.as_ref().map(resolve).transpose()
 }
 
 /// What messages point at: the name, or what stands in for it.

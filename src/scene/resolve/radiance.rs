@@ -1,6 +1,7 @@
 //! What a radiance measures.
 
 use super::context::Context;
+use crate::colour::Continuation;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Radiance;
@@ -10,6 +11,7 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
     let Radiance {
         quantity,
         wavelength,
+        continuation: _,
     } = &radiance.value;
     if quantity.value == QuantityKind::Line {
         return line(cx, radiance);
@@ -20,6 +22,23 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
         return Err(cx.refuse(wavelength, what, help));
     }
     Ok(quantity.value.at(f64::NAN))
+}
+
+/// How RGB goes on where nobody at rest sees it; only the scene's `radiance` says so.
+pub(super) fn continuation(radiance: &At<Radiance>) -> Continuation {
+    let said = radiance.value.continuation.as_ref();
+    said.map(|at| at.value).unwrap_or_default()
+}
+
+/// Refuses what only the scene's `radiance` may say.
+pub(super) fn of_source(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
+    match &radiance.value.continuation {
+        None => resolve(cx, radiance),
+        Some(continuation) => {
+            let what = "`continuation` is one for the whole scene";
+            Err(cx.refuse(continuation, what, "move it to [radiance]"))
+        }
+    }
 }
 
 fn line(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {

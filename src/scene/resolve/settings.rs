@@ -88,6 +88,20 @@ pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure>
     ))
 }
 
+/// The observed wavelength that is shown as 555 nm, metres.
+pub(super) fn false_colour(cx: &Context, at: &At<file::Display>) -> Result<Option<f64>> {
+    let Some(at) = &at.value.false_colour else {
+        return Ok(None);
+    };
+    let metres = at.value.metres();
+    // The fourth power of its ratio to 555 nm fits f64 with room to spare.
+    if (1e-20..=1e10).contains(&metres) {
+        return Ok(Some(metres));
+    }
+    let what = format!("a wavelength of {} cannot be shown", at.value);
+    Err(cx.refuse(at, what, "like \"10 um\""))
+}
+
 pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {
     let samples = &at.value.samples_per_pixel;
     if (1..=MOST_SAMPLES).contains(&samples.value) {

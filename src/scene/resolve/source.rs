@@ -31,7 +31,7 @@ pub(super) fn resolve_all(
             kind: kind(cx, at)?,
             binding: bindings.bind(at)?,
             quantity: match &at.value.radiance {
-                Some(own) => radiance::resolve(cx, own)?,
+                Some(own) => radiance::of_source(cx, own)?,
                 None => quantity,
             },
             span: binding::span(at),

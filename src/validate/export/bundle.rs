@@ -227,6 +227,10 @@ pub struct Radiometry {
     pub line_wavelength: Option<f64>,
     /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 where the searchlight effect is turned off.
     pub exponent: u32,
+    /// Where the quantity is "rgb", how its spectra go on below 360 and above 830 nm: "blackbody", "edge" or "dark". The
+    /// observed radiance is then M(W) times the emitted one, with M as in [`crate::colour::RgbShift`], and the
+    /// exponent that of its brightness.
+    pub continuation: Option<&'static str>,
 }
 
 /// Time-resolved radiance of surfaces.

@@ -120,6 +120,7 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
     let material = &mesh.materials[run.material as usize];
     let (radiance, sources) = match lit_by(scene, object, &material.name) {
         Lit::Base => ("base_colour", Vec::new()),
+        Lit::Spectrum => ("spectrum", Vec::new()),
         Lit::Cube(source) => ("cube", vec![source]),
         Lit::Pulses(sources) => ("pulses", sources),
     };
@@ -141,6 +142,7 @@ pub(super) fn radiometry(scene: &Scene, quantity: Quantity) -> Radiometry {
     Radiometry {
         quantity: quantity.kind().name(),
         line_wavelength: quantity.line(),
+        continuation: (quantity == Quantity::Rgb).then(|| scene.continuation.name()),
         exponent: match scene.effects.searchlight {
             true => scaling(quantity, scene.equations).exponent(),
             false => 0,

@@ -1,0 +1,147 @@
+//! Spectra in text files: a wavelength in nanometres and a value per line, separated by a comma, a semicolon or blanks.
+//!
+//! Wavelengths ascend. Empty lines, lines that begin with `#`, and a first line of words are left out.
+
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use super::open::open_regular;
+use crate::error::{Error, Result};
+
+/// The most rows of a table: more than any spectrometer of visible light resolves, and few enough to integrate over.
+pub const MOST_ROWS: usize = 4096;
+
+/// The longest file, bytes.
+const LONGEST: u64 = 1 << 20;
+
+/// What would be right.
+const FORM: &str = "each line holds a wavelength in nm and a value, like 550, 0.82";
+
+/// The rows of the file at `path`: wavelengths in metres, ascending, and values, as they stand there.
+///
+/// # Errors
+/// The file cannot be read; a line is not a wavelength above 0 and a finite value at least 0; wavelengths do not
+/// ascend; fewer than 2 rows, or more than [`MOST_ROWS`].
+pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
+    let (reader, _) = open_regular(path)?;
+    let mut text = String::new();
+    let read = BufReader::new(reader)
+        .take(LONGEST + 1)
+        .read_to_string(&mut text);
+    read.map_err(Error::io(path, "cannot read"))?;
+    if text.len() as u64 > LONGEST {
+        return Err(refused(
+            path,
+            None,
+            "this file is longer than 1 MiB".into(),
+            FORM,
+        ));
+    }
+    parse(&text, path)
+}
+
+/// As [`load`], from a text; `path` stands for the file in messages.
+pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
+    let mut rows: Vec<[f64; 2]> = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.trim();
+        let is_words = number == 1 && line.starts_with(|c: char| c.is_alphabetic() || c == '"');
+        if line.is_empty() || line.starts_with('#') || is_words {
+            continue;
+        }
+        let Some([nanometres, value]) = numbers(line) else {
+            return Err(refused(
+                path,
+                Some(number),
+                "this is not two numbers".into(),
+                FORM,
+            ));
+        };
+        let refuse = |what: String, help| Err(refused(path, Some(number), what, help));
+        if !(nanometres > 0.0 && nanometres <= 1e30) {
+            let what = format!("a wavelength of {nanometres} nm is not above 0 and finite");
+            return refuse(what, FORM);
+        }
+        if !(value >= 0.0 && value <= 1e30) {
+            let what = format!("a value of {value} is not finite and at least 0");
+            return refuse(what, FORM);
+        }
+        if let Some([before, _]) = rows.last()
+            && nanometres * 1e-9 <= *before
+        {
+            let what = format!("{nanometres} nm does not come after the wavelength before it");
+            return refuse(what, "give the wavelengths in ascending order, each once");
+        }
+        if rows.len() == MOST_ROWS {
+            return refuse(
+                format!("more than {MOST_ROWS} rows"),
+                "give fewer wavelengths",
+            );
+        }
+        rows.push([nanometres * 1e-9, value]);
+    }
+    match rows.len() {
+        0 | 1 => Err(refused(
+            path,
+            None,
+            "fewer than two rows of numbers".into(),
+            FORM,
+        )),
+        _ => Ok(rows),
+    }
+}
+
+/// The two numbers of a line.
+fn numbers(line: &str) -> Option<[f64; 2]> {
+    let mut numbers = line
+        .split([',', ';', ' ', '\t'])
+        .filter(|part| !part.is_empty())
+        .map(|part| part.parse().ok());
+    let pair = [numbers.next()??, numbers.next()??];
+    numbers.next().is_none().then_some(pair)
+}
+
+fn refused(path: &Path, line: Option<usize>, what: String, help: &str) -> Error {
+    let place = line.map_or(String::new(), |line| format!("line {line}"));
+    Error::invalid(path, place, what, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<[f64; 2]>> {
+        parse(text, Path::new("lamp.csv"))
+    }
+
+    #[test]
+    fn rows_are_read_whatever_separates_their_numbers() {
+        let rows = read("nm,W\n# measured\n\n400, 1\n500;2.5\n600\t0\n").unwrap();
+        let expected = [
+            [400.0 * 1e-9, 1.0],
+            [500.0 * 1e-9, 2.5],
+            [600.0 * 1e-9, 0.0],
+        ];
+        assert_eq!(rows, expected);
+    }
+
+    #[test]
+    fn what_is_no_spectrum_is_refused_with_its_line() {
+        for (text, said) in [
+            ("400,1\n300,1", "line 2: 300 nm does not come after"),
+            ("400,1\n400,1", "line 2"),
+            ("400,-1\n500,1", "line 1: a value of -1"),
+            ("400,NaN\n500,1", "a value of NaN"),
+            ("400,1\n500,inf", "line 2: a value of inf"),
+            ("0,1\n500,1", "a wavelength of 0 nm"),
+            ("400,1\n500", "line 2: this is not two numbers"),
+            ("400,1\nfive,1", "line 2: this is not two numbers"),
+            ("400,1,2\n", "line 1: this is not two numbers"),
+            ("400,1\n", "fewer than two rows"),
+            ("", "fewer than two rows"),
+        ] {
+            let message = read(text).unwrap_err().to_string();
+            assert!(message.contains(said), "{text:?}: {message}");
+        }
+    }
+}

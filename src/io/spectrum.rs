@@ -62,7 +62,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
             let what = format!("a wavelength of {nanometres} nm is not above 0 and finite");
             return refuse(what, FORM);
         }
-        if !(value >= 0.0 && value <= 1e30) {
+        if !(0.0..=1e30).contains(&value) {
             let what = format!("a value of {value} is not finite and at least 0");
             return refuse(what, FORM);
         }

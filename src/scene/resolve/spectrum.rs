@@ -64,7 +64,7 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
     }
     if let Some(temperature) = &said.blackbody {
         let kelvin = temperature.value.kelvin();
-        if kelvin >= 1e-6 && kelvin <= 1e15 {
+        if (1e-6..=1e15).contains(&kelvin) {
             return Ok(Shape::Blackbody(kelvin));
         }
         let what = format!(

@@ -196,8 +196,10 @@ pub(crate) fn apart() -> Error {
         "camera",
         "method",
         "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
-         one leave events of their own (a sensor, a shutter, a rotation, or model = \"paper2015\")",
-        "render it by --method trace, or take the sensor, the shutter and the rotation away",
+         one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\") \
+         or see nothing in the corners (a fisheye)",
+        "render it by --method trace, or take the sensor, the shutter, the rotation, the second eye or the corners \
+         away",
     )
 }
 

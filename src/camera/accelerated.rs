@@ -88,7 +88,7 @@ impl Accelerated {
         times.iter().all(|t| {
             let placed = self.placed(*t);
             let mut corners = self.film.corners().into_iter();
-            placed.is_some_and(|p| corners.all(|[x, y]| self.element_ray(&p, x, y).is_some()))
+            placed.is_some_and(|p| corners.all(|at| self.element_ray(&p, &self.film, at).is_some()))
         })
     }
 
@@ -110,10 +110,15 @@ impl Accelerated {
 
     /// What a camera without a sensor sees: its velocity and place at the moment are all that counts.
     #[inline]
-    fn ray_from_point(&self, x: f64, y: f64, moment: f64) -> Option<CameraRay> {
+    fn ray_from_point<P: Projection>(
+        &self,
+        film: &P,
+        [x, y]: [f64; 2],
+        moment: f64,
+    ) -> Option<CameraRay> {
         let time = self.time + moment * self.exposure.duration;
         let (event, velocity) = self.line.place(time)?;
-        let seen = self.film.direction(x, y);
+        let seen = film.direction(x, y);
         let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(seen);
         Some(CameraRay {
             d: match self.aberration {
@@ -124,24 +129,29 @@ impl Accelerated {
             origin: RayOrigin {
                 displacement: event - self.event,
                 delay: 1.0,
-                weight: self.exposure.weight,
+                weight: self.exposure.weight_at(film, x, y),
             },
         })
     }
 
     /// What the element at film point `(x, y)` sees.
     #[inline]
-    fn element_ray(&self, camera: &Placed, x: f64, y: f64) -> Option<ElementRay> {
+    fn element_ray<P: Projection>(
+        &self,
+        camera: &Placed,
+        film: &P,
+        [x, y]: [f64; 2],
+    ) -> Option<ElementRay> {
         let Some(sensor) = self.sensor else {
-            let seen = self.film.direction(x, y);
+            let seen = film.direction(x, y);
             return Some(camera.element_ray(seen, Displacement::new(0.0, DVec3::ZERO)));
         };
-        let element = self.film.vector(x, y) * -sensor.focal_length;
+        let element = film.vector(x, y) * -sensor.focal_length;
         match sensor.assembly {
             Assembly::Bell => self.ships(camera, element),
             // The focal length is stretched, the sensor is not.
             Assembly::Rigid | Assembly::WorldLength => {
-                self.rigid(camera, element - self.film.forward() * camera.stretch)
+                self.rigid(camera, element - film.forward() * camera.stretch)
             }
         }
     }
@@ -246,9 +256,16 @@ impl View for Accelerated {
     const USES_TIME: bool = true;
 
     #[inline]
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
+    fn film(&self) -> &AnyProjection {
+        &self.film
+    }
+
+    #[inline]
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
         if self.sensor.is_none() {
-            return self.ray_from_point(x, y, moment).unwrap_or_else(nothing);
+            return self
+                .ray_from_point(film, [x, y], moment)
+                .unwrap_or_else(nothing);
         }
         let later;
         let camera = match &self.instant {
@@ -261,7 +278,7 @@ impl View for Accelerated {
                 &later
             }
         };
-        let Some(ray) = self.element_ray(camera, x, y) else {
+        let Some(ray) = self.element_ray(camera, film, [x, y]) else {
             return nothing();
         };
         CameraRay {

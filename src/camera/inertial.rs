@@ -1,4 +1,4 @@
-//! Cameras without acceleration that have a sensor, a shutter, or both.
+//! Cameras without acceleration that have a sensor, a shutter, or both, or film points that see nothing.
 //!
 //! In the camera frame sensor and pinhole rest. The element at −f D, exposed at camera time t, gets
 //! light that passed the pinhole at t − f|D| and came along D/|D|. The pinhole's event moves along its
@@ -63,6 +63,14 @@ impl ExposureTime {
     }
 }
 
+impl ExposureTime {
+    /// The weight of a sample at film point `(x, y)` of `film`: 0 where that sees nothing.
+    #[inline(always)]
+    pub fn weight_at<P: Projection>(&self, film: &P, x: f64, y: f64) -> f64 {
+        if film.sees(x, y) { self.weight } else { 0.0 }
+    }
+}
+
 impl Inertial {
     /// The view of `model`, whose shutter opens at `shot`.
     pub fn new(model: &CameraModel, shot: &Shot, aberration: bool) -> Self {
@@ -90,9 +98,14 @@ impl View for Inertial {
     const SHARED_ORIGIN: bool = false;
     const USES_TIME: bool = true;
 
+    #[inline]
+    fn film(&self) -> &AnyProjection {
+        &self.film
+    }
+
     #[inline(always)]
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
-        let (seen, length) = self.film.direction_and_length(x, y);
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
+        let (seen, length) = film.direction_and_length(x, y);
         let (d, ratio) = self.world_from_camera.direction(seen);
         let d = if self.aberration {
             d
@@ -107,7 +120,7 @@ impl View for Inertial {
             origin: RayOrigin {
                 displacement: self.four_velocity * since,
                 delay: 1.0,
-                weight: self.exposure.weight,
+                weight: self.exposure.weight_at(film, x, y),
             },
         }
     }

@@ -16,7 +16,11 @@
 //! | [`Inertial`] | without acceleration, with a sensor or a shutter | the pinhole's world line |
 //! | [`Accelerated`] | on any world line, with a sensor or a shutter | the pinhole's world line |
 //! | [`Turning`] | without acceleration, with a sensor that rotates | the pinhole's world line |
+//! | [`Stereo`] | the same, two of them side by side | either of two events |
 //! | [`Paper`] | by the equations of Jarabo et al. 2015 | one event, with their times |
+//!
+//! [`Projection`]s say how film points look: through a pinhole onto a plane, fisheyes, panoramas. Film points
+//! beyond a fisheye's picture see nothing, so that such cameras are [`Inertial`] ones, whose rays have weights.
 //!
 //! What a camera does not need is not in its type: a camera at rest has no boost, and one whose rays all
 //! leave the event of the shot stores no origins ([`View::SHARED_ORIGIN`]).
@@ -25,21 +29,25 @@
 pub mod guide {}
 
 mod accelerated;
+mod curved;
 mod inertial;
 mod origin;
 mod paper;
 mod point;
 mod projection;
 mod shot;
+mod stereo;
 mod turning;
 
 pub use accelerated::Accelerated;
+pub use curved::{Equirectangular, Fisheye, Radial};
 pub use inertial::Inertial;
 pub use origin::RayOrigin;
 pub use paper::Paper;
 pub use point::{Moving, Point, Still, Unaberrated};
 pub use projection::{AnyProjection, Linear, Perspective, Projection};
 pub use shot::{AnyView, Camera, Kind, Shot};
+pub use stereo::Stereo;
 pub use turning::Turning;
 pub(crate) use turning::rotation_matrix;
 
@@ -64,6 +72,16 @@ pub trait View: Sync {
     /// Whether rays depend on the moment of the exposure.
     const USES_TIME: bool;
 
+    /// How its film points look.
+    fn film(&self) -> &AnyProjection;
+
+    /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1, for the
+    /// projection `film`, which is [`View::film`]'s: loops over many rays match it once.
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay;
+
     /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay;
+    #[inline]
+    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
+        self.ray_through(self.film(), x, y, moment)
+    }
 }

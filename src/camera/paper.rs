@@ -76,17 +76,20 @@ impl View for Paper {
     const USES_TIME: bool = true;
 
     #[inline]
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
-        let seen = self.film.direction(x, y);
+    fn film(&self) -> &AnyProjection {
+        &self.film
+    }
+
+    #[inline]
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
+        let seen = film.direction(x, y);
         let (d, doppler) = self.world_from_camera.direction(seen);
         let along = self.beta.dot(d.unit());
         // Eqs. 10, 11: the interval is T′/D, and dt′ stays.
+        let weight = self.exposure.weight_at(film, x, y);
         let (since, weight) = match self.exposure.duration > 0.0 {
-            true => (
-                moment * self.exposure.duration / doppler,
-                self.exposure.weight / doppler,
-            ),
-            false => (0.0, self.exposure.weight),
+            true => (moment * self.exposure.duration / doppler, weight / doppler),
+            false => (0.0, weight),
         };
         // The clock at t′/γ; the camera has moved with γβ meanwhile.
         let displacement = Displacement::new(

@@ -34,10 +34,15 @@ impl View for Still {
     const SHARED_ORIGIN: bool = true;
     const USES_TIME: bool = false;
 
+    #[inline]
+    fn film(&self) -> &AnyProjection {
+        &self.0
+    }
+
     #[inline(always)]
-    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, _: f64) -> CameraRay {
         CameraRay {
-            d: Direction::from_unit(self.0.direction(x, y).unit()),
+            d: Direction::from_unit(film.direction(x, y).unit()),
             ratio: 1.0,
             origin: RayOrigin::AT_SHOT,
         }
@@ -48,9 +53,14 @@ impl View for Moving {
     const SHARED_ORIGIN: bool = true;
     const USES_TIME: bool = false;
 
+    #[inline]
+    fn film(&self) -> &AnyProjection {
+        &self.film
+    }
+
     #[inline(always)]
-    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
-        let seen = self.film.direction(x, y);
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, _: f64) -> CameraRay {
+        let seen = film.direction(x, y);
         let (d, ratio) = self.world_from_camera.direction(seen);
         CameraRay {
             d,
@@ -64,9 +74,14 @@ impl View for Unaberrated {
     const SHARED_ORIGIN: bool = true;
     const USES_TIME: bool = false;
 
+    #[inline]
+    fn film(&self) -> &AnyProjection {
+        &self.0.film
+    }
+
     #[inline(always)]
-    fn ray(&self, x: f64, y: f64, _: f64) -> CameraRay {
-        let seen = self.0.film.direction(x, y);
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, _: f64) -> CameraRay {
+        let seen = film.direction(x, y);
         let (_, ratio) = self.0.world_from_camera.direction(seen);
         CameraRay {
             d: Direction::from_unit(seen.unit()),
@@ -90,11 +105,20 @@ impl View for Point<'_> {
     const USES_TIME: bool = false;
 
     #[inline]
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
+    fn film(&self) -> &AnyProjection {
         match self {
-            Point::Still(view) => view.ray(x, y, moment),
-            Point::Moving(view) => view.ray(x, y, moment),
-            Point::Unaberrated(view) => view.ray(x, y, moment),
+            Point::Still(view) => view.film(),
+            Point::Moving(view) => view.film(),
+            Point::Unaberrated(view) => view.film(),
+        }
+    }
+
+    #[inline]
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
+        match self {
+            Point::Still(view) => view.ray_through(film, x, y, moment),
+            Point::Moving(view) => view.ray_through(film, x, y, moment),
+            Point::Unaberrated(view) => view.ray_through(film, x, y, moment),
         }
     }
 }

@@ -6,7 +6,8 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::model::{CameraModel, CaptureCamera};
+use super::curved::{Equirectangular, Fisheye, Radial};
+use crate::scene::model::{CameraModel, CaptureCamera, ProjectionKind};
 use crate::spacetime::{Camera, Direction};
 
 /// From film points to directions, and back.
@@ -25,6 +26,13 @@ pub trait Projection {
     /// The vector D of film point `(x, y)`: it looks along D, and a sensor at focal length f behind the
     /// pinhole has that element at −f D. The picture on it stands upside down, and is shown upright.
     fn vector(&self, x: f64, y: f64) -> DVec3;
+
+    /// Whether film point `(x, y)` sees anything: a fisheye's picture may be smaller than its film. Of a film
+    /// point that does not, D is the forward axis.
+    #[inline(always)]
+    fn sees(&self, _x: f64, _y: f64) -> bool {
+        true
+    }
 
     /// D by its components along the axes.
     fn components(&self, x: f64, y: f64) -> DVec3;
@@ -93,19 +101,47 @@ pub struct Linear {
 pub enum AnyProjection {
     /// Through a pinhole onto a plane.
     Perspective(Perspective),
+    /// Circles about the forward axis stay circles.
+    Fisheye(Fisheye),
+    /// Longitudes and latitudes.
+    Equirectangular(Equirectangular),
 }
 
 impl AnyProjection {
     /// That of a camera when nothing is turned.
     pub fn new(model: &CameraModel) -> Self {
-        let size = model.size.map(f64::from);
-        AnyProjection::Perspective(Perspective::new(model.axes, model.horizontal_fov, size))
+        let [width, height] = model.size.map(f64::from);
+        let eyes = if model.stereo.is_some() { 2.0 } else { 1.0 };
+        let size = [width / eyes, height];
+        AnyProjection::of_kind(model.projection, model.axes, model.horizontal_fov, size)
+    }
+
+    /// The projection of this kind with unit axes right, up and forward, a horizontal field of view in
+    /// radians, and `size` in columns and rows.
+    pub fn of_kind(kind: ProjectionKind, axes: [DVec3; 3], fov: f64, size: [f64; 2]) -> Self {
+        let fisheye = |radial| AnyProjection::Fisheye(Fisheye::new(radial, axes, fov, size));
+        match kind {
+            ProjectionKind::Perspective => {
+                AnyProjection::Perspective(Perspective::new(axes, fov, size))
+            }
+            ProjectionKind::FisheyeEquidistant => fisheye(Radial::Equidistant),
+            ProjectionKind::FisheyeEquisolid => fisheye(Radial::Equisolid),
+            ProjectionKind::FisheyeOrthographic => fisheye(Radial::Orthographic),
+            ProjectionKind::Equirectangular => {
+                AnyProjection::Equirectangular(Equirectangular::new(axes, fov, size))
+            }
+        }
     }
 
     /// That of a capture camera whose cube has `size` columns and rows.
     pub fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
         let size = size.map(|n| n as f64);
-        AnyProjection::Perspective(Perspective::new(camera.axes, camera.horizontal_fov, size))
+        AnyProjection::of_kind(camera.projection, camera.axes, camera.horizontal_fov, size)
+    }
+
+    /// Whether some point of the film sees nothing: it is so in a corner, if anywhere.
+    pub fn has_blind_points(&self) -> bool {
+        self.corners().into_iter().any(|[x, y]| !self.sees(x, y))
     }
 
     /// The same with `stretch` times the focal length: the field of view narrows.
@@ -113,6 +149,10 @@ impl AnyProjection {
     pub fn stretched(&self, stretch: f64) -> Self {
         match self {
             AnyProjection::Perspective(p) => AnyProjection::Perspective(p.stretched(stretch)),
+            AnyProjection::Fisheye(p) => AnyProjection::Fisheye(p.stretched(stretch)),
+            AnyProjection::Equirectangular(p) => {
+                AnyProjection::Equirectangular(p.stretched(stretch))
+            }
         }
     }
 
@@ -121,6 +161,8 @@ impl AnyProjection {
     pub fn turned(&self, turn: DMat3) -> Self {
         match self {
             AnyProjection::Perspective(p) => AnyProjection::Perspective(p.turned(turn)),
+            AnyProjection::Fisheye(p) => AnyProjection::Fisheye(p.turned(turn)),
+            AnyProjection::Equirectangular(p) => AnyProjection::Equirectangular(p.turned(turn)),
         }
     }
 }
@@ -134,6 +176,8 @@ macro_rules! each {
                 fn $method(&self, $($name: $type),*) -> $out {
                     match self {
                         AnyProjection::Perspective(p) => p.$method($($name),*),
+                        AnyProjection::Fisheye(p) => p.$method($($name),*),
+                        AnyProjection::Equirectangular(p) => p.$method($($name),*),
                     }
                 }
             )+
@@ -146,6 +190,7 @@ each! {
     axes() -> [DVec3; 3];
     film_axes() -> [DVec3; 3];
     vector(x: f64, y: f64) -> DVec3;
+    sees(x: f64, y: f64) -> bool;
     components(x: f64, y: f64) -> DVec3;
     film_point(v: DVec3) -> Option<[f64; 2]>;
     footprint(v: DVec3) -> f64;

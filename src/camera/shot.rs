@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::projection::AnyProjection;
 use super::turning::rotation_matrix;
 use super::{
-    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Still, Turning, Unaberrated, View,
+    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Stereo, Still, Turning, Unaberrated,
+    View,
 };
 use crate::error::{Error, Result};
 use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
@@ -23,12 +24,14 @@ pub enum Kind {
     Moving,
     /// A moving point with aberration turned off.
     Unaberrated,
-    /// A sensor or a shutter, without acceleration.
+    /// A sensor, a shutter or a picture smaller than the film, without acceleration.
     Inertial,
     /// A sensor or a shutter on a world line.
     Accelerated,
     /// A turning sensor.
     Turning,
+    /// Two pinholes side by side.
+    Stereo,
     /// The equations of Jarabo et al. 2015.
     Paper,
 }
@@ -108,6 +111,7 @@ pub enum AnyView {
     Inertial(Inertial),
     Accelerated(Box<Accelerated>),
     Turning(Turning),
+    Stereo(Stereo),
     Paper(Paper),
 }
 
@@ -140,6 +144,10 @@ impl AnyView {
         let rests = shot.frame.velocity().is_rest();
         let moves = !rests || model.motion != Motion::Inertial;
         let instant_point = model.sensor.is_none() && model.shutter.is_none();
+        if let Some(stereo) = model.stereo {
+            let view = Stereo::new(model, stereo.interpupillary_distance, shot, aberration);
+            return Ok(AnyView::Stereo(view));
+        }
         if let (Some(rotation), false) = (model.rotation, instant_point) {
             let equations = scene.equations;
             let view = Turning::new(model, rotation, shot, equations, aberration);
@@ -147,6 +155,9 @@ impl AnyView {
         }
         if scene.equations == Equations::Paper2015 && moves {
             return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
+        }
+        if instant_point && shot.projection.has_blind_points() {
+            return Ok(AnyView::Inertial(Inertial::new(model, shot, aberration)));
         }
         Ok(match (instant_point, rests, aberration) {
             (true, true, _) => AnyView::Still(Still(shot.projection.clone())),
@@ -168,6 +179,7 @@ impl AnyView {
             AnyView::Inertial(view) => view.ray(x, y, moment),
             AnyView::Accelerated(view) => view.ray(x, y, moment),
             AnyView::Turning(view) => view.ray(x, y, moment),
+            AnyView::Stereo(view) => view.ray(x, y, moment),
             AnyView::Paper(view) => view.ray(x, y, moment),
         }
     }
@@ -181,6 +193,7 @@ impl AnyView {
             AnyView::Inertial(_)
             | AnyView::Accelerated(_)
             | AnyView::Turning(_)
+            | AnyView::Stereo(_)
             | AnyView::Paper(_) => None,
         }
     }
@@ -194,6 +207,7 @@ impl AnyView {
             AnyView::Inertial(_) => Kind::Inertial,
             AnyView::Accelerated(_) => Kind::Accelerated,
             AnyView::Turning(_) => Kind::Turning,
+            AnyView::Stereo(_) => Kind::Stereo,
             AnyView::Paper(_) => Kind::Paper,
         }
     }

@@ -230,11 +230,20 @@ impl View for Turning {
     const USES_TIME: bool = true;
 
     #[inline]
-    fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
+    fn film(&self) -> &AnyProjection {
+        &self.film
+    }
+
+    #[inline]
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
         let t = moment * self.exposure.duration;
-        let element = self.element(self.film.vector(x, y), t);
+        let element = self.element(film.vector(x, y), t);
         let l = Direction::from_unit(element.l);
         let (d, ratio) = self.world_from_camera.direction(l);
+        let mut origin = self.origin(&element, t);
+        if !film.sees(x, y) {
+            origin.weight = 0.0;
+        }
         CameraRay {
             d: if self.aberration {
                 d
@@ -242,7 +251,7 @@ impl View for Turning {
                 Direction::from_unit(element.l)
             },
             ratio: ratio * element.ratio,
-            origin: self.origin(&element, t),
+            origin,
         }
     }
 }

@@ -26,6 +26,7 @@ pub fn one(
     let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
+    overlay::check(outputs, scene)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     outputs.write(scene, &rendered.film, &mut say)?;

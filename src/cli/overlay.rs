@@ -12,6 +12,14 @@ use super::output::{Identity, Outputs, encoded, extension, picture, will_write};
 use super::progress::Bar;
 use super::{interrupt, print};
 
+/// Refuses overlays over what is not one picture.
+pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {
+    match outputs.overlays.is_empty() {
+        true => Ok(()),
+        false => Overlay::check(scene),
+    }
+}
+
 /// Writes the pictures with lines drawn over them, if any; says which unless `quiet`.
 pub fn write(
     outputs: &Outputs,

@@ -85,7 +85,8 @@ fn hidden(plan: &Plan) -> &'static str {
     match (plan.rays.capture > 0, plan.view) {
         (true, Kind::Turning) => "hidden from the capture camera or by the sensor itself",
         (true, _) => "hidden from the capture camera",
-        (false, _) => "hidden by the sensor itself",
+        (false, Kind::Turning) => "hidden by the sensor itself",
+        (false, _) => "where the film sees nothing",
     }
 }
 

@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 
 use crate::render::film::Film;
 use crate::scene::model::{
-    Assembly, CameraModel, Elements, Equations, Motion, Pivot, Records, Scene,
+    Assembly, CameraModel, Elements, Equations, Motion, Pivot, ProjectionKind, Records, Scene,
 };
 use crate::spacetime::Quantity;
 
@@ -69,6 +69,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .into_iter()
         .chain(continuation)
         .chain(false_colour)
+        .chain(projection(camera))
         .chain(equations)
         .chain(moving(camera))
         .chain(sensor(camera));
@@ -77,6 +78,19 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .into_iter()
         .chain(own)
         .collect()
+}
+
+/// Of a camera that is not a single pinhole before a plane.
+fn projection(camera: &CameraModel) -> Vec<(&'static str, String)> {
+    let mut pairs = Vec::new();
+    if camera.projection != ProjectionKind::Perspective {
+        pairs.push(("camera_projection", camera.projection.name().into()));
+    }
+    if let Some(stereo) = camera.stereo {
+        let distance = stereo.interpupillary_distance;
+        pairs.push(("camera_interpupillary_distance", distance.to_string()));
+    }
+    pairs
 }
 
 /// Of a camera that does more than to move without acceleration and to expose for an instant.

@@ -20,7 +20,8 @@ pub use crate::io::gltf::BadVertices;
 pub use crate::mesh::Shape;
 
 pub use camera::{
-    Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Sensor, Shutter,
+    Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Records, Rotation, Sensor,
+    Shutter, Stereo,
 };
 pub use panel::{Panel, Sheet, Show};
 
@@ -234,6 +235,8 @@ pub struct CaptureCamera {
     pub eye: DVec3,
     /// Orthonormal axes: right, up, forward.
     pub axes: [DVec3; 3],
+    /// How its pixels look.
+    pub projection: ProjectionKind,
     /// Horizontal field of view, radians. The aspect follows from the cube's shape.
     pub horizontal_fov: f64,
 }

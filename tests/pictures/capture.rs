@@ -6,7 +6,7 @@ use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
     Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
-use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
+use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, ProjectionKind, TimeFilter};
 
 const SIZE: usize = 192;
 const BINS: usize = 160;
@@ -27,6 +27,7 @@ fn camera() -> CaptureCamera {
     CaptureCamera {
         eye: EYE,
         axes: [right, right.cross(forward), forward],
+        projection: ProjectionKind::Perspective,
         horizontal_fov: 0.7,
     }
 }

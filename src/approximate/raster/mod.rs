@@ -44,7 +44,7 @@ mod warp;
 
 pub use method::{Attributes, Lookup, MOST_TEXELS, Map, Method, Raster, Tessellation, Warp};
 
-use crate::approximate::projection::Observer;
+use crate::approximate::projection::{Observer, apart};
 use crate::error::Result;
 use crate::render;
 use crate::render::film::Film;
@@ -66,7 +66,7 @@ pub fn render(scene: &Prepared, method: &Method, progress: &dyn Progress) -> Res
             draw::film(scene, &drawn, progress)
         }
         Method::Warp(warp) => {
-            Observer::new(scene)?;
+            scene.camera.view.point().ok_or_else(apart)?;
             let looked_up = warp::Warped::new(scene, warp, progress)?;
             draw::film(scene, &looked_up, progress)
         }

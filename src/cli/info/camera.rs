@@ -4,7 +4,8 @@ use glam::DVec3;
 use nullray::render::metadata;
 use nullray::render::plan::motion;
 use nullray::scene::model::{
-    Assembly, CameraModel, Elements, Motion, Pivot, Records, Rotation, Scene, Shutter,
+    Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Records, Rotation, Scene,
+    Shutter,
 };
 use nullray::spacetime::{Event, Velocity, World};
 use serde_json::{Value, json};
@@ -18,9 +19,10 @@ pub fn rows(sheet: &mut Sheet, scene: &Scene) {
     sheet.row(
         "camera",
         format!(
-            "{width} × {height} pixels, {} samples each, {:.2}° wide",
+            "{width} × {height} pixels, {} samples each, {:.2}° wide{}",
             scene.samples_per_pixel,
-            camera.horizontal_fov.to_degrees()
+            camera.horizontal_fov.to_degrees(),
+            projection(camera)
         ),
     );
     sheet.row("", at_zero(camera));
@@ -50,6 +52,24 @@ pub fn rows(sheet: &mut Sheet, scene: &Scene) {
         .chain([interval])
         .flatten()
         .for_each(|text| sheet.row("", text));
+}
+
+/// What is said of a camera that is not a single pinhole before a plane.
+fn projection(camera: &CameraModel) -> String {
+    let kind = match camera.projection {
+        ProjectionKind::Perspective => "",
+        ProjectionKind::FisheyeEquidistant => ", an equidistant fisheye",
+        ProjectionKind::FisheyeEquisolid => ", an equisolid fisheye",
+        ProjectionKind::FisheyeOrthographic => ", an orthographic fisheye",
+        ProjectionKind::Equirectangular => ", an equirectangular panorama",
+    };
+    match camera.stereo {
+        None => kind.into(),
+        Some(stereo) => {
+            let distance = stereo.interpupillary_distance;
+            format!("{kind}, a stereo pair with pupils {distance} m apart")
+        }
+    }
 }
 
 fn at_zero(camera: &CameraModel) -> String {
@@ -158,6 +178,8 @@ pub fn velocity(velocity: Velocity) -> Value {
 pub fn data(camera: &CameraModel) -> Value {
     json!({
         "size": camera.size,
+        "projection": camera.projection.name(),
+        "interpupillary_distance": camera.stereo.map(|stereo| stereo.interpupillary_distance),
         "horizontal_fov_rad": camera.horizontal_fov,
         "velocity": velocity(camera.velocity),
         "eye": camera.origin.x.to_array(),

@@ -1,7 +1,10 @@
 //! The legend: samples of lines with words, in rows below the picture.
 
+use glam::DVec3;
+
 use super::style::{APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, digits, symbol};
 use super::{Facts, Overlay, Pointer, Target};
+use crate::camera::Projection;
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, Colour, Item, Path, Text};
 use crate::figures::text::RichText;
@@ -91,7 +94,7 @@ fn entries(overlay: &Overlay, facts: &Facts, scale: f64) -> Result<Vec<Entry>> {
     if let Some(pointer) = &overlay.pointer {
         push(Sample::Pointer(pointer.target), speed_words(pointer)?);
     }
-    let (degrees, length) = angle(overlay.size, facts.half_width);
+    let (degrees, length) = angle(overlay.size, facts);
     let text = RichText::parse(&format!("{degrees}° at the centre"))?;
     push(Sample::Bar(length * scale), text);
     let time = span(facts.camera_time, facts.speed_of_light);
@@ -114,10 +117,17 @@ fn span(metres: f64, c: f64) -> String {
 }
 
 /// A round angle, degrees, and how many pixels long it is about the middle of the picture:
-/// 2 tan(θ/2) · w/(2t).
-fn angle([width, _]: [u32; 2], half_width: f64) -> (f64, f64) {
+/// 2 tan(θ/2) · w/(2t), or what the projection says that bends straight lines.
+fn angle([width, _]: [u32; 2], facts: &Facts) -> (f64, f64) {
     let width = f64::from(width);
-    let length = |degrees: &f64| libm::tan(0.5 * degrees.to_radians()) * width / half_width;
+    let length = |degrees: &f64| match &facts.curved {
+        None => libm::tan(0.5 * degrees.to_radians()) * width / facts.half_width,
+        Some(film) => {
+            let (sin, cos) = libm::sincos(0.5 * degrees.to_radians());
+            let edge = film.film_point(DVec3::new(sin, 0.0, cos));
+            edge.map_or(0.0, |[x, _]| 2.0 * x - width)
+        }
+    };
     let fits = |degrees: &f64| length(degrees) <= BAR * width;
     let degrees = ANGLES
         .into_iter()

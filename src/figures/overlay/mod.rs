@@ -34,8 +34,8 @@ pub use parts::{Part, Parts};
 pub use pointer::{Pointer, Target};
 pub use times::{Isochrone, Isochrones};
 
-use crate::camera::Shot;
-use crate::error::Result;
+use crate::camera::{AnyProjection, Projection as _, Shot};
+use crate::error::{Error, Result};
 use crate::render::aov::Aov;
 use crate::render::film::Film;
 use crate::scene::model::Scene;
@@ -62,7 +62,7 @@ pub struct Overlay {
 }
 
 /// What the legend says beyond the lines.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// Metres per second.
     pub speed_of_light: f64,
@@ -70,9 +70,27 @@ pub struct Facts {
     pub camera_time: f64,
     /// The tangent of half the horizontal field of view, camera frame.
     pub half_width: f64,
+    /// The projection, where it bends straight lines.
+    pub curved: Option<AnyProjection>,
 }
 
 impl Overlay {
+    /// Whether an overlay can be drawn over pictures of `scene`.
+    ///
+    /// # Errors
+    /// A stereo pair.
+    pub fn check(scene: &Scene) -> Result<()> {
+        match scene.camera.stereo {
+            Some(_) => Err(Error::unsupported(
+                &scene.name,
+                "camera.stereo",
+                "an overlay is drawn over one picture, and a stereo pair is two",
+                "leave [camera.stereo] out, and draw over the picture of either eye",
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Finds the lines of `parts` of the [`apparent`] film of `scene` and of its [`instantaneous`] one, as
     /// far as they are needed ([`Parts::needs`]); isochrones `step` metres apart, or at round numbers.
     ///
@@ -88,6 +106,7 @@ impl Overlay {
         parts: Parts,
         step: Option<f64>,
     ) -> Result<Overlay> {
+        Overlay::check(scene)?;
         let shot = Shot::new(&scene.camera)?;
         let size = scene.camera.size;
         let (projection, half_width) = pointer::projection(&scene.camera, &shot);
@@ -104,6 +123,7 @@ impl Overlay {
             speed_of_light: scene.speed_of_light,
             camera_time: scene.camera.time,
             half_width,
+            curved: Some(projection).filter(|projection| projection.linear().is_none()),
         };
         Ok(Overlay {
             size,

@@ -45,6 +45,11 @@ pub fn trace(
     progress: &dyn Progress,
 ) -> Result<Probe> {
     within(scene, pixel)?;
+    if scene.camera.stereo.is_some() {
+        let what = "a diagram follows the light to one pinhole, and a stereo pair has two";
+        let help = "leave [camera.stereo] out, and move `eye` to either eye";
+        return Err(Error::unsupported(&scene.name, "camera.stereo", what, help));
+    }
     let request = Request {
         aovs: CHANNELS.to_vec(),
         pixel_centers: true,

@@ -42,6 +42,7 @@ impl Plan {
             Kind::Inertial => "a ray of its own event for each sample",
             Kind::Accelerated => "accelerated camera, each sample of its own event",
             Kind::Turning => "turning sensor, each sample of its own event and velocity",
+            Kind::Stereo => "stereo pair, a pinhole for each half",
             Kind::Paper => "camera by the equations of 2015",
         };
         let samples = match (self.film.samples, self.film.pixel_centers) {

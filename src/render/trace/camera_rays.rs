@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::camera::{AnyView, RayOrigin, View};
+use crate::camera::{AnyProjection, AnyView, Projection, RayOrigin, View};
 use crate::render::film::Tile;
 use crate::render::sampler::{Sampler, pixel_key};
 
@@ -63,6 +63,23 @@ impl CameraRays {
         }
     }
 
+    /// The rays of `view`, whose projection is `film`, at the offsets and moments that are known.
+    fn look<V: View, P: Projection + Sync>(&mut self, view: &V, film: &P) {
+        let [x, y] = &mut self.film;
+        dispatch(Generate {
+            view,
+            film,
+            pixels: &self.pixels,
+            offsets: [&self.offsets[0], &self.offsets[1]],
+            x,
+            y,
+            moments: &self.moments,
+            directions: &mut self.directions,
+            ratios: &mut self.ratios,
+            origins: &mut self.origins,
+        });
+    }
+
     fn resize<V: View>(&mut self, count: usize) {
         self.pixels.resize(count, 0);
         for axis in 0..2 {
@@ -91,6 +108,7 @@ impl RayGenerator for AnyView {
             AnyView::Inertial(view) => view.generate(rays, sampler, tile, index),
             AnyView::Accelerated(view) => view.as_ref().generate(rays, sampler, tile, index),
             AnyView::Turning(view) => view.generate(rays, sampler, tile, index),
+            AnyView::Stereo(view) => view.generate(rays, sampler, tile, index),
             AnyView::Paper(view) => view.generate(rays, sampler, tile, index),
         }
     }
@@ -113,24 +131,18 @@ impl<V: View> RayGenerator for V {
             rays.moments.clear();
             rays.moments.extend(tile.coordinates().map(moment));
         }
-        let [x, y] = &mut rays.film;
-        dispatch(Generate {
-            view: self,
-            pixels: &rays.pixels,
-            offsets: [&rays.offsets[0], &rays.offsets[1]],
-            x,
-            y,
-            moments: &rays.moments,
-            directions: &mut rays.directions,
-            ratios: &mut rays.ratios,
-            origins: &mut rays.origins,
-        });
+        // The projection is matched here, and not at each ray.
+        match self.film() {
+            AnyProjection::Perspective(film) => rays.look(self, film),
+            any => rays.look(self, any),
+        }
     }
 }
 
 /// The loop over film points.
-struct Generate<'a, V> {
+struct Generate<'a, V, P> {
     view: &'a V,
+    film: &'a P,
     pixels: &'a [u64],
     offsets: [&'a [f64]; 2],
     x: &'a mut [f64],
@@ -141,7 +153,7 @@ struct Generate<'a, V> {
     origins: &'a mut [RayOrigin],
 }
 
-impl<V: View> VectorLoop for Generate<'_, V> {
+impl<V: View, P: Projection> VectorLoop for Generate<'_, V, P> {
     #[inline(always)]
     fn run(self) {
         let [in_x, in_y] = self.offsets;
@@ -150,7 +162,7 @@ impl<V: View> VectorLoop for Generate<'_, V> {
             [&*self.x, &*self.y],
             (self.directions, self.ratios, self.origins),
         );
-        camera_rays(self.view, film, self.moments, outputs);
+        camera_rays((self.view, self.film), film, self.moments, outputs);
     }
 }
 
@@ -168,8 +180,8 @@ fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mu
 
 /// The view's ray at each film point.
 #[inline(always)]
-fn camera_rays<V: View>(
-    view: &V,
+fn camera_rays<V: View, P: Projection>(
+    (view, film): (&V, &P),
     [x, y]: [&[f64]; 2],
     moments: &[f64],
     (directions, ratios, origins): (&mut [DVec3], &mut [f64], &mut [RayOrigin]),
@@ -180,7 +192,7 @@ fn camera_rays<V: View>(
     let ratios = &mut ratios[..count];
     for k in 0..count {
         let moment = if V::USES_TIME { moments[k] } else { 0.0 };
-        let ray = view.ray(x[k], y[k], moment);
+        let ray = view.ray_through(film, x[k], y[k], moment);
         directions[k] = ray.d.unit();
         ratios[k] = ray.ratio;
         if !V::SHARED_ORIGIN {

@@ -5,8 +5,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::motion::Motion;
-use super::sensor::{Sensor, SensorRotation, Shutter};
+use super::sensor::{Sensor, SensorRotation, Shutter, Stereo};
 use crate::scene::at::At;
+use crate::scene::model::ProjectionKind;
 use crate::scene::values::{Number, NumberOrVector, Numbers, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -34,8 +35,16 @@ pub(in crate::scene) struct Camera {
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
-    /// Horizontal field of view in the camera frame, above 0 and below 180 deg; with a sensor, at its
-    /// focal length as given. Default: the glTF camera's, or else "60 deg".
+    /// How film points look: "perspective" (through a pinhole onto a plane), "fisheye_equidistant" (distances
+    /// from the middle are angles), "fisheye_equisolid" (areas are solid angles), "fisheye_orthographic" (half
+    /// the sky as a globe seen from far outside) or "equirectangular" (a panorama: longitude across, latitude
+    /// down; of the whole sky where the picture is twice as wide as high). Film points beyond a fisheye's
+    /// picture or a panorama's poles see nothing. Default: "perspective".
+    pub projection: At<ProjectionKind>,
+    /// Horizontal field of view in the camera frame, above 0: below 180 deg for a perspective camera, and up to
+    /// 180 deg for "fisheye_orthographic" and 360 deg for the others; with a sensor, at its
+    /// focal length as given; of a stereo pair, that of either eye. Default: for a perspective camera the glTF
+    /// camera's, or else "60 deg"; "180 deg" for fisheyes, "360 deg" for a panorama.
     pub hfov: Option<At<Angle>>,
     /// Width and height in pixels, each 1 to 65536, together at most 2^28. Default: [640, 480].
     pub size: At<[u32; 2]>,
@@ -54,6 +63,8 @@ pub(in crate::scene) struct Camera {
     pub sensor: Option<At<Sensor>>,
     /// How the sensor turns. Default: not at all.
     pub rotation: Option<At<SensorRotation>>,
+    /// Two pinholes in place of one, and their two pictures side by side. Default: one.
+    pub stereo: Option<At<Stereo>>,
     /// How long the shutter is open. Default: an instant.
     pub shutter: Option<At<Shutter>>,
 }
@@ -66,6 +77,7 @@ impl Default for Camera {
             up: None,
             gltf: None,
             node: None,
+            projection: At::nowhere(ProjectionKind::Perspective),
             hfov: None,
             size: At::nowhere([640, 480]),
             velocity: None,
@@ -75,6 +87,7 @@ impl Default for Camera {
             motion: None,
             sensor: None,
             rotation: None,
+            stereo: None,
             shutter: None,
         }
     }
@@ -85,7 +98,15 @@ impl Camera {
     pub const UP: Vector = Numbers([0.0, 1.0, 0.0]);
 
     /// What `hfov` is unless the file or its glTF camera says otherwise.
-    pub const HFOV: Angle = Angle::customary(60.0);
+    pub const fn hfov(projection: ProjectionKind) -> Angle {
+        Angle::customary(match projection {
+            ProjectionKind::Perspective => 60.0,
+            ProjectionKind::FisheyeEquidistant
+            | ProjectionKind::FisheyeEquisolid
+            | ProjectionKind::FisheyeOrthographic => 180.0,
+            ProjectionKind::Equirectangular => 360.0,
+        })
+    }
 }
 
 /// A velocity in the world, given in exactly one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`;

@@ -57,6 +57,19 @@ pub(in crate::scene) struct SensorRotation {
     pub elements: At<Elements>,
 }
 
+/// Two pinholes in place of one: a point camera at either side of `eye`, both at the same camera time. The
+/// picture is twice as wide as what either sees; the left eye's is on the left.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { interpupillary_distance = \"64 mm\" }"
+)]
+pub(in crate::scene) struct Stereo {
+    /// The distance of the two pinholes in the camera's own frame, along its axis to the right, at least 0.
+    pub interpupillary_distance: At<Length>,
+}
+
 /// A shutter that is open for a while. Without this table the picture is of an instant.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

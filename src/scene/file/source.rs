@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::radiance::Radiance;
 use crate::scene::at::At;
-use crate::scene::model::{BinValues, Clock, TimeFilter};
+use crate::scene::model::{BinValues, Clock, ProjectionKind, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -105,7 +105,10 @@ pub(in crate::scene) struct Capture {
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
-    /// Horizontal field of view, above 0 and below 180 deg; the vertical one follows from the cube's
+    /// How its pixels look: as `camera.projection`. Default: "perspective".
+    #[serde(default)]
+    pub projection: At<ProjectionKind>,
+    /// Horizontal field of view, above 0, up to what the projection can show; the vertical one follows from the cube's
     /// shape (square pixels). Required unless the glTF camera gives it.
     pub hfov: Option<At<Angle>>,
 }

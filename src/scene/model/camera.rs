@@ -17,8 +17,10 @@ pub struct CameraModel {
     /// Orthonormal axes in the camera frame (whose axes are the world's, boosted without rotation):
     /// right, up, forward.
     pub axes: [DVec3; 3],
-    /// Horizontal field of view in the camera frame, radians, in (0, π); with a sensor, that at
-    /// [`Sensor::focal_length`], which gives the sensor's width.
+    /// How film points look.
+    pub projection: ProjectionKind,
+    /// Horizontal field of view in the camera frame, radians, up to that of the projection; with a sensor, that
+    /// at [`Sensor::focal_length`], which gives the sensor's width. Of a stereo pair, that of either eye.
     pub horizontal_fov: f64,
     /// Image size in pixels, width and height.
     pub size: [u32; 2],
@@ -30,12 +32,62 @@ pub struct CameraModel {
     pub sensor: Option<Sensor>,
     /// How the sensor turns.
     pub rotation: Option<Rotation>,
+    /// Two pinholes in place of one; their pictures are side by side.
+    pub stereo: Option<Stereo>,
     /// The camera's proper time of the shot, or at which the shutter opens, metres.
     pub time: f64,
     /// How long the shutter is open; none for an instant.
     pub shutter: Option<Shutter>,
     /// Camera time between the frames of a sequence, metres.
     pub frame_interval: Option<f64>,
+}
+
+/// How film points look: the projections of [`crate::camera`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ProjectionKind {
+    /// Through a pinhole onto a plane: straight lines are straight.
+    #[default]
+    Perspective,
+    /// A fisheye: distances from the middle are angles.
+    FisheyeEquidistant,
+    /// A fisheye: areas are solid angles.
+    FisheyeEquisolid,
+    /// A fisheye: half the sky as a globe seen from far outside.
+    FisheyeOrthographic,
+    /// A panorama: longitude across, latitude down.
+    Equirectangular,
+}
+
+impl ProjectionKind {
+    /// As the scene file says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ProjectionKind::Perspective => "perspective",
+            ProjectionKind::FisheyeEquidistant => "fisheye_equidistant",
+            ProjectionKind::FisheyeEquisolid => "fisheye_equisolid",
+            ProjectionKind::FisheyeOrthographic => "fisheye_orthographic",
+            ProjectionKind::Equirectangular => "equirectangular",
+        }
+    }
+
+    /// The widest horizontal field of view, degrees; a perspective camera's is below it.
+    pub fn widest(self) -> f64 {
+        match self {
+            ProjectionKind::Perspective | ProjectionKind::FisheyeOrthographic => 180.0,
+            ProjectionKind::FisheyeEquidistant
+            | ProjectionKind::FisheyeEquisolid
+            | ProjectionKind::Equirectangular => 360.0,
+        }
+    }
+}
+
+/// Two pinholes side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stereo {
+    /// Their distance in the camera frame, metres, at least 0.
+    pub interpupillary_distance: f64,
 }
 
 /// The world line of the pinhole, from the state at its proper time 0 on (and before).

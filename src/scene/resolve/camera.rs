@@ -2,12 +2,12 @@
 
 use super::context::Context;
 use super::motion::{self, Moving};
-use super::{path, pose, sensor, worldline};
+use super::{path, pose, sensor, stereo, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::Camera;
 use crate::scene::inputs::Pose;
-use crate::scene::model::CameraModel;
+use crate::scene::model::{CameraModel, ProjectionKind};
 
 /// The largest width or height.
 const LARGEST_SIDE: u32 = 65536;
@@ -30,16 +30,19 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let model = CameraModel {
         origin,
         axes: pose.axes,
+        projection: camera.projection.value,
         horizontal_fov: horizontal_fov(cx, camera, &pose, size)?,
         size,
         velocity,
         motion,
         sensor: sensor::resolve(cx, camera)?,
         rotation: sensor::rotation(cx, camera)?,
+        stereo: stereo::resolve(cx, camera, size)?,
         time: cx.time(&camera.time)?,
         shutter: sensor::shutter(cx, camera)?,
         frame_interval: interval.transpose()?,
     };
+    stereo::refuse_sensor_without_plane(cx, camera)?;
     sensor::refuse_faster_than_light(cx, camera, &model)?;
     worldline::refuse_outside(cx, camera, &model, &line)?;
     Ok(model)
@@ -69,14 +72,19 @@ fn horizontal_fov(
     if let Some(horizontal) = sensor::horizontal_fov(cx, camera)? {
         return Ok(horizontal);
     }
+    let projection = camera.projection.value;
     if let Some(hfov) = &camera.hfov {
-        return pose::fov(cx, hfov);
+        return pose::fov(cx, hfov, projection);
     }
-    let aspect = f64::from(width) / f64::from(height);
+    if projection != ProjectionKind::Perspective {
+        return Ok(Camera::hfov(projection).radians());
+    }
+    let eyes = if camera.stereo.is_some() { 2.0 } else { 1.0 };
+    let aspect = f64::from(width) / (eyes * f64::from(height));
     Ok(match pose.gltf_fov {
         Some((Some(horizontal), _)) => horizontal,
         Some((None, vertical)) => 2.0 * libm::atan(aspect * libm::tan(0.5 * vertical)),
-        None => Camera::HFOV.radians(),
+        None => Camera::hfov(projection).radians(),
     })
 }
 
@@ -136,6 +144,13 @@ mod tests {
         assert_eq!(camera.axes[2], DVec3::NEG_Z);
         // tan 45° = 1 vertically, 2 horizontally.
         assert!((libm::tan(camera.horizontal_fov / 2.0) - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_fisheye_at_a_gltf_camera_has_its_own_field_of_view() {
+        let camera = resolved("projection = 'fisheye_equisolid'");
+        assert_eq!(camera.horizontal_fov, std::f64::consts::PI);
+        assert_eq!(camera.axes[2], DVec3::NEG_Z);
     }
 
     #[test]

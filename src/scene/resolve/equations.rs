@@ -19,6 +19,7 @@ pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<(
         return Ok(());
     }
     static_world(cx, file, scene)?;
+    stereo(cx, file)?;
     motion(cx, file, scene)?;
     rotation(cx, file, scene)
 }
@@ -36,6 +37,15 @@ fn static_world(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
     );
     let other = (&file.model.span, "this model");
     Err(cx.report.refuse_two(span, other, what, EXACT))
+}
+
+fn stereo(cx: &Context, file: &file::Scene) -> Result<()> {
+    let Some(stereo) = file.camera.as_ref().and_then(|at| at.value.stereo.as_ref()) else {
+        return Ok(());
+    };
+    let what = "the paper's cameras have one pinhole, and a stereo pair has two";
+    let other = (&file.model.span, "this model");
+    Err(cx.report.refuse_two(&stereo.span, other, what, EXACT))
 }
 
 fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {

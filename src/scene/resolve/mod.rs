@@ -17,6 +17,7 @@ mod settings;
 mod shape;
 mod source;
 mod spectrum;
+mod stereo;
 mod transform;
 pub(crate) mod velocity;
 mod worldline;

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture};
 use crate::scene::inputs::Pose;
+use crate::scene::model::ProjectionKind;
 use crate::scene::values::Vector;
 use crate::spacetime::units::Angle;
 use crate::spacetime::{Direction, World};
@@ -138,9 +139,12 @@ pub(super) fn is_fov(radians: f64) -> bool {
     radians > 1e-9 && radians < std::f64::consts::PI - 1e-9
 }
 
-/// A field of view in radians, in (0, π).
-pub(super) fn fov(cx: &Context, hfov: &At<Angle>) -> Result<f64> {
+/// A field of view in radians, as wide as `projection` can show: in (0, π) for a perspective camera.
+pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
     let radians = hfov.value.radians();
+    if projection != ProjectionKind::Perspective {
+        return wide_fov(cx, hfov, projection);
+    }
     if is_fov(radians) {
         return Ok(radians);
     }
@@ -153,6 +157,23 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>) -> Result<f64> {
         what,
         "a field of view is above 0 and below 180 deg, like \"60 deg\"",
     ))
+}
+
+/// A field of view in radians, in (0, π] or (0, 2π].
+fn wide_fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
+    let (radians, widest) = (hfov.value.radians(), projection.widest());
+    if radians > 1e-9 && radians <= widest.to_radians() {
+        return Ok(radians);
+    }
+    let what = format!(
+        "a field of view of {} is not between 0 and {widest} degrees",
+        hfov.value
+    );
+    let help = format!(
+        "with projection = \"{}\" a field of view is above 0 and at most {widest} deg",
+        projection.name()
+    );
+    Err(cx.refuse(hfov, what, help))
 }
 
 #[cfg(test)]

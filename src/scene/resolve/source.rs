@@ -124,7 +124,7 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
 fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     let pose = pose::resolve(cx, at, &(&at.value).into())?;
     let horizontal_fov = match (&at.value.hfov, pose.gltf_fov) {
-        (Some(hfov), _) => pose::fov(cx, hfov)?,
+        (Some(hfov), _) => pose::fov(cx, hfov, at.value.projection.value)?,
         (None, Some((Some(horizontal), _))) => horizontal,
         (None, gltf) => {
             let what = match gltf {
@@ -141,6 +141,7 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     Ok(CaptureCamera {
         eye: pose.eye,
         axes: pose.axes,
+        projection: at.value.projection.value,
         horizontal_fov,
     })
 }

@@ -17,7 +17,7 @@ const SAME: [(&str, &str); 3] = [
     ("white", "radiances of white"),
 ];
 /// Metadata that describe the shot.
-const SHOT: [&str; 8] = [
+const SHOT: [&str; 10] = [
     "camera_clock_zero_event",
     "camera_rapidity",
     "camera_time",
@@ -25,6 +25,8 @@ const SHOT: [&str; 8] = [
     "camera_up",
     "camera_forward",
     "camera_horizontal_fov_rad",
+    "camera_projection",
+    "camera_interpupillary_distance",
     "medium_index",
 ];
 

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::camera;
 use crate::scene::model::{
-    Assembly, BackFaces, BinValues, Clock, Effects, Elements, Equations, Outside, Pivot, Records,
-    TimeFilter,
+    Assembly, BackFaces, BinValues, Clock, Effects, Elements, Equations, Outside, Pivot,
+    ProjectionKind, Records, TimeFilter,
 };
 
 /// (ct, x, y, z), metres.
@@ -101,8 +101,11 @@ pub struct CameraEntry {
     pub size: [u32; 2],
     /// Horizontal field of view in the camera frame, radians.
     pub horizontal_fov_rad: f64,
-    /// Tangents of half the field of view, across and down, in the camera frame at the shot.
-    pub tan_half_fov: [f64; 2],
+    /// How film points look.
+    pub projection: ProjectionKind,
+    /// Tangents of half the field of view, across and down, in the camera frame at the shot; null for projections
+    /// other than "perspective".
+    pub tan_half_fov: Option<[f64; 2]>,
     /// Unit vector of the camera frame that points right in the picture.
     pub right: [f64; 3],
     /// Up.
@@ -309,6 +312,8 @@ pub enum MappingEntry {
         up: [f64; 3],
         /// Forward.
         forward: [f64; 3],
+        /// How its pixels look.
+        projection: ProjectionKind,
         /// Horizontal field of view, radians; pixels are square.
         horizontal_fov_rad: f64,
     },

@@ -14,7 +14,7 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
 use crate::render::plan::{Lit, lit_by};
 use crate::render::prepare::scaling;
-use crate::scene::model::{CaptureCamera, Mapping, Object, Pulse, Scene, Sensor};
+use crate::scene::model::{CaptureCamera, Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
 
 /// What holds for all of `scene`, whose text is in `text`.
@@ -48,16 +48,22 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let stretch = model.sensor.map_or(1.0, |sensor| {
         sensor.own_focal_length(film.forward(), velocity) / sensor.focal_length
     });
-    let (right, x) =
-        unit(film.vector(width, 0.5 * height) - film.vector(0.5 * width, 0.5 * height));
-    let (up, y) = unit(film.vector(0.5 * width, 0.0) - film.vector(0.5 * width, 0.5 * height));
+    let from_middle = |x, y| film.vector(x, y) - film.vector(0.5 * width, 0.5 * height);
+    let (right, x) = unit(from_middle(width, 0.5 * height));
+    let (up, y) = unit(from_middle(0.5 * width, 0.0));
+    let plane = model.projection == ProjectionKind::Perspective;
+    let [right, up] = match plane {
+        true => [right, up],
+        false => [0, 1].map(|axis| film.axes()[axis].to_array()),
+    };
     let kind = camera.view.kind();
     CameraEntry {
         kind,
         is_point: matches!(kind, Kind::Still | Kind::Moving | Kind::Unaberrated),
         size: model.size,
         horizontal_fov_rad: model.horizontal_fov,
-        tan_half_fov: [x / stretch, y / stretch],
+        projection: model.projection,
+        tan_half_fov: plane.then_some([x / stretch, y / stretch]),
         right,
         up,
         forward: film.forward().to_array(),
@@ -165,6 +171,7 @@ pub(super) fn mapping(mapping: &Mapping) -> MappingEntry {
         Mapping::Capture(CaptureCamera {
             eye,
             axes,
+            projection,
             horizontal_fov,
         }) => {
             let [right, up, forward] = axes.map(|axis| axis.to_array());
@@ -173,6 +180,7 @@ pub(super) fn mapping(mapping: &Mapping) -> MappingEntry {
                 right,
                 up,
                 forward,
+                projection: *projection,
                 horizontal_fov_rad: *horizontal_fov,
             }
         }

@@ -121,6 +121,14 @@ pub fn export(
     options: &ExportOptions,
     progress: &dyn Progress,
 ) -> Result<Exported> {
+    if scene.camera.stereo.is_some() {
+        return Err(Error::unsupported(
+            &scene.name,
+            "camera.stereo",
+            "a bundle describes one camera, and a stereo pair is two",
+            "leave [camera.stereo] out, and export each eye by its own `eye`",
+        ));
+    }
     let plan = plan(scene, options)?;
     let folder = Folder::create(target, options.overwrite)?;
     let mut files = Files {

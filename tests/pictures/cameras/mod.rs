@@ -4,4 +4,5 @@ mod accelerated;
 mod agreement;
 mod bench_camera;
 mod paper;
+mod projections;
 mod reference;

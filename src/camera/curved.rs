@@ -1,0 +1,309 @@
+//! Projections that bend straight lines: fisheyes and the panorama.
+//!
+//! A *fisheye* shows the look direction at the angle θ from the forward axis at the distance F g(θ) from the
+//! middle of the film, in pixels, in its own azimuth (W. J. Smith, "Modern Optical Engineering", §4.9; ISO 20462):
+//!
+//! | kind | g(θ) | sees up to | keeps |
+//! |---|---|---|---|
+//! | equidistant | θ | 180° | angles from the axis |
+//! | equisolid | 2 sin(θ/2) | 180° | solid angles: a pixel sees 1/F² everywhere |
+//! | orthographic | sin θ | 90° | the view of the celestial sphere from far outside, and projected solid angles |
+//!
+//! With ρ = r/F and the direction's part across the axis a multiple s of the film vector p/F,
+//!
+//! ```text
+//! equidistant:   cos θ = cos ρ,       s = sin(ρ)/ρ
+//! equisolid:     cos θ = 1 − ρ²/2,    s = √(1 − ρ²/4)        since sin θ = 2 sin(θ/2) cos(θ/2)
+//! orthographic:  cos θ = √(1 − ρ²),   s = 1.
+//! ```
+//!
+//! F follows from the horizontal field of view: half of it is at half the width. Film points beyond θ = 180°
+//! (or 90°) see nothing.
+//!
+//! The *equirectangular* panorama has longitude λ along x, 0 at the forward axis and growing to the right, and
+//! latitude φ along y, both F pixels per radian:
+//!
+//! ```text
+//! D = cos φ (sin λ right + cos λ forward) + sin φ up.
+//! ```
+//!
+//! A pixel of it sees the solid angle ∫ cos φ dφ dλ = (sin φ₁ − sin φ₀)/F: with a width of 2π F and a height of
+//! π F they add up to 4π. Rows beyond the poles see nothing, nor do columns beyond 180° from the middle.
+//!
+//! Here D is a unit vector: there is no plane of a sensor behind the pinhole.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DVec3};
+
+use super::projection::{Linear, Projection};
+
+/// How a fisheye's distances from the middle follow from angles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Radial {
+    /// r = F θ.
+    Equidistant,
+    /// r = 2 F sin(θ/2).
+    Equisolid,
+    /// r = F sin θ.
+    Orthographic,
+}
+
+impl Radial {
+    /// g(θ), the distance from the middle per F.
+    fn distance(self, theta: f64) -> f64 {
+        match self {
+            Radial::Equidistant => theta,
+            Radial::Equisolid => 2.0 * libm::sin(0.5 * theta),
+            Radial::Orthographic => libm::sin(theta),
+        }
+    }
+
+    /// The largest ρ² that sees anything, and as much again as rounding may take from the edge of a field of
+    /// view that is the widest that there is.
+    fn limit(self) -> f64 {
+        let most = match self {
+            Radial::Equidistant => PI * PI,
+            Radial::Equisolid => 4.0,
+            Radial::Orthographic => 1.0,
+        };
+        most * (1.0 + 4.0 * f64::EPSILON)
+    }
+
+    /// cos θ and s at ρ².
+    #[inline(always)]
+    fn along_and_across(self, square: f64) -> [f64; 2] {
+        match self {
+            Radial::Equidistant => {
+                let rho = square.sqrt();
+                let (sin, cos) = libm::sincos(rho);
+                [cos, if rho > 0.0 { sin / rho } else { 1.0 }]
+            }
+            Radial::Equisolid => [1.0 - 0.5 * square, (1.0 - 0.25 * square).max(0.0).sqrt()],
+            Radial::Orthographic => [(1.0 - square).max(0.0).sqrt(), 1.0],
+        }
+    }
+}
+
+/// A fisheye; see the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fisheye {
+    radial: Radial,
+    axes: [DVec3; 3],
+    size: [f64; 2],
+    /// F.
+    focal: f64,
+}
+
+impl Fisheye {
+    /// A fisheye with unit axes right, up and forward, a horizontal field of view in radians (up to 2π; π where
+    /// it is orthographic), and `size` in columns and rows.
+    pub fn new(radial: Radial, axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
+        Fisheye {
+            radial,
+            axes,
+            size,
+            focal: 0.5 * size[0] / radial.distance(0.5 * horizontal_fov),
+        }
+    }
+
+    pub(super) fn stretched(&self, stretch: f64) -> Self {
+        Fisheye {
+            focal: self.focal * stretch,
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn turned(&self, turn: DMat3) -> Self {
+        Fisheye {
+            axes: self.axes.map(|axis| turn * axis),
+            ..self.clone()
+        }
+    }
+
+    /// p/F: right and up of the middle.
+    #[inline(always)]
+    fn place(&self, x: f64, y: f64) -> [f64; 2] {
+        let [width, height] = self.size;
+        [
+            (x - 0.5 * width) / self.focal,
+            (0.5 * height - y) / self.focal,
+        ]
+    }
+}
+
+impl Projection for Fisheye {
+    fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
+    fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    #[inline]
+    fn vector(&self, x: f64, y: f64) -> DVec3 {
+        let [right, up, forward] = self.axes;
+        let v = self.components(x, y);
+        right * v.x + up * v.y + forward * v.z
+    }
+
+    #[inline]
+    fn sees(&self, x: f64, y: f64) -> bool {
+        let [a, b] = self.place(x, y);
+        a * a + b * b <= self.radial.limit()
+    }
+
+    #[inline]
+    fn components(&self, x: f64, y: f64) -> DVec3 {
+        let [a, b] = self.place(x, y);
+        let square = a * a + b * b;
+        if square > self.radial.limit() {
+            return DVec3::Z;
+        }
+        let [along, across] = self.radial.along_and_across(square);
+        DVec3::new(a * across, b * across, along)
+    }
+
+    fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
+        let [width, height] = self.size;
+        let across = libm::hypot(v.x, v.y);
+        let theta = libm::atan2(across, v.z);
+        let beyond = self.radial == Radial::Orthographic && v.z < 0.0;
+        // What lies straight behind is seen all around.
+        if beyond || !(across > 0.0 || v.z > 0.0) {
+            return None;
+        }
+        let radius = self.focal * self.radial.distance(theta);
+        let scale = if across > 0.0 { radius / across } else { 0.0 };
+        Some([0.5 * width + scale * v.x, 0.5 * height - scale * v.y])
+    }
+
+    fn footprint(&self, v: DVec3) -> f64 {
+        // The wider of the two: along the radius dθ/dr, around it sin θ/r.
+        let theta = libm::atan2(libm::hypot(v.x, v.y), v.z);
+        let along = match self.radial {
+            Radial::Equidistant => 1.0,
+            Radial::Equisolid => libm::cos(0.5 * theta),
+            Radial::Orthographic => libm::cos(theta).max(0.0),
+        };
+        v.length() / (self.focal * along)
+    }
+
+    // Around the axis r/sin θ: without end behind.
+    fn density(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn linear(&self) -> Option<Linear> {
+        None
+    }
+}
+
+/// The panorama; see the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equirectangular {
+    axes: [DVec3; 3],
+    size: [f64; 2],
+    /// F.
+    focal: f64,
+}
+
+impl Equirectangular {
+    /// A panorama with unit axes right, up and forward, a horizontal field of view in radians, up to 2π, and
+    /// `size` in columns and rows.
+    pub fn new(axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
+        Equirectangular {
+            axes,
+            size,
+            focal: size[0] / horizontal_fov,
+        }
+    }
+
+    pub(super) fn stretched(&self, stretch: f64) -> Self {
+        Equirectangular {
+            focal: self.focal * stretch,
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn turned(&self, turn: DMat3) -> Self {
+        Equirectangular {
+            axes: self.axes.map(|axis| turn * axis),
+            ..self.clone()
+        }
+    }
+
+    /// Longitude and latitude, radians.
+    #[inline(always)]
+    fn angles(&self, x: f64, y: f64) -> [f64; 2] {
+        let [width, height] = self.size;
+        [
+            (x - 0.5 * width) / self.focal,
+            (0.5 * height - y) / self.focal,
+        ]
+    }
+}
+
+impl Projection for Equirectangular {
+    fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
+    fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    #[inline]
+    fn vector(&self, x: f64, y: f64) -> DVec3 {
+        let [right, up, forward] = self.axes;
+        let v = self.components(x, y);
+        right * v.x + up * v.y + forward * v.z
+    }
+
+    #[inline]
+    fn sees(&self, x: f64, y: f64) -> bool {
+        // Rounding may take a little from an edge that is at 180 or 90 degrees.
+        const EDGE: f64 = 1.0 + 4.0 * f64::EPSILON;
+        let [longitude, latitude] = self.angles(x, y);
+        longitude.abs() <= PI * EDGE && latitude.abs() <= FRAC_PI_2 * EDGE
+    }
+
+    #[inline]
+    fn components(&self, x: f64, y: f64) -> DVec3 {
+        if !self.sees(x, y) {
+            return DVec3::Z;
+        }
+        let [longitude, latitude] = self.angles(x, y);
+        let (sin, cos) = libm::sincos(longitude);
+        let (up, level) = libm::sincos(latitude);
+        DVec3::new(level * sin, up, level * cos)
+    }
+
+    fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
+        let [width, height] = self.size;
+        let level = libm::hypot(v.x, v.z);
+        // The poles are seen along a whole row.
+        (level > 0.0).then(|| {
+            let longitude = libm::atan2(v.x, v.z);
+            let latitude = libm::atan2(v.y, level);
+            [
+                0.5 * width + self.focal * longitude,
+                0.5 * height - self.focal * latitude,
+            ]
+        })
+    }
+
+    fn footprint(&self, v: DVec3) -> f64 {
+        v.length() / self.focal
+    }
+
+    // Along circles of latitude 1/cos φ: without end at the poles.
+    fn density(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn linear(&self) -> Option<Linear> {
+        None
+    }
+}

@@ -1,0 +1,68 @@
+//! Stereo pairs: two pinholes side by side, one picture beside the other.
+//!
+//! The two pinholes rest in the camera frame at ±(d/2) right from the middle between them, d the distance of the
+//! pupils, and take their pictures at the same camera time. With Λ the boost from the camera frame, their
+//! events are relative to the shot
+//!
+//! ```text
+//! P = Λ (0, ±(d/2) right),
+//! ```
+//!
+//! simultaneous for the camera and, where it moves along `right`, not for the world. Both look alike:
+//! their axes are parallel. The left half of the film is what the left eye sees.
+
+use glam::DVec3;
+
+use super::projection::{AnyProjection, Projection};
+use super::{CameraRay, Inertial, Shot, View};
+use crate::scene::model::CameraModel;
+use crate::spacetime::{Displacement, World};
+
+/// A pair of cameras without acceleration, or at a moment at which they do not accelerate apart.
+#[derive(Debug)]
+pub struct Stereo {
+    /// What either sees, from the middle between them; its film is half the picture.
+    eye: Inertial,
+    /// Columns of half the picture.
+    half: f64,
+    /// From the middle to the right eye's pinhole.
+    offset: Displacement<World>,
+}
+
+impl Stereo {
+    /// The view of `model`, whose pupils are `distance` metres apart; its shutter opens at `shot`.
+    pub fn new(model: &CameraModel, distance: f64, shot: &Shot, aberration: bool) -> Self {
+        let right = shot.projection.axes()[0];
+        let offset = Displacement::new(0.0, right * (0.5 * distance));
+        let world_from_camera = shot.frame.world_from_frame();
+        Stereo {
+            eye: Inertial::new(model, shot, aberration),
+            half: shot.projection.size()[0],
+            offset: match distance > 0.0 {
+                true => world_from_camera.displacement(offset),
+                false => Displacement::new(0.0, DVec3::ZERO),
+            },
+        }
+    }
+}
+
+impl View for Stereo {
+    const SHARED_ORIGIN: bool = false;
+    const USES_TIME: bool = true;
+
+    #[inline]
+    fn film(&self) -> &AnyProjection {
+        self.eye.film()
+    }
+
+    #[inline]
+    fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
+        let (x, side) = match x < self.half {
+            true => (x, -1.0),
+            false => (x - self.half, 1.0),
+        };
+        let mut ray = self.eye.ray_through(film, x, y, moment);
+        ray.origin.displacement = ray.origin.displacement + self.offset * side;
+        ray
+    }
+}

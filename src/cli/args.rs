@@ -182,6 +182,9 @@ pub struct RenderArguments {
     /// Also write the retarded time as a coloured picture with a legend.
     #[arg(long, value_name = "FILE.png", group = "timed")]
     pub isochrones: Option<PathBuf>,
+    /// Also write the luminance as a coloured picture with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    pub luminance: Option<PathBuf>,
     /// Also write the display picture with lines drawn over it: where objects are seen and where they
     /// are, isochrones, the camera's velocity; .png, .svg or .pdf. Repeatable.
     #[arg(long, value_name = "FILE", group = "timed")]
@@ -192,6 +195,13 @@ pub struct RenderArguments {
     /// Distance between isochrones, with its unit. Default: a round number.
     #[arg(long, value_name = "TIME", requires = "timed")]
     pub isochrone_step: Option<Time>,
+    /// Radiance and alpha of .exr files in half precision; the other channels stay in single precision.
+    #[arg(long)]
+    pub half: bool,
+    /// One exposure for all frames or panels, so that they can be compared and do not flicker: the scene's percentile
+    /// over small previews of them all.
+    #[arg(long)]
+    pub same_exposure: bool,
     /// Render this panel of the scene. Default: all panels. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub panel: Vec<String>,
@@ -225,6 +235,10 @@ pub struct SheetArguments {
     /// Directory for all pages; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub directory: Option<PathBuf>,
+    /// One exposure for all panels of a page, so that they can be compared: the scene's percentile over small previews
+    /// of them all.
+    #[arg(long)]
+    pub same_exposure: bool,
     /// Also write each panel, beside its page: the scene's name and the panel's.
     #[arg(long)]
     pub keep_panels: bool,

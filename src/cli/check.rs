@@ -128,6 +128,11 @@ fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
             "the name does not say which kind of picture to write",
             "end it in .png (display), .exr (linear, all channels) or .npz (for numpy)",
         )),
+        ("--luminance", _) => Err(refused(
+            option,
+            "luminance is a picture for displays",
+            "end its name in .png",
+        )),
         _ => Err(refused(
             option,
             "isochrones are a picture for displays",

@@ -30,7 +30,7 @@ pub fn one(
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     outputs.write(scene, &rendered.film, &mut say)?;
-    rendered.remark(&plan, &mut say)?;
+    rendered.remark(scene, &plan, &mut say)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)
 }
@@ -48,11 +48,19 @@ pub struct Rendered {
 
 impl Rendered {
     /// Says what it cost, and what is odd.
-    pub fn remark(&self, plan: &Plan, say: &mut dyn FnMut(&str) -> Result<()>) -> Result<()> {
+    pub fn remark(
+        &mut self,
+        scene: &Scene,
+        plan: &Plan,
+        say: &mut dyn FnMut(&str) -> Result<()>,
+    ) -> Result<()> {
         let rays = plan.rays.camera;
         say(&remarks::cost(rays, self.prepared_in, self.rendered_in))?;
         say(&remarks::coverage(&self.film, plan))?;
         say(&remarks::blackness(&self.film))?;
+        if remarks::is_black(&self.film) {
+            say(&remarks::times(scene, &mut self.prepared))?;
+        }
         for warning in &self.warnings {
             say(&format!("warning: {}\n", super::info::escaped(warning)))?;
         }

@@ -7,6 +7,7 @@ mod compare;
 mod demo;
 mod diagram;
 mod export;
+mod exposure;
 mod failure;
 mod film;
 mod frames;

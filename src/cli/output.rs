@@ -19,7 +19,7 @@ use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::plan::Request;
 use nullray::render::tonemap;
-use nullray::scene::model::{Mapping, Scene, Show, SourceKind};
+use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
 use super::{inputs, interrupt};
@@ -36,6 +36,8 @@ pub struct Outputs {
     pub show: Show,
     /// The picture of retarded times, a png.
     pub isochrones: Option<PathBuf>,
+    /// The picture of luminance with a legend, a png.
+    pub luminance: Option<PathBuf>,
     /// Pictures with lines drawn over them, by extension: png, svg, pdf.
     pub overlays: Vec<PathBuf>,
     /// What is drawn over those.
@@ -44,6 +46,8 @@ pub struct Outputs {
     pub step: Option<f64>,
     /// Auxiliary channels that were asked for.
     pub aovs: Vec<Aov>,
+    /// Radiance in .exr files in half precision.
+    pub half: bool,
     /// How they are made.
     pub method: Method,
     /// Tells the files of a frame of a sequence from all others.
@@ -57,6 +61,8 @@ pub enum Kind {
     Display,
     /// The picture of retarded times.
     Isochrones,
+    /// The picture of luminance.
+    Luminance,
     /// All channels, single precision.
     Exr,
     /// All channels, double precision.
@@ -79,6 +85,7 @@ impl Kind {
         match self {
             Kind::Display => "display",
             Kind::Isochrones => "isochrones",
+            Kind::Luminance => "luminance",
             Kind::Exr => "exr",
             Kind::Npz => "npz",
         }
@@ -101,7 +108,10 @@ impl Outputs {
         let images = self.images.iter();
         let images = images.map(|path| (path.as_path(), Kind::of(path, self.show)));
         let isochrones = self.isochrones.iter();
-        images.chain(isochrones.map(|path| (path.as_path(), Kind::Isochrones)))
+        let luminance = self.luminance.iter();
+        images
+            .chain(isochrones.map(|path| (path.as_path(), Kind::Isochrones)))
+            .chain(luminance.map(|path| (path.as_path(), Kind::Luminance)))
     }
 
     /// All files, with the option that names them.
@@ -109,8 +119,10 @@ impl Outputs {
         let images = self.images.iter().map(|path| ("-o", path.as_path()));
         let isochrones = self.isochrones.iter();
         let overlays = self.overlays.iter();
+        let luminance = self.luminance.iter();
         images
             .chain(isochrones.map(|path| ("--isochrones", path.as_path())))
+            .chain(luminance.map(|path| ("--luminance", path.as_path())))
             .chain(overlays.map(|path| ("--overlay", path.as_path())))
     }
 
@@ -119,6 +131,7 @@ impl Outputs {
         Outputs {
             images: self.images.iter().map(|path| name(path)).collect(),
             isochrones: self.isochrones.as_deref().map(&name),
+            luminance: self.luminance.as_deref().map(&name),
             overlays: self.overlays.iter().map(|path| name(path)).collect(),
             ..self.clone()
         }
@@ -151,7 +164,14 @@ impl Outputs {
         match kind {
             Kind::Display => self.write_picture(path, Show::Picture, scene, film, metadata),
             Kind::Isochrones => self.write_picture(path, Show::Isochrones, scene, film, metadata),
-            Kind::Exr | Kind::Npz => self.write_layers(path, kind, film, metadata),
+            Kind::Luminance => {
+                let [width, height] = film.size();
+                let (title, pixels) = ("Luminance", film.radiance());
+                let image = isochrones::draw_radiance(width, height, pixels, title)?;
+                image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
+                Ok(" (luminance)".into())
+            }
+            Kind::Exr | Kind::Npz => self.write_layers(path, kind, scene, film, metadata),
         }
     }
 
@@ -163,6 +183,13 @@ impl Outputs {
         film: &Film,
         mut metadata: Vec<(String, String)>,
     ) -> Result<String> {
+        if show == Show::Picture && scene.bits == 16 {
+            let [width, height] = film.size();
+            let (rgb, white) = tonemap::tonemap_16(film.radiance(), scene.exposure)?;
+            metadata.push(("white".into(), white.to_string()));
+            image::png::write_16(path, width, height, &rgb, &metadata)?;
+            return Ok(format!(" (white is radiance {})", five_digits(white)));
+        }
         let Picture { image, white } = picture(scene, film, show, self.step)?;
         metadata.extend(white.map(|white| ("white".into(), white.to_string())));
         image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
@@ -176,13 +203,20 @@ impl Outputs {
         &self,
         path: &Path,
         kind: Kind,
+        scene: &Scene,
         film: &Film,
         metadata: Vec<(String, String)>,
     ) -> Result<String> {
         let [width, height] = film.size();
         let layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
         match kind {
-            Kind::Exr => image::exr::write(path, &layers)?,
+            Kind::Exr => {
+                let options = image::exr::Options {
+                    half: self.half,
+                    matrices: Some(scene.camera.matrices()),
+                };
+                image::exr::write_with(path, &layers, &options)?;
+            }
             _ => image::npz::write(path, &layers)?,
         }
         Ok(format!(" ({} channels)", layers.channels.len()))
@@ -314,6 +348,10 @@ impl Identity {
             parts.add(aov.name().as_bytes());
         }
         parts.add(&[u8::from(request.pixel_centers)]);
+        parts.add(&[u8::from(outputs.half)]);
+        if let Exposure::White(white) = scene.exposure {
+            parts.add(&white.to_le_bytes());
+        }
         parts.add(outputs.method.to_string().as_bytes());
         parts.add(request.precision.name().as_bytes());
         parts.add(&inputs.0);

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use nullray::Result;
+use nullray::render::plan::Request;
 use nullray::scene::Overrides;
-use nullray::scene::model::{Panel, Scene};
+use nullray::scene::model::{Exposure, Panel, Scene};
 
-use super::builtin;
 use super::failure::refused;
+use super::{builtin, exposure};
 
 /// The panels of `scene` that are named, in the order of the scene; all where none is named.
 ///
@@ -57,4 +58,15 @@ pub fn load_all(path: Option<&Path>, whole: &Scene, overrides: &Overrides) -> Re
     panels
         .map(|panel| builtin::load_panel(path, whole, panel, overrides))
         .collect()
+}
+
+/// Gives all panels one exposure, unless they say the radiance of white themselves.
+pub fn same_exposure(scenes: &mut [Scene], request: &Request) -> Result<()> {
+    if let Some(white) = exposure::common(scenes, request)? {
+        let exposure = Exposure::White(white);
+        scenes
+            .iter_mut()
+            .for_each(|scene| scene.exposure = exposure);
+    }
+    Ok(())
 }

@@ -4,6 +4,9 @@ use nullray::camera::Kind;
 use nullray::light::time_texture::Coverage;
 use nullray::render::film::Film;
 use nullray::render::plan::{self, Plan};
+use nullray::render::prepare::Prepared;
+use nullray::render::survey;
+use nullray::scene::model::Scene;
 
 /// Rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
@@ -14,9 +17,14 @@ pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
     )
 }
 
+/// Whether a picture is black.
+pub fn is_black(film: &Film) -> bool {
+    !film.radiance().iter().flatten().any(|value| *value > 0.0)
+}
+
 /// Why a picture is black, if it is; empty otherwise.
 pub fn blackness(film: &Film) -> String {
-    if film.radiance().iter().flatten().any(|value| *value > 0.0) {
+    if !is_black(film) {
         return String::new();
     }
     let why = if film.met() == 0.0 {
@@ -26,6 +34,35 @@ pub fn blackness(film: &Film) -> String {
         film.mean_coverage().map_or(UNLIT, missing)
     };
     format!("the picture is black: {why}\n")
+}
+
+/// When the light in view left and when there are data, for each source of which nothing is in view at its time; and
+/// the camera times that would show some of it.
+pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
+    let mut text = String::new();
+    for times in survey::seen_times(prepared) {
+        if times.meets() {
+            continue;
+        }
+        let ([a, b], [c, d]) = (times.seen.map(short), times.data.map(short));
+        let name = &scene.sources[times.source].name;
+        text += &format!(
+            "source \"{}\": light in view left between ct = {a} m and {b} m; its data span {c} m to {d} m",
+            super::info::escaped(name)
+        );
+        if let Some([from, to]) = survey::meeting_times(scene, prepared, &times) {
+            text += &format!("; try --time \"{} m\" to \"{} m\"", short(from), short(to));
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// A number in four significant digits.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    // Adding 0 makes 0 of −0.
+    (rounded + 0.0).to_string()
 }
 
 const UNLIT: &str = "nothing in view is lit at the moment at which its light left: try another --time (and see \

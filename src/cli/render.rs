@@ -98,7 +98,10 @@ fn all_panels(
 ) -> Result<()> {
     let path = arguments.scene.scene.as_deref();
     let chosen = panels::chosen(whole, &arguments.panel)?;
-    let scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
+    let mut scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
+    if arguments.same_exposure {
+        panels::same_exposure(&mut scenes, &arguments.scene.request())?;
+    }
     // With one panel and a name for it there is nothing to be told apart.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
     let mut jobs = Vec::new();
@@ -130,10 +133,12 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
     Outputs {
         images: images(arguments),
         isochrones: arguments.isochrones.clone(),
+        luminance: arguments.luminance.clone(),
         overlays: arguments.overlay.clone(),
         parts: arguments.overlay_parts.unwrap_or_default(),
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.scene.request().aovs,
+        half: arguments.half,
         method: arguments.method,
         ..Outputs::default()
     }

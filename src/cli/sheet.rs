@@ -141,7 +141,10 @@ fn parts(path: &Path, whole: &Scene, file: &Path, arguments: &SheetArguments) ->
             file.into(),
         )]);
     }
-    let scenes = panels::load_all(Some(path), whole, &arguments.changes.overrides())?;
+    let mut scenes = panels::load_all(Some(path), whole, &arguments.changes.overrides())?;
+    if arguments.same_exposure {
+        panels::same_exposure(&mut scenes, &arguments.changes.request())?;
+    }
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(file, &panel.name);
         part(scene, &panel.label, panel.show, arguments, file)
@@ -178,9 +181,9 @@ impl Part {
         say: &mut dyn FnMut(&str) -> Result<()>,
     ) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
-        let rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
+        let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
         self.outputs.write(&self.scene, &rendered.film, say)?;
-        rendered.remark(&plan, say)?;
+        rendered.remark(&self.scene, &plan, say)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;
         Ok(contact_sheet::Panel {
             picture: image,

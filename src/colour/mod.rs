@@ -13,4 +13,6 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
 pub use spectrum::{Continuation, Scale, Shape, Spectrum, planck};
-pub use srgb::{RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8};
+pub use srgb::{
+    RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16,
+};

@@ -44,6 +44,15 @@ pub fn srgb_encode_8(linear: f64) -> u8 {
     }
 }
 
+/// The nearest 16-bit code, likewise.
+pub fn srgb_encode_16(linear: f64) -> u16 {
+    if linear > 0.0 {
+        (65535.0 * srgb_encode(linear.min(1.0)) + 0.5) as u16
+    } else {
+        0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

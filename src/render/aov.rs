@@ -67,6 +67,8 @@ pub(crate) enum Combine {
     Coverage,
     /// The film's own: the standard error of the radiance.
     StandardError,
+    /// The film's own: the part of the radiance that is missing for one reason.
+    Missing,
 }
 
 aovs! {
@@ -116,11 +118,38 @@ aovs! {
         "z of (b − a) × (c − a), normalised";
     Coverage, "coverage", Coverage, "part of the pixel whose radiance is known, 0 to 1",
         "1 where the source has data at (E, surface point) or none is needed, else 0 or the part that it has";
+    MissingBefore, "missing.before", Missing, "part of the pixel whose light left before its data begin, 0 to 1",
+        "part of the samples whose time of lookup is before the first bin";
+    MissingAfter, "missing.after", Missing, "part of the pixel whose light left after its data end, 0 to 1",
+        "part of the samples whose time of lookup is after the last bin";
+    MissingOffTexture, "missing.off_texture", Missing, "part of the pixel that lies beyond the texture or the capture camera's image, 0 to 1",
+        "part of the samples with texture coordinates outside [0, 1], or outside the capture camera's image";
+    MissingOccluded, "missing.occluded", Missing, "part of the pixel that the capture camera did not see, 0 to 1",
+        "part of the samples whose surface no pixel about their place in the capture camera's image saw, or from which something hides it";
+    CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a pixel of its capture camera, metres",
+        "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
+    CaptureCosine, "capture.cosine", Nearest, "cosine between normal and the way to the capture camera: near 0 where that grazes the surface",
+        "n·(eye − p)/|eye − p|, n the normal on the side that is seen";
+    Alpha, "alpha", MeanOfAll, "part of the pixel that shows an object, 0 to 1",
+        "part of the samples that meet an object";
+    ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: a pass of ids, as compositors read it",
+        "k + 1, or 0";
     StandardError, "standard_error", StandardError, "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
         "√(sample variance / n) of the n samples' (R + G + B)/3";
 }
 
 impl Aov {
+    /// Of the film's parts of missing radiance, which it is: before, after, off the texture, occluded.
+    pub(crate) fn missing(self) -> Option<usize> {
+        let all = [
+            Aov::MissingBefore,
+            Aov::MissingAfter,
+            Aov::MissingOffTexture,
+            Aov::MissingOccluded,
+        ];
+        all.iter().position(|aov| *aov == self)
+    }
+
     /// The channel that files name so.
     pub fn named(name: &str) -> Option<Aov> {
         Aov::ALL.iter().copied().find(|aov| aov.name() == name)
@@ -188,6 +217,7 @@ mod tests {
         );
         assert_eq!(parse("all").unwrap().len(), Aov::ALL.len());
         assert_eq!(parse("radiance").unwrap(), []);
+        assert_eq!(parse("missing").unwrap().len(), 4);
         assert!(parse("depth").unwrap_err().contains("depth"));
     }
 }

@@ -109,6 +109,8 @@ pub struct TileFilm {
     coverage: Coverage,
     /// Σ of the known parts, for the channel.
     held: Vec<f64>,
+    /// Σ of the missing parts by reason, for the channels: before, after, off the texture, occluded.
+    missing: Vec<[f64; 4]>,
     /// For the standard error, with m the mean of R, G, B: m₀ of the first sample, Σ (m − m₀) and
     /// Σ (m − m₀)². Equal samples give exactly 0.
     spread: Vec<[f64; 3]>,
@@ -131,6 +133,7 @@ impl TileFilm {
             unmet: 0,
             coverage: Coverage::NONE,
             held: vec![0.0; some(layout.has_gaps && layout.channels.contains(&Aov::Coverage))],
+            missing: vec![[0.0; 4]; some(layout.has_gaps && is_missing_wanted(layout))],
             spread: vec![[f64::NAN, 0.0, 0.0]; some(layout.channels.contains(&Aov::StandardError))],
             hits: vec![0; some(aovs)],
             nearest: vec![f64::INFINITY; some(aovs)],
@@ -168,6 +171,18 @@ impl TileFilm {
         self.coverage += coverage;
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
+        }
+        if let Some(missing) = self.missing.get_mut(pixel) {
+            let parts = [
+                coverage.before,
+                coverage.after,
+                coverage.off_texture,
+                coverage.occluded,
+            ];
+            missing
+                .iter_mut()
+                .zip(parts)
+                .for_each(|(sum, part)| *sum += part);
         }
     }
 
@@ -216,6 +231,10 @@ impl TileFilm {
                 .held
                 .get(pixel)
                 .map_or(1.0, |held| held / samples as f64),
+            Combine::Missing => {
+                let sums = self.missing.get(pixel).zip(aov.missing());
+                sums.map_or(0.0, |(sums, reason)| sums[reason] / samples as f64)
+            }
             Combine::StandardError => self.standard_error(pixel, samples as f64),
             Combine::MeanOfAll => sum / samples as f64,
             Combine::Nearest | Combine::NearestIdentity => sum,
@@ -235,6 +254,11 @@ impl TileFilm {
             f64::NAN
         }
     }
+}
+
+/// Whether a channel shows why radiance is missing.
+fn is_missing_wanted(layout: &Layout) -> bool {
+    layout.channels.iter().any(|aov| aov.missing().is_some())
 }
 
 fn mean([r, g, b]: [f64; 3]) -> f64 {

@@ -11,6 +11,7 @@ pub mod plan;
 pub mod prepare;
 pub mod progress;
 pub mod sampler;
+pub mod survey;
 mod tiles;
 pub mod tonemap;
 pub mod trace;

@@ -141,7 +141,7 @@ impl<'a> Pipeline<'a> {
                 let observed = traced.observed(ray, *ratio).filter(|_| sees);
                 let d = Direction::from_unit(camera_rays.directions[ray]);
                 let offset = camera_rays.offset(ray);
-                record(channels, ray, offset, d, observed.as_ref(), film);
+                record(channels, radiance, ray, offset, d, observed.as_ref(), film);
             }
         }
         meter.count(Counter::Rays, tile.pixels() as u64);

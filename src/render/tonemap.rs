@@ -1,11 +1,15 @@
-//! Linear radiance → 8-bit sRGB.
+//! Linear radiance → 8-bit or 16-bit sRGB.
 //!
 //! Radiance is divided by that of white. Above white a colour goes on to white instead of being cut off
 //! per component, which would turn a bright blue to magenta: with m > 1 its largest component, it becomes
 //! c/m + (1 − 1/m)(1 − c/m). That is c itself at m = 1, keeps the hue, and tends to white. A neutral
 //! colour is simply clipped.
+//!
+//! A component below 0 is a colour outside the gamut. White is added, and the colour taken away in proportion, until
+//! none is: c becomes Y + t (c − Y), with Y the luminance and t = Y/(Y − least component). That keeps luminance and
+//! hue (the direction from white in the chromaticity diagram). What has no luminance is black.
 
-use crate::colour::srgb_encode_8;
+use crate::colour::{srgb_encode_8, srgb_encode_16};
 use crate::error::{Error, Result};
 use crate::scene::model::Exposure;
 
@@ -31,15 +35,35 @@ pub struct Display {
 /// A percentile outside (0, 100], a white that is not above 0 and finite.
 pub fn tonemap<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<Display> {
     let white = white(pixels, exposure)?;
-    let rgb = pixels.iter().flat_map(|p| show(p.map(Into::into), white));
+    let code =
+        |p: &[T; 3]| show(p.map(Into::into), white).map_or(NOT_A_NUMBER, |p| p.map(srgb_encode_8));
     Ok(Display {
-        rgb: rgb.collect(),
+        rgb: pixels.iter().flat_map(code).collect(),
         white,
     })
 }
 
+/// The same in 16 bits: sRGB codes, 3 per pixel, and the radiance that became white.
+///
+/// # Errors
+/// As [`tonemap`].
+pub fn tonemap_16<T: Copy + Into<f64>>(
+    pixels: &[[T; 3]],
+    exposure: Exposure,
+) -> Result<(Vec<u16>, f64)> {
+    let white = white(pixels, exposure)?;
+    let code = |p: &[T; 3]| match show(p.map(Into::into), white) {
+        Some(rgb) => rgb.map(srgb_encode_16),
+        None => NOT_A_NUMBER.map(|code| u16::from(code) * 257),
+    };
+    Ok((pixels.iter().flat_map(code).collect(), white))
+}
+
 /// The radiance that becomes white.
-fn white<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<f64> {
+///
+/// # Errors
+/// As [`tonemap`].
+pub fn white<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<f64> {
     match exposure {
         Exposure::White(white) if white > 0.0 && white.is_finite() => Ok(white),
         Exposure::White(white) => Err(wrong(format!("{white} as the radiance of white"))),
@@ -71,20 +95,41 @@ fn brightest(rgb: [f64; 3]) -> f64 {
     larger(larger(rgb[0], rgb[1]), rgb[2])
 }
 
-fn show(rgb: [f64; 3], white: f64) -> [u8; 3] {
+/// Linear light of the display, in [0, 1]; none for NaN.
+fn show(rgb: [f64; 3], white: f64) -> Option<[f64; 3]> {
     if rgb.iter().any(|c| c.is_nan()) {
-        return NOT_A_NUMBER;
+        return None;
     }
-    let rgb = rgb.map(|c| c.max(0.0) / white);
+    let rgb = within_gamut(rgb).map(|c| c / white);
     let m = brightest(rgb);
     if m <= 1.0 {
-        return rgb.map(srgb_encode_8);
+        return Some(rgb);
     }
     let excess = 1.0 - 1.0 / m;
-    rgb.map(|c| {
+    Some(rgb.map(|c| {
         let c = if m.is_finite() { c / m } else { 1.0 };
-        srgb_encode_8(c + excess * (1.0 - c))
-    })
+        c + excess * (1.0 - c)
+    }))
+}
+
+/// Luminance of linear sRGB (the middle row of its primaries in XYZ).
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126390058715103 * r + 0.7151686787677559 * g + 0.0721923153607337 * b
+}
+
+/// A colour without components below 0, of the same luminance and hue.
+fn within_gamut(rgb: [f64; 3]) -> [f64; 3] {
+    let least = rgb.into_iter().fold(f64::INFINITY, f64::min);
+    // Nothing to do; and what is infinite has no luminance to keep.
+    if least >= 0.0 || rgb.iter().any(|c| c.is_infinite()) {
+        return rgb.map(|c| c.max(0.0));
+    }
+    let y = luminance(rgb);
+    if y <= 0.0 {
+        return [0.0; 3];
+    }
+    let t = y / (y - least);
+    rgb.map(|c| (y + t * (c - y)).max(0.0))
 }
 
 #[cfg(test)]
@@ -151,6 +196,30 @@ mod tests {
             last = rgb;
         }
         assert_eq!(last, [255; 3]);
+    }
+
+    #[test]
+    fn a_colour_outside_the_gamut_keeps_its_hue_and_its_luminance() {
+        // (2, 1, −0.2): Y = 1.1260; t = Y/(Y + 0.2); what is left of c − Y are parts t of it, and blue is 0.
+        let [r, g, b] = within_gamut([2.0, 1.0, -0.2]);
+        let y = 0.2126390058715103 * 2.0 + 0.7151686787677559 - 0.0721923153607337 * 0.2;
+        assert!((luminance([r, g, b]) - y).abs() < 1e-12);
+        assert!(b.abs() < 1e-15);
+        // Direction from white: (r − y)/(g − y) is as before.
+        assert!(((r - y) / (g - y) - (2.0 - y) / (1.0 - y)).abs() < 1e-9);
+        assert_eq!(within_gamut([-1.0, 0.2, -1.0]), [0.0; 3]);
+    }
+
+    #[test]
+    fn sixteen_bits_are_the_same_light_in_finer_steps() {
+        let pixels = [[2.0, 1.0, 0.5], [0.001, 5.0, 0.0], [f64::NAN, 0.0, 0.0]];
+        let exposure = Exposure::White(2.0);
+        let (deep, white) = tonemap_16(&pixels, exposure).unwrap();
+        let display = tonemap(&pixels, exposure).unwrap();
+        assert_eq!(white, 2.0);
+        for (deep, code) in deep.into_iter().zip(display.rgb) {
+            assert!((f64::from(deep) / 257.0 - f64::from(code)).abs() <= 0.501);
+        }
     }
 
     #[test]

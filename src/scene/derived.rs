@@ -104,6 +104,43 @@ impl Sensor {
     }
 }
 
+impl CameraModel {
+    /// The matrices of OpenEXR's `worldToCamera` and `worldToNDC` at the event of the shot, row by row, for points as
+    /// rows (p M).
+    ///
+    /// Camera coordinates are right, up and backward, metres. Normalised device coordinates are −1 to 1 from the
+    /// left to the right and from the bottom to the top, after division by the fourth: the depth. They are those of a
+    /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 2 cm over depth: −1 at
+    /// 1 cm, 1 far away.
+    pub fn matrices(&self) -> [[f32; 16]; 2] {
+        let eye = self.shot().x;
+        let [right, up, forward] = self.axes;
+        let [width, height] = self.size.map(f64::from);
+        let x = 1.0 / libm::tan(0.5 * self.horizontal_fov);
+        let y = x * width / height;
+        // Columns of M are what is calculated of (p, 1).
+        let camera = [
+            (right, -right.dot(eye)),
+            (up, -up.dot(eye)),
+            (-forward, forward.dot(eye)),
+            (DVec3::ZERO, 1.0),
+        ];
+        let depth = -forward.dot(eye);
+        let ndc = [
+            (right * x, -right.dot(eye) * x),
+            (up * y, -up.dot(eye) * y),
+            (forward, depth - 0.02),
+            (forward, depth),
+        ];
+        [camera, ndc].map(|columns| {
+            std::array::from_fn(|k| {
+                let (row, (axis, constant)) = (k / 4, columns[k % 4]);
+                [axis.x, axis.y, axis.z, constant][row] as f32
+            })
+        })
+    }
+}
+
 impl Object {
     /// The object's rest frame, in the coordinates that [`Object::transform`] leads to.
     pub fn frame(&self) -> InertialFrame<Rest> {
@@ -136,6 +173,27 @@ shape = { sphere = { radius = 1 } }
         let shot = scene.camera.shot();
         assert!((shot.ct - 8.0).abs() < 1e-14);
         assert!((shot.x - glam::DVec3::X * 4.0).length() < 1e-14);
+    }
+
+    #[test]
+    fn matrices_take_world_points_to_the_camera_and_to_its_picture() {
+        let text = "[camera]\neye = [1, 2, 3]\nlook_at = [1, 2, -1]\nhfov = \"90 deg\"\nsize = [200, 100]\n\
+                    [[object]]\nshape = { sphere = { radius = 1 } }\n";
+        let scene = parse(text, "test", Path::new(""), &Overrides::default()).unwrap();
+        let [camera, ndc] = scene.camera.matrices();
+        let times = |m: [f32; 16], p: [f32; 3]| -> [f32; 4] {
+            let p = [p[0], p[1], p[2], 1.0];
+            std::array::from_fn(|column| (0..4).map(|row| p[row] * m[4 * row + column]).sum())
+        };
+        // 4 m ahead, 2 m to the right and 1 m up: x = 2/(4 tan 45°), y = 1/(2 · tan of half the height, 1/2).
+        let p = [3.0, 3.0, -1.0];
+        assert_eq!(times(camera, p), [2.0, 1.0, -4.0, 1.0]);
+        let [x, y, z, w] = times(ndc, p);
+        assert!(
+            (x / w - 0.5).abs() < 1e-6 && (y / w - 0.5).abs() < 1e-6,
+            "{x} {y} {w}"
+        );
+        assert!((w - 4.0).abs() < 1e-6 && (z - 3.98).abs() < 1e-6);
     }
 
     #[test]

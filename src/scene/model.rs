@@ -63,6 +63,8 @@ pub struct Scene {
     pub back_faces: BackFaces,
     /// Linear RGB radiance of rays that hit nothing.
     pub background: [f64; 3],
+    /// Bits per sample of the PNG: 8 or 16.
+    pub bits: u8,
     /// The observed wavelength that is shown as 555 nm, metres, all others in proportion; none: as they are seen.
     pub false_colour: Option<f64>,
     /// Display of the PNG: exposure.

@@ -100,6 +100,55 @@ fn the_same_layers_give_the_same_bytes() {
 }
 
 #[test]
+fn half_precision_is_for_what_is_looked_at_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.exr");
+    let names = [
+        "radiance.R",
+        "radiance.G",
+        "radiance.B",
+        "alpha",
+        "distance",
+        "event.ct",
+    ];
+    let channels = names.map(|name| Channel {
+        name: name.into(),
+        samples: Samples::F64(vec![1.0 / 3.0, 1e6]),
+    });
+    let written = Layers::new(2, 1, channels.into(), vec![]).unwrap();
+    let matrices = [[1.5; 16], std::array::from_fn(|k| k as f32)];
+    let options = exr::Options {
+        half: true,
+        matrices: Some(matrices),
+    };
+    exr::write_with(&path, &written, &options).unwrap();
+    let read = exr::read(&path).unwrap();
+    for name in names {
+        let values = read.channel(name).unwrap().samples.to_f64();
+        // 1/3 in half precision is 1365/4096, the largest half 65504.
+        let expected = match name {
+            "distance" | "event.ct" => [f64::from(1.0f32 / 3.0), 1e6],
+            _ => [1365.0 / 4096.0, 65504.0],
+        };
+        assert_eq!(values, expected, "{name}");
+    }
+    // The standard's names and attributes.
+    let file = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
+    let header = &file.headers[0];
+    let mut names: Vec<_> = header
+        .channels
+        .list
+        .iter()
+        .map(|c| c.name.to_string())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["A", "B", "G", "R", "Z", "event.ct"]);
+    let own = &header.own_attributes;
+    assert_eq!(own.world_to_camera, Some(matrices[0]));
+    assert_eq!(own.world_to_normalized_device, Some(matrices[1]));
+}
+
+#[test]
 fn viewers_find_radiance_as_the_image_of_an_exr() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("a.exr");

@@ -288,7 +288,15 @@ impl Stage<'_> {
             let observed = traced.observed(ray as usize, ratios[ray as usize]);
             let d = Direction::from_unit(camera_rays.directions[pixel]);
             let offset = camera_rays.offset(pixel);
-            record(channels, pixel, offset, d, observed.as_ref(), film);
+            record(
+                channels,
+                radiance,
+                pixel,
+                offset,
+                d,
+                observed.as_ref(),
+                film,
+            );
         }
     }
 }

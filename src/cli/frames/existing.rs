@@ -47,7 +47,7 @@ fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
         return None;
     }
     let metadata = match kind {
-        Kind::Display | Kind::Isochrones => of_png(path)?,
+        Kind::Display | Kind::Isochrones | Kind::Luminance => of_png(path)?,
         Kind::Exr => exr::read(path).ok()?.metadata,
         Kind::Npz => of_npz(path)?,
     };

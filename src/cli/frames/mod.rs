@@ -20,9 +20,12 @@ use super::names::numbered;
 use super::output::{Identity, Inputs, Kind, Outputs};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{builtin, film, inputs, interrupt, overlay, print, remarks};
+use super::{builtin, exposure, film, inputs, interrupt, overlay, print, remarks};
 
 pub use range::Frames;
+
+/// How many frames are looked at for one exposure.
+const MEASURED: u64 = 9;
 
 /// Renders the frames of `scene`; `outputs` have names to be numbered.
 pub fn run(
@@ -53,11 +56,17 @@ pub fn run(
         prepared: None,
         done: Done::default(),
         account,
+        white: None,
     };
-    sequence.say(&flicker(scene, outputs))?;
+    if !arguments.same_exposure {
+        sequence.say(&flicker(scene, outputs))?;
+    }
     // A sequence that goes beyond the camera's motion is not begun.
     if let Some(last) = frames.numbers.clone().last() {
         sequence.scene_at(frames.time(last))?;
+    }
+    if arguments.same_exposure {
+        sequence.measure()?;
     }
     for number in frames.numbers.clone() {
         interrupt::check()?;
@@ -78,6 +87,8 @@ struct Sequence<'a> {
     prepared: Option<Prepared>,
     done: Done,
     account: Option<&'a mut Account>,
+    /// The radiance of white in all frames, where it was measured.
+    white: Option<f64>,
 }
 
 /// What was done so far.
@@ -116,7 +127,7 @@ impl Sequence<'_> {
         if let Some(prepared) = &mut self.prepared {
             overlay::write(&outputs, &scene, &film, prepared, quiet)?;
         }
-        self.note(number, &film);
+        self.note(number, &scene, &film);
         Ok(())
     }
 
@@ -126,7 +137,31 @@ impl Sequence<'_> {
             time: Some(format!("{time} m")),
             ..self.arguments.scene.changes.overrides()
         };
-        builtin::load(self.arguments.scene.scene.as_deref(), &overrides)
+        let mut scene = builtin::load(self.arguments.scene.scene.as_deref(), &overrides)?;
+        if let Some(white) = self.white {
+            scene.exposure = Exposure::White(white);
+        }
+        Ok(scene)
+    }
+
+    /// Measures one exposure for all frames, at [`MEASURED`] of them at most, the first and the last included.
+    fn measure(&mut self) -> Result<()> {
+        let numbers = self.frames.numbers.clone();
+        let count = numbers.end - numbers.start;
+        let measured = count.min(MEASURED);
+        let number = |k: u64| match measured {
+            0 | 1 => numbers.start,
+            _ => numbers.start + k * (count - 1) / (measured - 1),
+        };
+        let scenes = (0..measured).map(|k| self.scene_at(self.frames.time(number(k))));
+        let scenes = scenes.collect::<Result<Vec<_>>>()?;
+        self.white = exposure::common(&scenes, self.request)?;
+        match self.white {
+            Some(white) => self.say(&format!(
+                "one exposure for all frames: white is radiance {white}\n"
+            )),
+            None => Ok(()),
+        }
     }
 
     fn film(&mut self, scene: &Scene, number: u64) -> Result<Film> {
@@ -165,13 +200,14 @@ impl Sequence<'_> {
         Ok(film)
     }
 
-    fn note(&mut self, number: u64, film: &Film) {
+    fn note(&mut self, number: u64, scene: &Scene, film: &Film) {
         self.done.rendered += 1;
         let remark = remarks::blackness(film);
         if !remark.is_empty() {
             self.done.black += 1;
             if self.done.remark.is_empty() {
-                self.done.remark = format!("frame {number}: {remark}");
+                let times = self.prepared.as_mut().map(|p| remarks::times(scene, p));
+                self.done.remark = format!("frame {number}: {remark}{}", times.unwrap_or_default());
             }
         }
     }

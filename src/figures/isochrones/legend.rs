@@ -2,6 +2,7 @@
 
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Rect, Transform};
 
+use super::Values;
 use super::picture::{LineStyle, strokes};
 use super::range::Range;
 use super::viridis::viridis;
@@ -39,10 +40,25 @@ pub(super) fn ink() -> Color {
 }
 
 impl Legend {
-    /// Finds a place for everything, with the upper left corner at `(x, y)`; `c` in metres per second.
-    pub fn lay_out(range: Range, [x, y]: [f64; 2], height: f64, em: f64, c: f64) -> Result<Legend> {
-        let distance = Scale::distance(&range, height / em, em)?;
-        let time = Scale::time(&range, height / em, em, c)?;
+    /// Finds a place for everything, with the upper left corner at `(x, y)`.
+    pub fn lay_out(
+        range: Range,
+        [x, y]: [f64; 2],
+        height: f64,
+        em: f64,
+        values: Values,
+    ) -> Result<Legend> {
+        let room = height / em;
+        let (distance, time) = match values {
+            Values::Times(c) => (
+                Scale::distance(&range, room, em)?,
+                Scale::time(&range, room, em, c)?,
+            ),
+            Values::Luminances => (
+                Scale::luminance(&range, room, em)?,
+                Scale::new(RichText::plain("")?, Vec::new(), em)?,
+            ),
+        };
         let left = (x + distance.width + 0.5 * em).round();
         let room = |more: bool| if more { 0.7 * em } else { 0.2 * em };
         Ok(Legend {
@@ -155,6 +171,15 @@ impl Legend {
     }
 }
 
+/// A positive number in three significant digits.
+fn three_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    match (1e-3..1e5).contains(&rounded) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}").replace('-', "\u{2212}"),
+    }
+}
+
 fn paint(rgb: [f64; 3]) -> Paint<'static> {
     let mut paint = Paint::default();
     let [r, g, b] = rgb.map(|c| (255.0 * c + 0.5) as u8);
@@ -176,6 +201,23 @@ impl Scale {
             Ok((ct, RichText::plain(&number(unit.count(ct), step))?))
         });
         let head = RichText::parse(&format!("*ct* ({})", unit.name))?;
+        Scale::new(head, ticks.collect::<Result<_>>()?, em)
+    }
+
+    /// Luminances at the lines, whose values are their logarithms.
+    fn luminance(range: &Range, room: f64, em: f64) -> Result<Scale> {
+        let every = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter();
+        let fits = |every: &i64| range.line_count() / *every as f64 <= room / 1.7;
+        let every = every.clone().find(fits).unwrap_or(1000);
+        let chosen = range.lines().filter(|line| line % every == 0);
+        let ticks = chosen.map(|line| {
+            let logarithm = line as f64 * range.step;
+            Ok((
+                logarithm,
+                RichText::plain(&three_digits(libm::pow(10.0, logarithm)))?,
+            ))
+        });
+        let head = RichText::plain("luminance")?;
         Scale::new(head, ticks.collect::<Result<_>>()?, em)
     }
 

@@ -9,6 +9,8 @@
 //! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: the range then ends
 //! before them, an arrow on the legend says that there is more, and no lines are drawn beyond it. Lines
 //! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
+//!
+//! [`draw_radiance`] draws luminance the same way: colours and lines by its logarithm, the legend by its value.
 
 pub(crate) mod chain;
 pub(crate) mod contour;
@@ -36,6 +38,45 @@ pub struct IsochroneOptions {
     pub speed_of_light: f64,
     /// Above the picture.
     pub title: String,
+}
+
+/// What values and legend are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Values {
+    /// ct in metres; the speed of light in metres per second.
+    Times(f64),
+    /// Logarithms of luminances to the base 10.
+    Luminances,
+}
+
+/// Draws the luminance of linear sRGB `pixels` (row 0 at the top; those without any are pale grey): colours over its
+/// logarithm, lines at equal ratios, and a legend with its values, in the units of the radiance.
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_radiance(
+    width: u32,
+    height: u32,
+    pixels: &[[f64; 3]],
+    title: &str,
+) -> Result<RgbImage> {
+    let logarithm = |[r, g, b]: &[f64; 3]| {
+        // Y of sRGB; 0, negative and infinite ones have no place on the scale.
+        let y = 0.2126390058715103 * r + 0.7151686787677559 * g + 0.0721923153607337 * b;
+        match y > 0.0 && y.is_finite() {
+            true => libm::log10(y),
+            false => f64::NAN,
+        }
+    };
+    let values: Vec<f64> = pixels.iter().map(logarithm).collect();
+    let options = IsochroneOptions {
+        title: title.into(),
+        ..IsochroneOptions::default()
+    };
+    check(width, height, &values, &options)?;
+    let range = Range::of(&values, None);
+    let page = Page::lay_out(width, height, range, &options.title, Values::Luminances)?;
+    page.draw(&values, &options)
 }
 
 impl Default for IsochroneOptions {
@@ -68,7 +109,8 @@ pub fn draw(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> 
         let help = format!("at most {MAX_LINES} isochrones: a larger step");
         return Err(Error::invalid("isochrones", "step", what, help));
     }
-    Page::lay_out(width, height, range, options)?.draw(ct, options)
+    let values = Values::Times(options.speed_of_light);
+    Page::lay_out(width, height, range, &options.title, values)?.draw(ct, options)
 }
 
 fn check(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> Result<()> {

@@ -11,11 +11,11 @@
 
 use tiny_skia::{Color, Pixmap};
 
-use super::IsochroneOptions;
 use super::contour::Grid;
 use super::legend::{Legend, ink};
 use super::picture::{self, Frame};
 use super::range::Range;
+use super::{IsochroneOptions, Values};
 use crate::error::{Error, Result};
 use crate::figures::text::{self, AnchorX, RichText};
 use crate::io::image::RgbImage;
@@ -42,7 +42,8 @@ impl Page {
         width: u32,
         height: u32,
         range: Option<Range>,
-        options: &IsochroneOptions,
+        title: &str,
+        values: Values,
     ) -> Result<Page> {
         let scale = (COMFORTABLE / width.max(height)).max(1);
         let [w, h] = [width, height].map(|n| f64::from(n) * f64::from(scale));
@@ -56,11 +57,11 @@ impl Page {
                 [margin + w + 1.4 * em, top + 1.6 * em],
                 bar_height,
                 em,
-                options.speed_of_light,
+                values,
             )?),
             None => None,
         };
-        let title_width = RichText::plain(&options.title)?.width(1.25 * em)?;
+        let title_width = RichText::plain(title)?.width(1.25 * em)?;
         let right = legend.as_ref().map_or(margin + w, Legend::extent);
         let bottom = legend.as_ref().map_or(0.0, |l| l.bottom + 0.5 * em);
         let right = right.max(margin + title_width) + margin;

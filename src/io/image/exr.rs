@@ -5,8 +5,11 @@
 //! | in memory | in the file |
 //! |---|---|
 //! | `radiance.R`, `radiance.G`, `radiance.B` | `R`, `G`, `B`, the image that viewers show |
+//! | `distance` | `Z`, by the standard the distance from the viewer (no other channel may pass for depth) |
+//! | `alpha` | `A`; radiance is premultiplied by it where the background is black |
 //! | any other name | the same name: `event.ct` is component `ct` of layer `event` |
 //! | f32, u32 | as they are |
+//! | radiance, alpha | half precision, where that is asked for; what half cannot hold becomes its largest value |
 //! | f64 | rounded to f32 (EXR has no f64; `.npz` has) |
 //! | i32 | two's complement in u32, so that every identifier is exact: −1 is 4294967295 |
 //!
@@ -24,7 +27,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatImage, FlatSamples,
     Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, ReadChannels,
-    ReadLayers, SampleType, Text, Vec2, WritableImage,
+    ReadLayers, SampleType, Text, Vec2, WritableImage, f16,
 };
 
 use super::decoder::guarded;
@@ -32,6 +35,8 @@ use super::file::{write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples, check_metadata};
 use crate::error::{Error, Result};
 
+/// The beginning of the name of the software that has written our files.
+const OWN: &str = concat!(env!("CARGO_PKG_NAME"), " ");
 /// Before the keys of our attributes, so that none is taken for one of the standard's.
 const PREFIX: &str = "nullray.";
 /// The key of the attribute that lists channels of i32.
@@ -43,16 +48,32 @@ const MAIN: &str = "radiance.";
 fn name_in_file(name: &str) -> &str {
     match name.strip_prefix(MAIN) {
         Some(component @ ("R" | "G" | "B")) => component,
-        _ => name,
+        _ => match name {
+            "distance" => "Z",
+            "alpha" => "A",
+            _ => name,
+        },
     }
 }
 
-/// A channel's name in memory.
-fn name_in_memory(name: &str) -> String {
+/// A channel's name in memory; `is_own` says that this program has written it.
+fn name_in_memory(name: &str, is_own: bool) -> String {
     match name {
         "R" | "G" | "B" => format!("{MAIN}{name}"),
+        // Elsewhere it may be measured along the axis.
+        "Z" if is_own => "distance".into(),
+        "A" if is_own => "alpha".into(),
         _ => name.to_string(),
     }
+}
+
+/// What a file says and holds beyond its layers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// Radiance and alpha in half precision.
+    pub half: bool,
+    /// Row-major matrices for points as rows, of the standard's attributes `worldToCamera` and `worldToNDC`.
+    pub matrices: Option<[[f32; 16]; 2]>,
 }
 
 /// The most pixel data that is read, bytes in memory.
@@ -99,7 +120,7 @@ pub fn half_channels(path: &Path) -> Result<Vec<String>> {
     let channels = headers.iter().flat_map(|header| &header.channels.list);
     let half = channels.filter(|channel| channel.sample_type == SampleType::F16);
     Ok(half
-        .map(|channel| name_in_memory(&channel.name.to_string()))
+        .map(|channel| name_in_memory(&channel.name.to_string(), false))
         .collect())
 }
 
@@ -182,13 +203,15 @@ fn part_channels(
     prefix: Option<&Text>,
     signed: &[String],
 ) -> Vec<Channel> {
+    let software = part.attributes.software_name.as_ref();
+    let is_own = software.is_some_and(|name| name.to_string().starts_with(OWN));
     let convert = |channel: AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
         let is_signed = signed.contains(&name);
         Channel {
             name: match prefix {
                 Some(part) => format!("{part}.{name}"),
-                None => name_in_memory(&name),
+                None => name_in_memory(&name, is_own),
             },
             samples: samples(channel.sample_data, is_signed),
         }
@@ -236,13 +259,17 @@ const COMPRESSION: Compression = Compression::ZIP16;
 /// # Errors
 /// Layers that fail [`Layers::check`] or have no channel; I/O errors.
 pub fn write(path: &Path, layers: &Layers) -> Result<()> {
-    write_as(path, layers, COMPRESSION)
+    write_with(path, layers, &Options::default())
 }
 
-fn write_as(path: &Path, layers: &Layers, compression: Compression) -> Result<()> {
+/// As [`write()`], with what `options` say.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()> {
     layers.check()?;
     check_limits(path, layers)?;
-    let image = image(layers, compression);
+    let image = image(layers, options);
     write_atomically(path, |writer| {
         let written = image.write().to_buffered(&mut *writer);
         written.map_err(|e| failure(path, e))?;
@@ -276,21 +303,26 @@ fn check_limits(path: &Path, layers: &Layers) -> Result<()> {
     Ok(())
 }
 
-fn image(layers: &Layers, compression: Compression) -> Image<Layer<AnyChannels<FlatSamples>>> {
+fn image(layers: &Layers, options: &Options) -> Image<Layer<AnyChannels<FlatSamples>>> {
     let encoding = Encoding {
-        compression,
+        compression: COMPRESSION,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
+    let channel = |c: &Channel| channel(c, options.half);
     let channels = AnyChannels::sort(layers.channels.iter().map(channel).collect());
     let size = Vec2(layers.width as usize, layers.height as usize);
     Image {
         attributes: image_attributes(size),
-        layer_data: Layer::new(size, layer_attributes(layers), encoding, channels),
+        layer_data: Layer::new(size, layer_attributes(layers, options), encoding, channels),
     }
 }
 
-fn channel(channel: &Channel) -> AnyChannel<FlatSamples> {
+fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
+    if half && matches!(name_in_file(&channel.name), "R" | "G" | "B" | "A") {
+        let samples = channel.samples.to_f64().into_iter().map(half_of).collect();
+        return AnyChannel::new(text(name_in_file(&channel.name)), FlatSamples::F16(samples));
+    }
     let samples = match &channel.samples {
         Samples::F32(v) => FlatSamples::F32(v.clone()),
         Samples::F64(v) => FlatSamples::F32(v.iter().map(|&x| x as f32).collect()),
@@ -298,6 +330,16 @@ fn channel(channel: &Channel) -> AnyChannel<FlatSamples> {
         Samples::I32(v) => FlatSamples::U32(v.iter().map(|&x| x.cast_unsigned()).collect()),
     };
     AnyChannel::new(text(name_in_file(&channel.name)), samples)
+}
+
+/// The nearest half; the largest one in place of what is beyond it, which would become infinite.
+fn half_of(value: f64) -> f16 {
+    let largest = f64::from(f16::MAX);
+    match value.is_infinite() {
+        true => f16::from_f64(value),
+        // NaN stays NaN.
+        false => f16::from_f64(value.clamp(-largest, largest)),
+    }
 }
 
 /// Rec. 709 primaries and D65, the space of linear sRGB.
@@ -313,13 +355,15 @@ fn image_attributes(size: Vec2<usize>) -> ImageAttributes {
     }
 }
 
-fn layer_attributes(layers: &Layers) -> LayerAttributes {
+fn layer_attributes(layers: &Layers, options: &Options) -> LayerAttributes {
     let software = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
     let signed = layers.channels.iter();
     let signed = signed.filter(|c| matches!(c.samples, Samples::I32(_)));
     let signed: Vec<_> = signed.map(|c| name_in_file(&c.name)).collect();
     let mut attributes = LayerAttributes {
         software_name: Some(text(software)),
+        world_to_camera: options.matrices.map(|[camera, _]| camera),
+        world_to_normalized_device: options.matrices.map(|[_, ndc]| ndc),
         ..LayerAttributes::default()
     };
     let mut put = |key: &str, value: &str| {

@@ -36,21 +36,47 @@ pub fn write(
         check_metadata(key, value)?;
     }
     write_atomically(path, |writer| {
-        let encoded = encode(writer, width, height, rgb, text);
+        let encoded = encode(writer, [width, height], BitDepth::Eight, rgb, text);
+        encoded.map_err(|e| failure(path, e))
+    })
+}
+
+/// The same with 16 bits per sample.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_16(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[u16],
+    text: &[(String, String)],
+) -> Result<()> {
+    if rgb.len() != 3 * pixel_count(width, height)? {
+        let what = format!("{} samples for {width} × {height} RGB pixels", rgb.len());
+        return Err(Error::invalid(path, "", what, ""));
+    }
+    for (key, value) in text {
+        check_metadata(key, value)?;
+    }
+    // Most significant byte first.
+    let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_be_bytes()).collect();
+    write_atomically(path, |writer| {
+        let encoded = encode(writer, [width, height], BitDepth::Sixteen, &bytes, text);
         encoded.map_err(|e| failure(path, e))
     })
 }
 
 fn encode(
     writer: impl std::io::Write,
-    width: u32,
-    height: u32,
+    [width, height]: [u32; 2],
+    depth: BitDepth,
     rgb: &[u8],
     text: &[(String, String)],
 ) -> Result<(), EncodingError> {
     let mut encoder = Encoder::new(writer, width, height);
     encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_compression(Compression::Balanced);
     encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     for (key, value) in text {

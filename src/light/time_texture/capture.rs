@@ -35,6 +35,15 @@ pub struct SurfacePoint {
     pub normal: DVec3,
 }
 
+/// How a capture camera looks at a point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CaptureView {
+    /// Width on the surface, along its tilt, of a pixel, metres.
+    pub footprint: f64,
+    /// Between the normal and the way to the pinhole, above 0.
+    pub cosine: f64,
+}
+
 /// What the capture camera saw along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenPoint {
@@ -47,7 +56,7 @@ pub struct SeenPoint {
 /// A capture camera and what it saw through the centre of every pixel.
 #[derive(Debug, Clone)]
 pub struct Capture {
-    view: View,
+    lens: Lens,
     /// Metres of capture time per metre of distance: η, or 0 for a cube in another clock.
     delay: f64,
     /// Row by row.
@@ -55,7 +64,7 @@ pub struct Capture {
 }
 
 #[derive(Debug, Clone)]
-struct View {
+struct Lens {
     eye: DVec3,
     projection: AnyProjection,
     /// Pixels in a row.
@@ -102,17 +111,17 @@ impl Capture {
         index: f64,
         trace: impl Fn(DVec3, DVec3) -> Option<SeenPoint> + Sync,
     ) -> Capture {
-        let view = View {
+        let lens = Lens {
             eye: camera.eye,
             projection: AnyProjection::of_capture(camera, size),
             width: size[0],
         };
         let seen = (0..size[0].saturating_mul(size[1]))
             .into_par_iter()
-            .map(|pixel| view.look_through(pixel, &trace))
+            .map(|pixel| lens.look_through(pixel, &trace))
             .collect();
         Capture {
-            view,
+            lens,
             delay: if warped { index } else { 0.0 },
             seen,
         }
@@ -120,7 +129,7 @@ impl Capture {
 
     /// The pinhole.
     pub fn eye(&self) -> DVec3 {
-        self.view.eye
+        self.lens.eye
     }
 
     /// Whether the cube's clock is this camera's own.
@@ -131,9 +140,9 @@ impl Capture {
     /// Where `point` lies in the image, pixels from its top left corner; none behind the pinhole.
     #[inline]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        let View {
+        let Lens {
             eye, projection, ..
-        } = &self.view;
+        } = &self.lens;
         projection.film_point(projection.along_axes(point - *eye))
     }
 
@@ -155,9 +164,9 @@ impl Capture {
     /// The point, if its looked-at side faces the pinhole and is before it.
     #[inline]
     pub(super) fn aim(&self, point: &SurfacePoint) -> Option<Aim> {
-        let View {
+        let Lens {
             eye, projection, ..
-        } = &self.view;
+        } = &self.lens;
         let p = projection.along_axes(point.position - *eye);
         let normal = projection.along_axes(point.normal);
         let faces = normal.dot(p) < 0.0;
@@ -165,6 +174,16 @@ impl Capture {
             position: p,
             normal,
             footprint: projection.footprint(p),
+        })
+    }
+
+    /// How this camera looks at the point; none from behind its surface, and behind the pinhole.
+    pub fn view_of(&self, point: &SurfacePoint) -> Option<CaptureView> {
+        let aim = self.aim(point)?;
+        let cosine = -aim.normal.dot(aim.position) / aim.position.length();
+        Some(CaptureView {
+            footprint: aim.footprint / cosine,
+            cosine,
         })
     }
 
@@ -183,7 +202,7 @@ impl Capture {
     }
 }
 
-impl View {
+impl Lens {
     /// What the ray through the centre of a pixel sees.
     #[inline]
     fn look_through(

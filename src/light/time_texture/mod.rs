@@ -31,7 +31,7 @@ mod reader;
 mod texture;
 
 pub use axis::TimeAxis;
-pub use capture::{Capture, SeenPoint, SurfacePoint};
+pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};
 pub use coverage::Coverage;
 pub use lookups::Lookups;
 pub use places::BATCH;

@@ -161,6 +161,7 @@ impl<'a> Builder<'a> {
             emitters,
             base,
             cubes: stores.cubes,
+            cube_sources: stores.sources,
             captures: stores.captures,
             pulses: pulses.collect(),
             shift: rgb_pulses.then(|| RgbShift::of(scene.continuation)),
@@ -291,6 +292,8 @@ impl Textures {
 struct Stores {
     files: HashMap<(PathBuf, Option<String>), Arc<Cube>>,
     cubes: Vec<TimeTexture>,
+    /// By cube: the source that it is.
+    sources: Vec<usize>,
     captures: Vec<Capture>,
 }
 
@@ -306,6 +309,7 @@ impl Stores {
             .map_err(|e| refused(scene, source, e))?;
         let size = texture.size();
         self.cubes.push(texture);
+        self.sources.push(source);
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         let index = self.cubes.len() - 1;

@@ -1,13 +1,16 @@
 //! Auxiliary channels of a sample.
 
 use super::point::ObservedPoint;
+use super::radiance::Radiance;
 use crate::render::aov::{Aov, Combine};
 use crate::render::film::TileFilm;
 use crate::spacetime::{Direction, World};
 
 /// Records `channels`, those of the film in its order, of a sample at `offset` in `pixel` that looks along `d`.
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn record(
     channels: &[Aov],
+    radiance: &dyn Radiance,
     pixel: usize,
     offset: [f64; 2],
     d: Direction<World>,
@@ -19,28 +22,42 @@ pub(crate) fn record(
         match aov.combine() {
             Combine::NearestIdentity | Combine::Nearest if !nearest => {}
             Combine::NearestIdentity => {
-                film.set_aov(channel, pixel, value(*aov, d, observed).unwrap_or(-1.0));
+                film.set_aov(
+                    channel,
+                    pixel,
+                    value(*aov, radiance, d, observed).unwrap_or(-1.0),
+                );
             }
             Combine::Nearest => {
-                film.set_aov(channel, pixel, value(*aov, d, observed).unwrap_or(f64::NAN));
+                film.set_aov(
+                    channel,
+                    pixel,
+                    value(*aov, radiance, d, observed).unwrap_or(f64::NAN),
+                );
             }
             Combine::MeanOfHits | Combine::MeanOfAll => {
-                if let Some(value) = value(*aov, d, observed) {
+                if let Some(value) = value(*aov, radiance, d, observed) {
                     film.add_aov(channel, pixel, value);
                 }
             }
-            Combine::Coverage | Combine::StandardError => {}
+            Combine::Coverage | Combine::Missing | Combine::StandardError => {}
         }
     }
 }
 
 /// The channel's value, or none where the sample has none. Coverage and standard error are the film's own.
-fn value(aov: Aov, d: Direction<World>, observed: Option<&ObservedPoint>) -> Option<f64> {
+fn value(
+    aov: Aov,
+    radiance: &dyn Radiance,
+    d: Direction<World>,
+    observed: Option<&ObservedPoint>,
+) -> Option<f64> {
     let point = observed.map(|o| &o.point);
     let uv = || Some(point?.uv(0).unwrap_or(glam::DVec2::NAN));
     let event = || Some(point?.event());
     let object_event = || point.map(|p| p.rest_event() - p.patch.object_origin);
     let normal = || point.map(|p| p.rest.bvh.normal(&p.hit));
+    let capture = || radiance.capture(point?);
     match aov {
         Aov::Object => Some(point?.patch.object as f64),
         Aov::Primitive => Some(point?.primitive() as f64),
@@ -64,6 +81,15 @@ fn value(aov: Aov, d: Direction<World>, observed: Option<&ObservedPoint>) -> Opt
         Aov::NormalX => Some(normal()?.x),
         Aov::NormalY => Some(normal()?.y),
         Aov::NormalZ => Some(normal()?.z),
-        Aov::Coverage | Aov::StandardError => None,
+        Aov::CaptureFootprint => Some(capture()?.footprint),
+        Aov::CaptureCosine => Some(capture()?.cosine),
+        Aov::ObjectId => Some(point.map_or(0.0, |p| f64::from(p.patch.object) + 1.0)),
+        Aov::Alpha => Some(f64::from(observed.is_some())),
+        Aov::Coverage
+        | Aov::MissingBefore
+        | Aov::MissingAfter
+        | Aov::MissingOffTexture
+        | Aov::MissingOccluded
+        | Aov::StandardError => None,
     }
 }

@@ -31,6 +31,7 @@ pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};
+pub(crate) use point::ObservedPoint;
 pub use point::SurfacePoint;
 pub use radiance::{BaseColour, BaseColours, EmissionClock, Emitter, Radiance, TimeResolved};
 pub use rest_frame::{Patch, RestFrame};

@@ -5,13 +5,16 @@ use std::fmt::Debug;
 
 use super::emitted::{Detail, Emission, Emitted, Response};
 use super::occlusion::{any_hit, shadow_ray};
+use super::point::SurfacePoint;
 use super::pulses;
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use crate::accel::{Hit, Segment};
 use crate::colour::RgbShift;
 use crate::io::image::Texture;
-use crate::light::time_texture::{BATCH, Capture, SurfacePoint as CapturePoint, TimeTexture};
+use crate::light::time_texture::{
+    BATCH, Capture, CaptureView, SurfacePoint as CapturePoint, TimeTexture,
+};
 use crate::mesh::Wrap;
 use crate::scene::model::Pulse;
 use crate::spacetime::Quantity;
@@ -24,6 +27,11 @@ pub trait Radiance: Debug + Send + Sync {
     /// Fills `emitted` with what leaves the points of `run` towards the camera: [`Emitted::start`], then
     /// [`Emitted::push`] for each point.
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter);
+
+    /// How the camera that captured the radiance of `point` looks at it; none where no camera did.
+    fn capture(&self, _point: &SurfacePoint) -> Option<CaptureView> {
+        None
+    }
 }
 
 /// Time-independent radiance: a factor and a texture.
@@ -57,6 +65,8 @@ pub struct TimeResolved {
     pub base: BaseColours,
     /// Cubes with their time axes.
     pub cubes: Vec<TimeTexture>,
+    /// The source of the scene that each of them is.
+    pub cube_sources: Vec<usize>,
     /// Capture cameras and what they saw.
     pub captures: Vec<Capture>,
     /// By source of the scene: pulses, each with its quantity.
@@ -163,6 +173,16 @@ impl Radiance for BaseColours {
 impl Radiance for TimeResolved {
     fn has_gaps(&self) -> bool {
         true
+    }
+
+    fn capture(&self, point: &SurfacePoint) -> Option<CaptureView> {
+        match &self.emitters[point.patch.emitter as usize].0 {
+            Emitter::Capture { capture, .. } => self.captures[*capture].view_of(&CapturePoint {
+                position: point.rest_event().x,
+                normal: point.facing_normal(),
+            }),
+            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Pulses { .. } => None,
+        }
     }
 
     fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {

@@ -252,6 +252,8 @@ pub(in crate::scene) struct Display {
     /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
     /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.
     pub false_colour: Option<At<Wavelength>>,
+    /// Bits per sample of a .png file: 8 or 16. Default: 8.
+    pub bits: At<u32>,
     /// Linear RGB radiance of rays that hit nothing. Default: [0, 0, 0].
     pub background: At<Vector>,
     /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
@@ -268,6 +270,7 @@ impl Default for Display {
             exposure: None,
             white: None,
             false_colour: None,
+            bits: At::nowhere(8),
             background: At::nowhere(super::values::Numbers([0.0; 3])),
             back_faces: BackFaces::AsFile,
             samples_per_pixel: At::nowhere(4),

@@ -58,6 +58,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         outside: settings::outside(&file.outside),
         back_faces: file.display.value.back_faces,
         background: cx.colour(&file.display.value.background)?,
+        bits: settings::bits(&cx, &file.display)?,
         false_colour: settings::false_colour(&cx, &file.display)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,

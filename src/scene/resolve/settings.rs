@@ -88,6 +88,20 @@ pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure>
     ))
 }
 
+/// Bits per sample of a PNG.
+pub(super) fn bits(cx: &Context, at: &At<file::Display>) -> Result<u8> {
+    let bits = &at.value.bits;
+    match bits.value {
+        8 => Ok(8),
+        16 => Ok(16),
+        other => Err(cx.refuse(
+            bits,
+            format!("{other} bits"),
+            "a PNG has 8 or 16 bits per sample",
+        )),
+    }
+}
+
 /// The observed wavelength that is shown as 555 nm, metres.
 pub(super) fn false_colour(cx: &Context, at: &At<file::Display>) -> Result<Option<f64>> {
     let Some(at) = &at.value.false_colour else {

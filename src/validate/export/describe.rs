@@ -210,7 +210,7 @@ fn missing(aov: Aov) -> Option<&'static str> {
     match aov.combine() {
         Combine::NearestIdentity => Some("-1"),
         Combine::Nearest | Combine::MeanOfHits => Some("NaN"),
-        Combine::MeanOfAll | Combine::Coverage | Combine::StandardError => None,
+        Combine::MeanOfAll | Combine::Coverage | Combine::Missing | Combine::StandardError => None,
     }
 }
 

@@ -39,6 +39,17 @@ fn the_parts_of_coverage_sum_to_one_at_any_time() {
             mean.off_texture,
             mean.occluded,
         ];
+        let channels = [
+            Aov::MissingBefore,
+            Aov::MissingAfter,
+            Aov::MissingOffTexture,
+            Aov::MissingOccluded,
+        ];
+        for (channel, part) in channels.into_iter().zip(&parts[1..]) {
+            let values = film.aov(channel).unwrap();
+            let sum = values.iter().sum::<f64>() / values.len() as f64;
+            assert!((sum - part).abs() < 1e-12, "{channel:?}: {sum} {part}");
+        }
         seen.iter_mut().zip(parts).for_each(|(s, p)| *s = s.max(p));
     }
     assert!(seen.iter().all(|part| *part > 0.0), "never seen: {seen:?}");
@@ -51,6 +62,37 @@ fn coverage_is_summed_without_channels_too() {
     let without = stage::rendered(&scene, &Request::default()).unwrap();
     assert_eq!(with.mean_coverage(), without.mean_coverage());
     assert_eq!(with.radiance(), without.radiance());
+}
+
+#[test]
+fn footprints_are_those_of_the_capture_cameras_pixels_on_the_surface() {
+    // A capture camera of 4 pixels across 90°, 3 m above a floor: straight below, a pixel is 3 · 2 tan 45° / 4 = 1.5 m
+    // wide; 3 m to the side, where it looks down at 45°, the depth is 3 m still, and the tilt widens it by √2.
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    files::npy(&folder.join("footprint.npy"), &[4, 4, 4], [1.0; 64]);
+    let text = "
+[camera]
+eye = [0, 5, 0]
+look_at = [0, 0, 0]
+up = [0, 0, -1]
+hfov = \"80 deg\"
+size = [41, 41]
+[[object]]
+shape = { plane = { size = [20, 20] } }
+[[source]]
+[source.cube]
+file = \"footprint.npy\"
+bin_width = \"1 m\"
+capture = { eye = [0, 3, 0], look_at = [0, 0, 0], up = [0, 0, -1], hfov = \"90 deg\" }
+";
+    let film = stage::film(&stage::scene_in(folder, text));
+    for i in 0..stage::pixels(&film) {
+        let (_, place) = stage::event(&film, i);
+        let cosine = 3.0 / (9.0 + place.x * place.x + place.z * place.z).sqrt();
+        let value = |aov| stage::value(&film, aov, i);
+        stage::assert_relative(value(Aov::CaptureCosine), cosine, 1e-12, "cosine");
+        stage::assert_relative(value(Aov::CaptureFootprint), 1.5 / cosine, 1e-12, "width");
+    }
 }
 
 #[test]

@@ -16,4 +16,5 @@ mod outlines;
 mod pulse;
 mod refusals;
 mod skipping;
+mod spectra;
 pub mod stage;

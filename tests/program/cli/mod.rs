@@ -6,6 +6,7 @@ mod export;
 mod frames;
 mod info;
 mod interrupt;
+mod light;
 mod methods;
 mod overlay;
 mod panels;

@@ -1,0 +1,177 @@
+//! When the light in view left, against the times of which there are data: why a picture is dark, in numbers.
+//!
+//! One ray goes through the centre of each pixel. At each point that it meets and that varies with time, the time that a
+//! lookup would ask for is taken on the data's own clock:
+//!
+//! - a cube: world time or the object's own, and for a warped one as much later as its light reached the capture
+//!   camera (η times the distance);
+//! - a pulse: the world time at which its light left the source, E.ct − ηr; there are data ± 4 σ about its centre.
+//!
+//! Later shots see later light. Where the range of times moves by r per metre of the camera's own time,
+//! found by a second survey, it reaches data [c, d] from [a, b] at camera times t + (c − b)/r to t + (d − a)/r.
+
+use rayon::prelude::*;
+
+use crate::render::film::Tile;
+use crate::render::prepare::{Light, Prepared};
+use crate::render::sampler::Sampler;
+use crate::render::trace::{
+    CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Surfaces,
+    TimeResolved, TracedRays,
+};
+use crate::scene::model::Scene;
+
+/// How many standard deviations of a pulse count as its duration, on either side.
+const PULSE_REACH: f64 = 4.0;
+
+/// Times on the clock of a source, metres of ct.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenTimes {
+    /// Index of the source in the scene.
+    pub source: usize,
+    /// The earliest and the latest time at which light in view left (or, on a capture camera's clock, arrived there).
+    pub seen: [f64; 2],
+    /// Between which there are data.
+    pub data: [f64; 2],
+}
+
+impl SeenTimes {
+    /// Whether some of the light in view left while there were data.
+    pub fn meets(&self) -> bool {
+        self.seen[0] <= self.data[1] && self.seen[1] >= self.data[0]
+    }
+}
+
+/// The times of all sources that light something in view, by source.
+pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
+    let Light::TimeResolved(light) = &scene.light else {
+        return Vec::new();
+    };
+    let event = scene.camera.shot.event;
+    let surfaces = Surfaces::new(&scene.frames, event, scene.ray_index);
+    let tiles = 0..Tile::count(scene.layout.size);
+    let survey = |index| {
+        tile(
+            scene,
+            &surfaces,
+            light,
+            Tile::of_image(scene.layout.size, index),
+        )
+    };
+    // Least and greatest do not depend on an order.
+    let all = tiles.into_par_iter().map(survey);
+    all.reduce(Vec::new, |mut a, b| {
+        b.into_iter().for_each(|times| note(&mut a, times));
+        a
+    })
+}
+
+/// Camera times, in metres, between which `before`, seen at the camera's time of `scene`, comes to meet its data; none
+/// where a later shot does not see later light.
+pub fn meeting_times(
+    scene: &Scene,
+    prepared: &mut Prepared,
+    before: &SeenTimes,
+) -> Option<[f64; 2]> {
+    let gap = (before.data[0] - before.seen[1]).max(before.seen[0] - before.data[1]);
+    let step = gap.abs().max(before.data[1] - before.data[0]) * 0.25;
+    let mut later = scene.clone();
+    later.camera.time += step;
+    prepared.retake(&later).ok()?;
+    let after = seen_times(prepared);
+    prepared.retake(scene).ok()?;
+    let after = after.iter().find(|times| times.source == before.source)?;
+    let rate = |k: usize| (after.seen[k] - before.seen[k]) / step;
+    let at = |from: f64, to: f64, rate: f64| scene.camera.time + (to - from) / rate;
+    let times = [
+        at(before.seen[1], before.data[0], rate(1)),
+        at(before.seen[0], before.data[1], rate(0)),
+    ];
+    let rises = rate(0) > 1e-6 && rate(1) > 1e-6;
+    (rises && times[0] < times[1] && times.iter().all(|t| t.is_finite())).then_some(times)
+}
+
+fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile) -> Vec<SeenTimes> {
+    let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
+    let view = &scene.camera.view;
+    view.generate(&mut camera_rays, &Sampler::centred(), tile, 0);
+    let rays = camera_rays.rays(scene.method);
+    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
+    let traced = TracedRays {
+        surfaces,
+        rays,
+        hits: &hits,
+        event: scene.camera.shot.event,
+        index: scene.ray_index,
+    };
+    let mut all = Vec::new();
+    for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
+        let sees = traced.rays.origin(ray).sees();
+        if let Some(observed) = traced.observed(ray, *ratio).filter(|_| sees) {
+            at_point(light, &observed, &mut all);
+        }
+    }
+    all
+}
+
+/// Notes the times of all sources that light a point.
+fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTimes>) {
+    let point = &observed.point;
+    let on = |clock| match clock {
+        EmissionClock::World => point.event().ct,
+        EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
+    };
+    let mut of_cube = |cube: usize, t: f64| {
+        let times = SeenTimes {
+            source: light.cube_sources[cube],
+            seen: [t; 2],
+            data: light.cubes[cube].span(),
+        };
+        note(all, times);
+    };
+    match &light.emitters[point.patch.emitter as usize].0 {
+        Emitter::Base(_) => {}
+        Emitter::Uv { cube, clock, .. } => of_cube(*cube, on(*clock)),
+        Emitter::Capture {
+            cube,
+            capture,
+            clock,
+        } => {
+            let capture = &light.captures[*capture];
+            let distance = (point.rest_event().x - capture.eye()).length();
+            let delay = match capture.is_warped() {
+                true => light.index * distance,
+                false => 0.0,
+            };
+            of_cube(*cube, on(*clock) + delay);
+        }
+        Emitter::Pulses { pulses, .. } => {
+            for index in pulses {
+                let Some((pulse, _)) = &light.pulses[*index] else {
+                    continue;
+                };
+                let way = point.event() - pulse.origin;
+                let left = pulse.origin.ct + way.ct - light.index * way.x.length();
+                let reach = PULSE_REACH * pulse.sigma;
+                let times = SeenTimes {
+                    source: *index,
+                    seen: [left; 2],
+                    data: [pulse.origin.ct - reach, pulse.origin.ct + reach],
+                };
+                note(all, times);
+            }
+        }
+    }
+}
+
+/// Widens the range of the same source, or adds it in its place.
+fn note(all: &mut Vec<SeenTimes>, times: SeenTimes) {
+    match all.binary_search_by_key(&times.source, |known| known.source) {
+        Err(at) => all.insert(at, times),
+        Ok(at) => {
+            let [first, last] = &mut all[at].seen;
+            *first = first.min(times.seen[0]);
+            *last = last.max(times.seen[1]);
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Spectra, exposure of series, and what is said of dark pictures.
+
+use nullray::io::image::{exr, png};
+
+use super::frames::{FOUR, folder, sequence};
+use super::refused::refused;
+use super::{Folder, SMALL};
+
+fn entry(folder: &Folder, name: &str, key: &str) -> Option<String> {
+    let text = png::inspect(&folder.path(name)).unwrap().text;
+    text.into_iter()
+        .find(|(k, _)| k == key)
+        .map(|(_, value)| value)
+}
+
+#[test]
+fn frames_can_have_one_exposure() {
+    let folder = folder();
+    let options = [
+        "--same-exposure",
+        "--set",
+        "display.white=0.5",
+        "-o",
+        "a.png",
+    ];
+    let fixed = [&FOUR[..], &options].concat();
+    // What the scene says itself holds.
+    folder.ok(&sequence(&fixed));
+    assert_eq!(entry(&folder, "a-0000.png", "white").unwrap(), "0.5");
+    folder.write("auto.toml", SMALL);
+    let auto = [
+        &["render", "auto.toml"],
+        &FOUR[..],
+        &["--same-exposure", "-o", "b.png"],
+    ]
+    .concat();
+    let said = folder.ok(&auto);
+    assert!(
+        said.contains("one exposure for all frames: white is radiance "),
+        "{said}"
+    );
+    assert!(!said.contains("flicker"), "{said}");
+    let whites =
+        ["b-0000.png", "b-0001.png", "b-0003.png"].map(|name| entry(&folder, name, "white"));
+    assert!(whites[0].is_some() && whites[0] == whites[1] && whites[1] == whites[2]);
+    // The same again: all frames are there.
+    assert!(folder.ok(&auto).contains("0 rendered, 4 existed already"));
+}
+
+#[test]
+fn a_png_can_have_16_bits() {
+    let folder = folder();
+    folder.ok(&[
+        "render",
+        "scene.toml",
+        "--set",
+        "display.bits=16",
+        "-o",
+        "deep.png",
+        "-o",
+        "deep.exr",
+    ]);
+    let info = png::inspect(&folder.path("deep.png")).unwrap();
+    assert_eq!(info.bits, 16);
+    // Codes are those of the radiance over white, to half a step of 65535.
+    let codes = png::read(&folder.path("deep.png"))
+        .unwrap()
+        .radiance()
+        .unwrap();
+    let light = exr::read(&folder.path("deep.exr"))
+        .unwrap()
+        .radiance()
+        .unwrap();
+    for (codes, light) in codes.into_iter().zip(light) {
+        for (code, light) in codes.into_iter().zip(light) {
+            let linear = light / 0.5;
+            let expected = match linear {
+                l if l <= 0.0031308 => 12.92 * l,
+                l => 1.055 * l.powf(1.0 / 2.4) - 0.055,
+            };
+            assert!(
+                linear > 1.0 || (code - expected).abs() < 0.6 / 65535.0,
+                "{code} {expected}"
+            );
+        }
+    }
+    refused(
+        &folder,
+        &["render", "scene.toml", "--set", "display.bits=12"],
+        &["12 bits"],
+    );
+}
+
+#[test]
+fn luminance_is_drawn_with_a_legend() {
+    let folder = folder();
+    folder.ok(&[
+        "render",
+        "scene.toml",
+        "--luminance",
+        "map.png",
+        "-o",
+        "a.png",
+    ]);
+    let info = png::inspect(&folder.path("map.png")).unwrap();
+    assert!(info.width > 12 && info.height > 9);
+    let arguments = ["render", "scene.toml", "--luminance", "map.exr"];
+    refused(&folder, &arguments, &["end its name in .png"]);
+}
+
+/// A floor of 2 m seen from 4 m above, and a pulse from 3 m above it at ct = 10 m.
+const PULSE: &str = "
+[camera]
+eye = [0, 4, 0]
+look_at = [0, 0, 0]
+up = [0, 0, -1]
+hfov = \"20 deg\"
+size = [9, 9]
+[[object]]
+shape = { plane = { size = [2, 2] } }
+[[source]]
+name = \"flash\"
+pulse = { position = [0, 3, 0], time = \"10 m\", sigma = \"1 cm\" }
+";
+
+#[test]
+fn a_dark_picture_says_when_the_light_left_and_when_to_look() {
+    let folder = Folder::empty();
+    folder.write("pulse.toml", PULSE);
+    let said = folder.ok(&["render", "pulse.toml", "-o", "a.png"]);
+    // The light that is seen at 0 was on the floor at −4 m and less, and would have left the lamp at −7 m.
+    let line = said
+        .lines()
+        .find(|line| line.starts_with("source \"flash\""))
+        .expect(&said);
+    assert!(
+        line.contains("and -7 m; its data span 9.96 m to 10.04 m"),
+        "{line}"
+    );
+    // At rest, a shot that is later by t sees light that left later by t: from 9.96 + 7 m on.
+    assert!(line.contains("try --time \"16.96 m\" to"), "{line}");
+    let said = folder.ok(&["render", "pulse.toml", "--time", "17 m", "-o", "b.png"]);
+    assert!(!said.contains("black"), "{said}");
+}
+
+#[test]
+fn spectra_that_cannot_be_are_refused_in_their_place() {
+    let folder = Folder::empty();
+    let scene = PULSE.split("[[source]]").next().unwrap();
+    folder.write("lamp.csv", "400,1\n300,1\n");
+    for (spectrum, said) in [
+        ("{ blackbody = \"-5 K\" }", "a temperature of -5 K"),
+        ("{ blackbody = \"5 nm\" }", "is not a unit of a temperature"),
+        ("{ line = \"0 nm\" }", "a wavelength of 0 nm"),
+        ("{ line = \"10 um\" }", "nobody at rest sees anything"),
+        ("{ lines = [] }", "0 lines"),
+        (
+            "{ lines = [{ wavelength = \"500 nm\", energy = -1 }] }",
+            "below 0",
+        ),
+        ("{ line = \"500 nm\", blackbody = \"5 K\" }", "given twice"),
+        (
+            "{ gaussian = { centre = \"500 nm\", sigma = \"0 nm\" } }",
+            "wavelength of 0 nm",
+        ),
+        (
+            "{ gaussian = { centre = \"500 nm\", sigma = \"1 um\" } }",
+            "a standard deviation of 1 um",
+        ),
+        (
+            "{ flat = [\"500 nm\", \"400 nm\"] }",
+            "400 nm is not longer than 500 nm",
+        ),
+        ("{ rgb = [1, -1, 0] }", "a colour is below 0"),
+        (
+            "{ rgb = [1, 1, 0], total = 1 }",
+            "no sum over all wavelengths",
+        ),
+        (
+            "{ line = \"500 nm\", continuation = \"dark\" }",
+            "is continued",
+        ),
+        (
+            "{ line = \"500 nm\", luminance = 1, total = 1 }",
+            "given twice",
+        ),
+        ("{ line = \"500 nm\", luminance = -1 }", "below 0"),
+        ("{ table = \"none.csv\" }", "cannot find this file"),
+        ("{ table = \"lamp.npy\" }", "neither a .csv file nor a .txt"),
+        (
+            "{ table = \"lamp.csv\" }",
+            "line 2: 300 nm does not come after",
+        ),
+        ("{ luminance = 1 }", "nothing of its wavelengths"),
+    ] {
+        folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n"));
+        refused(&folder, &["render", "bad.toml"], &[said]);
+    }
+}

@@ -213,7 +213,7 @@ impl Outputs {
             Kind::Exr => {
                 let options = image::exr::Options {
                     half: self.half,
-                    matrices: Some(scene.camera.matrices()),
+                    matrices: scene.camera.matrices(),
                 };
                 image::exr::write_with(path, &layers, &options)?;
             }

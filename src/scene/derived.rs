@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::model::{Assembly, CameraModel, Motion, Object, Scene, Sensor};
+use super::model::{Assembly, CameraModel, Motion, Object, ProjectionKind, Scene, Sensor};
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
 
@@ -111,8 +111,15 @@ impl CameraModel {
     /// Camera coordinates are right, up and backward, metres. Normalised device coordinates are −1 to 1 from the
     /// left to the right and from the bottom to the top, after division by the fourth: the depth. They are those of a
     /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 2 cm over depth: −1 at
-    /// 1 cm, 1 far away.
-    pub fn matrices(&self) -> [[f32; 16]; 2] {
+    /// 1 cm, 1 far away. A stereo pair has neither, and only a perspective picture has the second.
+    pub fn matrices(&self) -> [Option<[f32; 16]>; 2] {
+        let [camera, ndc] = self.matrices_of_perspective();
+        let is_single = self.stereo.is_none();
+        let is_flat = is_single && self.projection == ProjectionKind::Perspective;
+        [is_single.then_some(camera), is_flat.then_some(ndc)]
+    }
+
+    fn matrices_of_perspective(&self) -> [[f32; 16]; 2] {
         let eye = self.shot().x;
         let [right, up, forward] = self.axes;
         let [width, height] = self.size.map(f64::from);
@@ -180,7 +187,7 @@ shape = { sphere = { radius = 1 } }
         let text = "[camera]\neye = [1, 2, 3]\nlook_at = [1, 2, -1]\nhfov = \"90 deg\"\nsize = [200, 100]\n\
                     [[object]]\nshape = { sphere = { radius = 1 } }\n";
         let scene = parse(text, "test", Path::new(""), &Overrides::default()).unwrap();
-        let [camera, ndc] = scene.camera.matrices();
+        let [camera, ndc] = scene.camera.matrices().map(Option::unwrap);
         let times = |m: [f32; 16], p: [f32; 3]| -> [f32; 4] {
             let p = [p[0], p[1], p[2], 1.0];
             std::array::from_fn(|column| (0..4).map(|row| p[row] * m[4 * row + column]).sum())

@@ -119,7 +119,7 @@ fn half_precision_is_for_what_is_looked_at_alone() {
     let matrices = [[1.5; 16], std::array::from_fn(|k| k as f32)];
     let options = exr::Options {
         half: true,
-        matrices: Some(matrices),
+        matrices: matrices.map(Some),
     };
     exr::write_with(&path, &written, &options).unwrap();
     let read = exr::read(&path).unwrap();

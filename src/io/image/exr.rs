@@ -73,7 +73,7 @@ pub struct Options {
     /// Radiance and alpha in half precision.
     pub half: bool,
     /// Row-major matrices for points as rows, of the standard's attributes `worldToCamera` and `worldToNDC`.
-    pub matrices: Option<[[f32; 16]; 2]>,
+    pub matrices: [Option<[f32; 16]>; 2],
 }
 
 /// The most pixel data that is read, bytes in memory.
@@ -362,8 +362,8 @@ fn layer_attributes(layers: &Layers, options: &Options) -> LayerAttributes {
     let signed: Vec<_> = signed.map(|c| name_in_file(&c.name)).collect();
     let mut attributes = LayerAttributes {
         software_name: Some(text(software)),
-        world_to_camera: options.matrices.map(|[camera, _]| camera),
-        world_to_normalized_device: options.matrices.map(|[_, ndc]| ndc),
+        world_to_camera: options.matrices[0],
+        world_to_normalized_device: options.matrices[1],
         ..LayerAttributes::default()
     };
     let mut put = |key: &str, value: &str| {

@@ -134,7 +134,7 @@ pub fn render_long() -> String {
             .map_or(RENDER, |(examples, _)| examples)
     );
     for aov in Aov::ALL {
-        let _ = write!(text, "\n  {:<17}{}", aov.name(), aov.meaning());
+        let _ = write!(text, "\n  {:<21}{}", aov.name(), aov.meaning());
     }
     text + "\n\n" + SAMPLES
 }
@@ -165,7 +165,8 @@ computed at each sample; with ,lookup=nearest warps take the nearest texel inste
 const FORMATS: &str = "
 Formats, by the extension of -o:
   .png   for displays: sRGB, tone-mapped by --exposure or --white
-  .exr   linear, single precision: R, G, B are the radiance; auxiliary channels by their names
+  .exr   linear, single precision: R, G, B are the radiance; auxiliary channels by their names, but distance as Z and
+         alpha as A; --half for radiance and alpha in half precision
   .npz   for numpy, double precision: array `radiance` (rows, columns, 3), one array per channel
 All hold the scene's text, its SHA-256, version, camera and units as metadata.
 

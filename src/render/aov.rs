@@ -129,7 +129,7 @@ aovs! {
     CaptureFootprint, "capture.footprint", Nearest, "width on the surface, along its tilt, of a pixel of its capture camera, metres",
         "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
     CaptureCosine, "capture.cosine", Nearest, "cosine between normal and the way to the capture camera: near 0 where that grazes the surface",
-        "n·(eye − p)/|eye − p|, n the normal on the side that is seen";
+        "n·(eye − p) over the length of eye − p, n the normal on the side that is seen";
     Alpha, "alpha", MeanOfAll, "part of the pixel that shows an object, 0 to 1",
         "part of the samples that meet an object";
     ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: a pass of ids, as compositors read it",

@@ -1,7 +1,7 @@
 //! Colours that stand for spectra: RGB whose hue shifts, and objects with spectra of their own.
 //!
 //! What an observer sees at W of a spectrum is ∫ W⁻⁵ L(λ/W) m_j(λ) dλ; here it is summed from the spectrum's own
-//! values over 0.25 nm, apart from how the renderer tabulates it.
+//! values over 0.025 nm, apart from how the renderer tabulates it.
 
 use glam::DVec3;
 use nullray::colour::{Continuation, Scale, Shape, Spectrum, colour_matching, rgb_from_xyz};
@@ -21,7 +21,7 @@ back_faces = \"two_sided\"
 eye = [0.3, 0.1, -0.2]
 look_at = [0.9, 0.5, -1.2]
 hfov = \"150 deg\"
-size = [16, 12]
+size = [8, 6]
 [[object]]
 shape = {{ sphere = {{ radius = 50, subdivisions = 2 }} }}
 {keys}
@@ -34,9 +34,9 @@ shape = {{ sphere = {{ radius = 50, subdivisions = 2 }} }}
 /// The sum over wavelengths.
 fn seen(spectrum: &Spectrum, w: f64) -> [f64; 3] {
     let mut xyz = [0.0; 3];
-    for k in 0..1880 {
-        let l = (360.125 + 0.25 * f64::from(k)) * 1e-9;
-        let radiance = spectrum.per_wavelength(l / w) / w.powi(5) * 0.25e-9;
+    for k in 0..18_800 {
+        let l = (360.0125 + 0.025 * f64::from(k)) * 1e-9;
+        let radiance = spectrum.per_wavelength(l / w) / w.powi(5) * 0.025e-9;
         let m = colour_matching(l);
         (0..3).for_each(|j| xyz[j] += radiance * m[j]);
     }
@@ -184,9 +184,10 @@ quantity = \"rgb\"
     assert!(r > 0.0);
     assert_relative(g / r, 0.125, 1e-6, "green");
     assert_relative(b / r, 0.0625, 1e-6, "blue");
-    scene.camera.velocity = Velocity::from_beta(DVec3::new(0.0, -0.5, 0.0)).unwrap();
+    // It is at 4.9 m at 5.8 m of world time.
+    scene.camera.velocity = Velocity::from_beta(DVec3::new(0.0, 0.5, 0.0)).unwrap();
     let moving = stage::film(&scene);
-    // Along the motion W = √(1/3): of each pixel the ratio of components is that of the shifted colour.
+    // Left behind with W = √3: the ratio of components is that of the shifted colour.
     let w = stage::value(&moving, Aov::WavelengthRatio, 5);
     let colour = [0.8, 0.1, 0.05];
     let expected = seen(&Spectrum::rgb(colour, Continuation::Blackbody), w);

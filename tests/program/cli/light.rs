@@ -186,7 +186,7 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
         ),
         ("{ line = \"500 nm\", luminance = -1 }", "below 0"),
         ("{ table = \"none.csv\" }", "cannot find this file"),
-        ("{ table = \"lamp.npy\" }", "neither a .csv file nor a .txt"),
+        ("{ table = \"lamp.npy\" }", "neither a .csv nor a .txt file"),
         (
             "{ table = \"lamp.csv\" }",
             "line 2: 300 nm does not come after",

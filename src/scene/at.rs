@@ -63,18 +63,19 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for AtVisitor<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<At<T>, A::Error> {
-        let parts = (
-            seq.next_element()?,
-            seq.next_element()?,
-            seq.next_element()?,
-        );
-        let (Some(start), Some(end), Some(value)) = parts else {
-            return Err(A::Error::invalid_length(0, &self));
-        };
-        Ok(At {
-            value,
-            span: start..end,
-        })
+        let span = span(&mut seq)?;
+        match seq.next_element()? {
+            Some(value) => Ok(At { value, span }),
+            None => Err(A::Error::invalid_length(2, &self)),
+        }
+    }
+}
+
+/// Start and end; apart from the value, so that it is compiled once.
+fn span<'de, A: SeqAccess<'de>>(seq: &mut A) -> Result<Range<usize>, A::Error> {
+    match (seq.next_element()?, seq.next_element()?) {
+        (Some(start), Some(end)) => Ok(start..end),
+        _ => Err(A::Error::custom("a value without its place")),
     }
 }
 

@@ -46,6 +46,8 @@ struct Node<'a> {
 
 #[derive(Clone, Copy)]
 enum Content<'a> {
+    /// An end of a place.
+    Bound(usize),
     Value(&'a Value),
     Table(&'a dyn TableLike),
     Tables(&'a ArrayOfTables),
@@ -63,6 +65,20 @@ impl<'a> Node<'a> {
         };
         let span = item.span().unwrap_or(key);
         Some(Node { content, span })
+    }
+
+    /// What there is, for messages that it is not what is asked for.
+    fn unexpected(&self) -> Unexpected<'a> {
+        match self.content {
+            Content::Bound(bound) => Unexpected::Unsigned(bound as u64),
+            Content::Table(_) | Content::Value(Value::InlineTable(_)) => Unexpected::Map,
+            Content::Tables(_) | Content::Value(Value::Array(_)) => Unexpected::Seq,
+            Content::Value(Value::String(text)) => Unexpected::Str(text.value()),
+            Content::Value(Value::Integer(number)) => Unexpected::Signed(*number.value()),
+            Content::Value(Value::Float(number)) => Unexpected::Float(*number.value()),
+            Content::Value(Value::Boolean(flag)) => Unexpected::Bool(*flag.value()),
+            Content::Value(Value::Datetime(_)) => Unexpected::Other("a date or time"),
+        }
     }
 
     fn of_value(value: &'a Value) -> Self {
@@ -105,6 +121,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
         let read = match self.content {
+            Content::Bound(bound) => visitor.visit_u64(bound as u64),
             Content::Table(table) => visitor.visit_map(Entries::of(table)),
             Content::Tables(tables) => visitor.visit_seq(Elements::of_tables(tables)),
             Content::Value(Value::Array(array)) => visitor.visit_seq(Elements::of_array(array)),
@@ -112,11 +129,47 @@ impl<'de> Deserializer<'de> for Node<'de> {
             Content::Value(Value::Integer(number)) => visitor.visit_i64(*number.value()),
             Content::Value(Value::Float(number)) => visitor.visit_f64(*number.value()),
             Content::Value(Value::Boolean(flag)) => visitor.visit_bool(*flag.value()),
-            Content::Value(Value::Datetime(_) | Value::InlineTable(_)) => Err(
-                Mismatch::invalid_type(Unexpected::Other("a date or time"), &visitor),
-            ),
+            Content::Value(Value::Datetime(_) | Value::InlineTable(_)) => {
+                Err(Mismatch::invalid_type(self.unexpected(), &visitor))
+            }
         };
         read.map_err(|error| error.within(&self.span))
+    }
+
+    // Structures and lists go ways of their own: with `deserialize_any` each of the file's types would be compiled
+    // with code to be read from values of every kind.
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
+        let read = match self.content {
+            Content::Table(table) => visitor.visit_map(Entries::of(table)),
+            _ => Err(Mismatch::invalid_type(self.unexpected(), &visitor)),
+        };
+        read.map_err(|error| error.within(&self.span))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Mismatch> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
+        let read = match self.content {
+            Content::Tables(tables) => visitor.visit_seq(Elements::of_tables(tables)),
+            Content::Value(Value::Array(array)) => visitor.visit_seq(Elements::of_array(array)),
+            _ => Err(Mismatch::invalid_type(self.unexpected(), &visitor)),
+        };
+        read.map_err(|error| error.within(&self.span))
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(
+        self,
+        _: usize,
+        visitor: V,
+    ) -> Result<V::Value, Mismatch> {
+        self.deserialize_seq(visitor)
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Mismatch> {
@@ -131,19 +184,17 @@ impl<'de> Deserializer<'de> for Node<'de> {
         visitor.visit_newtype_struct(self)
     }
 
+    /// The only structures of this kind are values with their places.
     fn deserialize_tuple_struct<V: Visitor<'de>>(
         self,
-        name: &'static str,
+        _: &'static str,
         _: usize,
         visitor: V,
     ) -> Result<V::Value, Mismatch> {
-        if name == PLACED {
-            return visitor.visit_seq(Placed {
-                node: self,
-                next: 0,
-            });
-        }
-        self.deserialize_any(visitor)
+        visitor.visit_seq(Placed {
+            node: self,
+            next: 0,
+        })
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -166,7 +217,7 @@ impl<'de> Deserializer<'de> for Node<'de> {
 
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
-        unit_struct seq tuple map struct identifier ignored_any
+        unit_struct identifier ignored_any
     }
 }
 
@@ -184,12 +235,13 @@ impl<'de> SeqAccess<'de> for Placed<'de> {
         seed: T,
     ) -> Result<Option<T::Value>, Mismatch> {
         self.next += 1;
-        let bound = match self.next {
-            1 => self.node.span.start,
-            2 => self.node.span.end,
-            _ => return seed.deserialize(self.node.clone()).map(Some),
-        };
-        seed.deserialize(bound.into_deserializer()).map(Some)
+        let mut part = self.node.clone();
+        match self.next {
+            1 => part.content = Content::Bound(part.span.start),
+            2 => part.content = Content::Bound(part.span.end),
+            _ => {}
+        }
+        seed.deserialize(part).map(Some)
     }
 }
 

@@ -68,9 +68,6 @@
 //! The library never prints, never exits and never reads the environment. Same input, same output, bit
 //! for bit, on any number of threads.
 
-#![deny(unsafe_code)]
-#![warn(missing_docs)]
-
 pub mod accel;
 pub mod approximate;
 pub mod camera;

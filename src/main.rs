@@ -1,7 +1,5 @@
 //! The command line: arguments in, pictures out, one clear message where something is wrong.
 
-#![forbid(unsafe_code)]
-
 use std::process::ExitCode;
 
 mod cli;

@@ -19,6 +19,7 @@ const CAPACITY: usize = 96;
 /// d · ((p − o) × (q − o)), correct in sign and to an ulp or two.
 #[cold]
 pub(super) fn edge(o: DVec3, d: DVec3, p: DVec3, q: DVec3) -> f64 {
+    // det(d, p − o, q − o), multilinear in its rows: of the terms with o twice nothing is left.
     let mut sum = Expansion::ZERO;
     sum.add_determinant(d, p, q);
     sum.add_determinant(-d, o, q);
@@ -29,6 +30,7 @@ pub(super) fn edge(o: DVec3, d: DVec3, p: DVec3, q: DVec3) -> f64 {
 /// (a − o) · ((b − o) × (c − o)), correct in sign and to an ulp or two.
 #[cold]
 pub(super) fn volume(o: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    // The same for det(a − o, b − o, c − o).
     let mut sum = Expansion::ZERO;
     sum.add_determinant(a, b, c);
     sum.add_determinant(-o, b, c);
@@ -60,6 +62,7 @@ impl Expansion {
 
     fn add_product(&mut self, x: f64, y: f64, z: f64) {
         let (high, low) = two_product(x, y);
+        // (x y) z is four terms: both parts of x y, and what is rounded away of their products with z.
         for part in [low, high] {
             let (high, low) = two_product(part, z);
             self.add(low);
@@ -69,6 +72,7 @@ impl Expansion {
 
     /// Grow-Expansion, without zeros.
     fn add(&mut self, term: f64) {
+        // The sum goes up through the parts, and leaves at each what was rounded away.
         let (mut carry, mut kept) = (term, 0);
         for i in 0..self.len {
             let (sum, rest) = two_sum(carry, self.parts[i]);

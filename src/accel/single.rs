@@ -142,6 +142,7 @@ impl ScaledRay {
     pub fn new(ray: &Ray) -> Option<ScaledRay> {
         let size = ray.direction.abs().max_element();
         let far = ray.origin.abs().max_element();
+        // 0 times a number is 0, times NaN or ∞ it is NaN.
         let finite = (ray.direction * 0.0 + ray.origin * 0.0) == DVec3::ZERO;
         let usual = power_of_two(-500)..power_of_two(500);
         if !finite || !usual.contains(&size) || far > Bvh::MAX_COORDINATE {
@@ -183,6 +184,7 @@ impl ScaledRay {
         slot: u32,
         tally: &mut impl Tally,
     ) -> Option<(Crossing, u32)> {
+        // Its own query, so that the two are compared by the rule of the whole tree.
         let mut query = ClosestHit {
             bvh,
             line: &self.line,
@@ -211,6 +213,7 @@ impl<T: Tally> ClosestHit<'_, T> {
     /// Takes over the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
     #[inline(always)]
     fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
+        // Ties go to the smaller id, so that the order of the tree does not show.
         if let Some(crossing) = self.line.intersect(corners, self.tally)
             && crossing.s > self.s_min
             && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))

@@ -92,6 +92,7 @@ impl WideLeaf {
             present: (1 << corners.len()) - 1,
             front_only: 0,
         };
+        // Corners to f32, by lane, and the largest error that this makes.
         let mut error = 0.0f64;
         for (at, corner) in all().enumerate() {
             let exact = corner - centre.as_dvec3();
@@ -103,6 +104,7 @@ impl WideLeaf {
         }
         // The conversion's error as measured, f64's 2⁻⁵⁰, and the rounding of their sum to f32.
         leaf.error = (error + power_of_two(-50)) as f32 * (1.0 + f32::EPSILON);
+        // What does not show its back shows its front only.
         for (at, tag) in tags.iter().enumerate() {
             leaf.front_only |= u32::from(!tag.shows(false)) << at;
         }
@@ -119,6 +121,7 @@ impl WideTree {
             leaves: Vec::with_capacity(tree.corners.len() / 5 + 1),
             depth: 0,
         };
+        // Depth-first by a list of nodes whose children are still to be set: source, target, level.
         let mut pending = Vec::new();
         if !tree.nodes.is_empty() {
             wide.nodes.push(WideNode::EMPTY);
@@ -148,6 +151,7 @@ impl WideTree {
 impl BinaryTree<'_> {
     /// Per node its first slot and how many there are: depth-first, they follow one another.
     fn ranges(&self) -> Vec<(u32, u32)> {
+        // Children stand behind their parents: from the last node on, theirs are known.
         let mut ranges = vec![(0, 0); self.nodes.len()];
         for node in (0..self.nodes.len()).rev() {
             let (mut first, mut end) = (u32::MAX, 0);
@@ -184,6 +188,7 @@ impl BinaryTree<'_> {
             else {
                 break;
             };
+            // The largest gives way to its own two.
             let pair = self.nodes[child.node.index()].children();
             children.swap_remove(at);
             children.extend(pair);

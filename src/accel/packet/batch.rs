@@ -47,6 +47,7 @@ impl Bvh {
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
+        // Setting a block up costs more than a few single rays; where the bounds of packets do not hold, single rays do.
         if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
             return self.closest_singly(from, directions, hits, tally, replaced);
         }
@@ -91,6 +92,7 @@ impl Bvh {
         self.with_wide_stack(|stack| {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut block);
+                // Blocks that are too small, or go all ways, are traced ray by ray.
                 let mut outcome = Outcome::Incoherent;
                 if block.count >= FEW {
                     outcome = method.kernel.run(AnyHits {
@@ -207,6 +209,7 @@ impl Bvh {
 
     fn with_wide_stack(&self, run: impl FnOnce(&mut [StackEntry])) {
         const NONE: StackEntry = (0.0, NodeRef::ROOT);
+        // A node leaves all its children on the stack but the one that is taken next.
         let most = self.wide.depth * WIDTH + 1;
         if most <= USUAL_STACK {
             run(&mut [NONE; USUAL_STACK])
@@ -236,6 +239,7 @@ impl Workspace {
             }
             let ray = block.order[lane] as usize;
             let entry = &mut hits[ray];
+            // In f64 as worked out together, one by one where that was left open; or as f32 has them.
             let is_replaced = if certified && !self.refined.has(lane) {
                 replace_singly(bvh, rays, ray, block.slots[lane], entry, tally)
             } else {

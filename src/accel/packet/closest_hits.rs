@@ -101,6 +101,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         slot: u32,
     ) -> bool {
         let triangle = PacketTriangle::new::<R>(k, triangles, at);
+        // Only f32 hits carry their side; f64 finds it again.
         let front = triangles.front >> at & 1 != 0;
         let slot = if front && !CERTIFIED {
             slot | FRONT
@@ -113,6 +114,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             let d = load_vectors(k, &self.block.directions, first);
             let edge_functions = triangle.edge_functions::<R>(&d, self.block, first);
             let [u, v, w] = edge_functions;
+            // Inside, or so nearly that f32 cannot tell: none of U + B, V + B and W + B is negative.
             let inside = k.not_negative(u, v, w);
             if inside != 0 {
                 changed |= match CERTIFIED {
@@ -166,6 +168,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             k.store(&mut block.far[first..], far);
             k.store_index(&mut block.slots[first..], certain, slot);
         }
+        // What is left: near an edge, along the plane, or at about the distance of the nearest hit.
         let mut doubtful = candidates & !certain;
         let mut changed = certain != 0;
         while doubtful != 0 {
@@ -189,6 +192,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
     ) -> bool {
         let block = &mut *self.block;
         let volume = triangle.volume::<R>(block, first);
+        // τ = (n·a − n·δ)/Δ, which has to be above 0 and nearer.
         let delta = triangle.determinant(&d);
         let zero = k.splat(0.0);
         let inverse = k.div(k.splat(1.0), delta);
@@ -200,6 +204,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             return false;
         }
         k.store(&mut block.far[first..], k.select(nearer, tau, known));
+        // U/Δ and V/Δ are the barycentrics of the second and of the third corner.
         let [u, v, _] = edge_functions;
         k.store_some(
             &mut block.barycentrics[0][first..],
@@ -259,6 +264,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         let Some(ray) = ScaledRay::new(&self.rays.ray(ray)) else {
             return false;
         };
+        // The nearest so far, as exactly as the challenger is found.
         let rival = match self.block.slots[lane] {
             NONE => None,
             rival => {

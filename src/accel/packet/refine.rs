@@ -40,6 +40,7 @@ impl RefinedHits {
         let mut first = 0;
         while first < RAYS {
             let slots = &block.slots[first..first + GROUP];
+            // Whether all lanes that hit something hit the same triangle: then it is loaded once.
             let (mut hit, mut same) = (NONE, true);
             for &slot in slots {
                 if slot != NONE {
@@ -107,6 +108,7 @@ impl RefinedHits {
 /// s, u, v and n·d, which is 0 where the hit is left to single rays.
 #[inline(always)]
 fn intersect(origin: DVec3, d: DVec3, [c0, c1, c2]: [DVec3; 3]) -> [f64; 4] {
+    // U, V and W of `triangle`, by r = a × d.
     let a = c0 - origin;
     let e1 = c1 - c0;
     let e2 = c2 - c0;
@@ -171,6 +173,7 @@ impl Pairs {
                 }
             }
         }
+        // A shared origin is kept once.
         let places = if R::OWN_ORIGINS { GROUP } else { 1 };
         for (i, &ray) in order.iter().enumerate().take(places) {
             let origin = rays.origin(ray as usize);

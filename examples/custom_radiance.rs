@@ -53,10 +53,7 @@ fn main() -> nullray::Result<()> {
     let shown = tonemap::tonemap(&radiance, Exposure::Percentile(99.0))?;
     let [width, height] = film.size();
     png::write(&path, width, height, &shown.rgb, &[])?;
-    println!(
-        "wrote {}; white is a radiance of {}",
-        path.display(),
-        shown.white
-    );
+    let white = shown.white;
+    println!("wrote {}; white is radiance {white}", path.display());
     Ok(())
 }

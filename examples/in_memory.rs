@@ -9,57 +9,41 @@ use glam::DVec3;
 use nullray::io::cube::{Cube, Samples};
 use nullray::io::image::png;
 use nullray::mesh::Mesh;
-use nullray::render::metadata::metadata;
 use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
-use nullray::render::{render, tonemap};
+use nullray::render::{metadata::metadata, prepare::Prepared, progress::Silent, render, tonemap};
 use nullray::scene::Builder;
 use nullray::scene::model::Shape;
-use nullray::spacetime::Velocity;
 
-/// A torus around the z axis, of the radii 0.7 and 0.25.
-fn torus(n: u32) -> Mesh {
+/// A band around the x axis, of radius 0.8: n pairs of triangles.
+fn ring(n: u32) -> Mesh {
     let vertex = |i: u32| {
-        let [u, v] = [i % n, i / n].map(|k| TAU * f64::from(k) / f64::from(n));
-        let radius = 0.7 + 0.25 * v.cos();
-        DVec3::new(radius * u.cos(), radius * u.sin(), 0.25 * v.sin())
+        let (sin, cos) = (TAU * f64::from(i / 2) / f64::from(n)).sin_cos();
+        DVec3::new([-0.25, 0.25][i as usize % 2], 0.8 * cos, 0.8 * sin)
     };
-    let triangles = |i: u32| {
-        let at = |du: u32, dv: u32| (i + du) % n + ((i / n + dv) % n) * n;
-        let [a, b, c, d] = [i, at(1, 0), at(1, 1), at(0, 1)];
-        [[a, b, c], [a, c, d]]
+    let pair = |k: u32| {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| (2 * k + i) % (2 * n));
+        [[a, c, b], [b, c, d]]
     };
-    let positions = (0..n * n).map(vertex).collect();
-    Mesh::new(
-        positions,
-        (0..n * n).flat_map(triangles).collect(),
-        [0.9, 0.5, 0.1],
-    )
+    let (corners, triangles) = ((0..2 * n).map(vertex), (0..n).flat_map(pair));
+    Mesh::new(corners.collect(), triangles.collect(), [0.9, 0.5, 0.1])
 }
 
 fn main() -> nullray::Result<()> {
     let path = std::env::args_os().nth(1).map(PathBuf::from);
     let path = path.unwrap_or_else(|| std::env::temp_dir().join("in_memory.png"));
     // 8 × 8 texels, each of which lights up at a time of its own.
-    let samples = (0..8 * 8 * 64)
-        .map(|i| f32::from(i / 64 % 64 == i % 64))
-        .collect();
-    let cube = Cube::new([8, 8, 64, 1], Samples::F32(samples)).expect("its shape is right");
-    let wall = Shape::Box {
-        size: [4.0, 3.0, 0.1],
-    };
-    let scene = Builder::new("torus")
+    let samples = (0..8 * 8 * 64).map(|i| f32::from(i / 64 % 64 == i % 64));
+    let samples = Samples::F32(samples.collect());
+    let cube = Cube::new([8, 8, 64, 1], samples).expect("its shape is right");
+    let size = [4.0, 3.0, 0.1];
+    let scene = Builder::new("ring")
         .set("camera.eye", [0.0, 0.0, 4.0])
         .set("camera.look_at", [0.0, 0.0, 0.0])
         .set("camera.time", "8 m")
-        .mesh("torus", Arc::new(torus(96)))
-        .set(
-            "object.torus.velocity",
-            Velocity::from_beta(DVec3::X * 0.9).expect("below 1"),
-        )
-        .set("object.torus.origin.time", "4.4 m")
-        .shape("wall", wall)
+        .mesh("ring", Arc::new(ring(96)))
+        .set("object.ring.velocity.beta", [0.9, 0.0, 0.0])
+        .set("object.ring.origin.time", "4.4 m")
+        .shape("wall", Shape::Box { size })
         .set("object.wall.origin.position", [0.0, 0.0, -2.0])
         .cube("light", Arc::new(cube), 0.1)
         .set("source.light.cube.values", "density")

@@ -4,17 +4,20 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use nullray::Result;
 use nullray::accel::Precision;
 use nullray::approximate::raster::Method;
 use nullray::figures::overlay::Parts;
+use nullray::render::aov::Aov;
+use nullray::render::plan::Request;
 use nullray::scene::Overrides;
-use nullray::scene::model::MOST_SAMPLES;
+use nullray::scene::model::{MOST_SAMPLES, Scene};
 use nullray::spacetime::units::Time;
-use nullray::validate::compare::Tolerance;
+use nullray::validate::compare::{Encoding, NotFinite, Tolerance};
 use nullray::validate::study;
 
-use super::values::{AovList, MethodList, Policy, SampleList, Transfer};
-use super::{help, values};
+use super::values::{AovList, MethodList, SampleList};
+use super::{help, panels, values};
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -73,7 +76,7 @@ pub enum Command {
     },
 }
 
-/// A scene and what is changed of it.
+/// A scene, or a panel of it, and what is changed of it.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     /// The scene file (TOML). Default: the built-in scene.
@@ -81,6 +84,25 @@ pub struct SceneArguments {
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub changes: Changes,
+    /// Take this panel of the scene. Default: the scene without its panels.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Option<String>,
+}
+
+/// How the work is done.
+#[derive(Debug, Args)]
+pub struct WorkArguments {
+    /// Worker threads. Default: one per core. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors and results that are asked for.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// The channels of a picture.
+#[derive(Debug, Args)]
+pub struct ChannelArguments {
     /// Auxiliary channels for .exr and .npz: "all", or a list of channels ("event.ct") and groups of
     /// them ("event").
     #[arg(long, value_name = "LIST", value_parser = values::aovs)]
@@ -168,8 +190,13 @@ pub struct FrameArguments {
 
 #[derive(Debug, Args)]
 pub struct RenderArguments {
+    /// The scene file (TOML). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    pub scene: SceneArguments,
+    pub changes: Changes,
+    #[command(flatten)]
+    pub channels: ChannelArguments,
     /// Where to write: .png (display), .exr (linear, all channels), .npz (f64). Repeatable.
     /// Default: the scene's name with .png, in the current directory.
     /// An existing file is replaced once the new one is complete.
@@ -205,12 +232,8 @@ pub struct RenderArguments {
     /// Render this panel of the scene. Default: all panels. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub panel: Vec<String>,
-    /// Worker threads. Default: one per core. The pictures do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
     /// Print statistics at the end: rays, node visits, triangle tests, fall-backs, bytes, times.
     #[arg(long, conflicts_with = "quiet")]
     pub stats: bool,
@@ -242,21 +265,16 @@ pub struct SheetArguments {
     /// Also write each panel, beside its page: the scene's name and the panel's.
     #[arg(long)]
     pub keep_panels: bool,
-    /// Worker threads. Default: one per core. The pictures do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
 }
 
 #[derive(Debug, Args)]
 pub struct PlanArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Plan this panel of the scene. Default: the scene without its panels.
-    #[arg(long, value_name = "NAME")]
-    pub panel: Option<String>,
+    #[command(flatten)]
+    pub channels: ChannelArguments,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
@@ -264,26 +282,16 @@ pub struct PlanArguments {
 
 #[derive(Debug, Args)]
 pub struct TessellationArguments {
-    /// The scene file (TOML). Default: the built-in scene.
-    #[arg(value_name = "SCENE")]
-    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub scene: SceneArguments,
     /// Largest allowed distance of drawn points from their true positions, pixels.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = values::pixels, allow_hyphen_values = true)]
     pub pixels: f64,
-    /// Analyse this panel of the scene. Default: the scene without its panels.
-    #[arg(long, value_name = "NAME")]
-    pub panel: Option<String>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
-    /// Worker threads. Default: one per core. The result does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress bar.
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
 }
 
 #[derive(Debug, Args)]
@@ -331,10 +339,10 @@ pub struct CompareArguments {
     pub crop: Option<[u32; 4]>,
     /// The encoding of a .png: "srgb" or "linear". Default: srgb.
     #[arg(long, value_name = "NAME", value_parser = values::transfer)]
-    pub transfer: Option<Transfer>,
+    pub transfer: Option<Encoding>,
     /// How to treat radiance that is NaN or infinite: "refuse", "ignore", "count-as=VALUE". Default: refuse.
     #[arg(long, value_name = "POLICY", value_parser = values::nan)]
-    pub nan: Option<Policy>,
+    pub nan: Option<NotFinite>,
     /// Width of a time bin, with its unit: "5 mm" or "16 ps". Errors of emission times are then reported in bins too.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
@@ -439,17 +447,11 @@ pub struct PixelArguments {
 
 #[derive(Debug, Args)]
 pub struct ExportArguments {
-    /// The scene file (TOML). Default: the built-in scene.
-    #[arg(value_name = "SCENE")]
-    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub scene: SceneArguments,
     /// The directory to write. It appears once it is complete.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Export this panel of the scene. Default: the scene without its panels.
-    #[arg(long, value_name = "NAME")]
-    pub panel: Option<String>,
     /// Render no reference pictures.
     #[arg(long)]
     pub no_reference: bool,
@@ -459,21 +461,14 @@ pub struct ExportArguments {
     /// Replace an export of this name.
     #[arg(long)]
     pub overwrite: bool,
-    /// Worker threads. Default: one per core. What is written does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
 }
 
 #[derive(Debug, Args)]
 pub struct StudyArguments {
-    /// The scene file (TOML). Default: the built-in scene.
-    #[arg(value_name = "SCENE")]
-    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    pub changes: Changes,
+    pub scene: SceneArguments,
     /// Where to write: .csv, .json, or the plot as .svg, .pdf, .png. Repeatable.
     /// Default: the scene's name with -study.csv, -study.json and -study.svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
@@ -493,15 +488,8 @@ pub struct StudyArguments {
     /// Samples per pixel of the reference picture.
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
     pub reference_spp: u32,
-    /// Study this panel of the scene. Default: the scene without its panels.
-    #[arg(long, value_name = "NAME")]
-    pub panel: Option<String>,
-    /// Worker threads. Default: one per core.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
 }
 
 /// What becomes of stored cubes.
@@ -514,12 +502,16 @@ pub enum CubesArgument {
 }
 
 impl SceneArguments {
-    /// What is asked of the scene beyond its file.
-    pub fn request(&self) -> nullray::render::plan::Request {
-        nullray::render::plan::Request {
-            aovs: self.aovs.clone().map_or(Vec::new(), |list| list.0),
-            ..self.changes.request()
-        }
+    /// The scene, or the panel.
+    pub fn load(&self) -> Result<Scene> {
+        let overrides = self.changes.overrides();
+        panels::scene(self.scene.as_deref(), self.panel.as_ref(), &overrides)
+    }
+}
+
+impl ChannelArguments {
+    pub fn list(&self) -> Vec<Aov> {
+        self.aovs.clone().map_or(Vec::new(), |list| list.0)
     }
 }
 
@@ -537,8 +529,8 @@ impl Changes {
     }
 
     /// What is asked of a scene beyond its file.
-    pub fn request(&self) -> nullray::render::plan::Request {
-        nullray::render::plan::Request {
+    pub fn request(&self) -> Request {
+        Request {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
             memory_limit: self.max_memory,

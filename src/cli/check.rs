@@ -11,8 +11,12 @@ use super::inputs;
 use super::output::{Kind, Outputs, extension};
 
 /// The files that are read and those that will be written, by their identity.
-struct Names {
+pub struct Names {
     read: HashSet<PathBuf>,
+    /// What is wrong with writing over those.
+    overwritten: &'static str,
+    /// What a file that is written holds.
+    thing: &'static str,
     written: HashSet<PathBuf>,
     /// Directories of which it is known that they take files.
     directories: HashSet<PathBuf>,
@@ -21,11 +25,7 @@ struct Names {
 /// Refuses, before any work, what could not be written after it, what would be written twice, and what
 /// would be written over one of the files that are `read`.
 pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Result<()> {
-    let mut names = Names {
-        read: read.iter().map(|path| inputs::identity(path)).collect(),
-        written: HashSet::new(),
-        directories: HashSet::new(),
-    };
+    let mut names = Names::of_scene(read);
     for outputs in all {
         for (flag, path) in outputs.paths() {
             let option = format!("{flag} {}", path.display());
@@ -40,12 +40,7 @@ pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Re
 /// Refuses to write what a rendering has cost over one of the files that are `read`, or into nothing.
 pub fn check_statistics(path: &Path, read: &[PathBuf]) -> Result<()> {
     let option = format!("--stats-json {}", path.display());
-    let mut names = Names {
-        read: read.iter().map(|path| inputs::identity(path)).collect(),
-        written: HashSet::new(),
-        directories: HashSet::new(),
-    };
-    names.check(&option, path)?;
+    Names::of_scene(read).check(&option, path)?;
     match extension(path).as_str() {
         "json" => Ok(()),
         _ => Err(refused(
@@ -71,15 +66,38 @@ pub fn check_page(output: &Path, count: usize) -> Result<()> {
 }
 
 impl Names {
-    fn check(&mut self, option: &str, path: &Path) -> Result<()> {
+    /// With the files of a scene, of which pictures are made.
+    fn of_scene(read: &[PathBuf]) -> Names {
+        let overwritten = "this is a file that the scene is made of: it would be overwritten";
+        Names::new(read, overwritten, " picture")
+    }
+
+    pub fn new<'a>(
+        read: impl IntoIterator<Item = &'a PathBuf>,
+        overwritten: &'static str,
+        thing: &'static str,
+    ) -> Names {
+        Names {
+            read: read
+                .into_iter()
+                .map(|path| inputs::identity(path))
+                .collect(),
+            overwritten,
+            thing,
+            written: HashSet::new(),
+            directories: HashSet::new(),
+        }
+    }
+
+    /// Refuses to write `path`, which `option` names, where that cannot be, or over what is read or written.
+    pub fn check(&mut self, option: &str, path: &Path) -> Result<()> {
         let identity = inputs::identity(path);
         if self.read.contains(&identity) {
-            let what = "this is a file that the scene is made of: it would be overwritten";
-            return Err(refused(option, what, "write to another name"));
+            return Err(refused(option, self.overwritten, "write to another name"));
         }
         if !self.written.insert(identity) {
-            let help = "give each picture a name of its own";
-            return Err(refused(option, "two outputs have this name", help));
+            let help = format!("give each{} a name of its own", self.thing);
+            return Err(refused(option, "two outputs have this name", &help));
         }
         if path.exists() && !path.is_file() {
             let what = "there is something of this name that is not a file";

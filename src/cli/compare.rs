@@ -1,6 +1,6 @@
 //! `nullray compare`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nullray::Result;
 use nullray::figures::drawing::{self, png};
@@ -11,16 +11,15 @@ use nullray::validate::compare::{
 };
 
 use super::args::CompareArguments;
+use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{inputs, interrupt, print, print_json};
+use super::{interrupt, print, print_json};
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments)?;
-    let png = arguments
-        .transfer
-        .map_or(Encoding::Srgb, |transfer| transfer.0);
+    let png = arguments.transfer.unwrap_or(Encoding::Srgb);
     let reference = Picture::read(&arguments.reference, png)?;
     let candidate = Picture::read(&arguments.candidate, png)?;
     interrupt::check()?;
@@ -52,7 +51,7 @@ fn options(arguments: &CompareArguments) -> Result<CompareOptions> {
             crop: arguments.crop,
             mask,
         },
-        not_finite: arguments.nan.map_or(NotFinite::Refuse, |policy| policy.0),
+        not_finite: arguments.nan.unwrap_or(NotFinite::Refuse),
         channels: arguments.channels.clone(),
         bin_width: arguments.bin_width.map(|time| time.metres(SPEED_OF_LIGHT)),
         pixels_per_degree: (!arguments.no_flip)
@@ -98,44 +97,19 @@ fn write(
 
 /// Refuses, before any work, what could not be written after it.
 fn check_outputs(arguments: &CompareArguments) -> Result<()> {
-    let read = [&arguments.reference, &arguments.candidate].map(|path| inputs::identity(path));
-    let mut written: Vec<PathBuf> = Vec::new();
+    let overwritten = "this is one of the compared pictures and would be overwritten";
+    let mut names = Names::new(
+        [&arguments.reference, &arguments.candidate],
+        overwritten,
+        "",
+    );
     for (flag, path, kind) in arguments.outputs() {
         let option = format!("{flag} {}", path.display());
         if extension(path) != kind {
-            return Err(refused(
-                option,
-                format!("the name does not end in .{kind}"),
-                "the extension says what is written",
-            ));
+            let what = format!("the name does not end in .{kind}");
+            return Err(refused(option, what, "the extension says what is written"));
         }
-        let identity = inputs::identity(path);
-        if read.contains(&identity) {
-            return Err(refused(
-                option,
-                "this is one of the compared pictures and would be overwritten",
-                "write to another name",
-            ));
-        }
-        if written.contains(&identity) {
-            return Err(refused(
-                option,
-                "two outputs have this name",
-                "give each a name of its own",
-            ));
-        }
-        if !inputs::directory(path).is_dir() {
-            let what = format!(
-                "there is no directory {}",
-                inputs::directory(path).display()
-            );
-            return Err(refused(
-                option,
-                what,
-                "make the directory first, or write elsewhere",
-            ));
-        }
-        written.push(identity);
+        names.check(&option, path)?;
     }
     Ok(())
 }

@@ -9,15 +9,10 @@ use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
 use super::output::will_write;
 use super::progress::Bar;
-use super::{film, inputs, interrupt, panels, print};
+use super::{film, inputs, interrupt, print, warn};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
-    let path = arguments.scene.as_deref();
-    let scene = panels::scene(
-        path,
-        arguments.panel.as_ref(),
-        &arguments.changes.overrides(),
-    )?;
+    let scene = arguments.scene.load()?;
     let options = ExportOptions {
         reference: !arguments.no_reference,
         cubes: match arguments.cubes {
@@ -25,18 +20,18 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
             CubesArgument::Reference => Cubes::Referenced,
         },
         overwrite: arguments.overwrite,
-        memory_limit: arguments.changes.max_memory,
+        memory_limit: arguments.scene.changes.max_memory,
     };
     let plan = export::plan(&scene, &options)?;
     check(arguments, &scene, &plan)?;
     will_write(&arguments.output);
-    let exported = film::in_pool(arguments.threads, || {
-        let bar = Bar::new(plan.rays.camera, arguments.quiet);
+    let exported = film::in_pool(arguments.work.threads, || {
+        let bar = Bar::new(plan.rays.camera, arguments.work.quiet);
         bar.start();
         export::export(&scene, &arguments.output, &options, &bar)
     })?;
     interrupt::check()?;
-    match arguments.quiet {
+    match arguments.work.quiet {
         true => Ok(()),
         false => report(arguments, &exported),
     }
@@ -77,8 +72,5 @@ fn report(arguments: &ExportArguments, exported: &Exported) -> Result<()> {
         bundle.files.len() + 1,
         plan::bytes(bytes),
     ))?;
-    for warning in &exported.warnings {
-        print(&format!("warning: {}\n", super::info::escaped(warning)))?;
-    }
-    Ok(())
+    warn(false, &exported.warnings)
 }

@@ -13,9 +13,9 @@ use super::check::check_all;
 use super::output::Outputs;
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{inputs, interrupt, overlay, print, remarks};
+use super::{inputs, interrupt, overlay, remarks, say, warn};
 
-/// Renders one scene to its outputs; says what was written unless `quiet`, and notes the cost on `account`.
+/// Renders one scene to its outputs; prints what was written unless `quiet`, and notes the cost on `account`.
 pub fn one(
     scene: &Scene,
     request: &Request,
@@ -23,19 +23,18 @@ pub fn one(
     quiet: bool,
     account: Option<&mut Account>,
 ) -> Result<()> {
-    let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
     overlay::check(outputs, scene)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
-    outputs.write(scene, &rendered.film, &mut say)?;
-    rendered.remark(scene, &plan, &mut say)?;
+    outputs.write(scene, &rendered.film, quiet)?;
+    rendered.remark(scene, &plan, quiet)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)
 }
 
-/// A finished film, and what there is to say of it.
+/// A finished film, and remarks on it.
 pub struct Rendered {
     pub film: Film,
     /// Seconds.
@@ -47,24 +46,16 @@ pub struct Rendered {
 }
 
 impl Rendered {
-    /// Says what it cost, and what is odd.
-    pub fn remark(
-        &mut self,
-        scene: &Scene,
-        plan: &Plan,
-        say: &mut dyn FnMut(&str) -> Result<()>,
-    ) -> Result<()> {
-        let rays = plan.rays.camera;
-        say(&remarks::cost(rays, self.prepared_in, self.rendered_in))?;
-        say(&remarks::coverage(&self.film, plan))?;
-        say(&remarks::blackness(&self.film))?;
+    /// Prints what it cost and what is odd, unless `quiet`.
+    pub fn remark(&mut self, scene: &Scene, plan: &Plan, quiet: bool) -> Result<()> {
+        let cost = remarks::cost(plan.rays.camera, self.prepared_in, self.rendered_in);
+        say(quiet, &cost)?;
+        say(quiet, &remarks::coverage(&self.film, plan))?;
+        say(quiet, &remarks::blackness(&self.film))?;
         if remarks::is_black(&self.film) {
-            say(&remarks::times(scene, &mut self.prepared))?;
+            say(quiet, &remarks::times(scene, &mut self.prepared))?;
         }
-        for warning in &self.warnings {
-            say(&format!("warning: {}\n", super::info::escaped(warning)))?;
-        }
-        Ok(())
+        warn(quiet, &self.warnings)
     }
 }
 

@@ -17,7 +17,7 @@ use super::complain;
 
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;
-/// What is said then.
+/// The message.
 const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
 /// And where the work can be resumed.
 const RESUME: &str = "run the same command again to render the missing frames\n";
@@ -54,7 +54,7 @@ pub fn can_resume() {
     CAN_RESUME.store(true, Ordering::Relaxed);
 }
 
-/// What is said when everything was stopped.
+/// The message when everything has stopped.
 pub fn message() -> String {
     match CAN_RESUME.load(Ordering::Relaxed) {
         true => format!("{MESSAGE}{RESUME}"),

@@ -41,7 +41,7 @@ use serde::Serialize;
 use args::{Arguments, Command};
 use failure::Done;
 
-/// Parses the command line, does what it says, reports what went wrong.
+/// Parses the command line, carries it out, reports what went wrong.
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     interrupt::install();
@@ -78,6 +78,17 @@ fn print(text: &str) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Prints `text` unless `quiet`.
+fn say(quiet: bool, text: &str) -> Result<()> {
+    if quiet { Ok(()) } else { print(text) }
+}
+
+/// Prints warnings unless `quiet`.
+fn warn<'a>(quiet: bool, warnings: impl IntoIterator<Item = &'a String>) -> Result<()> {
+    let mut warnings = warnings.into_iter();
+    warnings.try_for_each(|text| say(quiet, &format!("warning: {}\n", info::escaped(text))))
 }
 
 /// Prints `value` as JSON.

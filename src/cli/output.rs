@@ -22,7 +22,7 @@ use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
-use super::{inputs, interrupt};
+use super::{inputs, interrupt, say};
 
 /// The retarded time, which isochrones need.
 const RETARDED_TIME: Aov = Aov::EventCt;
@@ -137,20 +137,15 @@ impl Outputs {
         }
     }
 
-    /// Writes all files, one after the other; `say`s which.
-    pub fn write(
-        &self,
-        scene: &Scene,
-        film: &Film,
-        say: &mut dyn FnMut(&str) -> Result<()>,
-    ) -> Result<()> {
+    /// Writes all files, one after the other; prints which unless `quiet`.
+    pub fn write(&self, scene: &Scene, film: &Film, quiet: bool) -> Result<()> {
         for (_, path) in self.paths() {
             will_write(path);
         }
         for (path, kind) in self.files() {
             interrupt::check()?;
             let note = self.write_one(path, kind, scene, film)?;
-            say(&format!("wrote {}{note}\n", path.display()))?;
+            say(quiet, &format!("wrote {}{note}\n", path.display()))?;
         }
         Ok(())
     }
@@ -284,17 +279,12 @@ fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
     isochrones::draw(width, height, times, &options)
 }
 
-/// A drawing in the format of this extension, which says where it is from; .png with so many pixels a point.
-pub fn encoded(
-    drawing: &Drawing,
-    kind: &str,
-    scale: f64,
-    origin: &[(String, String)],
-) -> Result<Vec<u8>> {
+/// A drawing in the format of this extension; .png with so many pixels a point.
+pub fn encoded(drawing: &Drawing, kind: &str, scale: f64) -> Result<Vec<u8>> {
     match kind {
-        "svg" => Ok(svg::write_with(drawing, origin)?.into_bytes()),
-        "pdf" => pdf::write_with(drawing, origin),
-        _ => png::write_with(&png::render(drawing, scale)?, origin),
+        "svg" => Ok(svg::write(drawing)?.into_bytes()),
+        "pdf" => pdf::write(drawing),
+        _ => png::write(&png::render(drawing, scale)?),
     }
 }
 

@@ -10,7 +10,7 @@ use nullray::scene::model::{Scene, Show};
 
 use super::output::{Identity, Outputs, encoded, extension, picture, will_write};
 use super::progress::Bar;
-use super::{interrupt, print};
+use super::{interrupt, say};
 
 /// Refuses overlays over what is not one picture.
 pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {
@@ -20,7 +20,7 @@ pub fn check(outputs: &Outputs, scene: &Scene) -> Result<()> {
     }
 }
 
-/// Writes the pictures with lines drawn over them, if any; says which unless `quiet`.
+/// Writes the pictures with lines drawn over them, if any; prints which unless `quiet`.
 pub fn write(
     outputs: &Outputs,
     scene: &Scene,
@@ -33,19 +33,18 @@ pub fn write(
     }
     let overlay = traced(outputs, scene, prepared, quiet)?;
     let image = picture(scene, film, Show::Picture, None)?.image;
-    let page = overlay.drawing(&scene.name, image)?;
+    let mut page = overlay.drawing(&scene.name, image)?;
     let scale = overlay::png_scale(film.size());
-    let mut origin = metadata(scene, film);
+    page.origin = metadata(scene, film);
     if let Some(identity) = &outputs.identity {
-        origin.push((Identity::KEY.into(), identity.of_overlay(outputs.parts)));
+        page.origin
+            .push((Identity::KEY.into(), identity.of_overlay(outputs.parts)));
     }
     for path in &outputs.overlays {
         interrupt::check()?;
         will_write(path);
-        drawing::save(path, encoded(&page, &extension(path), scale, &origin)?)?;
-        if !quiet {
-            print(&format!("wrote {} (overlay)\n", path.display()))?;
-        }
+        drawing::save(path, encoded(&page, &extension(path), scale)?)?;
+        say(quiet, &format!("wrote {} (overlay)\n", path.display()))?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What there is to say of a finished picture.
+//! Remarks on a finished picture.
 
 use nullray::camera::Kind;
 use nullray::light::time_texture::Coverage;

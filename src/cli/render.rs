@@ -15,11 +15,11 @@ use super::frames::{self, Frames};
 use super::names::{named_after, suffixed};
 use super::output::{Outputs, will_write};
 use super::stats::Account;
-use super::{builtin, inputs, panels, print};
+use super::{builtin, inputs, panels, print, say};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
-    let overrides = arguments.scene.changes.overrides();
-    let scene = builtin::load(arguments.scene.scene.as_deref(), &overrides)?;
+    let overrides = arguments.changes.overrides();
+    let scene = builtin::load(arguments.scene.as_deref(), &overrides)?;
     let outputs = outputs(arguments, &scene);
     let frames = Frames::of(&arguments.frames, &scene)?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
@@ -36,7 +36,7 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
         ));
     }
     let mut account = wanted.then(Account::default);
-    in_pool(arguments.threads, || match frames {
+    in_pool(arguments.work.threads, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
             let request = request(arguments, &outputs);
@@ -50,7 +50,7 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
                 &scene,
                 &request,
                 &outputs,
-                arguments.quiet,
+                arguments.work.quiet,
                 account.as_mut(),
             )
         }
@@ -68,16 +68,13 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
     };
     will_write(path);
     account.write(path)?;
-    match arguments.quiet {
-        true => Ok(()),
-        false => print(&format!("wrote {}\n", path.display())),
-    }
+    say(arguments.work.quiet, &format!("wrote {}\n", path.display()))
 }
 
 fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {
     Request {
         aovs: outputs.needs(),
-        ..arguments.scene.request()
+        ..arguments.changes.request()
     }
 }
 
@@ -96,11 +93,11 @@ fn all_panels(
     outputs: &Outputs,
     mut account: Option<&mut Account>,
 ) -> Result<()> {
-    let path = arguments.scene.scene.as_deref();
+    let path = arguments.scene.as_deref();
     let chosen = panels::chosen(whole, &arguments.panel)?;
-    let mut scenes = panels::load_all(path, whole, &arguments.scene.changes.overrides())?;
+    let mut scenes = panels::load_all(path, whole, &arguments.changes.overrides())?;
     if arguments.same_exposure {
-        panels::same_exposure(&mut scenes, &arguments.scene.request())?;
+        panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     // With one panel and a name for it there is nothing to be told apart.
     let exact = arguments.panel.len() == 1 && !arguments.output.is_empty();
@@ -123,7 +120,7 @@ fn all_panels(
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     for (request, scene, outputs) in &jobs {
         let account = account.as_deref_mut();
-        one(scene, request, outputs, arguments.quiet, account)?;
+        one(scene, request, outputs, arguments.work.quiet, account)?;
     }
     Ok(())
 }
@@ -137,7 +134,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
         overlays: arguments.overlay.clone(),
         parts: arguments.overlay_parts.unwrap_or_default(),
         step: step.map(|time| time.metres(scene.speed_of_light)),
-        aovs: arguments.scene.request().aovs,
+        aovs: arguments.channels.list(),
         half: arguments.half,
         method: arguments.method,
         ..Outputs::default()
@@ -147,7 +144,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
 /// What `-o` says, or the scene's name with .png.
 fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
     match arguments.output.as_slice() {
-        [] => vec![named_after(arguments.scene.scene.as_deref(), ".png")],
+        [] => vec![named_after(arguments.scene.as_deref(), ".png")],
         said => said.to_vec(),
     }
 }

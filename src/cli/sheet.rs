@@ -15,7 +15,7 @@ use super::args::SheetArguments;
 use super::check::{check_all, check_page};
 use super::names::{named_after, stem, suffixed};
 use super::output::{Outputs, Picture, picture, will_write};
-use super::{film, inputs, interrupt, panels, print};
+use super::{film, inputs, interrupt, panels, say};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
@@ -30,10 +30,10 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     figures.iter().try_for_each(Figure::check_text)?;
     make_directory(arguments)?;
     check(&figures)?;
-    film::in_pool(arguments.threads, || {
+    film::in_pool(arguments.work.threads, || {
         figures
             .iter()
-            .try_for_each(|figure| figure.make(arguments.quiet))
+            .try_for_each(|figure| figure.make(arguments.work.quiet))
     })
 }
 
@@ -91,11 +91,10 @@ impl Figure {
     }
 
     fn make(&self, quiet: bool) -> Result<()> {
-        let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
         let mut panels = Vec::new();
         for part in &self.parts {
-            say(&format!("panel {}\n", part.label))?;
-            panels.push(part.render(quiet, &mut say)?);
+            say(quiet, &format!("panel {}\n", part.label))?;
+            panels.push(part.render(quiet)?);
         }
         let options = contact_sheet::SheetOptions {
             title: self.whole.sheet.title.clone(),
@@ -113,7 +112,10 @@ impl Figure {
         )?;
         let (width, height) = (page.width, page.height);
         let name = self.output.display();
-        say(&format!("wrote {name} ({width} × {height} pixels)\n"))
+        say(
+            quiet,
+            &format!("wrote {name} ({width} × {height} pixels)\n"),
+        )
     }
 
     fn metadata(&self) -> Vec<(String, String)> {
@@ -175,15 +177,11 @@ fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file:
 }
 
 impl Part {
-    fn render(
-        &self,
-        quiet: bool,
-        say: &mut dyn FnMut(&str) -> Result<()>,
-    ) -> Result<contact_sheet::Panel> {
+    fn render(&self, quiet: bool) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
         let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
-        self.outputs.write(&self.scene, &rendered.film, say)?;
-        rendered.remark(&self.scene, &plan, say)?;
+        self.outputs.write(&self.scene, &rendered.film, quiet)?;
+        rendered.remark(&self.scene, &plan, quiet)?;
         let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;
         Ok(contact_sheet::Panel {
             picture: image,

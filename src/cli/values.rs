@@ -1,6 +1,6 @@
 //! Values of options, from their texts.
 
-use std::ops::Range;
+use std::ops::{Range, RangeBounds};
 
 use nullray::accel::Precision;
 use nullray::render::aov::{self, Aov};
@@ -41,18 +41,21 @@ pub fn pixel(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// A number within `range`; `help` says what is.
+fn number(text: &str, range: impl RangeBounds<f64>, help: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number.filter(|n| range.contains(n)).ok_or(help.into())
+}
+
 /// Pixels of a point.
 pub fn scale(text: &str) -> Result<f64, String> {
-    let scale = text.trim().parse::<f64>().ok();
-    let scale = scale.filter(|scale| (0.1..=100.0).contains(scale));
-    scale.ok_or_else(|| "a scale is a number from 0.1 to 100".into())
+    number(text, 0.1..=100.0, "a scale is a number from 0.1 to 100")
 }
 
 /// An error on the film.
 pub fn pixels(text: &str) -> Result<f64, String> {
-    let pixels = text.trim().parse::<f64>().ok();
-    let pixels = pixels.filter(|pixels| (1e-6..=1e6).contains(pixels));
-    pixels.ok_or_else(|| "give a number of pixels from 1e-6 to 1e6, like 0.5".into())
+    let help = "give a number of pixels from 1e-6 to 1e6, like 0.5";
+    number(text, 1e-6..=1e6, help)
 }
 
 pub fn assignment(text: &str) -> Result<(String, String), String> {
@@ -90,9 +93,7 @@ pub fn samples(text: &str) -> Result<SampleList, String> {
 
 /// A number of seconds, up to a month.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.trim().parse::<f64>().ok();
-    let seconds = seconds.filter(|seconds| (0.0..=2.6e6).contains(seconds));
-    seconds.ok_or_else(|| "a number of seconds, like 60".into())
+    number(text, 0.0..=2.6e6, "a number of seconds, like 60")
 }
 
 pub fn aovs(text: &str) -> Result<AovList, String> {
@@ -134,39 +135,28 @@ pub fn frames(text: &str) -> Result<Range<u64>, String> {
 
 /// Frames per second.
 pub fn rate(text: &str) -> Result<f64, String> {
-    let rate = text.trim().parse::<f64>();
-    let rate = rate.ok().filter(|r| r.is_finite() && *r > 0.0);
-    rate.ok_or_else(|| "give a number above 0, like 25 or 1e9".into())
+    let help = "give a number above 0, like 25 or 1e9";
+    number(text, f64::MIN_POSITIVE..f64::INFINITY, help)
 }
 
-/// Parsed `--transfer`.
-#[derive(Debug, Clone, Copy)]
-pub struct Transfer(pub Encoding);
-
-/// Parsed `--nan`.
-#[derive(Debug, Clone, Copy)]
-pub struct Policy(pub NotFinite);
-
-pub fn transfer(text: &str) -> Result<Transfer, String> {
+pub fn transfer(text: &str) -> Result<Encoding, String> {
     match text {
-        "srgb" => Ok(Transfer(Encoding::Srgb)),
-        "linear" => Ok(Transfer(Encoding::Linear)),
+        "srgb" => Ok(Encoding::Srgb),
+        "linear" => Ok(Encoding::Linear),
         _ => Err("write srgb or linear".into()),
     }
 }
 
-pub fn nan(text: &str) -> Result<Policy, String> {
+pub fn nan(text: &str) -> Result<NotFinite, String> {
     let help = "write refuse, ignore, or count-as=VALUE";
-    let policy = match text.split_once('=') {
-        None if text == "refuse" => NotFinite::Refuse,
-        None if text == "ignore" => NotFinite::Ignore,
+    match text.split_once('=') {
+        None if text == "refuse" => Ok(NotFinite::Refuse),
+        None if text == "ignore" => Ok(NotFinite::Ignore),
         Some(("count-as", value)) => {
-            let value = value.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-            NotFinite::CountAs(value.ok_or(help)?)
+            number(value, f64::MIN..=f64::MAX, help).map(NotFinite::CountAs)
         }
-        _ => return Err(help.into()),
-    };
-    Ok(Policy(policy))
+        _ => Err(help.into()),
+    }
 }
 
 pub fn crop(text: &str) -> Result<[u32; 4], String> {
@@ -176,7 +166,5 @@ pub fn crop(text: &str) -> Result<[u32; 4], String> {
 }
 
 pub fn ppd(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse::<f64>().ok();
-    let number = number.filter(|n| (1.0..=1000.0).contains(n));
-    number.ok_or_else(|| "a number from 1 to 1000".into())
+    number(text, 1.0..=1000.0, "a number from 1 to 1000")
 }

@@ -10,7 +10,8 @@ use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 use super::load;
 use super::memory::Memory;
 use super::model::{Scene, Shape};
-use super::overrides;
+use super::overrides::{self, Overrides};
+use super::panel;
 use super::report::Report;
 use crate::error::{Error, Result};
 use crate::io::cube::Cube;
@@ -172,6 +173,23 @@ impl Builder {
             edits: Vec::new(),
         };
         load::scene(report, &self.base, self.memory)
+    }
+
+    /// The scene that the panel `name` shows, like [`load_panel`](super::load_panel).
+    ///
+    /// # Errors
+    /// As [`build`](Builder::build); a name that no panel has.
+    pub fn build_panel(self, name: &str) -> Result<Scene> {
+        let whole = self.clone().build()?;
+        let Some(panel) = whole.panels.iter().find(|panel| panel.name == name) else {
+            let known: Vec<&str> = whole.panels.iter().map(|p| p.name.as_str()).collect();
+            let what = format!("the scene has no panel \"{name}\"");
+            let help = format!("there are: {}", known.join(", "));
+            return Err(Error::invalid(&whole.name, "panel", what, help));
+        };
+        let overrides = Overrides::default();
+        let Builder { base, memory, .. } = &self;
+        panel::with_memory(&whole.text, base, memory, &whole, panel, &overrides)
     }
 
     /// Adds the entry `name` to the list of objects or sources.

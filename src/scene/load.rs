@@ -13,7 +13,7 @@ use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve::{self, Context, GLTF, Outline, SPECTRUM};
+use super::resolve::{self, Context, GLTF, Kinematics, SPECTRUM};
 use crate::error::{Error, Result};
 use crate::io::{files, gltf, spectrum};
 use crate::scene::schema::JsonSchema;
@@ -131,14 +131,14 @@ pub(crate) fn parse_diagram<D: DeserializeOwned + JsonSchema, T>(
     name: &str,
     base: &Path,
     overrides: &Overrides,
-    resolve: impl FnOnce(&Context, &Outline, Option<&At<D>>) -> Result<T>,
+    resolve: impl FnOnce(&Context, &Kinematics, Option<&At<D>>) -> Result<T>,
 ) -> Result<T> {
     let report = report(text, name, overrides)?;
     let file: file::Scene<D> = report.read()?;
     let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
     camera(&mut inputs, &file);
     let cx = Context::new(report, inputs, &file.speed_of_light)?;
-    resolve(&cx, &Outline::new(&cx, &file)?, file.diagram.as_ref())
+    resolve(&cx, &Kinematics::new(&cx, &file)?, file.diagram.as_ref())
 }
 
 /// The text of a scene, with its overrides.

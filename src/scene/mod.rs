@@ -134,7 +134,9 @@ pub use schema::schema;
 pub(crate) use at::At;
 pub(crate) use file::Velocity as VelocityTable;
 pub(crate) use load::{base, parse_diagram, text_of};
-pub(crate) use resolve::{Body, Context, Filming, Outline, refuse_duplicates, velocity};
+pub(crate) use resolve::{
+    CameraMotion, Context, Kinematics, ObjectMotion, refuse_duplicates, velocity,
+};
 pub(crate) use schema::with_diagram;
 pub(crate) use suggest::nearest;
 pub(crate) use values::{Number, Numbers, Vector};

@@ -40,7 +40,22 @@ pub fn parse_panel(
     panel: &Panel,
     overrides: &Overrides,
 ) -> Result<Scene> {
-    let changed = |overrides: &Overrides| parse_changed(text, &scene.name, base, panel, overrides);
+    with_memory(text, base, &Memory::default(), scene, panel, overrides)
+}
+
+/// As [`parse_panel`], with meshes and cubes in memory.
+pub(super) fn with_memory(
+    text: &str,
+    base: &Path,
+    memory: &Memory,
+    scene: &Scene,
+    panel: &Panel,
+    overrides: &Overrides,
+) -> Result<Scene> {
+    let changed = |overrides: &Overrides| {
+        let report = changed(text, &scene.name, panel, overrides)?;
+        load::scene(report, base, memory.clone())
+    };
     changed(overrides).map_err(|error| match changed(&Overrides::default()) {
         // Without the command line all is well.
         Ok(_) => error,
@@ -48,25 +63,19 @@ pub fn parse_panel(
     })
 }
 
-fn parse_changed(
-    text: &str,
-    name: &str,
-    base: &Path,
-    panel: &Panel,
-    overrides: &Overrides,
-) -> Result<Scene> {
+/// The text with all changes made.
+fn changed(text: &str, name: &str, panel: &Panel, overrides: &Overrides) -> Result<Report> {
     let of_panel = Overrides {
         set: panel.set.clone(),
         ..Overrides::default()
     };
     let (text, _) = overrides::apply(text, &of_panel)?;
     let (text, edits) = overrides::apply(&text, overrides)?;
-    let report = Report {
+    Ok(Report {
         name: name.to_string(),
         text: without_panels(&text),
         edits,
-    };
-    load::scene(report, base, Memory::default())
+    })
 }
 
 /// The text without its panels and their sheet. One that is not TOML stays as it is.

@@ -3,7 +3,6 @@
 mod pixel;
 mod series;
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use nullray::Result;
@@ -14,10 +13,11 @@ use nullray::render::metadata;
 use nullray::scene::Overrides;
 
 use super::args::DiagramArguments;
+use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::{encoded, extension, will_write};
-use super::{builtin, inputs, interrupt, print};
+use super::{builtin, interrupt, say};
 
 /// The kinds of files, by extension.
 const KINDS: [&str; 4] = ["svg", "pdf", "png", "apng"];
@@ -47,7 +47,7 @@ pub fn run(arguments: &DiagramArguments) -> Result<()> {
     series::write(&page, &model)
 }
 
-/// What the file says, or its scene: without a look at meshes and cubes.
+/// The file's diagram, or that of its scene; meshes and cubes are not read.
 fn model(arguments: &DiagramArguments) -> Result<Diagram> {
     let path = arguments.scene.as_deref();
     let overrides = overrides(arguments, arguments.frame.as_deref());
@@ -61,7 +61,7 @@ fn model(arguments: &DiagramArguments) -> Result<Diagram> {
 pub struct Pages<'a> {
     arguments: &'a DiagramArguments,
     outputs: Vec<Output>,
-    /// What files say of it.
+    /// The metadata of files.
     origin: Vec<(String, String)>,
 }
 
@@ -74,12 +74,20 @@ impl Pages<'_> {
         self.outputs.iter().filter(|output| output.is_animated())
     }
 
+    /// The drawing with where it is from.
+    fn signed(&self, drawing: Drawing) -> Drawing {
+        Drawing {
+            origin: self.origin.clone(),
+            ..drawing
+        }
+    }
+
     /// Writes the diagram as it stands.
     fn still(&self, model: &Diagram) -> Result<()> {
         if self.stills().next().is_none() {
             return Ok(());
         }
-        let drawing = diagram::draw(&diagram::layout(model), &model.style)?;
+        let drawing = self.signed(diagram::draw(&diagram::layout(model), &model.style)?);
         self.stills()
             .try_for_each(|output| self.save(&drawing, output, &output.path))
     }
@@ -88,16 +96,14 @@ impl Pages<'_> {
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
         will_write(path);
-        drawing::save(
-            path,
-            encoded(drawing, &output.kind, self.arguments.scale, &self.origin)?,
-        )?;
-        if self.arguments.quiet || self.arguments.pixel.json {
-            return Ok(());
-        }
+        drawing::save(path, encoded(drawing, &output.kind, self.arguments.scale)?)?;
         let [width, height] = [drawing.width, drawing.height].map(f64::round);
         let path = path.display();
-        print(&format!("wrote {path} ({width} × {height} points)\n"))
+        let quiet = self.arguments.quiet || self.arguments.pixel.json;
+        say(
+            quiet,
+            &format!("wrote {path} ({width} × {height} points)\n"),
+        )
     }
 }
 
@@ -121,8 +127,8 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         [] => vec![Output::of(&named_after(path, ".svg"))],
         said => said.iter().map(|path| Output::of(path)).collect(),
     };
-    let read = path.map(inputs::identity);
-    let mut written = HashSet::new();
+    let overwritten = "this is the file that the diagram is made of: it would be overwritten";
+    let mut names = Names::new(&arguments.scene, overwritten, " drawing");
     for output in &outputs {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
@@ -131,15 +137,7 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
             return Err(refused(option, what, help));
         }
         for name in series::names(arguments, output) {
-            let identity = inputs::identity(&name);
-            if Some(&identity) == read.as_ref() {
-                let what = "this is the file that the diagram is made of: it would be overwritten";
-                return Err(refused(option, what, "write to another name"));
-            }
-            if !written.insert(identity) {
-                let help = "give each drawing a name of its own";
-                return Err(refused(option, "two outputs have this name", help));
-            }
+            names.check(&option, &name)?;
         }
     }
     Ok(outputs)
@@ -166,7 +164,7 @@ fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
     }
 }
 
-/// What the command line says of looks goes before what the file says.
+/// The style options of the command line go before those of the file.
 fn restyle(model: &mut Diagram, arguments: &DiagramArguments) {
     model.style.dark |= arguments.dark;
     if let Some([width, height]) = arguments.size {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nullray::figures;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::pixel_probe::{self, Summary};
+use nullray::figures::pixel_probe::{self, Probe};
 use nullray::io::files;
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
@@ -14,7 +14,7 @@ use super::overrides;
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{interrupt, panels, print, print_json};
+use crate::cli::{interrupt, panels, print_json};
 
 /// The diagram of what a pixel sees, whose numbers it prints.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
@@ -29,7 +29,7 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let frame = arguments.frame.as_deref();
     let model = pixel_probe::diagram(&probe, base, frame);
     let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
-    say(arguments, &Summary::of(&probe))?;
+    print_numbers(arguments, &probe)?;
     Ok(model)
 }
 
@@ -49,7 +49,7 @@ pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram
 }
 
 /// The frames that a diagram can be drawn in.
-fn known(base: &Diagram, probe: &pixel_probe::Probe) -> Vec<String> {
+fn known(base: &Diagram, probe: &Probe) -> Vec<String> {
     let frames = base.frames.iter().map(|frame| frame.name.clone());
     let mut names: Vec<String> = frames
         .chain(probe.hit.iter().map(|hit| hit.name.clone()))
@@ -67,12 +67,9 @@ fn unknown(name: &str, known: &[String]) -> Error {
     )
 }
 
-fn say(arguments: &DiagramArguments, summary: &Summary) -> Result<()> {
+fn print_numbers(arguments: &DiagramArguments, probe: &Probe) -> Result<()> {
     if arguments.pixel.json {
-        return print_json(summary);
+        return print_json(probe);
     }
-    match arguments.quiet {
-        true => Ok(()),
-        false => print(&summary.to_string()),
-    }
+    crate::cli::say(arguments.quiet, &probe.to_string())
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nullray::figures::diagram::Series;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::drawing::{self, Drawing, apng, png};
+use nullray::figures::drawing::{self, apng, png};
 use nullray::{Error, Result};
 
 use super::{Output, Pages};
@@ -13,9 +13,9 @@ use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::names::numbered;
 use crate::cli::output::will_write;
-use crate::cli::{interrupt, print};
+use crate::cli::{interrupt, say};
 
-/// The most seconds or pictures that an animated file says as they are.
+/// The greatest numerator and denominator of a delay in an animated file.
 const MOST: f64 = 65_535.0;
 
 /// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are asked
@@ -36,7 +36,7 @@ pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
     Ok(())
 }
 
-/// The names of all files, for what is asked of them before anything is drawn.
+/// The names of all files, to be checked before anything is drawn.
 pub fn names(arguments: &DiagramArguments, output: &Output) -> Vec<PathBuf> {
     match &arguments.frames {
         Some(frames) if !output.is_animated() => {
@@ -74,7 +74,7 @@ fn frames(arguments: &DiagramArguments, count: u32) -> Result<Range<u64>> {
 fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     for (k, drawing) in (0..frames.end).zip(series) {
         interrupt::check()?;
-        let drawing = drawing?;
+        let drawing = pages.signed(drawing?);
         if k < frames.start {
             continue;
         }
@@ -93,21 +93,17 @@ fn animate(pages: &Pages, series: Series, path: &Path, frames: &Range<u64>) -> R
     let skipped = frames.start as usize;
     let rasters = series.skip(skipped).take(count).map(|drawing| {
         interrupt::check()?;
-        let drawing: Drawing = drawing?;
+        let drawing = pages.signed(drawing?);
         size = [drawing.width, drawing.height];
         png::render(&drawing, arguments.scale)
     });
-    let bytes = apng::write_with(count as u32, rasters, delay(fps), &pages.origin)?;
+    let bytes = apng::write(count as u32, rasters, delay(fps))?;
     will_write(path);
     drawing::save(path, bytes)?;
-    if arguments.quiet {
-        return Ok(());
-    }
     let [width, height] = size.map(f64::round);
     let path = path.display();
-    print(&format!(
-        "wrote {path} ({width} × {height} points, {count} pictures)\n"
-    ))
+    let what = format!("wrote {path} ({width} × {height} points, {count} pictures)\n");
+    say(arguments.quiet, &what)
 }
 
 /// The time of a picture, in whole milliseconds or, where these are too coarse, as a fraction.

@@ -20,7 +20,7 @@ use super::names::numbered;
 use super::output::{Identity, Inputs, Kind, Outputs};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{builtin, exposure, film, inputs, interrupt, overlay, print, remarks};
+use super::{builtin, exposure, film, inputs, interrupt, overlay, remarks, say, warn};
 
 pub use range::Frames;
 
@@ -106,10 +106,7 @@ struct Done {
 
 impl Sequence<'_> {
     fn say(&self, text: &str) -> Result<()> {
-        match self.arguments.quiet {
-            true => Ok(()),
-            false => print(text),
-        }
+        say(self.arguments.work.quiet, text)
     }
 
     fn frame(&mut self, number: u64) -> Result<()> {
@@ -121,9 +118,8 @@ impl Sequence<'_> {
             return self.say(&format!("frame {number} exists already\n"));
         }
         let film = self.film(&scene, number)?;
-        let quiet = self.arguments.quiet;
-        let mut say = |text: &str| if quiet { Ok(()) } else { print(text) };
-        outputs.write(&scene, &film, &mut say)?;
+        let quiet = self.arguments.work.quiet;
+        outputs.write(&scene, &film, quiet)?;
         if let Some(prepared) = &mut self.prepared {
             overlay::write(&outputs, &scene, &film, prepared, quiet)?;
         }
@@ -135,9 +131,9 @@ impl Sequence<'_> {
     fn scene_at(&self, time: f64) -> Result<Scene> {
         let overrides = Overrides {
             time: Some(format!("{time} m")),
-            ..self.arguments.scene.changes.overrides()
+            ..self.arguments.changes.overrides()
         };
-        let mut scene = builtin::load(self.arguments.scene.scene.as_deref(), &overrides)?;
+        let mut scene = builtin::load(self.arguments.scene.as_deref(), &overrides)?;
         if let Some(white) = self.white {
             scene.exposure = Exposure::White(white);
         }
@@ -168,7 +164,7 @@ impl Sequence<'_> {
         let Frames { numbers, .. } = self.frames;
         let (index, count) = (number - numbers.start + 1, numbers.end - numbers.start);
         let what = format!("frame {index} of {count}");
-        let bar = Bar::new(self.plan.rays.camera, self.arguments.quiet).named(what);
+        let bar = Bar::new(self.plan.rays.camera, self.arguments.work.quiet).named(what);
         let start = Instant::now();
         let prepared = match &mut self.prepared {
             Some(prepared) => prepared,
@@ -232,10 +228,7 @@ impl Sequence<'_> {
         }
         self.say(&done.remark)?;
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
-        for warning in warnings {
-            self.say(&format!("warning: {}\n", super::info::escaped(warning)))?;
-        }
-        Ok(())
+        warn(self.arguments.work.quiet, warnings)
     }
 }
 

@@ -132,7 +132,7 @@ fn pace(arguments: &FrameArguments, scene: &Scene) -> Result<Pace> {
         )),
         None => Err(refused(
             arguments.from.map_or("--frames", |_| "--from"),
-            "how far frames are apart is not said",
+            "the time between frames is not given",
             "give --interval TIME or --fps N, or camera.frame_interval in the scene",
         )),
     }

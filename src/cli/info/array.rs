@@ -8,37 +8,37 @@ use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
 
-use super::{Info, Sheet};
+use super::Info;
 
 pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
     let headers = (format.arrays)(path)?;
-    let mut sheet = Sheet::new();
-    let mut arrays = Vec::new();
-    for header in &headers {
-        let cube = cube::inspect(path, header.name.as_deref());
-        describe(&mut sheet, header, &cube);
-        arrays.push(data(header, &cube));
-    }
     let title = match headers.as_slice() {
         [one] if one.name.is_none() => format.name.into(),
         [_] => format!("{} of 1 array", format.name),
         headers => format!("{} of {} arrays", format.name, headers.len()),
     };
-    let data = json!({ "kind": "numpy", "arrays": arrays });
-    Info::new(path, &title, sheet, &data)
+    let mut info = Info::new("numpy", &title);
+    let arrays = headers.iter().map(|header| {
+        let cube = cube::inspect(path, header.name.as_deref());
+        describe(&mut info, header, &cube);
+        data(header, &cube)
+    });
+    let arrays: Vec<Value> = arrays.collect();
+    info.data("arrays", arrays);
+    Ok(info)
 }
 
 type Cube = Result<CubeInfo>;
 
-fn describe(sheet: &mut Sheet, header: &Header, cube: &Cube) {
+fn describe(info: &mut Info, header: &Header, cube: &Cube) {
     if let Some(name) = &header.name {
-        sheet.row("array", name);
+        info.row("array", name);
     }
-    sheet.row("shape", shape(header));
+    info.row("shape", shape(header));
     let size = size(header).map_or("unknown size".into(), bytes);
     let order = if header.fortran_order { "Fortran" } else { "C" };
     let precision = precision(header);
-    sheet.row(
+    info.row(
         "samples",
         format!("{} ({precision}), {order} order, {size}", descr(header)),
     );
@@ -46,17 +46,17 @@ fn describe(sheet: &mut Sheet, header: &Header, cube: &Cube) {
         Ok(cube) => {
             let [h, w, t, c] = cube.shape;
             let colours = if c == 1 { "grey" } else { "red, green, blue" };
-            sheet.row(
+            info.row(
                 "as a cube",
                 format!("H = {h} rows, W = {w} columns, T = {t} time bins, C = {c} ({colours})"),
             );
-            sheet.row("usable", "yes: as the file of a [source.cube]");
+            info.row("usable", "yes: as the file of a [source.cube]");
         }
         Err(error) => {
             let (why, help) = why(error);
-            sheet.row("usable", format!("no: {why}"));
+            info.row("usable", format!("no: {why}"));
             if !help.is_empty() {
-                sheet.row("remedy", help);
+                info.row("remedy", help);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What a scene file says of its camera.
+//! The camera of a scene file.
 
 use glam::DVec3;
 use nullray::render::metadata;
@@ -10,13 +10,13 @@ use nullray::scene::model::{
 use nullray::spacetime::{Event, Velocity, World};
 use serde_json::{Value, json};
 
-use super::Sheet;
+use super::Info;
 
-pub fn rows(sheet: &mut Sheet, scene: &Scene) {
+pub fn rows(info: &mut Info, scene: &Scene) {
     let camera = &scene.camera;
     let [width, height] = camera.size;
     let (eye, forward) = (camera.origin.x, camera.axes[2]);
-    sheet.row(
+    info.row(
         "camera",
         format!(
             "{width} × {height} pixels, {} samples each, {:.2}° wide{}",
@@ -25,22 +25,22 @@ pub fn rows(sheet: &mut Sheet, scene: &Scene) {
             projection(camera)
         ),
     );
-    sheet.row("", at_zero(camera));
-    sheet.row(
+    info.row("", at_zero(camera));
+    info.row(
         "",
         format!(
             "at ({}, {}, {}) m when its clock shows 0, at world time {} m",
             eye.x, eye.y, eye.z, camera.origin.ct
         ),
     );
-    sheet.row(
+    info.row(
         "",
         format!(
             "looks along ({:.4}, {:.4}, {:.4}) in its own frame",
             forward.x, forward.y, forward.z
         ),
     );
-    sheet.row("", exposure(camera));
+    info.row("", exposure(camera));
     let more = [
         motion_text(&camera.motion),
         sensor(camera),
@@ -51,7 +51,7 @@ pub fn rows(sheet: &mut Sheet, scene: &Scene) {
     more.into_iter()
         .chain([interval])
         .flatten()
-        .for_each(|text| sheet.row("", text));
+        .for_each(|text| info.row("", text));
 }
 
 /// What is said of a camera that is not a single pinhole before a plane.
@@ -174,7 +174,7 @@ pub fn velocity(velocity: Velocity) -> Value {
     json!({ "beta": velocity.beta().to_array(), "gamma": velocity.gamma() })
 }
 
-/// The camera as data: times in metres, in its own time where nothing else is said.
+/// The camera as data: times in metres, in its own time unless named otherwise.
 pub fn data(camera: &CameraModel) -> Value {
     json!({
         "size": camera.size,

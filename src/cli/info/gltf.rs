@@ -8,55 +8,41 @@ use nullray::io::gltf;
 use nullray::render::plan::count;
 use serde_json::json;
 
-use super::{Info, Sheet};
+use super::Info;
 
 pub fn info(path: &Path) -> Result<Info> {
     let held = gltf::inspect(path, None)?;
-    let mut sheet = Sheet::new();
+    let mut info = Info::new("gltf", "glTF 2.0");
     if let Some(generator) = &held.generator {
-        sheet.row("made by", generator);
+        info.row("made by", generator);
     }
-    sheet.row("triangles", count(held.triangles));
-    sheet.row("vertices", count(held.vertices));
-    sheet.row(
-        "meshes",
-        format!("{}, placed as {} primitives", held.meshes, held.primitives),
-    );
+    info.data("generator", held.generator);
+    for (what, n) in [("triangles", held.triangles), ("vertices", held.vertices)] {
+        info.fact(what, count(n), what, n);
+    }
+    let placed = format!("{}, placed as {} primitives", held.meshes, held.primitives);
+    info.fact("meshes", placed, "meshes", held.meshes);
+    info.data("primitives", held.primitives);
     if let Some([least, greatest]) = held.bounds {
-        let size = greatest - least;
-        let text = format!(
-            "{} to {} (size {}), metres",
-            point(least),
-            point(greatest),
-            point(size)
-        );
-        sheet.row("bounds", text);
+        let (from, to, size) = (point(least), point(greatest), point(greatest - least));
+        info.row("bounds", format!("{from} to {to} (size {size}), metres"));
     }
-    sheet.names("nodes", &held.nodes);
-    sheet.names("cameras", &held.cameras);
-    sheet.names("materials", &held.materials);
-    sheet.row("textures", format!("{} base colour images", held.images));
-    sheet.row("uv sets", held.uv_sets.to_string());
-    let files: Vec<String> = held.files.iter().map(|p| there(p)).collect();
-    sheet.list("file", &files, String::clone);
-    sheet.list("warning", &held.warnings, String::clone);
-    let data = json!({
-        "kind": "gltf",
-        "generator": held.generator,
-        "triangles": held.triangles,
-        "vertices": held.vertices,
-        "meshes": held.meshes,
-        "primitives": held.primitives,
-        "bounds": held.bounds.map(|b| b.map(|p| p.to_array())),
-        "nodes": held.nodes,
-        "cameras": held.cameras,
-        "materials": held.materials,
-        "images": held.images,
-        "uv_sets": held.uv_sets,
-        "files": held.files.iter().map(|p| p.display().to_string()).collect::<Vec<_>>(),
-        "warnings": held.warnings,
-    });
-    Info::new(path, "glTF 2.0", sheet, &data)
+    info.data(
+        "bounds",
+        json!(held.bounds.map(|b| b.map(|p| p.to_array()))),
+    );
+    info.names("nodes", held.nodes);
+    info.names("cameras", held.cameras);
+    info.names("materials", held.materials);
+    let images = format!("{} base colour images", held.images);
+    info.fact("textures", images, "images", held.images);
+    info.fact("uv sets", held.uv_sets.to_string(), "uv_sets", held.uv_sets);
+    info.list("file", &held.files, |path| there(path));
+    let files: Vec<String> = held.files.iter().map(|p| p.display().to_string()).collect();
+    info.data("files", files);
+    info.list("warning", &held.warnings, String::clone);
+    info.data("warnings", held.warnings);
+    Ok(info)
 }
 
 fn point(p: DVec3) -> String {

@@ -1,4 +1,4 @@
-//! `nullray info`: what a file holds, told apart by its content.
+//! `nullray info`: what a file holds, recognised by its content.
 
 mod array;
 mod camera;
@@ -12,10 +12,10 @@ use std::path::Path;
 use nullray::io::cube::{CubeFormat, format_of};
 use nullray::io::files;
 use nullray::{Error, Result};
-use serde::Serialize;
+use serde_json::{Map, Value};
 
 use super::args::InfoArguments;
-use super::print;
+use super::{print, print_json};
 
 /// The longest value that is shown to people; JSON has all of it.
 const LONGEST: usize = 100;
@@ -31,49 +31,51 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
         Kind::Png => picture::png(path),
         Kind::Scene => scene::info(path),
     }?;
-    let text = if arguments.json {
-        info.json + "\n"
-    } else {
-        format!(
-            "{}: {}",
-            path.display().to_string().escape_debug(),
-            info.text
-        )
-    };
-    print(&text)
-}
-
-/// What is known of a file, for people and for programs.
-struct Info {
-    text: String,
-    json: String,
-}
-
-impl Info {
-    /// From a first line, rows, and the same as data.
-    fn new(path: &Path, title: &str, sheet: Sheet, data: &impl Serialize) -> Result<Info> {
-        let json = serde_json::to_string_pretty(data).map_err(|e| {
-            Error::invalid(path, "", e.to_string(), "a file that JSON can describe")
-        })?;
-        Ok(Info {
-            text: format!("{title}\n{}", sheet.0),
-            json,
-        })
+    match arguments.json {
+        true => print_json(&info.data),
+        false => {
+            let path = path.display().to_string();
+            print(&format!("{}: {}", path.escape_debug(), info.text))
+        }
     }
 }
 
-/// Rows of a label and a text, in columns. Whatever comes from the file is escaped.
-struct Sheet(String);
+/// What is known of a file: for people rows of a label and a text, in columns, and for programs data. Whatever comes
+/// from the file is escaped.
+struct Info {
+    text: String,
+    data: Map<String, Value>,
+}
 
-impl Sheet {
-    fn new() -> Self {
-        Sheet(String::new())
+impl Info {
+    /// A file of this kind, which people call `title`.
+    fn new(kind: &str, title: &str) -> Self {
+        let mut info = Info {
+            text: format!("{title}\n"),
+            data: Map::new(),
+        };
+        info.data("kind", kind);
+        info
     }
 
     fn row(&mut self, label: &str, text: impl AsRef<str>) {
         let line = format!("  {:<12}{}", escaped(label), escaped(text.as_ref()));
-        self.0 += line.trim_end();
-        self.0.push('\n');
+        self.line(&line);
+    }
+
+    fn line(&mut self, line: &str) {
+        self.text += line.trim_end();
+        self.text.push('\n');
+    }
+
+    fn data(&mut self, key: &str, value: impl Into<Value>) {
+        self.data.insert(key.into(), value.into());
+    }
+
+    /// A row, and the same as data.
+    fn fact(&mut self, label: &str, text: impl AsRef<str>, key: &str, value: impl Into<Value>) {
+        self.row(label, text);
+        self.data(key, value);
     }
 
     /// A row per entry, the first few of them.
@@ -87,8 +89,8 @@ impl Sheet {
         }
     }
 
-    /// All names in one row, the first few of them; no row where there are none.
-    fn names(&mut self, label: &str, names: &[String]) {
+    /// All names as data, the first few in one row; no row where there are none.
+    fn names(&mut self, label: &str, names: Vec<String>) {
         let shown = names.iter().take(MOST).map(|name| match name.as_str() {
             "" => "(no name)",
             name => name,
@@ -100,24 +102,23 @@ impl Sheet {
         if !names.is_empty() {
             self.row(label, format!("{}: {text}", names.len()));
         }
+        self.data(label, names);
     }
 
     fn metadata(&mut self, entries: &[(String, String)]) {
-        if entries.is_empty() {
-            return;
+        let texts = entries.iter();
+        let texts = texts.map(|(key, value)| (key.clone(), value.clone().into()));
+        self.data("metadata", texts.collect::<Map<_, _>>());
+        if !entries.is_empty() {
+            self.row("metadata", "");
         }
-        self.row("metadata", "");
         for (key, value) in entries {
-            let lines = value.lines().count();
-            let text = if lines > 1 || value.chars().count() > LONGEST {
-                let chars = value.chars().count();
-                format!("({lines} lines, {chars} characters: --json has them)")
-            } else {
-                value.clone()
+            let (lines, chars) = (value.lines().count(), value.chars().count());
+            let text = match lines > 1 || chars > LONGEST {
+                true => format!("({lines} lines, {chars} characters: --json has them)"),
+                false => value.clone(),
             };
-            let line = format!("    {:<26}{}", escaped(key), escaped(&text));
-            self.0 += line.trim_end();
-            self.0.push('\n');
+            self.line(&format!("    {:<26}{}", escaped(key), escaped(&text)));
         }
     }
 }

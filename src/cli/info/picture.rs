@@ -4,74 +4,51 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::io::image::{self, Channel, Samples};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::{Info, Sheet};
+use super::Info;
 
 pub fn exr(path: &Path) -> Result<Info> {
     let layers = image::exr::read(path)?;
-    let mut sheet = Sheet::new();
-    sheet.row(
-        "size",
-        format!("{} × {} pixels", layers.width, layers.height),
-    );
-    sheet.row("channels", layers.channels.len().to_string());
-    let ranges: Vec<Range> = layers.channels.iter().map(Range::of).collect();
-    for (channel, range) in layers.channels.iter().zip(&ranges) {
-        sheet.row(
-            "",
-            format!(
-                "{:<24} {:<6} {range}",
-                channel.name,
-                precision(&channel.samples)
-            ),
+    let mut info = Info::new("exr", "OpenEXR picture");
+    size(&mut info, layers.width, layers.height);
+    info.row("channels", layers.channels.len().to_string());
+    let channels = layers.channels.iter().map(|channel| {
+        let (name, range, kind) = (
+            &channel.name,
+            Range::of(channel),
+            precision(&channel.samples),
         );
-    }
-    sheet.metadata(&layers.metadata);
-    let channels = layers.channels.iter().zip(&ranges).map(|(channel, range)| {
+        info.row("", format!("{name:<24} {kind:<6} {range}"));
         json!({
-            "name": channel.name,
-            "type": precision(&channel.samples),
+            "name": name,
+            "type": kind,
             "least": range.least,
             "greatest": range.greatest,
             "not_finite": range.not_finite,
         })
     });
-    let data = json!({
-        "kind": "exr",
-        "width": layers.width,
-        "height": layers.height,
-        "channels": channels.collect::<Vec<_>>(),
-        "metadata": map(&layers.metadata),
-    });
-    Info::new(path, "OpenEXR picture", sheet, &data)
+    let channels: Vec<Value> = channels.collect();
+    info.data("channels", channels);
+    info.metadata(&layers.metadata);
+    Ok(info)
 }
 
 pub fn png(path: &Path) -> Result<Info> {
     let held = image::png::inspect(path)?;
-    let mut sheet = Sheet::new();
-    sheet.row("size", format!("{} × {} pixels", held.width, held.height));
-    sheet.row(
-        "samples",
-        format!("{}, {} bits each", held.colour, held.bits),
-    );
-    sheet.metadata(&held.text);
-    let data = json!({
-        "kind": "png",
-        "width": held.width,
-        "height": held.height,
-        "colour": held.colour,
-        "bits": held.bits,
-        "metadata": map(&held.text),
-    });
-    Info::new(path, "PNG picture", sheet, &data)
+    let mut info = Info::new("png", "PNG picture");
+    size(&mut info, held.width, held.height);
+    let samples = format!("{}, {} bits each", held.colour, held.bits);
+    info.fact("samples", samples, "colour", held.colour);
+    info.data("bits", held.bits);
+    info.metadata(&held.text);
+    Ok(info)
 }
 
-fn map(entries: &[(String, String)]) -> Map<String, Value> {
-    let entries = entries.iter();
-    entries
-        .map(|(k, v)| (k.clone(), v.clone().into()))
-        .collect()
+fn size(info: &mut Info, width: u32, height: u32) {
+    let text = format!("{width} × {height} pixels");
+    info.fact("size", text, "width", width);
+    info.data("height", height);
 }
 
 fn precision(samples: &Samples) -> &'static str {

@@ -1,4 +1,4 @@
-//! What a scene file says, with nothing that it names loaded.
+//! What a scene file holds; nothing that it names is loaded.
 
 use std::path::Path;
 
@@ -10,19 +10,22 @@ use nullray::scene::model::{
 use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
 
-use super::{Info, Sheet, camera};
+use super::{Info, camera};
 
 pub fn info(path: &Path) -> Result<Info> {
     let scene = scene::load(path, &Overrides::default())?;
-    let mut sheet = Sheet::new();
-    camera::rows(&mut sheet, &scene);
-    sheet.list("object", &scene.objects, object);
-    sheet.list("source", &scene.sources, |s| source(&scene, s));
-    settings(&mut sheet, &scene);
-    let panels: Vec<_> = scene.panels.iter().map(|p| p.name.clone()).collect();
-    sheet.names("panels", &panels);
-    sheet.row("", "`nullray plan` on it tells what it needs");
-    Info::new(path, "nullray scene", sheet, &data(&scene))
+    let mut info = Info::new("scene", "nullray scene");
+    camera::rows(&mut info, &scene);
+    info.list("object", &scene.objects, object);
+    info.list("source", &scene.sources, |s| source(&scene, s));
+    settings(&mut info, &scene);
+    info.names(
+        "panels",
+        scene.panels.iter().map(|p| p.name.clone()).collect(),
+    );
+    info.row("", "`nullray plan` shows what it needs");
+    data(&mut info, &scene);
+    Ok(info)
 }
 
 fn object(object: &Object) -> String {
@@ -95,14 +98,14 @@ fn lit(scene: &Scene, source: &Source) -> String {
     }
 }
 
-fn settings(sheet: &mut Sheet, scene: &Scene) {
+fn settings(info: &mut Info, scene: &Scene) {
     if scene.equations == Equations::Paper2015 {
-        sheet.row(
+        info.row(
             "model",
             "the equations of Jarabo et al. 2015, with their approximations",
         );
     }
-    sheet.row("radiance", scene.quantity.to_string());
+    info.row("radiance", scene.quantity.to_string());
     let effects = scene.effects;
     let all = [
         ("aberration", effects.aberration),
@@ -112,17 +115,17 @@ fn settings(sheet: &mut Sheet, scene: &Scene) {
     ];
     let off: Vec<_> = all.iter().filter(|e| !e.1).map(|e| e.0).collect();
     if !off.is_empty() {
-        sheet.row("turned off", off.join(", "));
+        info.row("turned off", off.join(", "));
     }
     if scene.medium_index != 1.0 {
-        sheet.row("medium", format!("refractive index {}", scene.medium_index));
+        info.row("medium", format!("refractive index {}", scene.medium_index));
     }
     if scene.speed_of_light != scene::model::SPEED_OF_LIGHT {
-        sheet.row("light", format!("{} m/s", scene.speed_of_light));
+        info.row("light", format!("{} m/s", scene.speed_of_light));
     }
 }
 
-fn data(scene: &Scene) -> Value {
+fn data(info: &mut Info, scene: &Scene) {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
             Geometry::Gltf { path, .. } => json!(path.display().to_string()),
@@ -137,13 +140,9 @@ fn data(scene: &Scene) -> Value {
         };
         json!({ "name": s.name, "file": file, "lights": lit(scene, s) })
     });
-    json!({
-        "kind": "scene",
-        "model": metadata::equations(scene.equations),
-        "camera": camera::data(&scene.camera),
-        "samples_per_pixel": scene.samples_per_pixel,
-        "objects": objects.collect::<Vec<_>>(),
-        "sources": sources.collect::<Vec<_>>(),
-        "panels": scene.panels.iter().map(|p| &p.name).collect::<Vec<_>>(),
-    })
+    info.data("model", metadata::equations(scene.equations));
+    info.data("camera", camera::data(&scene.camera));
+    info.data("samples_per_pixel", scene.samples_per_pixel);
+    info.data("objects", objects.collect::<Vec<_>>());
+    info.data("sources", sources.collect::<Vec<_>>());
 }

@@ -1,51 +1,36 @@
 //! The page in pixels.
 
-use tiny_skia::{Color, Pixmap, PremultipliedColorU8};
-
 use super::Panel;
 use super::layout::{Layout, Rect, TextLine};
-use crate::error::{Error, Result};
-use crate::figures::text::{self, AnchorX, RichText};
+use crate::error::Result;
+use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Item, Text, png};
+use crate::figures::text::RichText;
 use crate::io::image::RgbImage;
 
 /// Draws all panels and their labels.
 pub(super) fn page(panels: &[Panel], layout: &Layout) -> Result<RgbImage> {
-    let [width, height] = layout.size;
-    let mut page = Pixmap::new(width, height).ok_or_else(|| {
-        let what = format!("a page of {width} × {height} pixels cannot be held");
-        Error::unsupported("sheet", "", what, "")
-    })?;
-    page.fill(Color::WHITE);
-    for line in &layout.title {
-        write(&mut page, line)?;
-    }
+    let labels = layout.cells.iter().flat_map(|cell| &cell.label);
+    let texts: Result<Vec<Item>> = layout.title.iter().chain(labels).map(text).collect();
+    let mut page = png::picture(layout.size, &texts?)?;
     for (panel, cell) in panels.iter().zip(&layout.cells) {
         place(&mut page, &panel.picture, cell.picture, layout.scale);
-        for line in &cell.label {
-            write(&mut page, line)?;
-        }
     }
-    let rgb = page.pixels().iter();
-    let rgb = rgb.flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    Ok(RgbImage { width, height, rgb })
+    Ok(page)
 }
 
-fn write(page: &mut Pixmap, line: &TextLine) -> Result<()> {
-    let label = RichText::plain(&line.text)?;
-    text::draw(
-        page,
-        line.middle,
-        AnchorX::Middle,
-        line.size,
-        Color::BLACK,
-        &label,
-    )
+fn text(line: &TextLine) -> Result<Item> {
+    Ok(Item::Text(Text {
+        anchor: Anchor {
+            x: AnchorX::Middle,
+            y: AnchorY::Baseline,
+        },
+        ..Text::new(RichText::plain(&line.text)?, line.middle, line.size)
+    }))
 }
 
 /// Copies the picture, each pixel `scale` times in both directions.
-fn place(page: &mut Pixmap, picture: &RgbImage, at: Rect, scale: u32) {
-    let row_length = page.width() as usize;
-    let rows = page.pixels_mut().chunks_exact_mut(row_length);
+fn place(page: &mut RgbImage, picture: &RgbImage, at: Rect, scale: u32) {
+    let rows = page.rgb.chunks_exact_mut(3 * page.width as usize);
     let rows = rows.skip(at.top as usize).take(at.height as usize);
     let lines = picture.rgb.chunks_exact(3 * picture.width as usize);
     let lines = lines.flat_map(|line| std::iter::repeat_n(line, scale as usize));
@@ -53,8 +38,9 @@ fn place(page: &mut Pixmap, picture: &RgbImage, at: Rect, scale: u32) {
         let (pixels, _) = line.as_chunks::<3>();
         let spread = pixels.iter();
         let spread = spread.flat_map(|rgb| std::iter::repeat_n(*rgb, scale as usize));
-        for (pixel, [r, g, b]) in row.iter_mut().skip(at.left as usize).zip(spread) {
-            *pixel = PremultipliedColorU8::from_rgba(r, g, b, 255).unwrap_or(*pixel);
+        let (places, _) = row.as_chunks_mut::<3>();
+        for (place, rgb) in places.iter_mut().skip(at.left as usize).zip(spread) {
+            *place = rgb;
         }
     }
 }

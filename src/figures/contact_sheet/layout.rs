@@ -57,7 +57,7 @@ pub struct Rect {
 /// A line of text, centred.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextLine {
-    /// What it says.
+    /// The text.
     pub text: String,
     /// The middle of its baseline: x, y.
     pub middle: [f64; 2],

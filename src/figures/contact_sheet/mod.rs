@@ -10,7 +10,7 @@
 //! └──────────────────────────┘
 //! ```
 //!
-//! All lengths are pixels and grow with the cells. [`Layout`] says where everything is, [`compose`] draws
+//! All lengths are pixels and grow with the cells. [`Layout`] knows where everything is, [`compose`] draws
 //! it. Lines that are too long are broken at spaces; a word that is wider than a picture widens the cells.
 
 mod draw;

@@ -4,8 +4,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::model::Colour;
-use super::spot::{OneOrMany, Speed, Spot};
+use super::model::{Colour, Side};
+use super::spot::{OneOrMany, Place, Speed};
 use crate::scene::{At, Number, Numbers, Vector};
 use crate::spacetime::units::Length;
 
@@ -129,7 +129,7 @@ pub(super) struct DiagramFrame {
     pub proper_time: Option<At<Number>>,
     /// The event at which the frame's clock and coordinates are 0. Default: [0, 0], or with `of` the
     /// world line's event then.
-    pub origin: Option<At<Spot>>,
+    pub origin: Option<At<Place>>,
     /// Whether its axes are drawn. Default: true.
     pub axes: Option<bool>,
     /// Whether its lines of equal time and equal place are drawn. Default: false.
@@ -140,7 +140,7 @@ pub(super) struct DiagramFrame {
     pub colour: Option<Colour>,
 }
 
-/// A world line, said in one way: inertial, accelerated or on a circle from an event on, through events, or that of
+/// A world line, given in one way: inertial, accelerated or on a circle from an event on, through events, or that of
 /// something in the scene.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -157,7 +157,7 @@ pub(super) struct DiagramLine {
     /// name of an object.
     pub of: Option<At<String>>,
     /// The event at which its clock shows 0. Default: [0, 0].
-    pub at: Option<At<Spot>>,
+    pub at: Option<At<Place>>,
     /// The velocity then: β along the diagram's direction, or a table as elsewhere. Default: at rest.
     pub velocity: Option<At<Speed>>,
     /// The frame relative to which `velocity` is. Default: "world".
@@ -174,13 +174,13 @@ pub(super) struct DiagramLine {
     /// direction.
     pub circle: Option<At<LineCircle>>,
     /// Events that it connects by straight lines; its clock shows 0 at the first, and it ends at the last.
-    pub through: Option<At<Vec<At<Spot>>>>,
+    pub through: Option<At<Vec<At<Place>>>>,
     /// Events that it connects by a smooth curve; its clock shows 0 at the first, and it ends at the last.
-    pub keyframes: Option<At<Vec<At<Spot>>>>,
+    pub keyframes: Option<At<Vec<At<Place>>>>,
     /// The event at whose world time it begins. Default: it has no beginning.
-    pub from: Option<At<Spot>>,
+    pub from: Option<At<Place>>,
     /// The event at whose world time it ends. Default: it has no end.
-    pub to: Option<At<Spot>>,
+    pub to: Option<At<Place>>,
     /// The distance of ticks of its own clock, above 0. Default: no ticks.
     pub ticks: Option<At<Number>>,
     /// Whether the ticks have numbers. Default: false.
@@ -217,7 +217,7 @@ pub(super) struct LineCircle {
     pub period: At<Number>,
 }
 
-/// An event, said in one way.
+/// An event, given in one way.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(
@@ -230,19 +230,19 @@ pub(super) struct DiagramEvent {
     /// What stands beside it; "" is nothing. Default: the name.
     pub label: Option<At<String>>,
     /// Where it is: [ct, x] in `frame`, or another event.
-    pub at: Option<At<Spot>>,
+    pub at: Option<At<Place>>,
     /// The frame of `at` or of `simultaneous_with`. Default: "world".
     pub frame: Option<At<String>>,
-    /// The world line that it is on, at the place that one of the next four keys says.
+    /// The world line that it is on, at the place given by one of the next four keys.
     pub on: Option<At<String>>,
     /// Where the clock of that world line shows this time.
     pub proper_time: Option<At<Number>>,
     /// Where light from this event reaches that world line.
-    pub light_from: Option<At<Spot>>,
+    pub light_from: Option<At<Place>>,
     /// Where light left that world line to reach this event.
-    pub light_to: Option<At<Spot>>,
+    pub light_to: Option<At<Place>>,
     /// Where that world line is simultaneous with this event in `frame`.
-    pub simultaneous_with: Option<At<Spot>>,
+    pub simultaneous_with: Option<At<Place>>,
     /// Two world lines that cross there; of several crossings the first after proper time 0 of the first
     /// line, or else the last before.
     pub cross: Option<At<[At<String>; 2]>>,
@@ -291,10 +291,10 @@ pub(super) enum Theme {
 #[serde(deny_unknown_fields, expecting = "a table like { of = \"A\" }")]
 pub(super) struct LightCone {
     /// The event.
-    pub of: At<Spot>,
-    /// Whether its future is drawn. Default: true, unless `past` is said.
+    pub of: At<Place>,
+    /// Whether its future is drawn. Default: true, unless `past` is given.
     pub future: Option<bool>,
-    /// Whether its past is drawn. Default: true, unless `future` is said.
+    /// Whether its past is drawn. Default: true, unless `future` is given.
     pub past: Option<bool>,
     /// How far from its apex it is drawn in 2+1 dimensions, above 0. Default: as far as the contents go.
     pub height: Option<At<Number>>,
@@ -311,7 +311,7 @@ pub(super) struct LightCone {
 )]
 pub(super) struct Signal {
     /// The event of its emission, or the world line that emits it.
-    pub from: At<Spot>,
+    pub from: At<Place>,
     /// The time of the world line's own clock when it does.
     pub proper_time: Option<At<Number>>,
     /// Emits one after the other in these distances of the world line's own time, above 0, from its
@@ -338,7 +338,7 @@ pub(super) struct Slice {
     /// The frame. Default: "world".
     pub frame: Option<At<String>>,
     /// An event on the line.
-    pub event: At<Spot>,
+    pub event: At<Place>,
     /// The world line at which it ends; it goes there from the event, and for a line of equal place to the
     /// first crossing after the world line's time 0, or else the last before. Default: it has no ends.
     pub to: Option<At<String>>,
@@ -357,24 +357,24 @@ pub(super) struct Slice {
 )]
 pub(super) struct Interval {
     /// One event.
-    pub from: At<Spot>,
+    pub from: At<Place>,
     /// The other.
-    pub to: At<Spot>,
+    pub to: At<Place>,
     /// What stands beside it; "" is nothing. Default: its value.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,
 }
 
-/// The events of one interval from an event: said by one of them, or by its value.
+/// The events of one interval from an event, given by one of them or by its value.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { proper_time = 1 }")]
 pub(super) struct Hyperbola {
     /// The event that the interval is from. Default: [0, 0].
-    pub about: Option<At<Spot>>,
+    pub about: Option<At<Place>>,
     /// An event on it.
-    pub through: Option<At<Spot>>,
+    pub through: Option<At<Place>>,
     /// The proper time from `about` to it, above 0 into the future and below 0 into the past.
     pub proper_time: Option<At<Number>>,
     /// The proper distance from `about` to it, above 0 to the right and below 0 to the left.
@@ -410,7 +410,7 @@ pub(super) struct Sheet {
 )]
 pub(super) struct Region {
     /// Its corners, in order: 3 or more events.
-    pub corners: At<Vec<At<Spot>>>,
+    pub corners: At<Vec<At<Place>>>,
     /// What stands on it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
@@ -432,9 +432,9 @@ pub(super) struct Arrow {
     /// How long a four-velocity is drawn, above 0. Default: 1.
     pub length: Option<At<Number>>,
     /// The event from which it goes. Excludes `of`.
-    pub from: Option<At<Spot>>,
+    pub from: Option<At<Place>>,
     /// The event to which it goes. Excludes `of`.
-    pub to: Option<At<Spot>>,
+    pub to: Option<At<Place>>,
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: that of the world line.
@@ -451,25 +451,13 @@ pub(super) struct Arrow {
 )]
 pub(super) struct Wedge {
     /// The event.
-    pub of: At<Spot>,
+    pub of: At<Place>,
     /// Which: "right", "left", "future" or "past". Default: "right".
     pub side: Option<At<Side>>,
     /// What stands on it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
     pub colour: Option<Colour>,
-}
-
-/// A quarter of the diagram.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
-pub(super) enum Side {
-    Right,
-    Left,
-    Future,
-    Past,
 }
 
 /// Words at an event.
@@ -483,7 +471,7 @@ pub(super) struct Text {
     /// The words.
     pub text: At<String>,
     /// Where their middle is.
-    pub at: At<Spot>,
+    pub at: At<Place>,
     /// The colour. Default: black.
     pub colour: Option<Colour>,
 }

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::scene::{self, Overrides};
 
 /// Reads the space-time diagram of the scene file at `path`: its `[diagram]`, or else that of what its
-/// scene says of world lines. No mesh and no cube is looked for.
+/// scene has of world lines. No mesh and no cube is looked for.
 ///
 /// # Errors
 /// As [`scene::load`].

@@ -11,6 +11,7 @@ pub use super::track::{Moment, Track};
 
 /// A space-time diagram. Indices into `lines` and `frames` are those of these lists.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Diagram {
     /// The file as named by the user.
     pub name: String,
@@ -39,15 +40,15 @@ pub struct Diagram {
     /// World lines.
     pub lines: Vec<NamedLine>,
     /// Events that are marked.
-    pub events: Vec<Mark>,
+    pub events: Vec<Spot>,
     /// Light cones.
     pub cones: Vec<Cone>,
     /// Light signals.
-    pub signals: Vec<Signal>,
+    pub signals: Vec<Segment>,
     /// Lines of equal time or equal place.
     pub slices: Vec<Slice>,
     /// Intervals.
-    pub intervals: Vec<Interval>,
+    pub intervals: Vec<Segment>,
     /// Hyperbolae.
     pub hyperbolae: Vec<Hyperbola>,
     /// World sheets.
@@ -55,11 +56,11 @@ pub struct Diagram {
     /// Regions.
     pub regions: Vec<Region>,
     /// Arrows.
-    pub arrows: Vec<Arrow>,
+    pub arrows: Vec<Segment>,
     /// Rindler wedges.
     pub wedges: Vec<Wedge>,
     /// Words.
-    pub texts: Vec<Words>,
+    pub texts: Vec<Spot>,
     /// What changes in a series of pictures.
     pub animation: Option<Animation>,
     /// What is simultaneous, with the readings of clocks: that of one picture.
@@ -157,17 +158,57 @@ pub struct NamedLine {
     pub colour: Option<Colour>,
 }
 
-/// An event that is marked.
+/// An event that is marked, or words: an event of the world in the model, a point of a view in its layout.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
-    /// Unique name.
+pub struct Spot<P = Event<World>> {
+    /// Unique name of an event; empty for words.
     pub name: String,
-    /// What stands beside it.
+    /// Where it is; of words, where their middle is.
+    pub at: P,
+    /// What stands beside it, or there.
     pub label: Option<String>,
-    /// The event.
-    pub event: Event<World>,
     /// Whether it has a dot.
     pub dot: bool,
+    /// The colour.
+    pub colour: Option<Colour>,
+}
+
+/// A straight line: from event to event of the world in the model, from point to point of a view in its layout.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segment<P = Event<World>> {
+    /// Its ends; of light, the emission first.
+    pub ends: [P; 2],
+    /// What stands beside it; of an interval, none for its value.
+    pub label: Option<String>,
+    /// The colour; none for its owner's, or that of its kind.
+    pub colour: Option<Colour>,
+    /// The frame, or the world line whose four-velocity it is.
+    pub owner: Option<usize>,
+}
+
+impl<P: Copy> Spot<P> {
+    /// The same at other places, by `place`.
+    pub(crate) fn map<Q>(&self, place: impl Fn(P) -> Q) -> Spot<Q> {
+        Spot {
+            name: self.name.clone(),
+            at: place(self.at),
+            label: self.label.clone(),
+            dot: self.dot,
+            colour: self.colour,
+        }
+    }
+}
+
+impl<P: Copy> Segment<P> {
+    /// The same at other places, by `place`.
+    pub(crate) fn map<Q>(&self, place: impl Fn(P) -> Q) -> Segment<Q> {
+        Segment {
+            ends: self.ends.map(place),
+            label: self.label.clone(),
+            colour: self.colour,
+            owner: self.owner,
+        }
+    }
 }
 
 /// The light cone of an event.
@@ -184,19 +225,6 @@ pub struct Cone {
     pub height: Option<f64>,
     /// Whether its inside is shaded.
     pub shade: bool,
-}
-
-/// Light from an emission to a reception.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
-    /// The emission.
-    pub from: Event<World>,
-    /// The reception.
-    pub to: Event<World>,
-    /// What stands beside it.
-    pub label: Option<String>,
-    /// The colour; none for that of light.
-    pub colour: Option<Colour>,
 }
 
 /// A line of equal time or equal place of a frame.
@@ -223,19 +251,6 @@ pub enum SliceKind {
     Simultaneity,
     /// Place.
     Place,
-}
-
-/// The interval between two events.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Interval {
-    /// One event.
-    pub from: Event<World>,
-    /// The other.
-    pub to: Event<World>,
-    /// What stands beside it; none for its value.
-    pub label: Option<String>,
-    /// The colour.
-    pub colour: Option<Colour>,
 }
 
 /// The events of one interval from an event, on one side of its light cone.
@@ -273,21 +288,6 @@ pub struct Region {
     pub colour: Option<Colour>,
 }
 
-/// An arrow.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Arrow {
-    /// Where it begins.
-    pub from: Event<World>,
-    /// Where its head is.
-    pub to: Event<World>,
-    /// The world line whose four-velocity it is.
-    pub line: Option<usize>,
-    /// What stands beside it.
-    pub label: Option<String>,
-    /// The colour.
-    pub colour: Option<Colour>,
-}
-
 /// A quarter of the diagram between the light rays through an event.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wedge {
@@ -301,28 +301,17 @@ pub struct Wedge {
     pub colour: Option<Colour>,
 }
 
-/// A quarter of the diagram.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A quarter of the diagram: towards +x, −x, +ct or −ct.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", schemars(inline))]
+#[allow(missing_docs)]
 pub enum Side {
-    /// Towards +x.
     Right,
-    /// Towards −x.
     Left,
-    /// Towards +ct.
     Future,
-    /// Towards −ct.
     Past,
-}
-
-/// Words.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Words {
-    /// The words.
-    pub text: String,
-    /// Where their middle is.
-    pub at: Event<World>,
-    /// The colour.
-    pub colour: Option<Colour>,
 }
 
 /// What changes from picture to picture.
@@ -390,6 +379,7 @@ pub enum Colour {
 
 /// How a diagram looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Style {
     /// For a black page rather than a white one.
     pub dark: bool,

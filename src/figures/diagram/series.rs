@@ -55,7 +55,7 @@ impl Iterator for Series {
     }
 }
 
-/// Limits that hold those of pictures all along the way, as far as none are said.
+/// Limits that hold those of pictures all along the way, where none are given.
 fn fix_limits(diagram: &mut Diagram, frames: u32) {
     let last = frames.saturating_sub(1);
     let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);

@@ -1,4 +1,4 @@
-//! Values of a diagram that are said in one of two ways: events, velocities, names.
+//! Values of a diagram that are given in one of two ways: events, velocities, names.
 
 use std::fmt;
 
@@ -6,74 +6,64 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::{At, Number, Numbers, VelocityTable};
 
 /// An event: its name, [ct, x], or [ct, x, y].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(untagged))]
-pub(super) enum Spot {
+#[serde(untagged)]
+pub(super) enum Place {
     Name(String),
     At(Numbers<2>),
     Deep(Numbers<3>),
 }
 
 /// A velocity: β along the diagram's direction, or a table.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(untagged))]
+#[serde(untagged)]
 pub(super) enum Speed {
     Beta(Number),
     Table(Box<VelocityTable>),
 }
 
 /// One name, or several.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[cfg_attr(feature = "schema", schemars(untagged))]
+#[serde(untagged)]
 pub(super) enum OneOrMany {
     One(String),
     Many(Vec<At<String>>),
 }
 
-struct SpotVisitor;
+struct PlaceVisitor;
 
-impl<'de> Visitor<'de> for SpotVisitor {
-    type Value = Spot;
+impl<'de> Visitor<'de> for PlaceVisitor {
+    type Value = Place;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("the name of an event, [ct, x] or [ct, x, y]")
     }
 
-    fn visit_str<E: Error>(self, name: &str) -> Result<Spot, E> {
-        Ok(Spot::Name(name.to_string()))
+    fn visit_str<E: Error>(self, name: &str) -> Result<Place, E> {
+        Ok(Place::Name(name.to_string()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Spot, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Place, A::Error> {
         let all: Vec<Number> = Vec::deserialize(SeqAccessDeserializer::new(seq))?;
         match all.as_slice() {
-            [ct, x] => Ok(Spot::At(Numbers([ct.0, x.0]))),
-            [ct, x, y] => Ok(Spot::Deep(Numbers([ct.0, x.0, y.0]))),
+            [ct, x] => Ok(Place::At(Numbers([ct.0, x.0]))),
+            [ct, x, y] => Ok(Place::Deep(Numbers([ct.0, x.0, y.0]))),
             other => Err(A::Error::invalid_length(other.len(), &self)),
         }
     }
 }
 
-impl<'de> Deserialize<'de> for Spot {
+impl<'de> Deserialize<'de> for Place {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SpotVisitor)
-    }
-}
-
-impl Serialize for Spot {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Spot::Name(name) => name.serialize(serializer),
-            Spot::At(numbers) => numbers.serialize(serializer),
-            Spot::Deep(numbers) => numbers.serialize(serializer),
-        }
+        deserializer.deserialize_any(PlaceVisitor)
     }
 }
 
@@ -109,15 +99,6 @@ impl<'de> Deserialize<'de> for Speed {
     }
 }
 
-impl Serialize for Speed {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Speed::Beta(beta) => beta.serialize(serializer),
-            Speed::Table(table) => table.serialize(serializer),
-        }
-    }
-}
-
 struct NamesVisitor;
 
 impl<'de> Visitor<'de> for NamesVisitor {
@@ -139,14 +120,5 @@ impl<'de> Visitor<'de> for NamesVisitor {
 impl<'de> Deserialize<'de> for OneOrMany {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(NamesVisitor)
-    }
-}
-
-impl Serialize for OneOrMany {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            OneOrMany::One(name) => name.serialize(serializer),
-            OneOrMany::Many(names) => names.serialize(serializer),
-        }
     }
 }

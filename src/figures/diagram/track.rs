@@ -19,7 +19,7 @@ use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World
 const HALVINGS: usize = 140;
 /// The largest change of rapidity at which light cones are resolved: e^15 times 2⁻⁵³ is 4·10⁻¹⁰.
 const MOST_TURN: f64 = 15.0;
-/// Doublings from a metre to beyond all lengths that a file can say.
+/// Doublings from a metre to beyond all lengths that a file can hold.
 const DOUBLINGS: i32 = 110;
 
 /// A world line, or a part of one.

@@ -5,8 +5,7 @@
 
 use ::png::{BlendOp, ColorType, DisposeOp, EncodingError};
 
-use super::Origin;
-use super::png::{Raster, encoder, say};
+use super::png::{Raster, encoder};
 use crate::error::{Error, Result};
 
 /// How long a frame is shown, as a fraction of a second.
@@ -18,28 +17,15 @@ pub struct Delay {
     pub denominator: u16,
 }
 
-/// The frames as one file; `count` of them are taken one after another, so that one is held at a time.
+/// The frames as one file, its origin being that of the first; `count` of them are taken one after another, so that one is held at a time.
 ///
 /// # Errors
 /// Those of the frames; no frames, or fewer than `count`; frames of another size than the first; a delay
-/// with the denominator 0.
+/// with the denominator 0; keys that PNG does not hold.
 pub fn write(
     count: u32,
     frames: impl IntoIterator<Item = Result<Raster>>,
     delay: Delay,
-) -> Result<Vec<u8>> {
-    write_with(count, frames, delay, &[])
-}
-
-/// The frames as one file that says where it is from.
-///
-/// # Errors
-/// As [`write()`], and keys that PNG does not hold.
-pub fn write_with(
-    count: u32,
-    frames: impl IntoIterator<Item = Result<Raster>>,
-    delay: Delay,
-    origin: &Origin,
 ) -> Result<Vec<u8>> {
     if delay.denominator == 0 {
         return Err(wrong(
@@ -53,9 +39,8 @@ pub fn write_with(
         None => return Err(wrong("an animation without frames", "one frame or more")),
     };
     let mut bytes = Vec::new();
-    let mut encoder = encoder(&mut bytes, &first, ColorType::Rgba);
+    let mut encoder = encoder(&mut bytes, &first, ColorType::Rgba).map_err(failure)?;
     set_up(&mut encoder, count, delay).map_err(failure)?;
-    say(&mut encoder, origin).map_err(failure)?;
     let mut writer = encoder.write_header().map_err(failure)?;
     writer.write_image_data(&first.rgba).map_err(failure)?;
     for index in 1..count {

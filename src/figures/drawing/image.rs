@@ -1,9 +1,7 @@
 //! Pictures within drawings, as the writers embed them.
 
-use ::png::{BitDepth, ColorType, Compression, Encoder, EncodingError, SrgbRenderingIntent};
-
 use crate::error::{Error, Result};
-use crate::io::image::RgbImage;
+use crate::io::image::{RgbImage, png};
 
 /// The digits of base 64 (RFC 4648, section 4).
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -14,23 +12,18 @@ const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz
 /// Sizes that PNG does not hold.
 pub(super) fn png_of(image: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let encoded = encode(&mut bytes, image);
+    let encoded = png::encode(
+        &mut bytes,
+        [image.width, image.height],
+        ::png::BitDepth::Eight,
+        &image.rgb,
+        &[],
+    );
     encoded.map_err(|e| {
         let what = format!("a picture cannot be written as PNG: {e}");
         Error::invalid("drawing", "", what, "")
     })?;
     Ok(bytes)
-}
-
-fn encode(bytes: &mut Vec<u8>, image: &RgbImage) -> Result<(), EncodingError> {
-    let mut encoder = Encoder::new(bytes, image.width, image.height);
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Balanced);
-    encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&image.rgb)?;
-    writer.finish()
 }
 
 /// Adds `bytes` in base 64: three bytes are four digits, the last ones filled up with `=`.

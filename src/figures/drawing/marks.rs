@@ -10,7 +10,7 @@ use crate::io::image::RgbImage;
 
 /// Something that every format can draw.
 #[derive(Debug)]
-pub(super) enum Mark {
+pub(super) enum Mark<'a> {
     Fill {
         path: Path,
         colour: Colour,
@@ -21,16 +21,16 @@ pub(super) enum Mark {
     },
     Clip {
         path: Path,
-        marks: Vec<Mark>,
+        marks: Vec<Mark<'a>>,
     },
     Image {
-        image: RgbImage,
+        image: &'a RgbImage,
         rect: Rect,
     },
     /// Outlines of text, with what it says.
     Text {
         says: String,
-        marks: Vec<Mark>,
+        marks: Vec<Mark<'a>>,
     },
 }
 
@@ -49,19 +49,32 @@ pub(super) struct Line {
 ///
 /// # Errors
 /// What [`Checked`] refuses, with the index of its item.
-pub(super) fn marks(drawing: &Drawing) -> Result<Vec<Mark>> {
+pub(super) fn marks(drawing: &Drawing) -> Result<Vec<Mark<'_>>> {
     let drawing = Checked::new(drawing)?.0;
+    marks_of(
+        &drawing.items,
+        [drawing.width, drawing.height],
+        drawing.background,
+    )
+}
+
+/// The marks of items on a page of this size.
+pub(super) fn marks_of(
+    items: &[Item],
+    size: [f64; 2],
+    background: Colour,
+) -> Result<Vec<Mark<'_>>> {
     let page = Rect {
         min: [0.0; 2],
-        max: [drawing.width, drawing.height],
+        max: size,
     };
-    let mut marks = Vec::with_capacity(drawing.items.len() + 1);
-    push_fill(&mut marks, Path::rect(page), drawing.background);
-    push_items(&mut marks, &drawing.items, page)?;
+    let mut marks = Vec::with_capacity(items.len() + 1);
+    push_fill(&mut marks, Path::rect(page), background);
+    push_items(&mut marks, items, page)?;
     Ok(marks)
 }
 
-fn push_items(marks: &mut Vec<Mark>, items: &[Item], page: Rect) -> Result<()> {
+fn push_items<'a>(marks: &mut Vec<Mark<'a>>, items: &'a [Item], page: Rect) -> Result<()> {
     for item in items {
         match item {
             Item::Path { path, fill, stroke } => {
@@ -73,10 +86,7 @@ fn push_items(marks: &mut Vec<Mark>, items: &[Item], page: Rect) -> Result<()> {
                 }
             }
             Item::Text(text) => marks.push(text_mark(text)?),
-            Item::Image { image, rect } => marks.push(Mark::Image {
-                image: image.clone(),
-                rect: *rect,
-            }),
+            Item::Image { image, rect } => marks.push(Mark::Image { image, rect: *rect }),
             Item::Clip { path, items } => {
                 let mut inner = Vec::with_capacity(items.len());
                 push_items(&mut inner, items, page)?;
@@ -132,7 +142,7 @@ fn push_stroke(marks: &mut Vec<Mark>, path: &Path, stroke: &Stroke) {
     }
 }
 
-fn text_mark(text: &Text) -> Result<Mark> {
+fn text_mark(text: &Text) -> Result<Mark<'static>> {
     let outline = text.outline()?;
     let mut marks = Vec::with_capacity(2);
     if let Some((colour, width)) = text.halo.filter(|(_, width)| *width > 0.0) {

@@ -20,6 +20,7 @@
 //!     width: 200.0,
 //!     height: 100.0,
 //!     title: "The time axis of a moving frame".to_owned(),
+//!     origin: Vec::new(),
 //!     background: Colour::WHITE,
 //!     items: vec![
 //!         Item::stroked(Path::line([20.0, 90.0], [60.0, 10.0]), stroke),
@@ -52,7 +53,6 @@ pub use path::{Node, Path};
 pub use style::{Arrow, Cap, Colour, Fill, Hatch, Join, Stroke};
 
 use crate::error::Result;
-pub use crate::figures::text::AnchorX;
 use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
 
@@ -65,14 +65,13 @@ pub struct Drawing {
     pub height: f64,
     /// What the page is called by those who cannot see it, and by programs that list documents.
     pub title: String,
+    /// Where the drawing is from, for the metadata of files: keys (printable ASCII without spaces, 79 characters at most) and texts.
+    pub origin: Vec<(String, String)>,
     /// Under everything.
     pub background: Colour,
     /// From the lowest to the uppermost.
     pub items: Vec<Item>,
 }
-
-/// What a file says of its origin: keys (printable ASCII without spaces, 79 characters at most) and texts.
-pub type Origin = [(String, String)];
 
 /// Something on a page.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +106,7 @@ pub enum Item {
 /// A line of text on a page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
-    /// What it says.
+    /// The text.
     pub text: RichText,
     /// Where its anchor is.
     pub at: [f64; 2],
@@ -130,6 +129,17 @@ pub struct Anchor {
     pub x: AnchorX,
     /// Across the line.
     pub y: AnchorY,
+}
+
+/// A place along a line of text, by its advance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnchorX {
+    /// Where it begins.
+    Start,
+    /// Half way.
+    Middle,
+    /// Where it ends.
+    End,
 }
 
 /// A height of a line of text: the same for all texts of one size, so that neighbours stand in line.
@@ -184,13 +194,18 @@ impl Anchor {
 
     /// Where, from the anchor, a line of this advance and size has the left end of its baseline.
     pub(crate) fn offset(self, width: f64, size: f64) -> [f64; 2] {
+        let left = match self.x {
+            AnchorX::Start => 0.0,
+            AnchorX::Middle => -width / 2.0,
+            AnchorX::End => -width,
+        };
         let baseline = match self.y {
             AnchorY::Baseline => 0.0,
             AnchorY::Middle => CAPITALS / 2.0 * size,
             AnchorY::Top => CAPITALS * size,
             AnchorY::Bottom => -DESCENDERS * size,
         };
-        [self.x.left(width), baseline]
+        [left, baseline]
     }
 }
 

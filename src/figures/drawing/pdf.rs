@@ -12,31 +12,23 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Origin, Path};
+use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::Result;
 use crate::figures::text::{self, Segment};
 use crate::io::image::RgbImage;
 
-/// The drawing as a PDF file.
+/// The drawing as a PDF file, whose document information holds the keys of its origin.
 ///
 /// # Errors
 /// As [`svg::write`](super::svg::write).
 pub fn write(drawing: &Drawing) -> Result<Vec<u8>> {
-    write_with(drawing, &[])
-}
-
-/// The drawing as a PDF file that says, in its document information, where it is from.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<Vec<u8>> {
     let marks = marks(drawing)?;
     let mut page = Page::new(drawing.height);
     page.marks(&marks);
-    Ok(document(drawing, page, origin))
+    Ok(document(drawing, page))
 }
 
-fn document(drawing: &Drawing, page: Page, origin: &Origin) -> Vec<u8> {
+fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     let [catalog, pages, leaf, content, info] = [1, 2, 3, 4, 5].map(Ref::new);
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
@@ -54,7 +46,7 @@ fn document(drawing: &Drawing, page: Page, origin: &Origin) -> Vec<u8> {
     let mut about = pdf.document_info(info);
     about.title(TextStr(&drawing.title));
     about.producer(TextStr(producer));
-    for (key, value) in origin {
+    for (key, value) in &drawing.origin {
         about.pair(Name(key.as_bytes()), TextStr(value));
     }
     about.finish();
@@ -141,7 +133,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    fn marks(&mut self, marks: &'a [Mark]) {
+    fn marks(&mut self, marks: &[Mark<'a>]) {
         for mark in marks {
             match mark {
                 Mark::Fill { path, colour } => self.fill(path, *colour),
@@ -213,7 +205,7 @@ impl<'a> Page<'a> {
         self.content.restore_state();
     }
 
-    fn clip(&mut self, path: &Path, marks: &'a [Mark]) {
+    fn clip(&mut self, path: &Path, marks: &[Mark<'a>]) {
         let outer = self.state.clone();
         self.content.save_state();
         self.path(path);

@@ -1,19 +1,16 @@
 //! PNG: what slides and web pages take.
 
-use ::png::{
-    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions,
-    SrgbRenderingIntent, Unit,
-};
+use ::png::{ColorType, Encoder, EncodingError, Filter, PixelDimensions, Unit};
 use tiny_skia::{
-    ColorU8, FillRule, FilterQuality, LineCap, LineJoin, Mask, Paint, Pattern, Pixmap, SpreadMode,
-    Stroke, StrokeDash, Transform,
+    ColorU8, FillRule, FilterQuality, LineCap, LineJoin, Mask, Paint, PathBuilder, Pattern, Pixmap,
+    SpreadMode, Stroke, StrokeDash, Transform,
 };
 
-use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Origin, Path};
+use super::marks::{Line, Mark, marks, marks_of};
+use super::{Cap, Colour, Drawing, Item, Join, Path};
 use crate::error::{Error, Result};
-use crate::figures::text::{self, Rect};
-use crate::io::image::RgbImage;
+use crate::figures::text::{Rect, Segment};
+use crate::io::image::{RgbImage, png};
 
 /// The most pixels of a picture: 1 GiB of memory.
 const MOST_PIXELS: f64 = (1u64 << 28) as f64;
@@ -29,6 +26,8 @@ pub struct Raster {
     pub rgba: Vec<u8>,
     /// Pixels per point of the page.
     pub scale: f64,
+    /// Where a file is from, as in [`Drawing::origin`].
+    pub origin: Vec<(String, String)>,
 }
 
 /// Draws with `scale` pixels per point: 2 for screens; dots per inch over 72 for print, so 300/72.
@@ -39,69 +38,54 @@ pub struct Raster {
 pub fn render(drawing: &Drawing, scale: f64) -> Result<Raster> {
     let marks = marks(drawing)?;
     let (width, height) = pixels(drawing, scale)?;
-    let pixmap =
-        Pixmap::new(width, height).ok_or_else(|| too_large(width.into(), height.into()))?;
-    let mut canvas = Canvas {
-        pixmap,
-        transform: Transform::from_scale(scale as f32, scale as f32),
-    };
-    canvas.marks(&marks, None);
+    let canvas = Canvas::with(&marks, [width, height], scale)?;
     Ok(Raster {
         width,
         height,
         rgba: canvas.pixmap.take_demultiplied(),
         scale,
+        origin: drawing.origin.clone(),
     })
 }
 
-/// The picture as a PNG file, without alpha where all is opaque; it says how many pixels are a metre.
+/// The picture as a PNG file, without alpha where all is opaque; it states how many pixels are a metre, and in its
+/// text chunks where it is from.
 ///
 /// # Errors
-/// A [`Raster`] whose length is not that of its pixels.
+/// A [`Raster`] whose length is not that of its pixels, and keys that PNG does not hold.
 pub fn write(raster: &Raster) -> Result<Vec<u8>> {
-    write_with(raster, &[])
-}
-
-/// The picture as a PNG file that says, in its text chunks, where it is from.
-///
-/// # Errors
-/// As [`write()`], and keys that PNG does not hold.
-pub fn write_with(raster: &Raster, origin: &Origin) -> Result<Vec<u8>> {
     let opaque = raster.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
     let mut bytes = Vec::new();
     let encoded = if opaque {
         let rgb = raster.rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
         let rgb: Vec<u8> = rgb.copied().collect();
-        encode(encoder(&mut bytes, raster, ColorType::Rgb), &rgb, origin)
+        encode(encoder(&mut bytes, raster, ColorType::Rgb), &rgb)
     } else {
-        let encoder = encoder(&mut bytes, raster, ColorType::Rgba);
-        encode(encoder, &raster.rgba, origin)
+        encode(encoder(&mut bytes, raster, ColorType::Rgba), &raster.rgba)
     };
     encoded
         .map_err(|e| Error::invalid("drawing", "", format!("cannot be written as PNG: {e}"), ""))?;
     Ok(bytes)
 }
 
-fn encode(
-    mut encoder: Encoder<&mut Vec<u8>>,
-    data: &[u8],
-    origin: &Origin,
-) -> Result<(), EncodingError> {
-    say(&mut encoder, origin)?;
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(data)?;
-    writer.finish()
+/// Draws items on a white page whose pixels are points.
+pub(crate) fn picture(size: [u32; 2], items: &[Item]) -> Result<RgbImage> {
+    let marks = marks_of(items, size.map(f64::from), Colour::WHITE)?;
+    let pixels = Canvas::with(&marks, size, 1.0)?.pixmap;
+    let rgb = pixels.pixels().iter();
+    Ok(RgbImage {
+        width: size[0],
+        height: size[1],
+        rgb: rgb.flat_map(|p| [p.red(), p.green(), p.blue()]).collect(),
+    })
 }
 
-/// Has the file say where it is from.
-pub(super) fn say(
-    encoder: &mut Encoder<&mut Vec<u8>>,
-    origin: &Origin,
-) -> Result<(), EncodingError> {
-    for (key, value) in origin {
-        encoder.add_itxt_chunk(key.clone(), value.clone())?;
-    }
-    Ok(())
+type Encoded<'a> = Result<Encoder<'static, &'a mut Vec<u8>>, EncodingError>;
+
+fn encode(encoder: Encoded, data: &[u8]) -> Result<(), EncodingError> {
+    let mut writer = encoder?.write_header()?;
+    writer.write_image_data(data)?;
+    writer.finish()
 }
 
 /// An encoder of pictures like `raster`.
@@ -109,14 +93,10 @@ pub(super) fn encoder<'a>(
     bytes: &'a mut Vec<u8>,
     raster: &Raster,
     colour: ColorType,
-) -> Encoder<'static, &'a mut Vec<u8>> {
-    let mut encoder = Encoder::new(bytes, raster.width, raster.height);
-    encoder.set_color(colour);
-    encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Balanced);
+) -> Encoded<'a> {
+    let mut encoder = png::encoder(bytes, [raster.width, raster.height], colour);
     // Flat areas repeat as they stand.
     encoder.set_filter(Filter::NoFilter);
-    encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     // 72 points are 0.0254 m.
     let per_metre = (raster.scale * 72.0 / 0.0254).round() as u32;
     encoder.set_pixel_dims(Some(PixelDimensions {
@@ -124,7 +104,10 @@ pub(super) fn encoder<'a>(
         yppu: per_metre,
         unit: Unit::Meter,
     }));
-    encoder
+    for (key, value) in &raster.origin {
+        encoder.add_itxt_chunk(key.clone(), value.clone())?;
+    }
+    Ok(encoder)
 }
 
 fn pixels(drawing: &Drawing, scale: f64) -> Result<(u32, u32)> {
@@ -154,6 +137,17 @@ struct Canvas {
 }
 
 impl Canvas {
+    /// The marks on so many pixels, `scale` of them for a point.
+    fn with(marks: &[Mark], [width, height]: [u32; 2], scale: f64) -> Result<Canvas> {
+        let pixmap = Pixmap::new(width, height);
+        let mut canvas = Canvas {
+            pixmap: pixmap.ok_or_else(|| too_large(width.into(), height.into()))?,
+            transform: Transform::from_scale(scale as f32, scale as f32),
+        };
+        canvas.marks(marks, None);
+        Ok(canvas)
+    }
+
     fn marks(&mut self, marks: &[Mark], mask: Option<&Mask>) {
         for mark in marks {
             match mark {
@@ -168,7 +162,7 @@ impl Canvas {
 
     fn fill(&mut self, path: &Path, colour: Colour, mask: Option<&Mask>) {
         // Paths without extent have no inside.
-        if let Some(path) = text::path(&path.0) {
+        if let Some(path) = path_of(&path.0) {
             let rule = FillRule::Winding;
             self.pixmap
                 .fill_path(&path, &paint(colour), rule, self.transform, mask);
@@ -176,7 +170,7 @@ impl Canvas {
     }
 
     fn line(&mut self, path: &Path, line: &Line, mask: Option<&Mask>) {
-        if let Some(path) = text::path(&path.0) {
+        if let Some(path) = path_of(&path.0) {
             let paint = paint(line.colour);
             self.pixmap
                 .stroke_path(&path, &paint, &stroke(line), self.transform, mask);
@@ -184,7 +178,7 @@ impl Canvas {
     }
 
     fn image(&mut self, image: &RgbImage, rect: Rect, mask: Option<&Mask>) {
-        let path = text::path(&Path::rect(rect).0);
+        let path = path_of(&Path::rect(rect).0);
         let (Some(path), Some(pixels)) = (path, pixmap_of(image)) else {
             return;
         };
@@ -207,7 +201,7 @@ impl Canvas {
     }
 
     fn clip(&mut self, path: &Path, marks: &[Mark], mask: Option<&Mask>) {
-        let Some(path) = text::path(&path.0) else {
+        let Some(path) = path_of(&path.0) else {
             return;
         };
         let inner = match mask {
@@ -223,6 +217,25 @@ impl Canvas {
         };
         self.marks(marks, inner.as_ref());
     }
+}
+
+/// The segments as a tiny-skia path; none where there is nothing to draw.
+pub fn path_of(segments: &[Segment]) -> Option<tiny_skia::Path> {
+    let mut path = PathBuilder::new();
+    for segment in segments {
+        match *segment {
+            Segment::Move([x, y]) => path.move_to(x as f32, y as f32),
+            Segment::Line([x, y]) => path.line_to(x as f32, y as f32),
+            Segment::Quadratic([a, b], [x, y]) => {
+                path.quad_to(a as f32, b as f32, x as f32, y as f32);
+            }
+            Segment::Cubic([a, b], [c, d], [x, y]) => {
+                path.cubic_to(a as f32, b as f32, c as f32, d as f32, x as f32, y as f32);
+            }
+            Segment::Close => path.close(),
+        }
+    }
+    path.finish()
 }
 
 /// The picture as tiny-skia holds it.

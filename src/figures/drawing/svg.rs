@@ -1,32 +1,24 @@
 //! SVG 1.1: what browsers show and vector editors edit.
 //!
-//! Lengths are in points by `viewBox`, to 4 decimals. Text is outlines, in a group that says what it says.
+//! Lengths are in points by `viewBox`, to 4 decimals. Text is outlines, in a group whose label is the text.
 
 use super::image::{png_of, push_base64};
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Origin, Path};
+use super::{Cap, Colour, Drawing, Join, Path};
 use crate::error::Result;
 use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
 
-/// The drawing as an SVG file.
+/// The drawing as an SVG file; `<metadata>` has a line for each key of its origin.
 ///
 /// # Errors
 /// Numbers that are not finite, paths that are not sound, pages of more than 200 inches; with the index
 /// of the item.
 pub fn write(drawing: &Drawing) -> Result<String> {
-    write_with(drawing, &[])
-}
-
-/// The drawing as an SVG file that says, in `<metadata>`, where it is from: a line for each key.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_with(drawing: &Drawing, origin: &Origin) -> Result<String> {
     let marks = marks(drawing)?;
     let mut svg = Svg::default();
     svg.head(drawing, holds_image(&marks));
-    svg.origin(origin);
+    svg.origin(&drawing.origin);
     svg.marks(&marks)?;
     svg.text.push_str("</svg>\n");
     Ok(svg.text)
@@ -76,7 +68,7 @@ impl Svg {
         }
     }
 
-    fn origin(&mut self, origin: &Origin) {
+    fn origin(&mut self, origin: &[(String, String)]) {
         if origin.is_empty() {
             return;
         }

@@ -2,7 +2,7 @@
 //!
 //! A cell has four neighbouring pixel centres as corners. A line of value L crosses the edges between a
 //! corner below L and one at or above it, where linear interpolation gives L. In a cell with four
-//! crossings the mean of the corners says which pairs belong together.
+//! crossings the mean of the corners decides which pairs belong together.
 //!
 //! Where one surface hides another the time jumps, and no line runs there: an edge is a jump if its
 //! difference is more than [`JUMP`] times those of the edges before and after it in its row or column.

@@ -1,14 +1,17 @@
 //! The legend: a colour bar with ct on its left and time on its right.
 
-use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Rect, Transform};
-
 use super::Values;
-use super::picture::{LineStyle, strokes};
+use super::picture::stroke;
 use super::range::Range;
-use super::viridis::viridis;
+use super::viridis::viridis_srgb;
 use crate::error::Result;
-use crate::figures::text::{self, AnchorX, RichText};
+use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
+use crate::figures::text::{Rect, RichText};
 use crate::figures::ticks::{Unit, number, round_step};
+use crate::io::image::RgbImage;
+
+/// The colour of text and ticks.
+pub(super) const INK: Colour = Colour::rgb(32, 32, 36);
 
 /// The colour bar and its two scales.
 pub(super) struct Legend {
@@ -32,11 +35,6 @@ struct Scale {
     ticks: Vec<(f64, RichText)>,
     /// The widest of the labels and half of the head, pixels.
     width: f64,
-}
-
-/// The colour of text and ticks.
-pub(super) fn ink() -> Color {
-    Color::from_rgba8(32, 32, 36, 255)
 }
 
 impl Legend {
@@ -83,91 +81,72 @@ impl Legend {
         self.bottom - self.range.part(ct) * (self.bottom - self.top)
     }
 
-    /// Draws bar, lines and scales.
-    pub fn draw(&self, pixmap: &mut Pixmap, em: f64, stroke: f64) -> Result<()> {
-        self.bar(pixmap);
-        self.arrows(pixmap, em);
-        for line in self.range.lines() {
+    /// Bar, lines and scales.
+    pub fn items(&self, em: f64, width: f64) -> Vec<Item> {
+        let mut items = vec![self.bar()];
+        items.extend(self.arrows(em));
+        items.extend(self.range.lines().map(|line| {
             let y = self.height_of(line as f64 * self.range.step);
-            let look = LineStyle::new(&self.range, line, stroke);
-            strokes(pixmap, &[vec![[self.left, y], [self.right, y]]], &look);
-        }
-        self.scale(pixmap, em, &self.distance, (self.left, -1.0), AnchorX::End)?;
-        self.scale(pixmap, em, &self.time, (self.right, 1.0), AnchorX::Start)?;
-        let gap = 0.5 * em;
-        let heads = [
-            (self.left - gap, AnchorX::End, &self.distance.head),
-            (self.right + gap, AnchorX::Start, &self.time.head),
-        ];
-        for (x, anchor, label) in heads {
-            text::draw(pixmap, [x, self.head], anchor, em, ink(), label)?;
-        }
-        Ok(())
+            let across = Path::line([self.left, y], [self.right, y]);
+            Item::stroked(across, stroke(&self.range, line, width))
+        }));
+        items.extend(self.scale(em, &self.distance, (self.left, -1.0), AnchorX::End));
+        items.extend(self.scale(em, &self.time, (self.right, 1.0), AnchorX::Start));
+        items
     }
 
     /// The colours, one row of pixels at a time.
-    fn bar(&self, pixmap: &mut Pixmap) {
+    fn bar(&self) -> Item {
         let rows = (self.bottom - self.top).max(1.0) as u32;
-        for row in 0..rows {
-            let part = 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
-            let y = self.top as f32 + row as f32;
-            let (x, width) = (self.left as f32, (self.right - self.left) as f32);
-            if let Some(rect) = Rect::from_xywh(x, y, width, 1.0) {
-                pixmap.fill_rect(rect, &paint(viridis(part)), Transform::identity(), None);
-            }
+        let part = |row: u32| 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
+        Item::Image {
+            image: RgbImage {
+                width: 1,
+                height: rows,
+                rgb: (0..rows).flat_map(|row| viridis_srgb(part(row))).collect(),
+            },
+            rect: Rect {
+                min: [self.left, self.top],
+                max: [self.right, self.top + f64::from(rows)],
+            },
         }
     }
 
     /// Points at the ends beyond which there is more.
-    fn arrows(&self, pixmap: &mut Pixmap, em: f64) {
+    fn arrows(&self, em: f64) -> impl Iterator<Item = Item> {
         let ends = [
             (self.range.more_above, self.top, -1.0, 1.0),
             (self.range.more_below, self.bottom, 1.0, 0.0),
         ];
-        for (_, y, direction, part) in ends.into_iter().filter(|end| end.0) {
-            let mut path = PathBuilder::new();
-            path.move_to(self.left as f32, y as f32);
-            path.line_to(self.right as f32, y as f32);
-            let tip = y + direction * 0.6 * em;
-            path.line_to(((self.left + self.right) / 2.0) as f32, tip as f32);
-            path.close();
-            if let Some(path) = path.finish() {
-                let identity = Transform::identity();
-                pixmap.fill_path(
-                    &path,
-                    &paint(viridis(part)),
-                    FillRule::Winding,
-                    identity,
-                    None,
-                );
-            }
-        }
+        let ends = ends.into_iter().filter(|end| end.0);
+        ends.map(move |(_, y, direction, part)| {
+            let tip = [(self.left + self.right) / 2.0, y + direction * 0.6 * em];
+            let [r, g, b] = viridis_srgb(part);
+            let path = Path::polygon(&[[self.left, y], [self.right, y], tip]);
+            Item::filled(path, Colour::rgb(r, g, b))
+        })
     }
 
-    /// The ticks and labels of one side of the bar.
-    fn scale(
-        &self,
-        pixmap: &mut Pixmap,
-        em: f64,
-        scale: &Scale,
-        (x, outwards): (f64, f64),
-        anchor: AnchorX,
-    ) -> Result<()> {
-        let look = LineStyle {
-            colour: ink(),
-            width: (em / 16.0).max(1.0),
+    /// Ticks, labels and head of one side of the bar.
+    fn scale(&self, em: f64, scale: &Scale, (x, out): (f64, f64), anchor: AnchorX) -> Vec<Item> {
+        let gap = x + 0.5 * em * out;
+        let text = |label: &RichText, y: f64| {
+            Item::Text(Text {
+                colour: INK,
+                anchor: Anchor {
+                    x: anchor,
+                    y: AnchorY::Baseline,
+                },
+                ..Text::new(label.clone(), [gap, y], em)
+            })
         };
-        for (ct, label) in &scale.ticks {
+        let ticks = scale.ticks.iter().flat_map(|(ct, label)| {
             let y = self.height_of(*ct);
-            strokes(
-                pixmap,
-                &[vec![[x, y], [x + 0.25 * em * outwards, y]]],
-                &look,
-            );
-            let at = [x + 0.5 * em * outwards, y + 0.32 * em];
-            text::draw(pixmap, at, anchor, em, ink(), label)?;
-        }
-        Ok(())
+            let tick = Path::line([x, y], [x + 0.25 * em * out, y]);
+            let stroke = Stroke::new(INK, (em / 16.0).max(1.0));
+            [Item::stroked(tick, stroke), text(label, y + 0.32 * em)]
+        });
+        ticks.chain([text(&scale.head, self.head)]).collect()
     }
 }
 
@@ -178,13 +157,6 @@ fn three_digits(value: f64) -> String {
         true => rounded.to_string(),
         false => format!("{rounded:e}").replace('-', "\u{2212}"),
     }
-}
-
-fn paint(rgb: [f64; 3]) -> Paint<'static> {
-    let mut paint = Paint::default();
-    let [r, g, b] = rgb.map(|c| (255.0 * c + 0.5) as u8);
-    paint.set_color_rgba8(r, g, b, 255);
-    paint
 }
 
 impl Scale {

@@ -7,7 +7,7 @@
 //! nothing was seen (NaN) are pale grey. The legend has the time both as ct in metres and in seconds.
 //!
 //! Far outliers, such as a floor that runs to the horizon, do not squeeze the rest: the range then ends
-//! before them, an arrow on the legend says that there is more, and no lines are drawn beyond it. Lines
+//! before them, an arrow on the legend shows that there is more, and no lines are drawn beyond it. Lines
 //! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
 //!
 //! [`draw_radiance`] draws luminance the same way: colours and lines by its logarithm, the legend by its value.
@@ -15,6 +15,7 @@
 pub(crate) mod chain;
 pub(crate) mod contour;
 mod legend;
+pub(crate) mod lines;
 mod page;
 mod picture;
 pub(crate) mod range;

@@ -9,15 +9,14 @@
 //! └──────────────┘
 //! ```
 
-use tiny_skia::{Color, Pixmap};
-
 use super::contour::Grid;
-use super::legend::{Legend, ink};
+use super::legend::{INK, Legend};
 use super::picture::{self, Frame};
 use super::range::Range;
 use super::{IsochroneOptions, Values};
 use crate::error::{Error, Result};
-use crate::figures::text::{self, AnchorX, RichText};
+use crate::figures::drawing::{Item, Text, png};
+use crate::figures::text::RichText;
 use crate::io::image::RgbImage;
 
 /// Small pictures are enlarged to about this size, pixels.
@@ -88,21 +87,11 @@ impl Page {
 
     /// Draws the page.
     pub fn draw(&self, ct: &[f64], options: &IsochroneOptions) -> Result<RgbImage> {
-        let [width, height] = self.size;
-        let mut pixmap = Pixmap::new(width, height).ok_or_else(|| {
-            let what = format!("{width} × {height} pixels cannot be held");
-            Error::unsupported("isochrones", "", what, "")
-        })?;
-        pixmap.fill(Color::WHITE);
         let title = RichText::plain(&options.title)?;
-        text::draw(
-            &mut pixmap,
-            self.title,
-            AnchorX::Start,
-            1.25 * self.em,
-            ink(),
-            &title,
-        )?;
+        let mut items = vec![Item::Text(Text {
+            colour: INK,
+            ..Text::new(title, self.title, 1.25 * self.em)
+        })];
         let grid = Grid {
             width: self.image[0] as usize,
             height: self.image[1] as usize,
@@ -110,12 +99,10 @@ impl Page {
         };
         let range = self.legend.as_ref().map(|legend| legend.range);
         let stroke = (self.em / 18.0).max(0.9);
-        picture::draw(&mut pixmap, self.frame, &grid, range, stroke);
+        items.extend(picture::items(self.frame, &grid, range, stroke));
         if let Some(legend) = &self.legend {
-            legend.draw(&mut pixmap, self.em, stroke)?;
+            items.extend(legend.items(self.em, stroke));
         }
-        let rgb = pixmap.pixels().iter();
-        let rgb = rgb.flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        Ok(RgbImage { width, height, rgb })
+        png::picture(self.size, &items)
     }
 }

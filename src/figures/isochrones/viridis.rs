@@ -59,7 +59,7 @@ const NODES: [[f64; 3]; 52] = [
 ];
 
 /// The sRGB colour (components in [0, 1]) at `x` in [0, 1], from dark to bright.
-pub(crate) fn viridis(x: f64) -> [f64; 3] {
+fn viridis(x: f64) -> [f64; 3] {
     let last = NODES.len() - 1;
     let position = x.clamp(0.0, 1.0) * last as f64;
     // NaN converts to 0.
@@ -67,6 +67,11 @@ pub(crate) fn viridis(x: f64) -> [f64; 3] {
     let t = position - first as f64;
     let (a, b) = (NODES[first], NODES[first + 1]);
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
+}
+
+/// The same in 8 bits.
+pub(crate) fn viridis_srgb(x: f64) -> [u8; 3] {
+    viridis(x).map(|c| (255.0 * c + 0.5) as u8)
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::scene::model::{Equations, Scene};
 /// lines do not depend on where the samples of the display's picture lie; `prepared` is left as it was.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` is cancelled.
 pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Film> {
     centred(prepared, parts.needs(), progress)
 }
@@ -48,7 +48,7 @@ fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress)
 /// A focal length that is fixed in the world is taken as the world measures it.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` is cancelled.
 pub fn instantaneous(
     scene: &Scene,
     prepared: &mut Prepared,

@@ -38,7 +38,7 @@ impl Labels {
         self.discs.push((centre, radius));
     }
 
-    /// A label of what `text` says along `line`, points; none where there is no room for it.
+    /// A label with this text along `line`, points; none where there is no room for it.
     pub fn along(&mut self, line: &Polyline, text: &str) -> Result<Option<Text>> {
         let text = RichText::plain(text)?;
         let width = text.width(SIZE)?;

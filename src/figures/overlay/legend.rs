@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use super::style::{APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, digits, symbol};
+use super::style::{APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, symbol};
 use super::{Facts, Overlay, Pointer, Target};
 use crate::camera::Projection;
 use crate::error::Result;
+use crate::figures::diagram::number;
 use crate::figures::drawing::{Anchor, Colour, Item, Path, Text};
 use crate::figures::text::RichText;
 use crate::figures::ticks::Unit;
@@ -112,7 +113,7 @@ fn span(metres: f64, c: f64) -> String {
         Unit::metres(metres.abs()),
         Unit::prefixed("s", seconds.abs()),
     );
-    let (ct, t) = (digits(length.count(metres)), digits(time.count(seconds)));
+    let (ct, t) = (number(length.count(metres)), number(time.count(seconds)));
     format!("{ct} {} ({t} {})", length.name, time.name)
 }
 

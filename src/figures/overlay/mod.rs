@@ -57,12 +57,13 @@ pub struct Overlay {
     pub instantaneous: Vec<Outline>,
     /// Where the camera moves; none where it rests.
     pub pointer: Option<Pointer>,
-    /// What is said below the picture.
+    /// What the legend below the picture states.
     pub legend: Option<Facts>,
 }
 
-/// What the legend says beyond the lines.
+/// What the legend states beyond the lines.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Facts {
     /// Metres per second.
     pub speed_of_light: f64,

@@ -6,6 +6,7 @@ use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen
 use super::{Isochrones, Outline, Overlay, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
+use crate::figures::isochrones::lines::path_of;
 use crate::figures::text::Rect;
 use crate::io::image::RgbImage;
 
@@ -65,6 +66,7 @@ impl Overlay {
             width,
             height,
             title: title.to_owned(),
+            origin: Vec::new(),
             background: Colour::WHITE,
             items,
         })
@@ -118,30 +120,26 @@ impl Place {
         }
     }
 
+    fn point(&self) -> impl Fn([f64; 2]) -> [f64; 2] {
+        |p| p.map(|x| x * self.scale)
+    }
+
     fn line(&self, line: &Polyline) -> Polyline {
-        line.iter().map(|p| p.map(|x| x * self.scale)).collect()
+        line.iter().copied().map(self.point()).collect()
     }
 }
 
-/// Lines as one path, so that borders do not cover other lines of their kind.
-fn path_of<'a>(place: &Place, lines: impl IntoIterator<Item = &'a Polyline>) -> Path {
-    let contours = lines.into_iter().map(|line| match line.split_last() {
-        Some((last, rest)) if rest.len() > 2 && rest.first() == Some(last) => {
-            Path::polygon(&place.line(&rest.to_vec()))
-        }
-        _ => Path::polyline(&place.line(line)),
-    });
-    contours.fold(Path::default(), Path::and)
-}
-
 fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
-    pen.draw(path_of(place, outlines.iter().flat_map(|o| &o.lines)))
+    pen.draw(path_of(
+        outlines.iter().flat_map(|o| &o.lines),
+        place.point(),
+    ))
 }
 
 fn stroked(place: &Place, isochrones: &Isochrones, heavy: bool) -> [Item; 2] {
     let lines = isochrones.lines.iter().filter(|l| l.is_heavy == heavy);
     let pen = if heavy { HEAVY } else { ISOCHRONE };
-    pen.draw(path_of(place, lines.flat_map(|l| &l.lines)))
+    pen.draw(path_of(lines.flat_map(|l| &l.lines), place.point()))
 }
 
 /// The labels of isochrones, those of heavy lines first.

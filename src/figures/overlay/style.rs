@@ -2,6 +2,7 @@
 
 use super::pointer::Target;
 use crate::error::Result;
+use crate::figures::diagram::number;
 use crate::figures::drawing::{Anchor, Arrow, Cap, Colour, Item, Join, Path, Stroke, Text};
 use crate::figures::text::RichText;
 
@@ -108,32 +109,13 @@ pub(super) fn symbol(target: Target, at: [f64; 2]) -> Vec<Item> {
     }
 }
 
-/// A line of text on the picture: in the colour of what it tells of, with a dark border.
+/// A line of text on the picture: in the colour of its line, with a dark border.
 pub(super) fn label(text: RichText, at: [f64; 2], colour: Colour, size: f64) -> Text {
     Text {
         colour,
         anchor: Anchor::MIDDLE,
         halo: Some((DARK, 1.1)),
         ..Text::new(text, at, size)
-    }
-}
-
-/// `value` to four significant digits, without idle zeros, with a true minus.
-pub(super) fn digits(value: f64) -> String {
-    let exponent = match value == 0.0 {
-        true => 0.0,
-        false => libm::log10(value.abs()).floor(),
-    };
-    let decimals = (3.0 - exponent).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    };
-    match text.strip_prefix('-') {
-        Some("0") => "0".to_owned(),
-        Some(text) => format!("−{text}"),
-        None => text,
     }
 }
 
@@ -148,6 +130,6 @@ pub(super) fn speed(velocity: crate::spacetime::Velocity) -> Result<RichText> {
     match (1..=8).find(told) {
         Some(decimals) => RichText::parse(&format!("*β* = {beta:.decimals$}")),
         None if beta < 0.5 => RichText::parse("*β* < 10^{-8}"),
-        None => RichText::parse(&format!("*γ* = {}", digits(gamma))),
+        None => RichText::parse(&format!("*γ* = {}", number(gamma))),
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Polyline;
 use crate::error::{Error, Result};
-use crate::figures::isochrones::chain::polylines;
-use crate::figures::isochrones::contour::{Grid, pieces};
+use crate::figures::isochrones::contour::Grid;
+use crate::figures::isochrones::lines::{is_heavy, isochrones};
 use crate::figures::isochrones::range::Range;
 use crate::figures::ticks::{Unit, number, round_step};
 
@@ -11,8 +11,6 @@ use crate::figures::ticks::{Unit, number, round_step};
 const COARSER: f64 = 2.5;
 /// The most isochrones.
 const MOST: f64 = 1000.0;
-/// Every so many lines one is heavy.
-const HEAVY: i64 = 5;
 /// The least distance between neighbouring lines, as a part of the picture's longer side.
 const CLOSEST: f64 = 1.0 / 120.0;
 
@@ -53,23 +51,15 @@ impl Isochrones {
         let grid = Grid { width, height, ct };
         let crowded = 1.0 / (CLOSEST * f64::from(size[0].max(size[1])));
         let unit = Unit::metres(range.low.abs().max(range.high.abs()));
-        let lines = pieces(&grid, &range).into_iter().zip(range.lines());
-        let lines = lines.map(|(pieces, k)| {
-            let is_heavy = k % HEAVY == 0;
-            let most = if is_heavy {
-                HEAVY as f64 * crowded
-            } else {
-                crowded
-            };
-            let lines = polylines(&pieces).into_iter();
-            let lines = lines.filter(|line| line.density <= most);
-            let ct = k as f64 * range.step;
+        let lines = isochrones(&grid, &range, crowded).into_iter();
+        let lines = lines.map(|isochrone| {
+            let ct = isochrone.number as f64 * range.step;
             let value = number(unit.count(ct), unit.count(range.step));
             Isochrone {
                 ct,
-                is_heavy,
+                is_heavy: is_heavy(isochrone.number),
                 label: format!("{value} {}", unit.name),
-                lines: lines.map(|line| line.points).collect(),
+                lines: isochrone.lines,
             }
         });
         Ok(Some(Isochrones {

@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use super::{Hit, Probe, PulseLight};
 use crate::figures::diagram::model::{
-    Colour, Cone, Diagram, Mark, NamedLine, Reference, Signal, Slice, SliceKind, Track, part_across,
+    Colour, Cone, Diagram, NamedLine, Reference, Segment, Slice, SliceKind, Spot, Track,
+    part_across,
 };
-use crate::figures::diagram::{limits, number, round_step};
+use crate::figures::diagram::{limits, number, tick_step};
 use crate::figures::text::RichText;
 use crate::figures::text::rich::escaped;
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, Velocity, World};
@@ -39,14 +40,13 @@ pub fn diagram(probe: &Probe, base: Diagram, frame: Option<&str>) -> Option<Diag
     let axes = Axes::new(probe, &view);
     (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
     diagram.across = diagram.across.map(|_| axes.across);
-    Story {
+    let builder = DiagramBuilder {
         probe,
         view,
         camera,
         diagram,
-    }
-    .told()
-    .into()
+    };
+    Some(builder.build())
 }
 
 fn at_rest() -> InertialFrame<Rest> {
@@ -153,8 +153,8 @@ impl Probe {
     }
 }
 
-/// What is drawn.
-struct Story<'a> {
+/// A diagram to which what happens is added.
+struct DiagramBuilder<'a> {
     probe: &'a Probe,
     /// In whose coordinates it is drawn first.
     view: InertialFrame<Rest>,
@@ -162,8 +162,8 @@ struct Story<'a> {
     diagram: Diagram,
 }
 
-impl Story<'_> {
-    fn told(mut self) -> Diagram {
+impl DiagramBuilder<'_> {
+    fn build(mut self) -> Diagram {
         let [column, row] = self.probe.pixel;
         let title = || format!("What pixel ({column}, {row}) sees");
         self.diagram.title = self.diagram.title.take().or_else(|| Some(title()));
@@ -200,7 +200,7 @@ impl Story<'_> {
         let relative = velocity.relative_to(self.view.velocity());
         let own = all / relative.map_or(1.0, Velocity::gamma);
         let unit = self.diagram.unit.metres;
-        round_step(own.max(f64::MIN_POSITIVE) / unit / TICKS) * unit
+        tick_step(own.max(f64::MIN_POSITIVE) / unit / TICKS) * unit
     }
 
     fn line(&mut self, name: &str, track: Track, colour: Colour, ticks: Option<f64>) {
@@ -235,20 +235,21 @@ impl Story<'_> {
     }
 
     fn mark(&mut self, name: &str, label: Option<String>, event: Event<World>, dot: bool) {
-        self.diagram.events.push(Mark {
+        self.diagram.events.push(Spot {
             name: name.into(),
+            at: event,
             label,
-            event,
             dot,
+            colour: None,
         });
     }
 
     fn signal(&mut self, from: Event<World>, to: Event<World>, label: Option<String>) {
-        self.diagram.signals.push(Signal {
-            from,
-            to,
+        self.diagram.signals.push(Segment {
+            ends: [from, to],
             label,
             colour: None,
+            owner: None,
         });
     }
 
@@ -305,7 +306,7 @@ impl Story<'_> {
     fn lamp(&mut self, lamp: &PulseLight, emission: Event<World>) {
         let name = settable(&lamp.name);
         let mut marks = self.diagram.events.iter_mut();
-        if let Some(mark) = marks.find(|mark| mark.event == lamp.left) {
+        if let Some(mark) = marks.find(|mark| mark.at == lamp.left) {
             mark.label = Some(
                 mark.label
                     .take()

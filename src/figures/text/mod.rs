@@ -1,16 +1,13 @@
 //! Text as outlines, the same on every machine and in every format.
 //!
 //! A [`RichText`] is a line in Libertinus Serif (embedded), read from light markup, with italics and scripts.
-//! [`RichText::outline`] turns it into path segments that raster, SVG and PDF writers share; [`draw`] fills them
-//! on a tiny-skia pixmap. Lengths are in units of the page, y runs down, and the origin of an outline is the
+//! [`RichText::outline`] turns it into path segments that raster, SVG and PDF writers share. Lengths are in units of the page, y runs down, and the origin of an outline is the
 //! left end of its baseline. Pairs are kerned.
 
 mod markup;
 mod outline;
-mod raster;
 pub mod rich;
 mod setter;
 
 pub use outline::{Outline, Rect, Segment, bounds};
-pub use raster::{AnchorX, draw, path};
 pub use rich::RichText;

@@ -1,7 +1,7 @@
 //! PNG files: what a display shows.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Write};
 use std::path::Path;
 
 use ::png::{
@@ -67,18 +67,30 @@ pub fn write_16(
     })
 }
 
-fn encode(
-    writer: impl std::io::Write,
+/// An encoder of 8-bit sRGB pictures of this size.
+pub(crate) fn encoder<W: Write>(
+    writer: W,
     [width, height]: [u32; 2],
+    colour: ColorType,
+) -> Encoder<'static, W> {
+    let mut encoder = Encoder::new(writer, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
+    encoder
+}
+
+/// Writes RGB pixels, as many as the size says, with text chunks.
+pub(crate) fn encode(
+    writer: impl Write,
+    size: [u32; 2],
     depth: BitDepth,
     rgb: &[u8],
     text: &[(String, String)],
 ) -> Result<(), EncodingError> {
-    let mut encoder = Encoder::new(writer, width, height);
-    encoder.set_color(ColorType::Rgb);
+    let mut encoder = encoder(writer, size, ColorType::Rgb);
     encoder.set_depth(depth);
-    encoder.set_compression(Compression::Balanced);
-    encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     for (key, value) in text {
         let (key, value) = (key.clone(), value.clone());
         if value.is_ascii() {

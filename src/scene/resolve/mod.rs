@@ -5,9 +5,9 @@ mod binding;
 mod camera;
 mod context;
 mod equations;
+mod kinematics;
 mod motion;
 mod object;
-mod outline;
 mod panel;
 mod path;
 mod pose;
@@ -29,8 +29,8 @@ use super::report::Report;
 use crate::error::{Error, Result};
 pub(crate) use context::Context;
 pub(super) use context::{GLTF, SPECTRUM, has_extension};
+pub(crate) use kinematics::{CameraMotion, Kinematics, ObjectMotion};
 pub(crate) use object::refuse_duplicates;
-pub(crate) use outline::{Body, Filming, Outline};
 
 /// The scene that `file`, read from the report's text, means; with what was found of that which it names.
 pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Result<Scene> {

@@ -63,6 +63,7 @@ pub fn draw(study: &Study) -> Result<Drawing> {
         width: WIDTH,
         height: HEIGHT,
         title: format!("Run time against error: {}", study.scene),
+        origin: Vec::new(),
         background: Colour::WHITE,
         items,
     })

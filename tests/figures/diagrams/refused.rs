@@ -127,7 +127,7 @@ fn a_world_line_is_said_once() {
     check(
         "worldline = [{ name = \"w\", through = [[0, 0], [1, 0]], acceleration = 1 }]\n",
         "diagram.worldline[0].acceleration",
-        "said twice",
+        "given twice",
         "in one way",
     );
 }
@@ -238,7 +238,7 @@ fn two_ways_to_accelerate_are_refused() {
     check(
         "worldline = [{ name = \"w\", acceleration = 1, profile = [[0, 0], [1, 1]] }]\n",
         "diagram.worldline[0].profile",
-        "said twice",
+        "given twice",
         "in one way",
     );
 }

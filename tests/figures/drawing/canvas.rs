@@ -1,6 +1,7 @@
 //! A picture that the readers of the tests draw on.
 
-use nullray::figures::text::{Segment, path};
+use nullray::figures::drawing::png::path_of as path;
+use nullray::figures::text::Segment;
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Pixmap, Stroke, StrokeDash, Transform};
 
 pub struct Canvas {

@@ -43,7 +43,7 @@ fn strip(name: &str, expected: &[u8], actual: &Raster) -> PathBuf {
     let strip = Raster {
         width: 3 * actual.width,
         rgba,
-        ..*actual
+        ..actual.clone()
     };
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
     std::fs::write(&path, write(&strip).unwrap()).unwrap();

@@ -15,6 +15,7 @@ pub fn page(title: &str, items: Vec<Item>) -> Drawing {
         width: 120.0,
         height: 60.0,
         title: title.to_owned(),
+        origin: Vec::new(),
         background: Colour::WHITE,
         items,
     }

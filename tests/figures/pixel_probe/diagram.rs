@@ -16,7 +16,7 @@ fn panel(camera: &str, frame: Option<&str>, dimensions: &str) -> Panel {
 }
 
 fn label(panel: &Panel, start: &str) -> Point {
-    let labelled = |e: &&nullray::figures::diagram::Spot| {
+    let labelled = |e: &&nullray::figures::diagram::model::Spot<Point>| {
         e.label.as_ref().is_some_and(|l| l.starts_with(start))
     };
     panel

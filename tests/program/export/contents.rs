@@ -2,15 +2,18 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
+use nullray::io::cube::{self, Cube, Samples};
 use nullray::io::gltf;
 use nullray::io::image;
 use nullray::render::aov::Aov;
 use nullray::render::metadata;
+use nullray::scene::Builder;
 use nullray::scene::model::BadVertices;
 use nullray::validate::export::{Cubes, ExportOptions, README, schema};
 
-use super::{Exported, exported, exported_with};
+use super::{Exported, exported, exported_scene, exported_with};
 
 const SMALL: &str = r#"
 camera = { eye = [0, 1, 4], look_at = [0, 0, 0], size = [16, 12] }
@@ -74,6 +77,29 @@ fn a_cube_is_copied_as_it_is_or_named() {
     );
     assert!(!named.path("sources").exists() && !named.path("reference").exists());
     assert!(named.bundle.json["reference"].is_null());
+}
+
+#[test]
+fn a_cube_in_memory_is_written_into_the_bundle() {
+    let samples = (0..2 * 3 * 4).map(f64::from).collect();
+    let held = Cube::new([2, 3, 4, 1], Samples::F64(samples)).unwrap();
+    let scene = Builder::from_toml("memory", SMALL).cube("light", Arc::new(held.clone()), 0.1);
+    let options = ExportOptions {
+        reference: false,
+        // There is no file to refer to.
+        cubes: Cubes::Referenced,
+        ..ExportOptions::default()
+    };
+    let exported = exported_scene(&scene.build().unwrap(), &options);
+    let source = &exported.bundle.json["sources"][0];
+    assert_eq!(source["is_copied"], true);
+    assert_eq!(source["shape"], serde_json::json!([2, 3, 4, 1]));
+    let path = exported.path(source["file"].as_str().unwrap());
+    assert_eq!(
+        source["sha256"],
+        metadata::sha256(&fs::read(&path).unwrap())
+    );
+    assert_eq!(cube::load(&path, None).unwrap(), held);
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod targets;
 use std::path::{Path, PathBuf};
 
 use nullray::render::progress::Silent;
+use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 use nullray::validate::export::{ExportOptions, export};
 use tempfile::TempDir;
@@ -29,10 +30,14 @@ fn exported(text: &str) -> Exported {
 }
 
 fn exported_with(text: &str, base: &Path, options: &ExportOptions) -> Exported {
+    let scene = scene::parse(text, "test", base, &Overrides::default()).unwrap();
+    exported_scene(&scene, options)
+}
+
+fn exported_scene(scene: &Scene, options: &ExportOptions) -> Exported {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("bundle");
-    let scene = scene::parse(text, "test", base, &Overrides::default()).unwrap();
-    export(&scene, &target, options, &Silent).unwrap();
+    export(scene, &target, options, &Silent).unwrap();
     Exported {
         bundle: reader::Bundle::read(&target),
         folder,

@@ -225,15 +225,14 @@ impl Pen<'_> {
         for axis in [&axes.time, &axes.space].into_iter().chain(&axes.depth) {
             items.push(self.axis(axis, colour));
             if style.ticks || !own {
-                let inner = axis.ticks.iter().filter(|tick| self.is_inner(axis, tick));
+                let inner = axis
+                    .ticks
+                    .iter()
+                    .filter(|tick| is_inner(self.map, axis, tick));
                 items.extend(inner.map(|tick| self.tick(tick, colour, TICK)));
             }
         }
         items
-    }
-
-    fn is_inner(&self, axis: &Axis, tick: &Tick) -> bool {
-        is_inner(self.map, axis, tick)
     }
 
     fn axis(&self, axis: &Axis, colour: Colour) -> Item {

@@ -54,6 +54,7 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
         width: page.width,
         height: page.height,
         title: title.unwrap_or_else(|| "Space-time diagram".into()),
+        origin: Vec::new(),
         background: theme.background,
         items,
     })

@@ -18,7 +18,7 @@ const HALVINGS: u32 = 12;
 /// Every so many points of a rim there is a generator.
 const GENERATOR: usize = 8;
 
-/// The colour of a plane: what it says, or that of its frame; grey for the view's own.
+/// The colour of a plane: its own if given, or that of its frame; grey for the view's own.
 fn plane_colour(panel: &Panel, theme: &Theme, plane: &Plane) -> Colour {
     let own = panel
         .axes

@@ -4,7 +4,7 @@
 use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Cap, Colour, Stroke};
 
-/// The colours of world lines, and of frames other than the view's own, that say none.
+/// The colours of world lines, and of frames other than the view's own, where none is given.
 const LINES: [Name; 5] = [Name::Blue, Name::Red, Name::Green, Name::Purple, Name::Sky];
 const FRAMES: [Name; 4] = [Name::Red, Name::Green, Name::Purple, Name::Sky];
 

@@ -5,8 +5,8 @@ use super::layers::{area_colour, frame_colour, is_inner, line_colour};
 use super::page::Map;
 use super::solid;
 use super::theme::Theme;
-use crate::figures::diagram::layout::{Panel, Placed, Point, Segment, Tick};
-use crate::figures::diagram::model::{Colour as Name, Style};
+use crate::figures::diagram::layout::{Panel, Placed, Point, Tick};
+use crate::figures::diagram::model::{Colour as Name, Segment, Style};
 use crate::figures::drawing::Colour;
 
 /// Size of numbers at ticks, in parts of the type's.
@@ -175,7 +175,7 @@ impl Words<'_> {
         requests.collect()
     }
 
-    /// Words that say where they stand.
+    /// Words at given places.
     fn texts(&self) -> Vec<Request> {
         let texts = self.panel.texts.iter().filter_map(|words| {
             let colour = self.theme.colour(words.colour.unwrap_or(Name::Black));
@@ -288,7 +288,7 @@ impl Words<'_> {
         all
     }
 
-    fn segment(&self, segment: &Segment, own: Colour, places: &[f64]) -> Option<Request> {
+    fn segment(&self, segment: &Segment<Point>, own: Colour, places: &[f64]) -> Option<Request> {
         let colour = segment.colour.map_or(own, |name| self.theme.colour(name));
         Some(self.beside_segment(segment.label.as_deref()?, colour, segment.ends, places))
     }

@@ -6,6 +6,7 @@ use super::types::Limits;
 use super::types::{Axes, Axis, GridLine, Point, Tick, number};
 use super::view::View;
 use crate::figures::diagram::model::Reference;
+use crate::figures::ticks::round_step;
 
 /// About how many ticks the longer side of a diagram has.
 const TICKS: f64 = 7.0;
@@ -15,18 +16,18 @@ const MOST: i64 = 400;
 /// The distance of ticks: 1, 2 or 5 times a power of ten.
 pub(super) fn step(limits: &Limits) -> f64 {
     let [width, height] = limits.size();
-    round_step(width.max(height) / TICKS)
+    tick_step(width.max(height) / TICKS)
 }
 
-/// The next of 1, 2, 5 times a power of ten that is not below `rough`.
-pub(crate) fn round_step(rough: f64) -> f64 {
-    let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
-    let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
-    let steps = factors.map(|factor| factor * power);
-    steps
-        .clone()
-        .find(|step| *step >= 0.999 * rough)
-        .unwrap_or(power)
+/// The next of 1, 2, 5 times a power of ten that is not below `rough`, or hardly.
+pub(crate) fn tick_step(rough: f64) -> f64 {
+    round_step(0.999 * rough)
+}
+
+/// The distance of the ticks of a frame: its own, or that of the diagram.
+fn step_of(view: &View, frame: &Reference, limits: &Limits) -> f64 {
+    let own = frame.ticks.map(|ticks| ticks / view.diagram.unit.metres);
+    own.unwrap_or_else(|| step(limits))
 }
 
 /// The axes of the view, and those of all frames that have some.
@@ -50,11 +51,7 @@ pub(super) fn all(view: &View, limits: &Limits) -> Vec<Axes> {
 fn own_axes(view: &View, limits: &Limits) -> Axes {
     let within = |[low, high]: [f64; 2]| if low < 0.0 && high > 0.0 { 0.0 } else { low };
     let origin = Point::new(within(limits.ct), within(limits.x));
-    let step = view
-        .reference
-        .ticks
-        .map(|ticks| ticks / view.diagram.unit.metres);
-    let step = step.unwrap_or_else(|| self::step(limits));
+    let step = step_of(view, &view.reference, limits);
     let labels = labels(view, &view.reference);
     let axis = |along: Point, range: [f64; 2], label: String| {
         let at = |value: f64| match along.ct == 1.0 {
@@ -92,11 +89,7 @@ fn room_axes(view: &View, limits: &Limits) -> Axes {
         x: limits.x[1],
         ..corner
     };
-    let step = view
-        .reference
-        .ticks
-        .map(|ticks| ticks / view.diagram.unit.metres);
-    let step = step.unwrap_or_else(|| self::step(limits));
+    let step = step_of(view, &view.reference, limits);
     let axis = |corner: Point, along: Point, [low, high]: [f64; 2], label: String| {
         let at = |value: f64| corner.plus(value - low, along);
         let tick = |value: f64| Tick {
@@ -129,8 +122,7 @@ fn room_axes(view: &View, limits: &Limits) -> Axes {
 
 fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option<Axes> {
     let origin = view.origin_of(index);
-    let ticks = frame.ticks.map(|ticks| ticks / view.diagram.unit.metres);
-    let step = ticks.unwrap_or_else(|| self::step(limits));
+    let step = step_of(view, frame, limits);
     let [time, space] = view.axes_of(index);
     let axis = |along: Point, label: String| {
         let ends = limits.line(origin, along)?;
@@ -146,7 +138,8 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
             at: origin.plus(value, along),
             value,
             along,
-            label: ticks_labelled(frame).then(|| number(value)),
+            // A moving frame's ticks have numbers where their distance is given.
+            label: frame.ticks.map(|_| number(value)),
         };
         Some(Axis {
             ends,
@@ -163,11 +156,6 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
         depth: depth.and_then(|depth| axis(depth, depth_label)),
         colour: frame.colour,
     })
-}
-
-/// Whether the ticks of a moving frame have numbers: where it says how far apart they are.
-fn ticks_labelled(frame: &Reference) -> bool {
-    frame.ticks.is_some()
 }
 
 /// Multiples of `step` within a range.
@@ -215,13 +203,13 @@ fn labels(view: &View, frame: &Reference) -> [String; 3] {
 }
 
 /// The lines of equal time and place of frames with a grid, and of the view where the style has one.
-pub(super) fn grid(view: &View, limits: &Limits, step: f64) -> Vec<GridLine> {
+pub(super) fn grid(view: &View, limits: &Limits) -> Vec<GridLine> {
     let mut lines = Vec::new();
     for (i, frame) in view.diagram.frames.iter().enumerate() {
         let own = i == view.index;
         if frame.grid || own && view.diagram.style.grid {
-            let ticks = frame.ticks.map(|ticks| ticks / view.diagram.unit.metres);
-            lines.extend(grid_of(view, limits, i, ticks.unwrap_or(step)));
+            let step = step_of(view, frame, limits);
+            lines.extend(grid_of(view, limits, i, step));
         }
     }
     lines

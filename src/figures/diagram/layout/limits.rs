@@ -1,4 +1,4 @@
-//! What a view shows: as the file says, or as much as its contents need.
+//! What a view shows: the limits of the file, or as much as its contents need.
 
 use super::types::{Limits, Point};
 use super::view::View;
@@ -54,7 +54,7 @@ fn automatic(points: &[Point]) -> Limits {
     }
 }
 
-/// Limits of 2+1 dimensions around points. The origin has no say: the axes are along the edges.
+/// Limits of 2+1 dimensions around points. The origin does not count: the axes are along the edges.
 fn roomy(points: &[Point]) -> Limits {
     let [x, y, ct] = [
         range(points.iter().map(|p| p.x)),
@@ -89,10 +89,9 @@ fn at_least(range: [f64; 2], extent: f64) -> [f64; 2] {
 /// The points that a view is to show.
 fn contents(view: &View) -> Vec<Point> {
     let d = view.diagram;
-    let mut events: Vec<_> = d.events.iter().map(|mark| mark.event).collect();
-    events.extend(d.signals.iter().flat_map(|s| [s.from, s.to]));
-    events.extend(d.intervals.iter().flat_map(|s| [s.from, s.to]));
-    events.extend(d.arrows.iter().flat_map(|s| [s.from, s.to]));
+    let mut events: Vec<_> = d.events.iter().map(|mark| mark.at).collect();
+    let segments = d.signals.iter().chain(&d.intervals).chain(&d.arrows);
+    events.extend(segments.flat_map(|segment| segment.ends));
     events.extend(
         d.slices
             .iter()
@@ -116,7 +115,7 @@ fn contents(view: &View) -> Vec<Point> {
     points
 }
 
-/// Points of the rims of cones whose heights are as the contents go, or as they say.
+/// Points of the rims of cones whose heights are as the contents go, or as they are given.
 fn rims(view: &View, points: &[Point]) -> Vec<Point> {
     let cones = view.diagram.cones.iter();
     let rim = |cone: &model::Cone| {

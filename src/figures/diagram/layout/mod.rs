@@ -8,12 +8,12 @@ mod solid;
 mod types;
 mod view;
 
-use crate::figures::diagram::model::{Diagram, SliceKind};
-pub(crate) use axes::round_step;
+use crate::figures::diagram::model::{Diagram, Segment, SliceKind, Spot};
+pub(crate) use axes::tick_step;
 pub(crate) use types::number;
 pub use types::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Now, Panel, Placed, Plane, Point, Segment, Solid, Spot, Tick, WorldLine,
+    Nappe, Now, Panel, Placed, Plane, Point, Solid, Tick, WorldLine,
 };
 use view::View;
 
@@ -35,71 +35,32 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
     let limits = limits::of(&view);
     let axes = axes::all(&view, &limits);
     let step = axes::step(&limits);
+    let segments = |all: &[Segment]| all.iter().map(|s| s.map(|e| view.point(e))).collect();
+    let spots = |all: &[Spot]| all.iter().map(|s| s.map(|e| view.point(e))).collect();
     let world_lines = curves::world_lines(&view, &limits);
     Panel {
         solid: solid::of(&view, &limits, &world_lines, step),
         frame: view.reference.name.clone(),
-        grid: axes::grid(&view, &limits, step),
+        grid: axes::grid(&view, &limits),
         world_lines,
         cones: curves::cones(&view, &limits),
         hyperbolae: curves::hyperbolae(&view, &limits),
         areas: curves::areas(&view, &limits),
         slices: slices(&view, &limits),
         planes: solid::planes(&view, &limits),
-        signals: signals(&view),
+        signals: segments(&diagram.signals),
         intervals: intervals(&view),
-        arrows: arrows(&view),
+        arrows: segments(&diagram.arrows),
         now: now::of(&view, &limits),
-        events: events(&view),
-        texts: texts(&view),
+        events: spots(&diagram.events),
+        texts: spots(&diagram.texts),
         axes,
         limits,
     }
 }
 
-fn events(view: &View) -> Vec<Spot> {
-    let marks = view.diagram.events.iter();
-    let spot = |mark: &crate::figures::diagram::model::Mark| Spot {
-        at: view.point(mark.event),
-        label: mark.label.clone(),
-        dot: mark.dot,
-        colour: None,
-    };
-    marks.map(spot).collect()
-}
-
-fn texts(view: &View) -> Vec<Spot> {
-    let words = view.diagram.texts.iter().map(|words| Spot {
-        at: view.point(words.at),
-        label: Some(words.text.clone()),
-        dot: false,
-        colour: words.colour,
-    });
-    words.collect()
-}
-
-fn signals(view: &View) -> Vec<Segment> {
-    let signals = view.diagram.signals.iter().map(|signal| Segment {
-        ends: [view.point(signal.from), view.point(signal.to)],
-        label: signal.label.clone(),
-        colour: signal.colour,
-        owner: None,
-    });
-    signals.collect()
-}
-
-fn arrows(view: &View) -> Vec<Segment> {
-    let arrows = view.diagram.arrows.iter().map(|arrow| Segment {
-        ends: [view.point(arrow.from), view.point(arrow.to)],
-        label: arrow.label.clone(),
-        colour: arrow.colour,
-        owner: arrow.line,
-    });
-    arrows.collect()
-}
-
 /// Lines of equal time and equal place, clipped.
-fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
+fn slices(view: &View, limits: &Limits) -> Vec<Segment<Point>> {
     let frame_colour = |i: usize| view.diagram.frames.get(i).and_then(|frame| frame.colour);
     let lines = view.diagram.slices.iter();
     let slices = lines
@@ -128,7 +89,8 @@ fn slices(view: &View, limits: &Limits) -> Vec<Segment> {
 fn intervals(view: &View) -> Vec<Interval> {
     let unit = view.diagram.unit.metres;
     let intervals = view.diagram.intervals.iter().map(|interval| {
-        let step = interval.to - interval.from;
+        let [from, to] = interval.ends;
+        let step = to - from;
         let squared = step.interval() / unit / unit;
         // What rounding leaves of a null interval, in parts of what it is the difference of.
         let rounding = 1e-12 * (step.ct.abs() + step.x.length()).powi(2) / unit / unit;
@@ -139,7 +101,7 @@ fn intervals(view: &View) -> Vec<Interval> {
         };
         let value = squared.abs().sqrt();
         Interval {
-            ends: [view.point(interval.from), view.point(interval.to)],
+            ends: interval.ends.map(|event| view.point(event)),
             squared,
             kind,
             label: interval.label.clone().unwrap_or_else(|| kind.label(value)),

@@ -33,9 +33,9 @@ pub(super) fn of(view: &View, limits: &Limits, lines: &[WorldLine], step: f64) -
         points: line.curve.points.iter().map(below).collect(),
     };
     let signals = view.diagram.signals.iter();
-    let light = signals.map(|s| [s.from, s.to].map(|event| below(&view.point(event))));
+    let light = signals.map(|s| s.ends.map(|event| below(&view.point(event))));
     let marks = view.diagram.events.iter().filter(|mark| mark.dot);
-    let marks = marks.map(|mark| view.point(mark.event));
+    let marks = marks.map(|mark| view.point(mark.at));
     Some(Solid {
         floor: [
             at(left, near),

@@ -1,6 +1,6 @@
 //! The parts of a layout.
 
-use crate::figures::diagram::model::Colour;
+use crate::figures::diagram::model::{Colour, Segment, Spot};
 
 /// One along y on the page: to the right and upwards. It is 0.5 long.
 pub(super) const ASIDE: f64 = 0.4;
@@ -22,6 +22,7 @@ pub struct Point {
 
 /// A diagram laid out.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Layout {
     /// A line above.
     pub title: Option<String>,
@@ -31,6 +32,7 @@ pub struct Layout {
 
 /// The diagram in one frame's coordinates.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Panel {
     /// The frame's name.
     pub frame: String,
@@ -51,21 +53,21 @@ pub struct Panel {
     /// World sheets, regions and wedges, lowest first.
     pub areas: Vec<Area>,
     /// Lines of equal time and equal place; their owners are frames.
-    pub slices: Vec<Segment>,
+    pub slices: Vec<Segment<Point>>,
     /// In 2+1 dimensions, planes of equal time.
     pub planes: Vec<Plane>,
     /// Light signals.
-    pub signals: Vec<Segment>,
+    pub signals: Vec<Segment<Point>>,
     /// Intervals.
     pub intervals: Vec<Interval>,
     /// Arrows; their owners are world lines.
-    pub arrows: Vec<Segment>,
+    pub arrows: Vec<Segment<Point>>,
     /// What is simultaneous, with the readings of clocks.
     pub now: Option<Now>,
     /// Events.
-    pub events: Vec<Spot>,
+    pub events: Vec<Spot<Point>>,
     /// Words.
-    pub texts: Vec<Spot>,
+    pub texts: Vec<Spot<Point>>,
 }
 
 /// The axes of a frame.
@@ -186,19 +188,6 @@ pub struct Placed {
     pub places: Vec<Point>,
 }
 
-/// A straight line between two points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Segment {
-    /// Its ends.
-    pub ends: [Point; 2],
-    /// What stands beside it.
-    pub label: Option<String>,
-    /// The colour; none for its owner's.
-    pub colour: Option<Colour>,
-    /// The frame or world line that it belongs to.
-    pub owner: Option<usize>,
-}
-
 /// The interval between two events.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
@@ -260,19 +249,6 @@ pub struct Bead {
     pub proper_time: f64,
     /// What stands beside it: the reading, where the world line has ticks.
     pub label: Option<String>,
-}
-
-/// An event, or words.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Spot {
-    /// Where.
-    pub at: Point,
-    /// What stands beside it, or there.
-    pub label: Option<String>,
-    /// Whether it has a dot.
-    pub dot: bool,
-    /// The colour.
-    pub colour: Option<Colour>,
 }
 
 /// One half of a light cone in 2+1 dimensions, up to the circle on which its light is at one time.

@@ -4,7 +4,6 @@ use super::names::Names;
 use super::settings;
 use crate::error::Result;
 use crate::figures::diagram::file;
-use crate::figures::diagram::file as said;
 use crate::figures::diagram::model::{Animation, Boost, Sweep};
 use crate::scene::At;
 
@@ -49,7 +48,7 @@ fn frames(names: &Names, at: &Option<At<u32>>) -> Result<u32> {
     }
 }
 
-fn boost(names: &mut Names, animation: &said::Animation, views: &[usize]) -> Result<Option<Boost>> {
+fn boost(names: &mut Names, animation: &file::Animation, views: &[usize]) -> Result<Option<Boost>> {
     let Some(name) = &animation.boost_to else {
         return Ok(None);
     };
@@ -77,7 +76,7 @@ fn boost(names: &mut Names, animation: &said::Animation, views: &[usize]) -> Res
     }))
 }
 
-fn sweep(names: &mut Names, at: &Option<At<said::Now>>) -> Result<Option<Sweep>> {
+fn sweep(names: &mut Names, at: &Option<At<file::Now>>) -> Result<Option<Sweep>> {
     let Some(at) = at else { return Ok(None) };
     let now = &at.value;
     let (frame, _) = names.frame(&now.frame)?;

@@ -3,21 +3,21 @@
 //! Of a scene: the world lines of camera, sensor and objects, the events of pulses with their light, and
 //! the light by which the camera sees each object's origin at its time.
 
+use super::scene;
 use super::settings::settable;
-use super::stage;
 use crate::error::Result;
 use crate::figures::diagram::file;
-use crate::figures::diagram::model::{Colour, Cone, Diagram, Mark, NamedLine, Signal, Track};
+use crate::figures::diagram::model::{Cone, Diagram, NamedLine, Segment, Spot, Track};
 use crate::figures::text::rich::escaped;
 use crate::scene::At;
 use crate::scene::Context;
-use crate::scene::{Filming, Outline};
+use crate::scene::{CameraMotion, Kinematics};
 use crate::spacetime::{Event, World};
 
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;
 
-/// Whether a diagram says nothing to be drawn.
+/// Whether a diagram names nothing to draw.
 pub(super) fn is_empty(said: &file::Diagram) -> bool {
     let lists = [
         said.frame.len(),
@@ -42,7 +42,7 @@ pub(super) fn is_empty(said: &file::Diagram) -> bool {
 pub(super) fn of_scene<T>(
     cx: &Context,
     at: &At<T>,
-    scene: &Outline,
+    scene: &Kinematics,
     diagram: &mut Diagram,
 ) -> Result<()> {
     if let Some(camera) = &scene.camera {
@@ -50,7 +50,7 @@ pub(super) fn of_scene<T>(
     }
     for body in scene.objects.iter().take(MOST) {
         let name = settable(cx, at, &escaped(&body.name)).unwrap_or_else(|_| "object".into());
-        add_body(diagram, name, stage::of_body(body));
+        add_body(diagram, name, scene::object_track(body));
     }
     for (name, event) in &scene.pulses {
         let label = settable(cx, at, &escaped(name)).ok();
@@ -72,12 +72,12 @@ pub(super) fn of_scene<T>(
     Ok(())
 }
 
-fn film(scene: &Outline, camera: &Filming, diagram: &mut Diagram) {
+fn film(scene: &Kinematics, camera: &CameraMotion, diagram: &mut Diagram) {
     if !diagram.frames.iter().any(|f| f.name == "camera") {
-        diagram.frames.extend(stage::camera_frame(camera));
+        diagram.frames.extend(scene::camera_frame(camera));
     }
     for name in ["camera", "sensor"] {
-        if let Some(track) = stage::track(scene, name) {
+        if let Some(track) = scene::track(scene, name) {
             diagram.lines.push(line(name.into(), track));
         }
     }
@@ -94,12 +94,13 @@ fn line(name: String, track: Track) -> NamedLine {
     }
 }
 
-fn mark(name: &str, label: Option<String>, event: Event<World>) -> Mark {
-    Mark {
+fn mark(name: &str, label: Option<String>, at: Event<World>) -> Spot {
+    Spot {
         name: name.into(),
+        at,
         label,
-        event,
         dot: true,
+        colour: None,
     }
 }
 
@@ -123,7 +124,7 @@ fn add_body(diagram: &mut Diagram, name: String, track: Track) {
 }
 
 /// The light by which the camera sees the objects' origins.
-fn see(scene: &Outline, diagram: &mut Diagram) {
+fn see(scene: &Kinematics, diagram: &mut Diagram) {
     let Some(camera) = &scene.camera else { return };
     let Some(shot) = camera.line.state(camera.model.time) else {
         return;
@@ -132,12 +133,12 @@ fn see(scene: &Outline, diagram: &mut Diagram) {
         .events
         .push(mark("shot", Some("shot".into()), shot.event));
     let bodies = scene.objects.iter().take(MOST);
-    let seen = bodies.filter_map(|body| stage::of_body(body).emits_to(shot.event));
-    diagram.signals.extend(seen.map(|emission| Signal {
-        from: emission.event,
-        to: shot.event,
+    let seen = bodies.filter_map(|body| scene::object_track(body).emits_to(shot.event));
+    diagram.signals.extend(seen.map(|emission| Segment {
+        ends: [emission.event, shot.event],
         label: None,
-        colour: None::<Colour>,
+        colour: None,
+        owner: None,
     }));
 }
 
@@ -198,8 +199,8 @@ const ENDLESS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Events of the diagram, (ct, x, y) in the world.
 fn points(diagram: &Diagram) -> impl Iterator<Item = [f64; 3]> + '_ {
     let (n, across) = (diagram.direction, diagram.across.unwrap_or_default());
-    let marks = diagram.events.iter().map(|mark| mark.event);
-    let signals = diagram.signals.iter().flat_map(|s| [s.from, s.to]);
+    let marks = diagram.events.iter().map(|mark| mark.at);
+    let signals = diagram.signals.iter().flat_map(|signal| signal.ends);
     let regions = diagram
         .regions
         .iter()

@@ -7,12 +7,11 @@ use super::names::Names;
 use super::settings::{self, words};
 use crate::error::Result;
 use crate::figures::diagram::file;
-use crate::figures::diagram::file as said;
 use crate::figures::diagram::model::{
-    Arrow, Cone, Diagram, Hyperbola, Interval, Region, Side, Signal, Slice, SliceKind, Track,
-    Wedge, Words, WorldSheet,
+    Cone, Diagram, Hyperbola, Region, Segment, Side, Slice, SliceKind, Spot, Track, Wedge,
+    WorldSheet,
 };
-use crate::figures::diagram::spot::{OneOrMany, Spot};
+use crate::figures::diagram::spot::{OneOrMany, Place};
 use crate::scene::{At, Number};
 use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Displacement, Event, InertialFrame, Rest, World};
@@ -48,7 +47,7 @@ fn each<S, T>(all: &[At<S>], resolve: impl FnMut(&At<S>) -> Result<T>) -> Result
     all.iter().map(resolve).collect()
 }
 
-fn cone(names: &mut Names, at: &At<said::LightCone>) -> Result<Cone> {
+fn cone(names: &mut Names, at: &At<file::LightCone>) -> Result<Cone> {
     let cone = &at.value;
     if let (Some(height), None) = (&cone.height, names.across) {
         let what = "in 1+1 dimensions light cones go to the edges";
@@ -66,7 +65,7 @@ fn cone(names: &mut Names, at: &At<said::LightCone>) -> Result<Cone> {
 }
 
 /// All signals of a table, each from receiver to receiver.
-fn signals(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Signal>> {
+fn signals(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Segment>> {
     let signal = &at.value;
     let label = words(names.cx, &signal.label)?;
     let receivers = receivers(names, &signal.to)?;
@@ -85,11 +84,11 @@ fn signals(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Signal>> {
                 // They meet: there is nothing to send.
                 break;
             }
-            all.push(Signal {
-                from,
-                to,
+            all.push(Segment {
+                ends: [from, to],
                 label: label.clone().filter(|_| all.is_empty()),
                 colour: signal.colour,
+                owner: None,
             });
             from = to;
         }
@@ -118,7 +117,7 @@ fn receivers(names: &mut Names, to: &At<OneOrMany>) -> Result<Vec<(Track, Range<
     }
 }
 
-fn emissions(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Event<World>>> {
+fn emissions(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Event<World>>> {
     let signal = &at.value;
     let cx = names.cx;
     let Some(emitter) = names.emitter(&signal.from)? else {
@@ -150,8 +149,8 @@ fn emissions(names: &mut Names, at: &At<said::Signal>) -> Result<Vec<Event<World
         .collect())
 }
 
-/// How many signals: as many as are said, or as the emitter lives for.
-fn count(names: &Names, at: &At<said::Signal>, emitter: &Track, every: f64) -> Result<u32> {
+/// How many signals: `count`, or as many as fit into the emitter's life.
+fn count(names: &Names, at: &At<file::Signal>, emitter: &Track, every: f64) -> Result<u32> {
     let [first, last] = emitter.span();
     let alive = ((last - first) / every * (1.0 + 1e-12)).floor();
     let count = match &at.value.count {
@@ -169,7 +168,7 @@ fn count(names: &Names, at: &At<said::Signal>, emitter: &Track, every: f64) -> R
     Err(names.cx.refuse(at, what, help))
 }
 
-fn slice(names: &mut Names, at: &At<said::Slice>, kind: SliceKind) -> Result<Slice> {
+fn slice(names: &mut Names, at: &At<file::Slice>, kind: SliceKind) -> Result<Slice> {
     let slice = &at.value;
     let (index, frame) = names.frame(&slice.frame)?;
     let event = names.event(&slice.event)?;
@@ -211,22 +210,22 @@ fn slice_end(
     Ok(found(names, moment, &name.span, never)?.event)
 }
 
-fn interval(names: &mut Names, at: &At<said::Interval>) -> Result<Interval> {
+fn interval(names: &mut Names, at: &At<file::Interval>) -> Result<Segment> {
     let interval = &at.value;
     // An empty text is a label that shows nothing; none is that of the value.
     let label = match &interval.label {
         Some(label) => Some(settings::settable(names.cx, label, &label.value)?),
         None => None,
     };
-    Ok(Interval {
-        from: names.event(&interval.from)?,
-        to: names.event(&interval.to)?,
+    Ok(Segment {
+        ends: [names.event(&interval.from)?, names.event(&interval.to)?],
         label,
         colour: interval.colour,
+        owner: None,
     })
 }
 
-fn hyperbola(names: &mut Names, at: &At<said::Hyperbola>) -> Result<Hyperbola> {
+fn hyperbola(names: &mut Names, at: &At<file::Hyperbola>) -> Result<Hyperbola> {
     let said = &at.value;
     let cx = names.cx;
     cx.exclusive(
@@ -265,7 +264,7 @@ fn hyperbola(names: &mut Names, at: &At<said::Hyperbola>) -> Result<Hyperbola> {
 fn to_vertex(
     names: &mut Names,
     about: Event<World>,
-    spot: &At<Spot>,
+    spot: &At<Place>,
 ) -> Result<Displacement<World>> {
     let n = names.direction;
     let step = names.event(spot)? - about;
@@ -292,7 +291,7 @@ fn nonzero(names: &Names, at: &At<Number>) -> Result<f64> {
     }
 }
 
-fn sheet(names: &mut Names, at: &At<said::Sheet>) -> Result<WorldSheet> {
+fn sheet(names: &mut Names, at: &At<file::Sheet>) -> Result<WorldSheet> {
     let [a, b] = &at.value.between.value;
     Ok(WorldSheet {
         between: [names.line_named(a)?, names.line_named(b)?],
@@ -301,7 +300,7 @@ fn sheet(names: &mut Names, at: &At<said::Sheet>) -> Result<WorldSheet> {
     })
 }
 
-fn region(names: &mut Names, at: &At<said::Region>) -> Result<Region> {
+fn region(names: &mut Names, at: &At<file::Region>) -> Result<Region> {
     let corners = &at.value.corners;
     if corners.value.len() < 3 {
         let what = "a region has three corners at least";
@@ -314,7 +313,7 @@ fn region(names: &mut Names, at: &At<said::Region>) -> Result<Region> {
     })
 }
 
-fn arrow(names: &mut Names, at: &At<said::Arrow>) -> Result<Arrow> {
+fn arrow(names: &mut Names, at: &At<file::Arrow>) -> Result<Segment> {
     let arrow = &at.value;
     let cx = names.cx;
     cx.exclusive((&arrow.of, "of"), (&arrow.from, "from"))?;
@@ -336,35 +335,32 @@ fn arrow(names: &mut Names, at: &At<said::Arrow>) -> Result<Arrow> {
             return Err(cx.refuse(at, "this arrow goes nowhere", help));
         }
     };
-    Ok(Arrow {
-        from,
-        to,
-        line,
+    Ok(Segment {
+        ends: [from, to],
         label: words(cx, &arrow.label)?,
         colour: arrow.colour,
+        owner: line,
     })
 }
 
-fn wedge(names: &mut Names, at: &At<said::Wedge>) -> Result<Wedge> {
+fn wedge(names: &mut Names, at: &At<file::Wedge>) -> Result<Wedge> {
     let side = at.value.side.as_ref().map(|at| at.value);
     Ok(Wedge {
         event: names.event(&at.value.of)?,
-        side: match side {
-            None | Some(said::Side::Right) => Side::Right,
-            Some(said::Side::Left) => Side::Left,
-            Some(said::Side::Future) => Side::Future,
-            Some(said::Side::Past) => Side::Past,
-        },
+        side: side.unwrap_or(Side::Right),
         label: words(names.cx, &at.value.label)?,
         colour: at.value.colour,
     })
 }
 
-fn text(names: &mut Names, at: &At<said::Text>) -> Result<Words> {
+fn text(names: &mut Names, at: &At<file::Text>) -> Result<Spot> {
     let text = &at.value.text;
-    Ok(Words {
-        text: settings::settable(names.cx, text, names.cx.text(text, "the text")?)?,
+    let label = settings::settable(names.cx, text, names.cx.text(text, "the text")?)?;
+    Ok(Spot {
+        name: String::new(),
         at: names.event(&at.value.at)?,
+        label: Some(label),
+        dot: false,
         colour: at.value.colour,
     })
 }

@@ -5,21 +5,22 @@ use std::ops::Range;
 use super::names::Names;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file::DiagramEvent;
-use crate::figures::diagram::model::{Mark, Moment, Track};
+use crate::figures::diagram::model::{Moment, Spot, Track};
 use crate::scene::At;
 use crate::spacetime::{Event, World};
 
-const WHAT: &str = "this event is said twice";
-const ONE_WAY: &str = "say it in one way: `at`, `cross`, or `on` a world line with `proper_time`, `light_from`, \
+const WHAT: &str = "this event is given twice";
+const ONE_WAY: &str = "give it in one way: `at`, `cross`, or `on` a world line with `proper_time`, `light_from`, \
                        `light_to` or `simultaneous_with`";
 
-pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Mark> {
+pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Spot> {
     let said = &at.value;
-    Ok(Mark {
+    Ok(Spot {
         name: said.name.value.clone(),
         label: names.label(&said.label, &said.name)?,
-        event: event(names, at)?,
+        at: event(names, at)?,
         dot: said.dot.unwrap_or(true),
+        colour: None,
     })
 }
 
@@ -46,7 +47,7 @@ fn span<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
 
 fn only_one_way(names: &Names, said: &DiagramEvent) -> Result<()> {
     let ways = [span(&said.at), span(&said.cross), span(&said.on)];
-    said_twice(names, ways, WHAT, ONE_WAY)?;
+    given_twice(names, ways, WHAT, ONE_WAY)?;
     let on = [
         span(&said.proper_time),
         span(&said.light_from),
@@ -57,11 +58,11 @@ fn only_one_way(names: &Names, said: &DiagramEvent) -> Result<()> {
         let what = "this needs a world line that the event is `on`";
         return Err(names.cx.report.refuse(here, what, ONE_WAY));
     }
-    said_twice(names, on, WHAT, ONE_WAY)
+    given_twice(names, on, WHAT, ONE_WAY)
 }
 
-/// Refuses `what` where more than one of the ways is said.
-pub(super) fn said_twice<const N: usize>(
+/// Refuses `what` where it is given in more than one way.
+pub(super) fn given_twice<const N: usize>(
     names: &Names,
     ways: [Option<&Range<usize>>; N],
     what: &str,

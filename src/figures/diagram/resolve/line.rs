@@ -4,21 +4,21 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::event::said_twice;
+use super::event::given_twice;
 use super::names::Names;
+use super::scene;
 use super::settings;
-use super::stage;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file::{DiagramLine, LineCircle, LineSegment};
 use crate::figures::diagram::model::{NamedLine, Track};
-use crate::figures::diagram::spot::Spot;
+use crate::figures::diagram::spot::Place;
 use crate::scene::At;
 use crate::scene::{Number, Numbers};
 use crate::spacetime::worldline::{Segment, WorldLine, WorldLineError};
 use crate::spacetime::{Event, World};
 
-const WHAT: &str = "this world line is said twice";
-const ONE_WAY: &str = "say it in one way: `of`, `through`, `keyframes`, or `at` with `velocity` and \
+const WHAT: &str = "this world line is given twice";
+const ONE_WAY: &str = "give it in one way: `of`, `through`, `keyframes`, or `at` with `velocity` and \
                        `acceleration`, `segments` or `profile`, or with `circle`";
 
 pub(super) fn resolve(names: &mut Names, at: &At<DiagramLine>) -> Result<NamedLine> {
@@ -56,8 +56,8 @@ fn only_one_way(names: &Names, line: &DiagramLine) -> Result<()> {
         span(&line.keyframes),
         start,
     ];
-    said_twice(names, ways, WHAT, ONE_WAY)?;
-    said_twice(names, moves, WHAT, ONE_WAY)?;
+    given_twice(names, ways, WHAT, ONE_WAY)?;
+    given_twice(names, moves, WHAT, ONE_WAY)?;
     names
         .cx
         .exclusive((&line.circle, "circle"), (&line.velocity, "velocity"))
@@ -81,7 +81,7 @@ fn track(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
 }
 
 fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
-    stage::track(names.scene, &of.value).ok_or_else(|| {
+    scene::track(names.scene, &of.value).ok_or_else(|| {
         let known = names.scene.names().join(", ");
         let what = format!(
             "the scene has no world line of {}",
@@ -95,7 +95,7 @@ fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
     })
 }
 
-fn events(names: &mut Names, at: &At<Vec<At<Spot>>>) -> Result<Vec<Event<World>>> {
+fn events(names: &mut Names, at: &At<Vec<At<Place>>>) -> Result<Vec<Event<World>>> {
     if at.value.len() < 2 {
         let help = "give two events at least, like [\"A\", \"B\"]";
         return Err(names.cx.refuse(at, "a world line needs two events", help));
@@ -104,7 +104,7 @@ fn events(names: &mut Names, at: &At<Vec<At<Spot>>>) -> Result<Vec<Event<World>>
 }
 
 /// The refusal of an event that nothing slower than light reaches from the one before.
-fn too_fast(names: &Names, at: &At<Vec<At<Spot>>>, i: usize) -> Error {
+fn too_fast(names: &Names, at: &At<Vec<At<Place>>>, i: usize) -> Error {
     let spans = at.value.iter().map(|spot| &spot.span);
     let here = spans.clone().nth(i).unwrap_or(&at.span);
     let before = spans.clone().nth(i.wrapping_sub(1)).unwrap_or(&at.span);
@@ -202,7 +202,7 @@ fn ended(names: &mut Names, line: &DiagramLine, track: Track) -> Result<Track> {
     })
 }
 
-fn end(names: &mut Names, spot: &Option<At<Spot>>, track: &Track) -> Result<Option<f64>> {
+fn end(names: &mut Names, spot: &Option<At<Place>>, track: &Track) -> Result<Option<f64>> {
     let Some(at) = spot else { return Ok(None) };
     let event = names.event(at)?;
     let moment = track.where_zero(|e| e.ct - event.ct);

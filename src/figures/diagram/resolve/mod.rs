@@ -10,19 +10,19 @@ mod event;
 mod frame;
 mod line;
 mod names;
+mod scene;
 mod settings;
-mod stage;
 
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::Diagram;
-use crate::scene::{At, Context, Outline};
+use crate::scene::{At, Context, Kinematics};
 use names::{Names, Resolvers};
 
-/// The diagram that `table` says, or the one of the scene.
+/// The diagram that `table` describes, or the one of the scene.
 pub(super) fn resolve(
     cx: &Context,
-    scene: &Outline,
+    scene: &Kinematics,
     table: Option<&At<file::Diagram>>,
 ) -> Result<Diagram> {
     let nothing = At::nowhere(file::Diagram::default());

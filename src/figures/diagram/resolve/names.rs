@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::{settings, stage};
+use super::{scene, settings};
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
-use crate::figures::diagram::model::{Diagram, Mark, NamedLine, Reference, Track};
-use crate::figures::diagram::spot::{OneOrMany, Speed, Spot};
+use crate::figures::diagram::model::{Diagram, NamedLine, Reference, Spot, Track};
+use crate::figures::diagram::spot::{OneOrMany, Place, Speed};
 use crate::scene::At;
 use crate::scene::Context;
-use crate::scene::Outline;
+use crate::scene::Kinematics;
 use crate::scene::nearest;
 use crate::scene::refuse_duplicates;
 use crate::scene::velocity;
@@ -33,7 +33,7 @@ enum Slot<T> {
 pub(super) struct Resolvers {
     pub frame: fn(&mut Names, &At<file::DiagramFrame>) -> Result<Reference>,
     pub line: fn(&mut Names, &At<file::DiagramLine>) -> Result<NamedLine>,
-    pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Mark>,
+    pub event: fn(&mut Names, &At<file::DiagramEvent>) -> Result<Spot>,
 }
 
 /// The names of a diagram.
@@ -46,12 +46,12 @@ pub(super) struct Names<'a> {
     pub direction: DVec3,
     /// Along which y is measured, in 2+1 dimensions.
     pub across: Option<DVec3>,
-    pub scene: &'a Outline,
+    pub scene: &'a Kinematics,
     resolvers: Resolvers,
     /// The world, then those of the file, then the camera's unless the file has one of that name.
     frames: Vec<Slot<Reference>>,
     lines: Vec<Slot<NamedLine>>,
-    events: Vec<Slot<Mark>>,
+    events: Vec<Slot<Spot>>,
 }
 
 impl<'a> Names<'a> {
@@ -60,7 +60,7 @@ impl<'a> Names<'a> {
         file: &'a file::Diagram,
         unit: f64,
         (direction, across): (DVec3, Option<DVec3>),
-        scene: &'a Outline,
+        scene: &'a Kinematics,
         resolvers: Resolvers,
     ) -> Result<Self> {
         refuse_duplicates(cx, file.frame.iter().map(|at| &at.value.name), "frame")?;
@@ -94,7 +94,7 @@ impl<'a> Names<'a> {
         if let (Some(camera), false) = (&scene.camera, taken) {
             names
                 .frames
-                .extend(stage::camera_frame(camera).map(Slot::Known));
+                .extend(scene::camera_frame(camera).map(Slot::Known));
         }
         Ok(names)
     }
@@ -108,7 +108,7 @@ impl<'a> Names<'a> {
             self.line(i, &at.span)?;
         }
         for (i, at) in self.file.event.iter().enumerate() {
-            self.mark(i, &at.span)?;
+            self.spot(i, &at.span)?;
         }
         diagram.frames = known(&self.frames);
         diagram.lines = known(&self.lines);
@@ -136,47 +136,60 @@ impl<'a> Names<'a> {
         }
     }
 
-    fn reference(&mut self, i: usize, span: &Range<usize>) -> Result<Reference> {
-        if let Some(known) = ask(self.cx, &mut self.frames, i, span)? {
-            return Ok(known);
+    /// What the i-th thing of a kind is, asked for at `span`; `resolve` finds out the first time.
+    fn known<T: Clone>(
+        &mut self,
+        slots: fn(&mut Self) -> &mut Vec<Slot<T>>,
+        i: usize,
+        span: &Range<usize>,
+        resolve: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        match &mut slots(self)[i] {
+            Slot::Known(known) => return Ok(known.clone()),
+            Slot::Asked => {
+                let what = "this is defined by way of itself";
+                let help = "define one of them by numbers";
+                return Err(self.cx.report.refuse(span, what, help));
+            }
+            slot => *slot = Slot::Asked,
         }
-        let file = self.file;
-        let Some(at) = i.checked_sub(1).and_then(|i| file.frame.get(i)) else {
-            return Ok(Reference::world());
-        };
-        let known = (self.resolvers.frame)(self, at)?;
-        answer(&mut self.frames, i, &known);
+        let known = resolve(self)?;
+        slots(self)[i] = Slot::Known(known.clone());
         Ok(known)
+    }
+
+    fn reference(&mut self, i: usize, span: &Range<usize>) -> Result<Reference> {
+        let frames = &self.file.frame;
+        self.known(
+            |names| &mut names.frames,
+            i,
+            span,
+            |names| {
+                // World and camera are known from the beginning.
+                (names.resolvers.frame)(names, &frames[i - 1])
+            },
+        )
     }
 
     /// The i-th world line, asked for at `span`.
     pub fn line(&mut self, i: usize, span: &Range<usize>) -> Result<NamedLine> {
-        if let Some(known) = ask(self.cx, &mut self.lines, i, span)? {
-            return Ok(known);
-        }
-        let file = self.file;
-        let Some(at) = file.worldline.get(i) else {
-            return Err(self
-                .cx
-                .report
-                .refuse(span, "there is no such world line", ""));
-        };
-        let known = (self.resolvers.line)(self, at)?;
-        answer(&mut self.lines, i, &known);
-        Ok(known)
+        let at = &self.file.worldline[i];
+        self.known(
+            |names| &mut names.lines,
+            i,
+            span,
+            |names| (names.resolvers.line)(names, at),
+        )
     }
 
-    fn mark(&mut self, i: usize, span: &Range<usize>) -> Result<Mark> {
-        if let Some(known) = ask(self.cx, &mut self.events, i, span)? {
-            return Ok(known);
-        }
-        let file = self.file;
-        let Some(at) = file.event.get(i) else {
-            return Err(self.cx.report.refuse(span, "there is no such event", ""));
-        };
-        let known = (self.resolvers.event)(self, at)?;
-        answer(&mut self.events, i, &known);
-        Ok(known)
+    fn spot(&mut self, i: usize, span: &Range<usize>) -> Result<Spot> {
+        let at = &self.file.event[i];
+        self.known(
+            |names| &mut names.events,
+            i,
+            span,
+            |names| (names.resolvers.event)(names, at),
+        )
     }
 
     fn frame_names(&self) -> Vec<&'a str> {
@@ -236,7 +249,7 @@ impl<'a> Names<'a> {
         if let Some(i) = self.line_names().iter().position(|name| *name == at.value) {
             return Ok(self.line(i, &at.span)?.track);
         }
-        if let Some(track) = stage::track(self.scene, &at.value) {
+        if let Some(track) = scene::track(self.scene, &at.value) {
             return Ok(track);
         }
         let mut all = self.line_names();
@@ -245,15 +258,15 @@ impl<'a> Names<'a> {
     }
 
     /// The world line that `spot` names, if it names one and no event.
-    pub fn emitter(&mut self, spot: &At<Spot>) -> Result<Option<Track>> {
-        let Spot::Name(name) = &spot.value else {
+    pub fn emitter(&mut self, spot: &At<Place>) -> Result<Option<Track>> {
+        let Place::Name(name) = &spot.value else {
             return Ok(None);
         };
         if self.event_names().contains(&name.as_str()) {
             return Ok(None);
         }
         let known =
-            self.line_names().contains(&name.as_str()) || stage::track(self.scene, name).is_some();
+            self.line_names().contains(&name.as_str()) || scene::track(self.scene, name).is_some();
         if !known {
             let mut all = self.event_names();
             all.extend(self.line_names());
@@ -267,23 +280,23 @@ impl<'a> Names<'a> {
         self.track(&at).map(Some)
     }
 
-    /// The event that `spot` says, coordinates being those of the world.
-    pub fn event(&mut self, spot: &At<Spot>) -> Result<Event<World>> {
+    /// The event at `spot`, coordinates being those of the world.
+    pub fn event(&mut self, spot: &At<Place>) -> Result<Event<World>> {
         self.event_in(spot, &Reference::world().frame)
     }
 
-    /// The event that `spot` says, coordinates being those of `frame`.
+    /// The event at `spot`, coordinates being those of `frame`.
     pub fn event_in(
         &mut self,
-        spot: &At<Spot>,
+        spot: &At<Place>,
         frame: &InertialFrame<Rest>,
     ) -> Result<Event<World>> {
         match &spot.value {
-            Spot::At(numbers) => {
+            Place::At(numbers) => {
                 let [ct, x] = numbers.0.map(|number| number * self.unit);
                 Ok(frame.event_to_world(Event::new(ct, self.direction * x)))
             }
-            Spot::Deep(numbers) => {
+            Place::Deep(numbers) => {
                 let across = self.across.ok_or_else(|| {
                     let what = "[ct, x, y] is of 2+1 dimensions, and this diagram has 1+1";
                     let help = "write [ct, x], or dimensions = \"2+1\" in [diagram]";
@@ -292,9 +305,9 @@ impl<'a> Names<'a> {
                 let [ct, x, y] = numbers.0.map(|number| number * self.unit);
                 Ok(frame.event_to_world(Event::new(ct, self.direction * x + across * y)))
             }
-            Spot::Name(name) => {
+            Place::Name(name) => {
                 let i = find(self.cx, name, &spot.span, &self.event_names(), "event")?;
-                Ok(self.mark(i, &spot.span)?.event)
+                Ok(self.spot(i, &spot.span)?.at)
             }
         }
     }
@@ -325,34 +338,6 @@ impl<'a> Names<'a> {
             Some(_) => settings::words(self.cx, label),
             None => settings::settable(self.cx, name, &name.value).map(Some),
         }
-    }
-}
-
-/// What slot `i` holds, or nothing when it is yet to be resolved.
-fn ask<T: Clone>(
-    cx: &Context,
-    slots: &mut [Slot<T>],
-    i: usize,
-    span: &Range<usize>,
-) -> Result<Option<T>> {
-    match slots.get_mut(i) {
-        Some(Slot::Known(known)) => Ok(Some(known.clone())),
-        Some(Slot::Asked) => {
-            let what = "this is defined by way of itself";
-            let help = "define one of them by numbers";
-            Err(cx.report.refuse(span, what, help))
-        }
-        Some(slot) => {
-            *slot = Slot::Asked;
-            Ok(None)
-        }
-        None => Ok(None),
-    }
-}
-
-fn answer<T: Clone>(slots: &mut [Slot<T>], i: usize, known: &T) {
-    if let Some(slot) = slots.get_mut(i) {
-        *slot = Slot::Known(known.clone());
     }
 }
 

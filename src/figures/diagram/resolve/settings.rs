@@ -4,12 +4,11 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
-use crate::figures::diagram::file as said;
 use crate::figures::diagram::model::{Style, Unit, part_across};
 use crate::figures::text::RichText;
 use crate::scene::At;
 use crate::scene::Context;
-use crate::scene::Outline;
+use crate::scene::Kinematics;
 use crate::scene::model::SPEED_OF_LIGHT;
 use crate::scene::{Number, Numbers};
 use crate::spacetime::{Direction, World};
@@ -22,7 +21,7 @@ const NARROWEST: f64 = 1e-9;
 /// What a number of the diagram means. A unit of time is that of light in vacuum, whatever the scene's
 /// own speed of light: diagrams have c = 1.
 pub(super) fn unit(diagram: &file::Diagram) -> Unit {
-    use said::Unit as U;
+    use file::Unit as U;
     let length = |metres, name| (metres, [name, name], false);
     let time = |seconds: f64, names| (seconds * SPEED_OF_LIGHT, names, true);
     let Some(at) = &diagram.unit else {
@@ -51,7 +50,11 @@ pub(super) fn unit(diagram: &file::Diagram) -> Unit {
 }
 
 /// The direction along which x is measured.
-pub(super) fn direction(cx: &Context, diagram: &file::Diagram, scene: &Outline) -> Result<DVec3> {
+pub(super) fn direction(
+    cx: &Context,
+    diagram: &file::Diagram,
+    scene: &Kinematics,
+) -> Result<DVec3> {
     let Some(at) = &diagram.direction else {
         let motion = scene.direction().and_then(Direction::<World>::new);
         return Ok(motion.map_or(DVec3::X, Direction::unit));
@@ -68,9 +71,9 @@ pub(super) fn across(
     cx: &Context,
     diagram: &file::Diagram,
     direction: DVec3,
-    scene: &Outline,
+    scene: &Kinematics,
 ) -> Result<Option<DVec3>> {
-    let three = matches!(&diagram.dimensions, Some(at) if at.value == said::Dimensions::Three);
+    let three = matches!(&diagram.dimensions, Some(at) if at.value == file::Dimensions::Three);
     let of_three = [
         diagram.across.as_ref().map(|at| (&at.span, "across")),
         diagram.y.as_ref().map(|at| (&at.span, "y")),
@@ -129,7 +132,7 @@ pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<Stri
     settable(cx, at, &at.value).map(Some)
 }
 
-/// `text`, said by `at`, where it is markup that can be set.
+/// `text`, which comes from `at`, where it is markup that can be set.
 pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
     match RichText::parse(text) {
         Ok(_) => Ok(text.to_string()),
@@ -140,14 +143,14 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
     }
 }
 
-pub(super) fn style(cx: &Context, style: &said::DiagramStyle) -> Result<Style> {
+pub(super) fn style(cx: &Context, style: &file::DiagramStyle) -> Result<Style> {
     let default = Style::default();
     let width = style.width.as_ref();
     let width = width
         .map(|at| cx.positive_length(at, "`width`"))
         .transpose()?;
     Ok(Style {
-        dark: matches!(style.theme, Some(said::Theme::Dark)),
+        dark: matches!(style.theme, Some(file::Theme::Dark)),
         width: width.map(|metres| metres * POINTS),
         height: None,
         font_size: positive(cx, &style.font_size, "`font_size`")?.unwrap_or(default.font_size),

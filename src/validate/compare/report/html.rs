@@ -97,6 +97,7 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage) -> Result<()> {
             .flat_map(|[r, g, b]| [*r, *g, *b, 255])
             .collect(),
         scale: 1.0,
+        origin: Vec::new(),
     };
     let caption = escaped(caption);
     let _ = write!(

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::figures::contact_sheet::{self, Panel};
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Drawing, Item, Text};
-use crate::figures::isochrones::viridis::viridis;
+use crate::figures::isochrones::viridis::viridis_srgb;
 use crate::figures::text::{Rect, RichText};
 use crate::figures::ticks::{number, round_step};
 use crate::io::image::{Channel, Layers, RgbImage, Samples};
@@ -82,7 +82,7 @@ impl ErrorMap {
     /// In false colours, pixel by pixel.
     pub fn image(&self) -> RgbImage {
         let colour = |e: &f32| match e.is_finite() {
-            true => viridis(f64::from(*e) / self.most).map(|c| (255.0 * c + 0.5) as u8),
+            true => viridis_srgb(f64::from(*e) / self.most),
             false => NOTHING,
         };
         RgbImage {
@@ -147,6 +147,7 @@ impl ErrorMap {
             width: (right + 0.5 * em + widest).max(margin + title_width) + margin,
             height: top + bar_height + margin,
             title: self.title.clone(),
+            origin: Vec::new(),
             background: Colour::WHITE,
             items,
         })
@@ -156,9 +157,7 @@ impl ErrorMap {
 /// The colours from large (top) to small.
 fn bar() -> RgbImage {
     const HEIGHT: u32 = 256;
-    let row = |y: u32| {
-        viridis(1.0 - (f64::from(y) + 0.5) / f64::from(HEIGHT)).map(|c| (255.0 * c + 0.5) as u8)
-    };
+    let row = |y: u32| viridis_srgb(1.0 - (f64::from(y) + 0.5) / f64::from(HEIGHT));
     RgbImage {
         width: 1,
         height: HEIGHT,

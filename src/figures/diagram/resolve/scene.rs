@@ -1,11 +1,11 @@
 //! World lines of what the scene has.
 
 use crate::figures::diagram::model::{Reference, Track};
-use crate::scene::{Body, Filming, Outline};
+use crate::scene::{CameraMotion, Kinematics, ObjectMotion};
 use crate::spacetime::worldline::WorldLine;
 
 /// The world line of this name.
-pub(super) fn track(scene: &Outline, name: &str) -> Option<Track> {
+pub(super) fn track(scene: &Kinematics, name: &str) -> Option<Track> {
     if let Some(camera) = &scene.camera {
         match (name, camera.model.sensor) {
             ("camera" | "pinhole", _) => return Some(camera.line.clone().into()),
@@ -17,16 +17,16 @@ pub(super) fn track(scene: &Outline, name: &str) -> Option<Track> {
         }
     }
     let body = scene.objects.iter().find(|body| body.name == name)?;
-    Some(of_body(body))
+    Some(object_track(body))
 }
 
 /// The world line of an object.
-pub(super) fn of_body(body: &Body) -> Track {
-    WorldLine::inertial(body.velocity, body.origin).into()
+pub(super) fn object_track(object: &ObjectMotion) -> Track {
+    WorldLine::inertial(object.velocity, object.origin).into()
 }
 
 /// The frame of the camera at the time of the shot.
-pub(super) fn camera_frame(camera: &Filming) -> Option<Reference> {
+pub(super) fn camera_frame(camera: &CameraMotion) -> Option<Reference> {
     let moment = Track::from(camera.line.clone()).at(camera.model.time)?;
     Some(Reference::bare("camera", moment.frame()))
 }

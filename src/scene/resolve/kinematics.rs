@@ -1,4 +1,4 @@
-//! What a scene has of world lines and events, without its meshes and cubes.
+//! The kinematics of a scene: its world lines and events, without its meshes and cubes.
 
 use glam::DVec3;
 
@@ -13,63 +13,63 @@ use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Event, Velocity, World};
 
 /// World lines and events of a scene.
-pub(crate) struct Outline {
+pub(crate) struct Kinematics {
     /// The camera.
-    pub camera: Option<Filming>,
+    pub camera: Option<CameraMotion>,
     /// The objects.
-    pub objects: Vec<Body>,
+    pub objects: Vec<ObjectMotion>,
     /// Emissions of pulses, by name.
     pub pulses: Vec<(String, Event<World>)>,
 }
 
 /// The camera, and the world line of its pinhole.
-pub(crate) struct Filming {
+pub(crate) struct CameraMotion {
     pub model: CameraModel,
     pub line: WorldLine,
 }
 
 /// An object's name and world line.
-pub(crate) struct Body {
+pub(crate) struct ObjectMotion {
     pub name: String,
     pub velocity: Velocity,
     pub origin: Event<World>,
 }
 
-impl Outline {
+impl Kinematics {
     /// That of the scene which `file` means.
-    pub(in crate::scene) fn new<D>(cx: &Context, file: &file::Scene<D>) -> Result<Outline> {
-        Ok(Outline {
-            camera: filming(cx, &file.camera)?,
-            objects: bodies(cx, &file.object)?,
+    pub(in crate::scene) fn new<D>(cx: &Context, file: &file::Scene<D>) -> Result<Kinematics> {
+        Ok(Kinematics {
+            camera: camera_motion(cx, &file.camera)?,
+            objects: object_motions(cx, &file.object)?,
             pulses: pulses(cx, &file.source)?,
         })
     }
 
     /// The direction in which something of it moves: the camera, or else an object.
     pub fn direction(&self) -> Option<DVec3> {
-        let camera = self.camera.as_ref().and_then(Filming::direction);
-        let mut bodies = self.objects.iter().map(|body| body.velocity);
-        camera.or_else(|| Some(bodies.find(|v| !v.is_rest())?.rapidity()))
+        let camera = self.camera.as_ref().and_then(CameraMotion::direction);
+        let mut objects = self.objects.iter().map(|object| object.velocity);
+        camera.or_else(|| Some(objects.find(|v| !v.is_rest())?.rapidity()))
     }
 
     /// All directions in which something of it moves: the camera, then objects.
     pub fn directions(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let camera = self.camera.iter().filter_map(Filming::direction);
-        camera.chain(self.objects.iter().map(|body| body.velocity.rapidity()))
+        let camera = self.camera.iter().filter_map(CameraMotion::direction);
+        camera.chain(self.objects.iter().map(|object| object.velocity.rapidity()))
     }
 
     /// The names of its world lines.
     pub fn names(&self) -> Vec<&str> {
-        let camera = self.camera.iter().flat_map(|filming| {
-            let sensor = filming.model.sensor.map(|_| "sensor");
+        let camera = self.camera.iter().flat_map(|camera| {
+            let sensor = camera.model.sensor.map(|_| "sensor");
             ["camera", "pinhole"].into_iter().chain(sensor)
         });
-        let bodies = self.objects.iter().map(|body| body.name.as_str());
-        camera.chain(bodies).collect()
+        let objects = self.objects.iter().map(|object| object.name.as_str());
+        camera.chain(objects).collect()
     }
 }
 
-impl Filming {
+impl CameraMotion {
     /// The direction of its velocity, or of its acceleration.
     fn direction(&self) -> Option<DVec3> {
         let state = self.line.state(self.model.time)?;
@@ -78,22 +78,22 @@ impl Filming {
     }
 }
 
-fn filming(cx: &Context, camera: &Option<At<file::Camera>>) -> Result<Option<Filming>> {
+fn camera_motion(cx: &Context, camera: &Option<At<file::Camera>>) -> Result<Option<CameraMotion>> {
     let Some(at) = camera else {
         return Ok(None);
     };
     let model = camera::resolve(cx, at)?;
     let line = model.world_line();
     let line = line.map_err(|error| cx.refuse(at, error.to_string(), ""))?;
-    Ok(Some(Filming { model, line }))
+    Ok(Some(CameraMotion { model, line }))
 }
 
-fn bodies(cx: &Context, objects: &[At<file::Object>]) -> Result<Vec<Body>> {
+fn object_motions(cx: &Context, objects: &[At<file::Object>]) -> Result<Vec<ObjectMotion>> {
     let entries = objects.iter();
     let names = names::unique(entries.map(|at| object::entry_names(&at.value)).collect());
     let body = |(at, name): (&At<file::Object>, String)| {
         let origin = &at.value.origin;
-        Ok(Body {
+        Ok(ObjectMotion {
             name,
             velocity: velocity::resolve(cx, &at.value.velocity)?,
             origin: Event::new(cx.time(&origin.time)?, origin.position.value.vec()),

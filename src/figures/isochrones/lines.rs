@@ -1,0 +1,59 @@
+//! Isochrones as lines, without those that would be too close to be told apart.
+
+use super::chain::{Points, polylines};
+use super::contour::{Grid, pieces};
+use super::range::Range;
+use crate::figures::drawing::Path;
+
+/// Every so many lines one is heavy.
+const HEAVY: i64 = 5;
+
+/// The lines of one time.
+pub(crate) struct Isochrone {
+    /// Its time is this many steps.
+    pub number: i64,
+    /// In pixels of the grid.
+    pub lines: Vec<Points>,
+}
+
+/// Whether line `number` is one of every five.
+pub(crate) fn is_heavy(number: i64) -> bool {
+    number % HEAVY == 0
+}
+
+/// The isochrones of a grid, by time. Where there are more than `crowded` lines to a pixel only the heavy ones are
+/// left, as far as these are not too close either.
+pub(crate) fn isochrones(grid: &Grid, range: &Range, crowded: f64) -> Vec<Isochrone> {
+    let all = pieces(grid, range).into_iter().zip(range.lines());
+    let isochrones = all.map(|(pieces, number)| {
+        let most = match is_heavy(number) {
+            true => HEAVY as f64 * crowded,
+            false => crowded,
+        };
+        let lines = polylines(&pieces).into_iter();
+        let lines = lines.filter(|line| line.density <= most);
+        Isochrone {
+            number,
+            lines: lines.map(|line| line.points).collect(),
+        }
+    });
+    isochrones.collect()
+}
+
+/// Lines as one path, each point at its `place`: a translucent line is not darker where its parts meet, and borders
+/// do not cover other lines of their kind.
+pub(crate) fn path_of<'a>(
+    lines: impl IntoIterator<Item = &'a Points>,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Path {
+    let contours = lines.into_iter().map(|line| {
+        let points: Points = line.iter().map(|p| place(*p)).collect();
+        match line.split_last() {
+            Some((last, rest)) if rest.len() > 2 && rest.first() == Some(last) => {
+                Path::polygon(&points[..rest.len()])
+            }
+            _ => Path::polyline(&points),
+        }
+    });
+    contours.fold(Path::default(), Path::and)
+}

@@ -38,7 +38,7 @@
 //! e = c_B − c_A. Across the edge Δ is what bends it; along it, how textures slide. ηβ ≥ 1 has no such
 //! root: the light of an object that outruns it arrives twice, or never.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::camera::{AnyProjection, Camera, Linear, Point, Projection as _};
 use crate::error::{Error, Result};
@@ -65,15 +65,104 @@ pub struct Observer {
 #[derive(Debug, Clone)]
 pub struct Projection<'a> {
     observer: &'a Observer,
+    apparent: Apparent,
+    rest_from_world: Boost<Rest, World>,
+}
+
+/// From points of a rest frame to where they appear: the numbers that loops over vertices read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Apparent {
     /// The place of the shot in the frame.
     origin: DVec3,
     /// Direction of motion, and 1/(γq) − 1.
     stretch: (DVec3, f64),
     world_from_optical: Boost<World, Rest>,
-    rest_from_world: Boost<Rest, World>,
+    /// The identity where directions of the world are taken as the camera's.
+    camera_from_world: Boost<spacetime::Camera, World>,
+    homogeneous_from_camera: DMat3,
+    /// Columns and rows of the film, and its pixels per radian in the corner.
+    size: [f64; 2],
+    density: f64,
     /// Change of the apparent position per |c|, and that of its homogeneous film coordinates.
     m_camera: DVec3,
     m: DVec3,
+}
+
+/// A point of a rest frame as a rasterizer needs it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ApparentVertex {
+    /// Its place c, metres.
+    pub c: DVec3,
+    /// Homogeneous film coordinates.
+    pub film: DVec3,
+    /// The film point, pixels; means nothing where it is not in front of the camera.
+    pub point: [f64; 2],
+    /// |c| |Δ/δ|, pixels. Beside the film by more than half of it, and behind the camera, a point counts as if it
+    /// were in its corner.
+    pub scale: f64,
+}
+
+impl Apparent {
+    /// The place c of the point `x`.
+    #[inline(always)]
+    fn optical(&self, x: DVec3) -> DVec3 {
+        let r = x - self.origin;
+        let (n, stretch) = self.stretch;
+        r + n * (n.dot(r) * stretch)
+    }
+
+    /// The look direction in the world to the point at `c`, whose length is `length`, and the world distance.
+    #[inline(always)]
+    pub fn look(&self, c: DVec3, length: f64) -> (Direction<World>, f64) {
+        let unit = Direction::from_unit(c * (1.0 / length));
+        let (d, ratio) = self.world_from_optical.direction(unit);
+        (d, length * ratio)
+    }
+
+    /// The apparent position in the camera's frame of what is seen along `d` at the distance `s`.
+    #[inline(always)]
+    fn seen(&self, d: Direction<World>, s: f64) -> DVec3 {
+        let (seen, ratio) = self.camera_from_world.direction(d);
+        seen.unit() * (s * ratio)
+    }
+
+    /// How the point `x` is seen.
+    #[inline(always)]
+    pub fn vertex(&self, x: DVec3) -> ApparentVertex {
+        let c = self.optical(x);
+        let length = c.length();
+        let (d, s) = self.look(c, length);
+        let k = self.seen(d, s);
+        let film = self.homogeneous_from_camera * k;
+        let point = [film.x / film.z, film.y / film.z];
+        // |Δ/δ|, by the film where the point is on it or near, otherwise by the angle and the corner's density.
+        let [u, v] = self.slide(film, point);
+        let square = k.length_squared();
+        let turn = (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt();
+        let [width, height] = self.size;
+        let near_x = (point[0] > -0.5 * width) & (point[0] < 1.5 * width);
+        let near_y = (point[1] > -0.5 * height) & (point[1] < 1.5 * height);
+        let pixels = if near_x & near_y & (film.z > 0.0) {
+            (u * u + v * v).sqrt()
+        } else {
+            self.density * turn
+        };
+        ApparentVertex {
+            c,
+            film,
+            point,
+            scale: length * pixels,
+        }
+    }
+
+    /// By how much film coordinates of a point seen at `film`, with film point `point`, change per metre of |c|.
+    #[inline(always)]
+    fn slide(&self, film: DVec3, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            (self.m.x - x * self.m.z) / film.z,
+            (self.m.y - y * self.m.z) / film.z,
+        ]
+    }
 }
 
 /// How a point is seen.
@@ -159,18 +248,25 @@ impl Observer {
     pub fn projection(&self, frame: &InertialFrame<Rest>) -> Result<Projection<'_>> {
         let (n, stretch, velocity) = optical(frame.velocity(), self.index)?;
         let world_from_optical = Boost::new(velocity);
+        let rest = Boost::new(Velocity::REST);
         let mut projection = Projection {
             observer: self,
-            origin: frame.event_from_world(self.event).x,
-            stretch: (n, stretch),
-            world_from_optical,
+            apparent: Apparent {
+                origin: frame.event_from_world(self.event).x,
+                stretch: (n, stretch),
+                world_from_optical,
+                camera_from_world: self.camera_from_world.unwrap_or(rest),
+                homogeneous_from_camera: self.linear.homogeneous_from_camera,
+                size: self.film.size(),
+                density: self.film.density(),
+                m_camera: DVec3::ZERO,
+                m: DVec3::ZERO,
+            },
             rest_from_world: *frame.frame_from_world(),
-            m_camera: DVec3::ZERO,
-            m: DVec3::ZERO,
         };
         let (_, seen) = projection.in_camera(Displacement::new(-1.0, DVec3::ZERO));
-        projection.m_camera = seen;
-        projection.m = self.linear.homogeneous_from_camera * seen;
+        projection.apparent.m_camera = seen;
+        projection.apparent.m = self.linear.homogeneous_from_camera * seen;
         Ok(projection)
     }
 }
@@ -232,26 +328,15 @@ impl Projection<'_> {
     /// The point's place c relative to the camera, metres (see the [module](self)).
     #[inline]
     pub fn optical(&self, x: DVec3) -> DVec3 {
-        let r = x - self.origin;
-        let (n, stretch) = self.stretch;
-        r + n * (n.dot(r) * stretch)
+        self.apparent.optical(x)
     }
 
     /// The image of the point at `c`.
     #[inline]
     pub fn image_of(&self, c: DVec3) -> Option<Image> {
         let length = c.length();
-        let unit = Direction::from_unit(c * (1.0 / length));
-        let (d, ratio) = self.world_from_optical.direction(unit);
-        let s = length * ratio;
-        let seen = match &self.observer.camera_from_world {
-            Some(boost) => {
-                let (seen, ratio) = boost.direction(d);
-                seen.unit() * (s * ratio)
-            }
-            None => d.unit() * s,
-        };
-        let film = self.observer.linear.homogeneous_from_camera * seen;
+        let (d, s) = self.apparent.look(c, length);
+        let film = self.apparent.homogeneous_from_camera * self.apparent.seen(d, s);
         (length > 0.0 && film.is_finite()).then_some(Image { film, d, s })
     }
 
@@ -290,19 +375,19 @@ impl Projection<'_> {
 
     /// The four-vector `v`, in coordinates (t, c), as (t, k) in those in which the film looks.
     pub(crate) fn in_camera(&self, v: Displacement<Rest>) -> (f64, DVec3) {
-        let world = self.world_from_optical.displacement(v);
-        match &self.observer.camera_from_world {
-            Some(boost) => {
-                let v = boost.displacement(world);
-                (v.ct, v.x)
-            }
-            None => (world.ct, world.x),
-        }
+        let world = self.apparent.world_from_optical.displacement(v);
+        let v = self.apparent.camera_from_world.displacement(world);
+        (v.ct, v.x)
     }
 
     /// The place of the shot in the frame, metres.
     pub fn origin(&self) -> DVec3 {
-        self.origin
+        self.apparent.origin
+    }
+
+    /// The numbers that loops over points read.
+    pub(crate) fn apparent(&self) -> &Apparent {
+        &self.apparent
     }
 
     /// The projection of the observer.
@@ -318,18 +403,7 @@ impl Projection<'_> {
     /// By how much film coordinates (x, y, pixels) of a point seen at `film` change per metre that its |c|
     /// is too long, in the limit of small errors; none behind the camera.
     pub fn slide(&self, film: DVec3) -> Option<[f64; 2]> {
-        let [x, y] = film_point(film)?;
-        Some([
-            (self.m.x - x * self.m.z) / film.z,
-            (self.m.y - y * self.m.z) / film.z,
-        ])
-    }
-
-    /// By what angle a point seen like `image` turns per metre that its |c| is too long, radians.
-    pub fn turn(&self, image: &Image) -> f64 {
-        let k = self.observer.linear.homogeneous_from_camera.inverse() * image.film;
-        let square = k.length_squared();
-        (self.m_camera - k * (self.m_camera.dot(k) / square)).length() / square.sqrt()
+        Some(self.apparent.slide(film, film_point(film)?))
     }
 }
 

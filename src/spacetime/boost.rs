@@ -127,7 +127,7 @@ impl<To: Frame, From: Frame> Boost<To, From> {
 
     /// Whether the frames are at rest relative to each other.
     #[inline(always)]
-    fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.sinh == 0.0
     }
 

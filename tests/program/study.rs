@@ -149,7 +149,10 @@ fn the_front_has_no_entry_that_another_beats() {
 #[test]
 fn verdicts_name_the_fastest_of_those_that_keep_to_the_error() {
     let study = studied("trace; raster:none; raster:adaptive=0.05");
-    let verdict = study.verdicts.iter().find(|v| v.pixels == 0.1).unwrap();
+    let verdicts = study.verdicts.iter();
+    assert_eq!(verdicts.len(), 4);
+    let is_it = |v: &&Verdict| v.pixels == 0.1 && v.samples == 1;
+    let verdict = study.verdicts.iter().find(is_it).unwrap();
     let (method, time) = verdict.raster.clone().unwrap();
     assert_eq!(method, "raster:adaptive=0.05");
     assert_eq!(
@@ -159,6 +162,12 @@ fn verdicts_name_the_fastest_of_those_that_keep_to_the_error() {
     let [median, least, most] = verdict.raster_over_trace.unwrap();
     assert!(least <= median && median <= most && least > 0.0);
     assert!(verdict.warp.is_none());
+    if let Some(fastest) = &verdict.fastest {
+        assert_eq!(fastest == "trace", median > 1.0, "{fastest} {median}");
+    }
+    let (tree, vertices) = (study.once.tree_seconds, study.once.vertex_seconds);
+    assert_eq!(entry(&study, "trace", 1).once_seconds, tree);
+    assert_eq!(entry(&study, &method, 1).once_seconds, vertices);
 }
 
 #[test]

@@ -1,53 +1,46 @@
-//! Piece triangles in homogeneous film coordinates, in batches: one for each run of triangles of a tree, and
-//! which of them can reach which tile of the film.
+//! Triangles as they appear, in batches: one for each run of triangles of a tree, and which of them can reach which
+//! tile of the film.
 
 use glam::DVec3;
 
+use super::vertices::Vertex;
 use crate::render::film::{TILE, Tile};
 
-/// A corner of small triangles.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Vertex {
-    /// Homogeneous film coordinates.
-    pub film: DVec3,
-    /// Barycentric weights of the second and third corner of the triangle that was divided.
-    pub weights: [f64; 2],
-}
-
-/// A small triangle, a part of one of the tree's.
+/// A small triangle, one of the tree's or a part of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    /// Indices of its vertices.
+    /// Its vertices: those of the frame, and after them the batch's own.
     pub corners: [u32; 3],
-    /// The slot of the triangle that was divided.
+    /// The slot of the triangle that it is a part of.
     pub slot: u32,
     /// The pixels that it can reach: first column and row, last column and row.
     pub reach: [u16; 4],
 }
 
-/// Piece triangles of one rest frame, by the tiles that they may reach.
+/// Pieces of the triangles in some slots of a rest frame, by the tiles that they may reach.
 #[derive(Debug)]
 pub(super) struct Batch {
     /// Index of the rest frame.
     pub frame: u32,
-    pub vertices: Vec<Vertex>,
-    /// Of each vertex, where they are interpolated: time of emission relative to the shot in the rest
-    /// frame, metres, and W.
-    pub attributes: Vec<[f64; 2]>,
-    pub triangles: Vec<Piece>,
+    /// How many vertices the frame has.
+    pub shared: u32,
+    /// Vertices at which triangles were cut, and their places, metres in the rest frame.
+    pub cuts: Vec<Vertex>,
+    pub places: Vec<DVec3>,
+    pub pieces: Vec<Piece>,
     pub bins: Bins,
 }
 
 impl Batch {
-    /// The film coordinates of a triangle's corners.
+    /// The corners of a piece, where `shared` are the vertices of its frame.
     #[inline(always)]
-    pub fn film(&self, piece: &Piece) -> [DVec3; 3] {
-        let [a, b, c] = piece.corners;
-        [
-            self.vertices[a as usize].film,
-            self.vertices[b as usize].film,
-            self.vertices[c as usize].film,
-        ]
+    pub fn corners<'a>(&'a self, shared: &'a [Vertex], piece: &Piece) -> [&'a Vertex; 3] {
+        piece
+            .corners
+            .map(|index| match index.checked_sub(self.shared) {
+                None => &shared[index as usize],
+                Some(own) => &self.cuts[own as usize],
+            })
     }
 }
 

@@ -12,6 +12,7 @@
 
 use glam::DVec3;
 
+use super::vertices::Vertex;
 use crate::approximate::projection::Projection;
 use crate::camera::Projection as _;
 use crate::spacetime::Displacement;
@@ -60,12 +61,17 @@ impl Frustum {
 
     /// The pixels that a flat triangle can reach: first column and row, last column and row. None where
     /// it is outside the film.
-    pub fn reach(&self, film: [DVec3; 3]) -> Option<[u16; 4]> {
-        let far = 1e-9 * film.iter().map(|h| h.z.abs()).fold(0.0, f64::max);
-        let bounds = match film.iter().all(|h| h.z > far) {
-            true => bounds(&film)?,
-            false if film.iter().all(|h| h.z <= 0.0) => return None,
-            false => bounds(&self.clipped(film))?,
+    #[inline]
+    pub fn reach(&self, [a, b, c]: [&Vertex; 3]) -> Option<[u16; 4]> {
+        let far = 1e-9 * a.film.z.abs().max(b.film.z.abs()).max(c.film.z.abs());
+        let bounds = match a.film.z.min(b.film.z).min(c.film.z) > far {
+            true => [
+                a.point[0].min(b.point[0]).min(c.point[0]),
+                a.point[1].min(b.point[1]).min(c.point[1]),
+                a.point[0].max(b.point[0]).max(c.point[0]),
+                a.point[1].max(b.point[1]).max(c.point[1]),
+            ],
+            false => self.bounds_beside([a.film, b.film, c.film])?,
         };
         let [width, height] = self.size;
         let [left, top, right, bottom] = bounds;
@@ -80,6 +86,15 @@ impl Frustum {
                 pixel(bottom + 1e-6, height),
             ]
         })
+    }
+
+    /// The bounds of a triangle a part of which may be behind the camera.
+    #[cold]
+    fn bounds_beside(&self, film: [DVec3; 3]) -> Option<[f64; 4]> {
+        match film.iter().all(|h| h.z <= 0.0) {
+            true => None,
+            false => bounds(&self.clipped(film)),
+        }
     }
 
     /// The part of the triangle that is seen on the film, as a polygon (Sutherland & Hodgman 1974).

@@ -20,36 +20,25 @@
 //! lies in a circle of radius L/√3). Ends beside the film, or behind the camera, count as if they were in its
 //! corner, where a radian has most pixels.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 
-use super::batch::{Batch, Bins, Grid, Piece, Vertex};
+use super::batch::{Batch, Bins, Grid, Piece};
 use super::cull::Frustum;
-use super::method::{Attributes, Tessellation};
-use crate::approximate::projection::{Image, Projection};
-use crate::camera::Projection as _;
+use super::method::Tessellation;
+use super::vertices::{Vertex, extend};
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::approximate::projection::Projection;
+use crate::render::trace::SharedVertices;
 
 /// So often an edge is cut at most: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;
 /// Lengths that are the same but for rounding count as such.
 const SAME: f64 = 1.0 - 1e-12;
-
-/// A point of a triangle that is being divided.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
-    /// In the rest frame, metres.
-    pub x: DVec3,
-    /// See [`projection`](crate::approximate::projection).
-    pub c: DVec3,
-    pub image: Image,
-    /// Barycentric weights of the second and third corner of the triangle.
-    pub weights: [f64; 2],
-    /// |c| |Δ/δ|, pixels; 0 where nobody asks.
-    scale: f64,
-    /// Its index among the vertices.
-    pub index: u32,
-}
+/// The edges of so many triangles are looked at together.
+const LOT: usize = 64;
 
 /// How many points triangles have been cut at so far, in all batches.
 #[derive(Debug, Default)]
@@ -68,115 +57,19 @@ impl Cuts {
     }
 }
 
-/// A batch while it is filled.
-pub(super) struct BatchBuilder<'a> {
-    projection: &'a Projection<'a>,
-    attributes: Attributes,
-    cuts: &'a Cuts,
-    /// Cuts that are not counted yet.
-    uncounted: usize,
-    /// The slot whose triangle is being divided.
+/// The vertices of a rest frame: where they are, and how they are seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FrameVertices<'a> {
+    pub shared: &'a SharedVertices,
+    pub seen: &'a [Vertex],
+}
+
+/// A triangle that may have to be divided.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    corners: [u32; 3],
     slot: u32,
-    /// The first vertex of that triangle.
-    first: usize,
-    batch: Batch,
 }
-
-impl<'a> BatchBuilder<'a> {
-    /// An empty batch of rest frame `frame`.
-    pub fn new(
-        frame: u32,
-        projection: &'a Projection<'a>,
-        attributes: Attributes,
-        cuts: &'a Cuts,
-    ) -> Self {
-        BatchBuilder {
-            projection,
-            attributes,
-            cuts,
-            uncounted: 0,
-            slot: 0,
-            first: 0,
-            batch: Batch {
-                frame,
-                vertices: Vec::new(),
-                attributes: Vec::new(),
-                triangles: Vec::new(),
-                bins: Bins::default(),
-            },
-        }
-    }
-
-    /// Begins with the triangle in `slot`.
-    pub fn begin(&mut self, slot: u32) {
-        // A triangle of which nothing was kept leaves no vertices.
-        if self
-            .batch
-            .triangles
-            .last()
-            .is_none_or(|t| (t.corners[0] as usize) < self.first)
-        {
-            self.batch.vertices.truncate(self.first);
-            self.batch.attributes.truncate(self.first);
-        }
-        self.slot = slot;
-        self.first = self.batch.vertices.len();
-    }
-
-    /// Adds a vertex and returns its index.
-    #[inline]
-    pub fn add(&mut self, weights: [f64; 2], image: &Image) -> u32 {
-        self.batch.vertices.push(Vertex {
-            film: image.film,
-            weights,
-        });
-        if self.attributes == Attributes::Vertex {
-            let (_, emission) = self.projection.emission(image.d, image.s);
-            let ratio = self.projection.wavelength_ratio(image.d);
-            self.batch.attributes.push([emission.ct, ratio]);
-        }
-        self.batch.vertices.len() as u32 - 1
-    }
-
-    /// Keeps the triangle, if it can be seen.
-    #[inline]
-    pub fn keep(&mut self, corners: &[Corner; 3], frustum: &Frustum) {
-        let [a, b, c] = corners;
-        if let Some(reach) = frustum.reach([a.image.film, b.image.film, c.image.film]) {
-            self.batch.triangles.push(Piece {
-                corners: [a.index, b.index, c.index],
-                slot: self.slot,
-                reach,
-            });
-        }
-    }
-
-    /// Counts a cut; false where there are too many.
-    #[inline]
-    pub fn count_cut(&mut self) -> bool {
-        self.uncounted += 1;
-        if self.uncounted == Cuts::LOT {
-            self.count();
-        }
-        !self.cuts.are_too_many()
-    }
-
-    fn count(&mut self) {
-        self.cuts.0.fetch_add(self.uncounted, Ordering::Relaxed);
-        self.uncounted = 0;
-    }
-
-    /// The batch, sorted by the tiles of `grid`.
-    pub fn finish(mut self, grid: Grid) -> Batch {
-        self.count();
-        let mut batch = self.batch;
-        batch.bins = Bins::new(grid, &batch.triangles, |piece| batch.film(piece));
-        batch
-    }
-}
-
-/// The up to four pieces of a triangle.
-type Pieces = [Option<[Corner; 3]>; 4];
 
 /// Divides triangles of one rest frame.
 #[derive(Debug)]
@@ -184,187 +77,297 @@ pub(super) struct Divider<'a> {
     pub projection: &'a Projection<'a>,
     pub frustum: &'a Frustum,
     pub tessellation: Tessellation,
-    /// Pixels per radian in the corner of the film.
-    density: f64,
+    pub vertices: FrameVertices<'a>,
+    pub cuts: &'a Cuts,
 }
 
-impl<'a> Divider<'a> {
-    pub fn new(
-        projection: &'a Projection<'a>,
-        frustum: &'a Frustum,
-        tessellation: Tessellation,
-    ) -> Self {
-        Divider {
-            projection,
-            frustum,
-            tessellation,
-            density: projection.film().density(),
-        }
-    }
+/// A batch while it is filled.
+pub(super) struct BatchBuilder<'a> {
+    divider: &'a Divider<'a>,
+    batch: Batch,
+    /// Triangles that have to be looked at, and those of the next level.
+    level: Vec<Part>,
+    next: Vec<Part>,
+    /// By their ends, the points at which edges of this level were cut.
+    points: HashMap<[u32; 2], u32>,
+    /// Cuts that are not counted yet.
+    uncounted: usize,
+}
 
-    /// Makes the corner at `x` one of the vertices; none at the place of the camera.
-    fn corner(&self, x: DVec3, weights: [f64; 2], batch: &mut BatchBuilder) -> Option<Corner> {
-        let c = self.projection.optical(x);
-        let image = self.projection.image_of(c)?;
-        Some(Corner {
-            x,
-            c,
-            image,
-            weights,
-            scale: match self.tessellation {
-                Tessellation::Adaptive(_) => self.scale(c, &image),
-                _ => 0.0,
+impl<'a> BatchBuilder<'a> {
+    /// An empty batch of rest frame `frame`.
+    pub fn new(frame: u32, divider: &'a Divider<'a>) -> Self {
+        BatchBuilder {
+            divider,
+            batch: Batch {
+                frame,
+                shared: divider.vertices.seen.len() as u32,
+                cuts: Vec::new(),
+                places: Vec::new(),
+                pieces: Vec::new(),
+                bins: Bins::default(),
             },
-            index: batch.add(weights, &image),
-        })
+            level: Vec::new(),
+            next: Vec::new(),
+            points: HashMap::new(),
+            uncounted: 0,
+        }
     }
 
-    /// |c| |Δ/δ| in pixels.
-    fn scale(&self, c: DVec3, image: &Image) -> f64 {
-        let [width, height] = self.projection.film().size();
-        let near = |x: f64, size: f64| x > -0.5 * size && x < 1.5 * size;
-        let pixels = match (image.film_point(), self.projection.slide(image.film)) {
-            (Some([x, y]), Some([u, v])) if near(x, width) && near(y, height) => {
-                (u * u + v * v).sqrt()
+    /// Adds the triangle in `slot`.
+    #[inline]
+    pub fn add(&mut self, slot: u32) {
+        let corners = self.divider.vertices.shared.corners[slot as usize];
+        self.level.push(Part { corners, slot });
+    }
+
+    /// Divides all triangles, and sorts their pieces by the tiles of `grid`.
+    pub fn finish(mut self, grid: Grid) -> Batch {
+        let mut depth = 0;
+        while !self.level.is_empty() && !self.divider.cuts.are_too_many() {
+            match depth == DEEPEST || self.divider.tessellation == Tessellation::None {
+                true => self.keep_all(),
+                false => self.divide_level(),
             }
-            _ => self.density * self.projection.turn(image),
-        };
-        c.length() * pixels
-    }
-
-    /// Into how many parts the edge is cut.
-    fn parts(&self, a: &Corner, b: &Corner) -> f64 {
-        match self.tessellation {
-            Tessellation::None => 1.0,
-            Tessellation::Uniform(length) => (a.x.distance(b.x) / length * SAME).ceil(),
-            Tessellation::Adaptive(pixels) => match (self.error(a, b) / pixels).sqrt().ceil() {
-                parts if parts > 3.0 => 2.0,
-                parts => parts,
-            },
-        }
-    }
-
-    /// Where the edge is cut, as a part of it from `a`; none where it stays whole.
-    fn cut(&self, a: &Corner, b: &Corner) -> Option<f64> {
-        let parts = self.parts(a, b);
-        // Not for NaN either.
-        (parts > 1.0).then(|| {
-            let first = (0.5 * parts).floor() / parts;
-            if comes_first(a.x, b.x) {
-                first
-            } else {
-                1.0 - first
+            // All points of a level are transformed together. An edge is cut in the same level on either side.
+            let (places, cuts) = (&self.batch.places, &mut self.batch.cuts);
+            if !self.divider.cuts.are_too_many() {
+                extend(self.divider.projection, places, cuts);
             }
-        })
+            self.points.clear();
+            std::mem::swap(&mut self.level, &mut self.next);
+            self.next.clear();
+            depth += 1;
+        }
+        self.count();
+        let (mut batch, seen) = (self.batch, self.divider.vertices.seen);
+        if self.divider.cuts.are_too_many() {
+            // Not all points have been transformed, and nobody looks at the rest.
+            batch.pieces.clear();
+        }
+        let film = |piece: &Piece| batch.corners(seen, piece).map(|v| v.film);
+        batch.bins = Bins::new(grid, &batch.pieces, film);
+        batch
     }
 
-    /// A bound on how far points are drawn from their places, pixels. It is the same from either end.
-    fn error(&self, a: &Corner, b: &Corner) -> f64 {
-        let e = b.c - a.c;
-        let cross = a.c.cross(b.c).length_squared();
-        let between = a.c.dot(e) < 0.0 && b.c.dot(e) > 0.0;
-        let nearest = match between {
-            true => cross / e.length_squared(),
-            false => a.c.length_squared().min(b.c.length_squared()),
-        };
-        // E of the module's head: 4/3 (Jung) · |Δ/δ| · |c_A × c_B|² / (8 |c|³), with |c|² of the nearest point
-        // squared, as one |c| belongs to the scale.
-        4.0 / 3.0 / 8.0 * a.scale.max(b.scale) * cross / (nearest * nearest)
-    }
-
-    /// Divides the triangle with these corners, in the rest frame, into `batch`.
-    pub fn divide(&self, [a, b, c]: [DVec3; 3], batch: &mut BatchBuilder) {
-        let corners = (
-            self.corner(a, [0.0, 0.0], batch),
-            self.corner(b, [1.0, 0.0], batch),
-            self.corner(c, [0.0, 1.0], batch),
-        );
-        if let (Some(a), Some(b), Some(c)) = corners {
-            self.divide_by([a, b, c], DEEPEST, batch);
+    fn keep_all(&mut self) {
+        for at in 0..self.level.len() {
+            self.keep(self.level[at]);
         }
     }
 
-    /// Of the edges opposite to each corner, where they are cut.
-    fn cuts(&self, [a, b, c]: &[Corner; 3]) -> [Option<f64>; 3] {
-        [self.cut(b, c), self.cut(c, a), self.cut(a, b)]
+    /// Keeps what need not be cut, and cuts the rest once.
+    fn divide_level(&mut self) {
+        let mut edges = Box::new(Edges::EMPTY);
+        let mut begin = 0;
+        while begin < self.level.len() && !self.divider.cuts.are_too_many() {
+            let end = (begin + LOT).min(self.level.len());
+            self.measure(begin..end, &mut edges);
+            for at in begin..end {
+                let part = self.level[at];
+                let parts = edges.parts.map(|parts| parts[at - begin]);
+                // Not for NaN either.
+                match parts.iter().any(|parts| *parts > 1.0) {
+                    false => self.keep(part),
+                    true => self.divide(part, parts),
+                }
+            }
+            begin = end;
+        }
     }
 
-    fn divide_by(&self, mut corners: [Corner; 3], depth: u32, batch: &mut BatchBuilder) {
-        let mut cuts = self.cuts(&corners);
-        let count = cuts.iter().flatten().count();
-        if count == 0 || depth == 0 {
-            return batch.keep(&corners, self.frustum);
+    /// Finds into how many parts the edges opposite to each corner are to be cut.
+    fn measure(&self, range: std::ops::Range<usize>, edges: &mut Edges) {
+        match self.divider.tessellation {
+            Tessellation::None => {}
+            Tessellation::Uniform(length) => {
+                for (at, part) in self.level[range].iter().enumerate() {
+                    let [a, b, c] = part.corners.map(|index| self.place(index));
+                    let ends = [(b, c), (c, a), (a, b)];
+                    for (parts, (a, b)) in edges.parts.iter_mut().zip(ends) {
+                        parts[at] = (a.distance(b) / length * SAME).ceil();
+                    }
+                }
+            }
+            Tessellation::Adaptive(pixels) => {
+                for (at, part) in self.level[range].iter().enumerate() {
+                    let corners = part.corners.map(|index| self.vertex(index));
+                    for (k, corner) in corners.iter().enumerate() {
+                        edges.c[k][0][at] = corner.c.x;
+                        edges.c[k][1][at] = corner.c.y;
+                        edges.c[k][2][at] = corner.c.z;
+                        edges.scale[k][at] = corner.scale;
+                    }
+                }
+                dispatch(Bend { edges, pixels });
+            }
         }
-        if self
-            .frustum
-            .misses(self.projection, corners.map(|corner| corner.c))
-        {
+    }
+
+    #[inline(always)]
+    fn vertex(&self, index: u32) -> &Vertex {
+        match index.checked_sub(self.batch.shared) {
+            None => &self.divider.vertices.seen[index as usize],
+            Some(own) => &self.batch.cuts[own as usize],
+        }
+    }
+
+    #[inline(always)]
+    fn place(&self, index: u32) -> DVec3 {
+        match index.checked_sub(self.batch.shared) {
+            None => self.divider.vertices.shared.positions[index as usize],
+            Some(own) => self.batch.places[own as usize],
+        }
+    }
+
+    /// Keeps the triangle, if it can be seen.
+    #[inline]
+    fn keep(&mut self, part: Part) {
+        let corners = part.corners.map(|index| self.vertex(index));
+        if let Some(reach) = self.divider.frustum.reach(corners) {
+            self.batch.pieces.push(Piece {
+                corners: part.corners,
+                slot: part.slot,
+                reach,
+            });
+        }
+    }
+
+    /// Cuts the triangle at those of its edges that are to have several `parts`.
+    fn divide(&mut self, part: Part, parts: [f64; 3]) {
+        let places = part.corners.map(|index| self.vertex(index).c);
+        if self.divider.frustum.misses(self.divider.projection, places) {
             return;
         }
         // Turned so that the one edge that differs from the others is opposite to the first corner.
-        let first = match count {
-            1 => cuts.iter().position(Option::is_some),
-            2 => cuts.iter().position(Option::is_none),
+        let is_cut = parts.map(|parts| parts > 1.0);
+        let first = match is_cut.iter().filter(|cut| **cut).count() {
+            1 => is_cut.iter().position(|cut| *cut),
+            2 => is_cut.iter().position(|cut| !*cut),
             _ => None,
         };
+        let (mut corners, mut parts) = (part.corners, parts);
         corners.rotate_left(first.unwrap_or(0));
-        cuts.rotate_left(first.unwrap_or(0));
-        let [a, b, c] = &corners;
+        parts.rotate_left(first.unwrap_or(0));
+        let [a, b, c] = corners;
+        let mut cut = |a, b, parts: f64| (parts > 1.0).then(|| self.cut(a, b, parts));
         let points = [
-            cuts[0].and_then(|at| self.between(b, c, at, batch)),
-            cuts[1].and_then(|at| self.between(c, a, at, batch)),
-            cuts[2].and_then(|at| self.between(a, b, at, batch)),
+            cut(b, c, parts[0]),
+            cut(c, a, parts[1]),
+            cut(a, b, parts[2]),
         ];
         let pieces = match points {
-            [Some(bc), None, None] => two(&corners, bc),
-            [None, Some(ca), Some(ab)] => three(&corners, ca, ab),
-            [Some(bc), Some(ca), Some(ab)] => four(&corners, bc, ca, ab),
+            [Some(bc), None, None] => [Some([a, b, bc]), Some([a, bc, c]), None, None],
+            [None, Some(ca), Some(ab)] => {
+                let [second, third] = self.three([a, b, c], ca, ab);
+                [Some([a, ab, ca]), Some(second), Some(third), None]
+            }
+            [Some(bc), Some(ca), Some(ab)] => [
+                Some([a, ab, ca]),
+                Some([ab, b, bc]),
+                Some([ca, bc, c]),
+                Some([ab, bc, ca]),
+            ],
             _ => [None; 4],
         };
-        for piece in pieces.into_iter().flatten() {
-            self.divide_by(piece, depth - 1, batch);
+        let slot = part.slot;
+        let pieces = pieces.into_iter().flatten();
+        self.next
+            .extend(pieces.map(|corners| Part { corners, slot }));
+    }
+
+    /// What is left beside the first corner when its two edges are cut at `ca` and `ab`: cut by the shorter diagonal.
+    fn three(&self, [_, b, c]: [u32; 3], ca: u32, ab: u32) -> [[u32; 3]; 2] {
+        let square = |a, b| self.place(a).distance_squared(self.place(b));
+        match square(ab, c) <= square(ca, b) {
+            true => [[ab, b, c], [ab, c, ca]],
+            false => [[ab, b, ca], [b, c, ca]],
         }
     }
 
-    /// The corner after the part `at` of the edge, the same from either side of it.
-    fn between(&self, a: &Corner, b: &Corner, at: f64, batch: &mut BatchBuilder) -> Option<Corner> {
-        let (a, b, at) = match comes_first(a.x, b.x) {
-            true => (a, b, at),
-            false => (b, a, 1.0 - at),
+    /// The point after the first ⌊n/2⌋ of the n `parts` of an edge, counted from the end whose coordinates are less:
+    /// the same from either side of it.
+    fn cut(&mut self, a: u32, b: u32, parts: f64) -> u32 {
+        let key = [a.min(b), a.max(b)];
+        if let Some(known) = self.points.get(&key) {
+            return *known;
+        }
+        let ends = [self.place(a), self.place(b)];
+        let [from, to] = match ends[0].to_array() <= ends[1].to_array() {
+            true => ends,
+            false => [ends[1], ends[0]],
         };
-        if !batch.count_cut() {
-            return None;
+        let at = (0.5 * parts).floor() / parts;
+        let index = self.batch.shared + self.batch.places.len() as u32;
+        self.batch.places.push(from + (to - from) * at);
+        self.points.insert(key, index);
+        self.uncounted += 1;
+        if self.uncounted == Cuts::LOT {
+            self.count();
         }
-        let x = a.x + (b.x - a.x) * at;
-        let weights = [0, 1].map(|i| a.weights[i] + (b.weights[i] - a.weights[i]) * at);
-        self.corner(x, weights, batch)
+        index
+    }
+
+    fn count(&mut self) {
+        let all = &self.divider.cuts.0;
+        all.fetch_add(self.uncounted, Ordering::Relaxed);
+        self.uncounted = 0;
     }
 }
 
-/// Whether `a` has the lesser coordinates, the first that differ.
-fn comes_first(a: DVec3, b: DVec3) -> bool {
-    a.to_array() <= b.to_array()
+/// The edges of a lot of triangles.
+struct Edges {
+    /// By corner and coordinate, the places c.
+    c: [[[f64; LOT]; 3]; 3],
+    /// By corner, |c| |Δ/δ|.
+    scale: [[f64; LOT]; 3],
+    /// Into how many parts the edges opposite to each corner are to be cut.
+    parts: [[f64; LOT]; 3],
 }
 
-/// Cut by a point of the edge opposite to the first corner.
-fn two([a, b, c]: &[Corner; 3], bc: Corner) -> Pieces {
-    [Some([*a, *b, bc]), Some([*a, bc, *c]), None, None]
-}
-
-/// Cut by points of the two edges at the first corner, and by the shorter diagonal.
-fn three([a, b, c]: &[Corner; 3], ca: Corner, ab: Corner) -> Pieces {
-    let [second, third] = match ab.x.distance_squared(c.x) <= ca.x.distance_squared(b.x) {
-        true => [[ab, *b, *c], [ab, *c, ca]],
-        false => [[ab, *b, ca], [*b, *c, ca]],
+impl Edges {
+    const EMPTY: Edges = Edges {
+        c: [[[0.0; LOT]; 3]; 3],
+        scale: [[0.0; LOT]; 3],
+        parts: [[0.0; LOT]; 3],
     };
-    [Some([*a, ab, ca]), Some(second), Some(third), None]
 }
 
-fn four([a, b, c]: &[Corner; 3], bc: Corner, ca: Corner, ab: Corner) -> Pieces {
-    [
-        Some([*a, ab, ca]),
-        Some([ab, *b, bc]),
-        Some([ca, bc, *c]),
-        Some([ab, bc, ca]),
-    ]
+/// The loop over edges for a bound on errors in pixels.
+struct Bend<'a> {
+    edges: &'a mut Edges,
+    pixels: f64,
+}
+
+impl VectorLoop for Bend<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Edges { c, scale, parts } = self.edges;
+        for (edge, parts) in parts.iter_mut().enumerate() {
+            let (from, to) = ((edge + 1) % 3, (edge + 2) % 3);
+            for at in 0..LOT {
+                let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
+                let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
+                let error = bend(a, b, scale[from][at].max(scale[to][at]));
+                let count = (error / self.pixels).sqrt().ceil();
+                parts[at] = if count > 3.0 { 2.0 } else { count };
+            }
+        }
+    }
+}
+
+/// A bound on how far points of an edge are drawn from their places, pixels. It is the same from either end.
+#[inline(always)]
+fn bend(a: DVec3, b: DVec3, scale: f64) -> f64 {
+    let e = b - a;
+    let cross = a.cross(b).length_squared();
+    let between = (a.dot(e) < 0.0) & (b.dot(e) > 0.0);
+    let nearest = if between {
+        cross / e.length_squared()
+    } else {
+        a.length_squared().min(b.length_squared())
+    };
+    // E of the module's head: 4/3 (Jung) · |Δ/δ| · |c_A × c_B|² / (8 |c|³), with |c|² of the nearest point
+    // squared, as one |c| belongs to the scale.
+    4.0 / 3.0 / 8.0 * scale * cross / (nearest * nearest)
 }

@@ -17,35 +17,26 @@ use crate::render::trace::{
 };
 use crate::spacetime::{Direction, World};
 
-/// A ray, and what it has met.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ShadingRay {
-    /// Look direction in the world, a unit vector.
-    pub d: DVec3,
-    /// World time that the light is on its way, metres, per metre.
-    pub delay: f64,
-    /// W for a source at rest in the world.
-    pub ratio: f64,
-    /// What is met.
-    pub hit: Option<SurfaceHit>,
-}
-
-/// One sample of each pixel of a tile: for each pixel, in order, one ray or several.
+/// One sample of each pixel of a tile: one ray for each pixel, in order, or several with their parts of its sample.
 #[derive(Debug, Default)]
 pub(super) struct RayBatch {
+    /// Look directions in the world, unit vectors.
     pub directions: Vec<DVec3>,
+    /// W for sources at rest in the world.
     pub ratios: Vec<f64>,
+    /// World time that the light is on its way, metres per metre, where each ray has its own; otherwise empty.
     pub origins: Vec<RayOrigin>,
-    pub hits: Vec<Option<SurfaceHit>>,
-    /// Of each ray, its pixel and its part of the pixel's sample.
+    /// What the rays meet.
+    pub hits: HitBuffer,
+    /// Of each ray, its pixel and its part of the pixel's sample; empty where each pixel has one ray.
     parts: Vec<(u32, f64)>,
-    /// The first ray of each pixel, whose channels are recorded.
-    pub firsts: Vec<u32>,
+    /// The first ray of each pixel, whose channels are recorded; empty where each pixel has one.
+    firsts: Vec<u32>,
 }
 
 impl RayBatch {
     /// Forgets all rays.
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.directions.clear();
         self.ratios.clear();
         self.origins.clear();
@@ -56,32 +47,17 @@ impl RayBatch {
 
     /// The rays that are added from now on are the next pixel's.
     pub fn next_pixel(&mut self) {
-        self.firsts.push(self.hits.len() as u32);
+        self.firsts.push(self.ratios.len() as u32);
     }
 
-    /// Adds a ray, which is `part` of its pixel's sample.
+    /// Adds a ray along `d`, which is `part` of its pixel's sample.
     #[inline]
-    pub fn add(&mut self, ray: ShadingRay, part: f64) {
+    pub fn add(&mut self, d: DVec3, ratio: f64, hit: Option<SurfaceHit>, part: f64) {
         let pixel = (self.firsts.len() - 1) as u32;
-        self.directions.push(ray.d);
-        self.ratios.push(ray.ratio);
-        self.origins.push(RayOrigin {
-            delay: ray.delay,
-            ..RayOrigin::AT_SHOT
-        });
-        self.hits.push(ray.hit);
+        self.directions.push(d);
+        self.ratios.push(ratio);
+        self.hits.push(hit);
         self.parts.push((pixel, part));
-    }
-
-    /// Where the rays' radiance goes: by way of `sums` to `film`, as the parts of their pixels.
-    pub fn blend<'a>(&'a self, sums: &'a mut Vec<[f64; 3]>, film: &'a mut TileFilm) -> Blend<'a> {
-        sums.clear();
-        sums.resize(self.firsts.len(), [0.0; 3]);
-        Blend {
-            parts: &self.parts,
-            sums,
-            film,
-        }
     }
 }
 
@@ -130,6 +106,11 @@ impl RadianceSink for Blend<'_> {
 pub(super) trait Visibility: Sync {
     /// What is reused from tile to tile.
     type TileBuffers: Default;
+
+    /// Whether rays have [`RayBatch::origins`].
+    fn has_own_delays(&self) -> bool {
+        false
+    }
 
     /// Gets ready for `tile`.
     fn begin(&self, tile: Tile, buffers: &mut Self::TileBuffers);
@@ -180,6 +161,8 @@ struct Stage<'a> {
     scene: &'a Prepared,
     view: Point<'a>,
     surfaces: Surfaces<'a>,
+    /// Of the medium; 1 where rays have delays of their own.
+    index: f64,
 }
 
 /// Buffers of one thread.
@@ -188,7 +171,6 @@ struct Buffers<T> {
     camera_rays: CameraRays,
     rays: RayBatch,
     sums: Vec<[f64; 3]>,
-    hits: HitBuffer,
     shading: Shading,
     tile: T,
 }
@@ -200,11 +182,15 @@ pub(super) fn film<P: Visibility>(
     progress: &dyn Progress,
 ) -> Result<Film> {
     let view = scene.camera.view.point();
+    let index = match visibility.has_own_delays() {
+        true => 1.0,
+        false => scene.ray_index,
+    };
     let stage = Stage {
         scene,
         view: view.ok_or_else(crate::approximate::projection::apart)?,
-        // The index is that of each ray.
-        surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, 1.0),
+        surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
+        index,
     };
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
@@ -248,45 +234,44 @@ impl Stage<'_> {
             camera_rays,
             rays,
             sums,
-            hits,
             shading,
             ..
         } = buffers;
         let scene = self.scene;
-        let firsts = rays.firsts.iter();
-        let unmet = firsts.filter(|ray| rays.hits[**ray as usize].is_none());
-        film.add_unmet(unmet.count() as u64);
-        hits.set(&rays.hits);
         let traced = TracedRays {
             surfaces: &self.surfaces,
             rays: Rays {
                 directions: &rays.directions,
-                origins: Some(&rays.origins),
+                origins: (!rays.origins.is_empty()).then_some(&rays.origins),
                 method: scene.method,
             },
-            hits,
+            hits: &rays.hits,
             event: scene.camera.shot.event,
-            index: 1.0,
+            index: self.index,
         };
-        let (radiance, ratios) = (scene.light.radiance(), &rays.ratios);
-        let mut blend = rays.blend(sums, film);
-        let meter = &mut Meter::off();
-        shading.shade(
-            radiance,
-            &traced,
-            scene.background,
-            ratios,
-            &mut blend,
-            meter,
-        );
-        blend.finish();
+        let (radiance, background) = (scene.light.radiance(), scene.background);
+        let (ratios, meter) = (&rays.ratios, &mut Meter::off());
+        if rays.parts.is_empty() {
+            shading.shade(radiance, &traced, background, ratios, film, meter);
+        } else {
+            let firsts = rays.firsts.iter();
+            let unmet = firsts.filter(|ray| rays.hits.hit(**ray as usize).is_none());
+            film.add_unmet(unmet.count() as u64);
+            sums.clear();
+            sums.resize(rays.firsts.len(), [0.0; 3]);
+            let parts = &rays.parts;
+            let mut blend = Blend { parts, sums, film };
+            shading.shade(radiance, &traced, background, ratios, &mut blend, meter);
+            blend.finish();
+        }
         let channels = scene.layout.channels.as_slice();
         if channels.is_empty() {
             return;
         }
-        for (pixel, &ray) in rays.firsts.iter().enumerate() {
-            let observed = traced.observed(ray as usize, ratios[ray as usize]);
-            let d = Direction::from_unit(camera_rays.directions[pixel]);
+        for (pixel, direction) in camera_rays.directions.iter().enumerate() {
+            let ray = rays.firsts.get(pixel).map_or(pixel, |ray| *ray as usize);
+            let observed = traced.observed(ray, ratios[ray]);
+            let d = Direction::from_unit(*direction);
             let offset = camera_rays.offset(pixel);
             record(
                 channels,

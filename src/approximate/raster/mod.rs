@@ -23,6 +23,12 @@
 //! the surface is interpolated, linearly in its rest frame, and texture coordinates with it. The nearest z
 //! is seen; at edges that triangles share both are, and the first in the order of the tree is taken.
 //!
+//! It goes the way that fast rasterizers go: each distinct vertex is transformed once, in loops over one array per
+//! coordinate (`vertices`); triangles are divided level by level (`divide`), culled (`cull`) and sorted by the tiles
+//! that they may reach (`batch`); a tile's depths stay in the cache while its triangles cover it in f32, and in f64 where
+//! that is in doubt (`tile`); what is seen at all, and only that, is interpolated (`fragments`) and shaded, a tile
+//! at a time, by the loops of the ray tracer.
+//!
 //! *Attributes.* By fragment, time and place of emission are those of X itself, whose world line meets the
 //! light cone of the shot somewhere, and W that of the look direction. By vertex, the rest frame's time
 //! and W are interpolated between corners with the same λ.
@@ -36,10 +42,12 @@ mod batch;
 mod cull;
 mod divide;
 mod draw;
+mod fragments;
 mod map;
 mod method;
 mod tile;
 mod triangles;
+mod vertices;
 mod warp;
 
 pub use method::{Attributes, Lookup, MOST_TEXELS, Map, Method, Raster, Tessellation, Warp};

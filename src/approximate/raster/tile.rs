@@ -1,145 +1,335 @@
-//! One tile: edge functions and depths of all samples.
+//! One tile: which triangle each sample sees.
+//!
+//! Edge functions and 1/z are linear in the film point. They are set up in f64, relative to the tile's corner, and
+//! evaluated in f32, a row of the tile at a time. With coefficients a, b, c of a tile of n pixels two products and two
+//! sums are off by at most
+//!
+//! ```text
+//! 4 · 2⁻²⁴ (n |a| + n |b| + |c|):
+//! ```
+//!
+//! for an edge that passes through the tile less than 10⁻⁵ pixels, since c is at most n (|a| + |b|) then. Triangles on
+//! either side of an edge have the same function with the other sign, bit for bit, so that no sample falls between
+//! them. Depths that differ by no more than that bound, of either triangle, are compared in f64.
 
 use glam::DVec3;
 
-use super::batch::{Batch, Piece};
-use crate::render::film::Tile;
+use super::batch::Batch;
+use super::vertices::Vertex;
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::render::film::{TILE, Tile};
 
 /// No triangle.
 pub(super) const NOTHING: u32 = u32::MAX;
+/// Pixels along the side of a tile.
+const SIDE: usize = TILE as usize;
+/// Bound on the rounding of 1/z, per n |a| + n |b| + |c|.
+const ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
-/// A small triangle, ready to be met by samples.
+/// A row of samples of a tile.
+type Row<T> = [T; SIDE];
+
+/// A piece of a batch that may reach the tile.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SetupTriangle {
-    /// eᵢ times the sign of D: all eᵢ·p ≥ 0 inside.
-    pub edges: [DVec3; 3],
-    /// 1/z = depth·p.
-    depth: DVec3,
-    /// Pixels of the tile: first column and row, last column and row.
-    pixels: [u8; 4],
-    /// Index of the batch and of the triangle in it.
+pub(super) struct Gathered {
+    /// Index of the batch, and of the piece in it.
     pub batch: u32,
     pub piece: u32,
+    /// Pixels of the tile: first column and row, last column and row.
+    pixels: [u8; 4],
 }
 
-impl SetupTriangle {
-    /// None where the triangle is seen edge-on.
-    #[inline]
-    pub fn new(
-        tile: Tile,
-        batch: u32,
-        index: u32,
-        piece: &Piece,
-        film: [DVec3; 3],
-    ) -> Option<Self> {
-        let [a, b, c] = film;
-        let edges = [b.cross(c), c.cross(a), a.cross(b)];
-        let determinant = a.dot(edges[0]);
-        let edges = match determinant < 0.0 {
-            true => edges.map(|e| -e),
-            false => edges,
-        };
-        let depth = (edges[0] + edges[1] + edges[2]) / determinant.abs();
-        let [left, top] = tile.corner;
-        let [right, bottom] = [left + tile.size[0] - 1, top + tile.size[1] - 1];
-        let reach = piece.reach.map(u32::from);
-        let pixels = [
-            reach[0].clamp(left, right) - left,
-            reach[1].clamp(top, bottom) - top,
-            reach[2].clamp(left, right) - left,
-            reach[3].clamp(top, bottom) - top,
-        ];
-        // None where the triangle is edge-on, and none for NaN.
-        (determinant.abs() > 0.0 && depth.is_finite()).then_some(SetupTriangle {
-            edges,
-            depth,
-            pixels: pixels.map(|p| p as u8),
-            batch,
-            piece: index,
-        })
-    }
+/// A triangle's functions of a point (x, y) of the tile: x, y and constant coefficients.
+#[derive(Debug, Clone, Copy)]
+struct Functions {
+    /// Positive inside.
+    edges: [[f32; 3]; 3],
+    /// 1/z.
+    depth: [f32; 3],
+    /// Bound on its rounding.
+    slack: f32,
+    /// The same in f64.
+    exact: [f64; 3],
+}
 
-    /// λ of the sample at film point (x, y).
-    #[inline]
-    pub fn weights(&self, x: f64, y: f64) -> [f64; 3] {
-        let p = DVec3::new(x, y, 1.0);
-        let e = self.edges.map(|e| e.dot(p));
-        let sum = 1.0 / (e[0] + e[1] + e[2]);
-        e.map(|e| e * sum)
-    }
+const NEVER: Functions = Functions {
+    edges: [[0.0, 0.0, -1.0]; 3],
+    depth: [0.0; 3],
+    slack: 0.0,
+    exact: [0.0; 3],
+};
+
+/// The samples of a tile, one of each pixel; of narrower tiles the columns on the left.
+#[derive(Debug)]
+struct Samples {
+    /// Their places relative to the tile's corner, pixels; NaN beside the tile.
+    x: [Row<f32>; SIDE],
+    y: [Row<f32>; SIDE],
+    /// Bounds on 1/z of the nearest so far.
+    least: [Row<f32>; SIDE],
+    most: [Row<f32>; SIDE],
+    /// Index of its triangle.
+    nearest: [Row<u32>; SIDE],
 }
 
 /// What is reused from tile to tile.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct TileBuffers {
-    pub triangles: Vec<SetupTriangle>,
-    /// Film coordinates of each pixel's sample.
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    /// 1/z of the nearest so far.
-    depth: Vec<f64>,
-    /// Index of its triangle.
-    pub nearest: Vec<u32>,
+    pub triangles: Vec<Gathered>,
+    functions: Vec<Functions>,
+    /// By coordinate, the corners of triangles whose functions are set up together.
+    corners: Box<[[[f64; LOT]; 3]; 3]>,
+    samples: Box<Samples>,
+}
+
+/// So many triangles are set up together.
+const LOT: usize = 32;
+
+impl Default for TileBuffers {
+    fn default() -> Self {
+        TileBuffers {
+            triangles: Vec::new(),
+            functions: Vec::new(),
+            corners: Box::new([[[0.0; LOT]; 3]; 3]),
+            samples: Box::new(Samples {
+                x: [[f32::NAN; SIDE]; SIDE],
+                y: [[f32::NAN; SIDE]; SIDE],
+                least: [[0.0; SIDE]; SIDE],
+                most: [[0.0; SIDE]; SIDE],
+                nearest: [[NOTHING; SIDE]; SIDE],
+            }),
+        }
+    }
 }
 
 impl TileBuffers {
-    /// Gathers the triangles that may reach `tile`.
-    pub fn gather(&mut self, size: [u32; 2], tile: Tile, batches: &[Batch]) {
+    /// Gathers the triangles that may reach `tile` of a film of `size` pixels; `seen` are the vertices of each rest
+    /// frame, and `unit` the length that depths are measured in, metres.
+    pub fn gather(
+        &mut self,
+        size: [u32; 2],
+        tile: Tile,
+        batches: &[Batch],
+        seen: &[Vec<Vertex>],
+        unit: f64,
+    ) {
         self.triangles.clear();
+        self.functions.clear();
+        let [left, top] = tile.corner;
+        let [right, bottom] = [left + tile.size[0] - 1, top + tile.size[1] - 1];
         for (at, batch) in batches.iter().enumerate() {
             for &index in batch.bins.of(size, tile) {
-                let piece = &batch.triangles[index as usize];
-                let triangle = SetupTriangle::new(tile, at as u32, index, piece, batch.film(piece));
-                self.triangles.extend(triangle);
+                let [a, b, c, d] = batch.pieces[index as usize].reach.map(u32::from);
+                let pixels = [
+                    a.clamp(left, right) - left,
+                    b.clamp(top, bottom) - top,
+                    c.clamp(left, right) - left,
+                    d.clamp(top, bottom) - top,
+                ];
+                self.triangles.push(Gathered {
+                    batch: at as u32,
+                    piece: index,
+                    pixels: pixels.map(|p| p as u8),
+                });
             }
+        }
+        self.functions.resize(self.triangles.len(), NEVER);
+        for (triangles, functions) in self
+            .triangles
+            .chunks(LOT)
+            .zip(self.functions.chunks_mut(LOT))
+        {
+            for (at, triangle) in triangles.iter().enumerate() {
+                let batch = &batches[triangle.batch as usize];
+                let piece = &batch.pieces[triangle.piece as usize];
+                let corners = batch.corners(&seen[batch.frame as usize], piece);
+                for (corner, h) in self.corners.iter_mut().zip(corners.map(|v| v.film)) {
+                    corner[0][at] = h.x;
+                    corner[1][at] = h.y;
+                    corner[2][at] = h.z;
+                }
+            }
+            dispatch(SetUp {
+                origin: [f64::from(left), f64::from(top)],
+                unit,
+                corners: &self.corners,
+                functions,
+            });
         }
     }
 
     /// Finds the nearest triangle at the samples with these offsets in their pixels.
     pub fn cover(&mut self, tile: Tile, offset: impl Fn(usize) -> [f64; 2]) {
-        self.x.clear();
-        self.y.clear();
-        for (pixel, (column, row)) in tile.coordinates().enumerate() {
-            let offset = offset(pixel);
-            self.x.push(column as f64 + offset[0]);
-            self.y.push(row as f64 + offset[1]);
+        let [width, height] = tile.size.map(|n| n as usize);
+        let samples = &mut *self.samples;
+        for row in 0..SIDE {
+            samples.least[row] = [0.0; SIDE];
+            samples.most[row] = [0.0; SIDE];
+            samples.nearest[row] = [NOTHING; SIDE];
+            for column in 0..SIDE {
+                let inside = row < height && column < width;
+                let at = match inside {
+                    true => offset(row * width + column),
+                    false => [f64::NAN; 2],
+                };
+                samples.x[row][column] = (column as f64 + at[0]) as f32;
+                samples.y[row][column] = (row as f64 + at[1]) as f32;
+            }
         }
-        self.depth.clear();
-        self.depth.resize(tile.pixels(), 0.0);
-        self.nearest.clear();
-        self.nearest.resize(tile.pixels(), NOTHING);
-        let width = tile.size[0] as usize;
-        for (at, triangle) in self.triangles.iter().enumerate() {
-            let [left, top, right, bottom] = triangle.pixels.map(usize::from);
-            for row in top..=bottom {
-                let span = row * width + left..=row * width + right;
-                triangle.cover(
-                    at as u32,
-                    &self.x[span.clone()],
-                    &self.y[span.clone()],
-                    &mut self.depth[span.clone()],
-                    &mut self.nearest[span],
-                );
+        dispatch(Cover {
+            triangles: &self.triangles,
+            functions: &self.functions,
+            samples,
+        });
+    }
+
+    /// The index of the nearest triangle at the sample in this column and row of the tile.
+    #[inline(always)]
+    pub fn nearest(&self, column: usize, row: usize) -> u32 {
+        self.samples.nearest[row][column]
+    }
+}
+
+/// The loop over triangles that sets up their functions.
+struct SetUp<'a> {
+    origin: [f64; 2],
+    unit: f64,
+    corners: &'a [[[f64; LOT]; 3]; 3],
+    functions: &'a mut [Functions],
+}
+
+impl SetUp<'_> {
+    /// A corner relative to the tile's.
+    #[inline(always)]
+    fn corner(&self, k: usize, at: usize) -> DVec3 {
+        let [x, y, z] = &self.corners[k];
+        let ([x, y, z], [left, top]) = ([x[at], y[at], z[at]], self.origin);
+        DVec3::new(x - left * z, y - top * z, z)
+    }
+}
+
+impl VectorLoop for SetUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut edges = [[[0.0f32; LOT]; 3]; 3];
+        let mut depth = [[0.0f64; LOT]; 3];
+        let mut slack = [0.0f32; LOT];
+        for at in 0..LOT {
+            let (a, b, c) = (self.corner(0, at), self.corner(1, at), self.corner(2, at));
+            let e = [b.cross(c), c.cross(a), a.cross(b)];
+            let determinant = a.dot(e[0]);
+            let sign = 1f64.copysign(determinant);
+            let near = (e[0] + e[1] + e[2]) * (self.unit / determinant);
+            let bound = ROUNDING * (SIDE as f64 * (near.x.abs() + near.y.abs()) + near.z.abs());
+            // Not where the triangle is edge-on, and not for NaN.
+            let is_seen = (determinant.abs() > 0.0) & (bound < f64::INFINITY);
+            for k in 0..3 {
+                let e = e[k];
+                // Equal powers of two on either side of an edge: its two functions stay each other's negatives.
+                let largest = e.x.abs().max(e.y.abs()).max(e.z.abs());
+                let scale = sign * reciprocal_power_of_two(largest);
+                let seen = if is_seen { scale } else { 0.0 };
+                edges[k][0][at] = (e.x * seen) as f32;
+                edges[k][1][at] = (e.y * seen) as f32;
+                edges[k][2][at] = if is_seen { (e.z * scale) as f32 } else { -1.0 };
+            }
+            depth[0][at] = if is_seen { near.x } else { 0.0 };
+            depth[1][at] = if is_seen { near.y } else { 0.0 };
+            depth[2][at] = if is_seen { near.z } else { 0.0 };
+            slack[at] = if is_seen { bound as f32 } else { 0.0 };
+        }
+        for (at, function) in self.functions.iter_mut().enumerate().take(LOT) {
+            let exact = [depth[0][at], depth[1][at], depth[2][at]];
+            *function = Functions {
+                edges: edges.map(|e| [e[0][at], e[1][at], e[2][at]]),
+                depth: exact.map(|d| d as f32),
+                slack: slack[at],
+                exact,
+            };
+        }
+    }
+}
+
+/// A power of two whose product with `x` is in [1, 2).
+#[inline(always)]
+fn reciprocal_power_of_two(x: f64) -> f64 {
+    let exponent = x.to_bits() >> 52;
+    f64::from_bits(2046u64.saturating_sub(exponent) << 52)
+}
+
+/// The loop over triangles and rows of samples.
+struct Cover<'a> {
+    triangles: &'a [Gathered],
+    functions: &'a [Functions],
+    samples: &'a mut Samples,
+}
+
+impl VectorLoop for Cover<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Cover {
+            triangles,
+            functions,
+            samples,
+        } = self;
+        for (index, (triangle, of)) in triangles.iter().zip(functions).enumerate() {
+            let [_, top, _, bottom] = triangle.pixels.map(usize::from);
+            for row in top..=bottom.min(SIDE - 1) {
+                if cover_row(of, index as u32, samples, row) {
+                    resolve(functions, index as u32, samples, row);
+                }
             }
         }
     }
 }
 
-impl SetupTriangle {
-    /// Replaces what lies behind this triangle.
-    #[inline(always)]
-    fn cover(&self, index: u32, x: &[f64], y: &[f64], depth: &mut [f64], nearest: &mut [u32]) {
-        let [a, b, c] = self.edges;
-        let n = x.len();
-        let (y, depth, nearest) = (&y[..n], &mut depth[..n], &mut nearest[..n]);
-        for i in 0..n {
-            let ea = a.x * x[i] + a.y * y[i] + a.z;
-            let eb = b.x * x[i] + b.y * y[i] + b.z;
-            let ec = c.x * x[i] + c.y * y[i] + c.z;
-            let near = self.depth.x * x[i] + self.depth.y * y[i] + self.depth.z;
-            let seen = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0) & (near > depth[i]);
-            depth[i] = if seen { near } else { depth[i] };
-            nearest[i] = if seen { index } else { nearest[i] };
+/// Replaces what lies behind a triangle in a row. Whether a depth is too close to another to tell.
+#[inline(always)]
+fn cover_row(of: &Functions, index: u32, samples: &mut Samples, row: usize) -> bool {
+    let [a, b, c] = of.edges;
+    let [dx, dy, dz] = of.depth;
+    let (x, y) = (&samples.x[row], &samples.y[row]);
+    let (least, most) = (&mut samples.least[row], &mut samples.most[row]);
+    let nearest = &mut samples.nearest[row];
+    let mut close = 0;
+    for i in 0..SIDE {
+        let ea = a[0] * x[i] + a[1] * y[i] + a[2];
+        let eb = b[0] * x[i] + b[1] * y[i] + b[2];
+        let ec = c[0] * x[i] + c[1] * y[i] + c[2];
+        let near = dx * x[i] + dy * y[i] + dz;
+        let inside = (ea >= 0.0) & (eb >= 0.0) & (ec >= 0.0);
+        let (low, high) = (near - of.slack, near + of.slack);
+        let seen = inside & (low > most[i]);
+        close |= u32::from(inside & (low <= most[i]) & (high >= least[i]));
+        least[i] = if seen { low } else { least[i] };
+        most[i] = if seen { high } else { most[i] };
+        nearest[i] = if seen { index } else { nearest[i] };
+    }
+    close != 0
+}
+
+/// Decides in f64 where [`cover_row`] could not.
+#[cold]
+fn resolve(functions: &[Functions], index: u32, samples: &mut Samples, row: usize) {
+    let of = &functions[index as usize];
+    for i in 0..SIDE {
+        let (x, y) = (samples.x[row][i], samples.y[row][i]);
+        let at = |[a, b, c]: [f32; 3]| a * x + b * y + c;
+        let (low, high) = (at(of.depth) - of.slack, at(of.depth) + of.slack);
+        let (least, most) = (&mut samples.least[row][i], &mut samples.most[row][i]);
+        let nearest = &mut samples.nearest[row][i];
+        let is_inside = of.edges.iter().all(|edge| at(*edge) >= 0.0);
+        let is_close = low <= *most && high >= *least;
+        if !is_inside || !is_close || *nearest == index {
+            continue;
+        }
+        let exactly = |index: u32| {
+            let [a, b, c] = functions.get(index as usize).map_or([0.0; 3], |f| f.exact);
+            a * f64::from(x) + b * f64::from(y) + c
+        };
+        // Of equals the first stays.
+        if exactly(index) > exactly(*nearest) {
+            (*least, *most, *nearest) = (low, high, index);
         }
     }
 }

@@ -8,7 +8,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::draw::{RayBatch, ShadingRay, TileSamples, Visibility};
+use super::draw::{RayBatch, TileSamples, Visibility};
 use super::method::{Lookup, Map, Warp, moves};
 use crate::accel::Method;
 use crate::error::Result;
@@ -84,23 +84,11 @@ impl Visibility for Warped {
             rays.next_pixel();
             let taps = self.map.taps(self.lookup, samples.direction(pixel).unit());
             for (texel, part) in taps.into_iter().filter(|tap| tap.1 > 0.0) {
-                rays.add(self.seen(samples, pixel, texel), part);
+                let hit = self.texels[texel as usize];
+                let d = Direction::from_unit(self.map.direction(texel.into()));
+                let ratio = hit.map_or(1.0, |hit| samples.ratio(pixel, hit.frame, d));
+                rays.add(d.unit(), ratio, hit, part);
             }
-        }
-    }
-}
-
-impl Warped {
-    /// What a texel shows to a pixel's sample.
-    #[inline]
-    fn seen(&self, samples: &TileSamples, pixel: usize, texel: u32) -> ShadingRay {
-        let hit = self.texels[texel as usize];
-        let d = Direction::from_unit(self.map.direction(texel.into()));
-        ShadingRay {
-            d: d.unit(),
-            delay: samples.index,
-            ratio: hit.map_or(1.0, |hit| samples.ratio(pixel, hit.frame, d)),
-            hit,
         }
     }
 }

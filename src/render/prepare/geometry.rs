@@ -1,5 +1,6 @@
 //! Rest frames: the triangles of all objects at rest in one, and the BVH over them.
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -65,6 +66,7 @@ pub(super) fn frame(
         bvh,
         patches,
         meshes,
+        vertices: OnceLock::new(),
     })
 }
 

@@ -115,6 +115,7 @@ mod tests {
             bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
             patches: Vec::new(),
             meshes: Vec::new(),
+            vertices: Default::default(),
         }
     }
 

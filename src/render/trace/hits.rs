@@ -47,13 +47,35 @@ impl HitBuffer {
         }
     }
 
-    /// Takes over hits in several rest frames that were found without [`Surfaces::nearest`](super::Surfaces).
-    pub(crate) fn set(&mut self, hits: &[Option<SurfaceHit>]) {
+    /// Forgets all hits, and begins to take those of several rest frames over that were found without
+    /// [`Surfaces::nearest`](super::Surfaces).
+    pub(crate) fn clear(&mut self) {
         self.hits.clear();
-        self.hits.extend(hits.iter().map(|h| h.map(|h| h.hit)));
         self.frames.clear();
-        self.frames
-            .extend(hits.iter().map(|h| h.map_or(0, |h| h.frame)));
+        self.origins.clear();
+    }
+
+    /// Takes over what the next ray hits.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, hit: Option<SurfaceHit>) {
+        self.hits.push(hit.map(|found| found.hit));
+        self.frames.push(hit.map_or(0, |found| found.frame));
+    }
+
+    /// Says how far the hits are.
+    pub(crate) fn set_distances(&mut self, distances: &[f64]) {
+        for (hit, distance) in self.hits.iter_mut().zip(distances) {
+            if let Some(hit) = hit {
+                hit.s = *distance;
+            }
+        }
+    }
+
+    /// Says how far the hit of ray `ray` is.
+    pub(crate) fn set_distance(&mut self, ray: usize, s: f64) {
+        if let Some(hit) = &mut self.hits[ray] {
+            hit.s = s;
+        }
     }
 
     /// Boosts the tangents of `rays` into a rest frame.

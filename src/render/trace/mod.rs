@@ -34,6 +34,7 @@ pub(crate) use hits::{HitBuffer, SurfaceHit};
 pub(crate) use point::ObservedPoint;
 pub use point::SurfacePoint;
 pub use radiance::{BaseColour, BaseColours, EmissionClock, Emitter, Radiance, TimeResolved};
+pub(crate) use rest_frame::SharedVertices;
 pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
 pub(crate) use run::TracedRays;

@@ -1,6 +1,10 @@
 //! Static meshes in the frame in which they rest.
 
-use glam::DVec2;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::OnceLock;
+
+use glam::{DVec2, DVec3};
 
 use crate::accel::{Bvh, Hit};
 use crate::mesh::Mesh;
@@ -17,6 +21,17 @@ pub struct RestFrame {
     pub patches: Vec<Patch>,
     /// Per object of the frame: triangles and texture coordinates, where something needs them.
     pub meshes: Vec<Mesh>,
+    /// The corners without repetitions, from when they are first asked for.
+    pub(crate) vertices: OnceLock<SharedVertices>,
+}
+
+/// The corners of all triangles of a tree, each place once.
+#[derive(Debug)]
+pub(crate) struct SharedVertices {
+    /// Metres in the rest frame, in the order in which slots first have them.
+    pub positions: Vec<DVec3>,
+    /// By slot, the index of each corner.
+    pub corners: Vec<[u32; 3]>,
 }
 
 /// A run of triangles of one object with one emitter.
@@ -38,7 +53,58 @@ pub struct Patch {
     pub black_back: bool,
 }
 
+impl SharedVertices {
+    fn of(bvh: &Bvh) -> Self {
+        let mut known = HashMap::with_capacity_and_hasher(bvh.len(), BuildPlaceHasher::default());
+        let mut positions = Vec::new();
+        let mut index = |corner: DVec3| {
+            let bits = corner.to_array().map(f64::to_bits);
+            *known.entry(bits).or_insert_with(|| {
+                positions.push(corner);
+                positions.len() as u32 - 1
+            })
+        };
+        let slots = 0..bvh.len() as u32;
+        let corners = slots
+            .map(|slot| bvh.corners(slot).map(&mut index))
+            .collect();
+        SharedVertices { positions, corners }
+    }
+}
+
+type BuildPlaceHasher = BuildHasherDefault<PlaceHasher>;
+
+/// A quick hash of few words, which need not withstand anybody.
+#[derive(Default)]
+struct PlaceHasher(u64);
+
+impl Hasher for PlaceHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        for word in bytes.chunks(8) {
+            let mut padded = [0; 8];
+            padded[..word.len()].copy_from_slice(word);
+            self.write_u64(u64::from_ne_bytes(padded));
+        }
+    }
+
+    #[inline]
+    fn write_u64(&mut self, word: u64) {
+        // Coordinates often end in zeros: the upper half of the product goes into the lower.
+        let mixed = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ (mixed >> 32);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
 impl RestFrame {
+    /// The corners of its triangles, each place once.
+    pub(crate) fn shared_vertices(&self) -> &SharedVertices {
+        self.vertices.get_or_init(|| SharedVertices::of(&self.bvh))
+    }
+
     /// The patch that triangle `triangle` belongs to.
     #[inline]
     pub fn patch(&self, triangle: u32) -> &Patch {

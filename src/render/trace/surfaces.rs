@@ -40,22 +40,26 @@ struct Frame<'a> {
 impl<'a> Surfaces<'a> {
     /// `rests` seen from the event `shot` in a medium of index `index`, by rays that [`Surfaces::nearest`] traces.
     pub fn new(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
-        Surfaces(match rests {
-            [rest] if rest.frame.velocity().is_rest() => {
-                let d = shot - rest.frame.origin();
-                Frames::Still(Frame {
-                    rest,
-                    shot: Event::new(d.ct, d.x),
-                    index,
-                })
+        match rests {
+            [rest] if !rest.frame.velocity().is_rest() => {
+                Surfaces(Frames::One(Frame::new(rest, shot, index)))
             }
-            [rest] => Frames::One(Frame::new(rest, shot, index)),
-            _ => return Surfaces::unbuffered(rests, shot, index),
-        })
+            _ => Surfaces::unbuffered(rests, shot, index),
+        }
     }
 
     /// The same for hits that may come from elsewhere: nothing but the hits is read from the hit buffer.
     pub fn unbuffered(rests: &'a [RestFrame], shot: Event<World>, index: f64) -> Self {
+        if let [rest] = rests
+            && rest.frame.velocity().is_rest()
+        {
+            let d = shot - rest.frame.origin();
+            return Surfaces(Frames::Still(Frame {
+                rest,
+                shot: Event::new(d.ct, d.x),
+                index,
+            }));
+        }
         let frame = |rest| Frame::new(rest, shot, index);
         let frames: Vec<_> = rests.iter().map(frame).collect();
         let cone = |frame: &Frame| VisibleCone::of(frame.rest, frame.shot, index);

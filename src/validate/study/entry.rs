@@ -28,8 +28,10 @@ pub struct Study {
     pub platform: String,
     /// Threads of the pool.
     pub threads: usize,
-    /// Seconds to load files and to build hierarchies; all methods start from there.
+    /// Seconds to load files and to build what [`Once`] lists; all methods start from there.
     pub prepare_seconds: f64,
+    /// What is built once for a scene, however many pictures are taken.
+    pub once: Once,
     /// What radiance is compared with.
     pub reference: Reference,
     /// Method by method, ascending by samples.
@@ -40,6 +42,17 @@ pub struct Study {
     pub left_out: Vec<LeftOut>,
     /// Whether the budget ended the runs before all were done.
     pub was_cut_short: bool,
+}
+
+/// What is built once for a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Once {
+    /// Seconds for the trees, which the ray tracer needs, warps, and shadows.
+    pub tree_seconds: f64,
+    /// Bytes of the trees.
+    pub tree_bytes: u64,
+    /// Seconds to find the distinct vertices, which rasterizers need.
+    pub vertex_seconds: f64,
 }
 
 /// A method that cannot render the scene.
@@ -71,7 +84,9 @@ pub struct Entry {
     pub samples: u32,
     /// How long a picture takes; none where the budget left no time for it.
     pub timing: Option<Timing>,
-    /// By how much memory grew at most, bytes.
+    /// Seconds that were spent once for it: of [`Once`], the part that the method needs.
+    pub once_seconds: f64,
+    /// By how much memory grew at most, bytes, beyond what was built once.
     pub memory: Option<u64>,
     /// The error of geometry, which is that of the method.
     pub geometry: GeometricError,
@@ -99,21 +114,25 @@ pub struct Timing {
     pub median: f64,
     /// The quartiles.
     pub quartiles: [f64; 2],
-    /// The median time until the first tile was done.
+    /// The median time until the first tile was done: of rasterizers, moving and dividing all triangles.
     pub setup: f64,
 }
 
-/// The fastest ways to a geometric error, one sample per pixel or as few as were measured.
+/// The fastest ways to a geometric error.
 #[derive(Debug, Clone, Serialize)]
 pub struct Verdict {
     /// The largest error of a point that is allowed, pixels.
     pub pixels: f64,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Which of the ray tracer, rasterizers and warps is fastest; none where quartiles of the ratio of the two that are
+    /// have 1 between them.
+    pub fastest: Option<String>,
     /// The ray tracer's time, seconds.
     pub trace: Option<f64>,
     /// The fastest rasterizer that keeps to it, and its time.
     pub raster: Option<(String, f64)>,
-    /// The rasterizer's time over the ray tracer's: the median over runs that took turns, the least and the
-    /// largest.
+    /// The rasterizer's time over the ray tracer's: the median over runs that took turns, and the quartiles.
     pub raster_over_trace: Option<[f64; 3]>,
     /// The fastest warp that keeps to it, and its time.
     pub warp: Option<(String, f64)>,

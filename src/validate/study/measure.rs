@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use super::entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
+use super::entry::{Entry, Family, Front, LeftOut, Once, Reference, Study, Timing, Verdict};
 use super::errors::{self, GeometricError, RadianceError};
 use super::options::{StudyOptions, Subject};
 use super::statistics::{front, quantile};
@@ -21,7 +21,7 @@ use crate::scene::model::Scene;
 use crate::validate::compare::Picture;
 
 /// The geometric errors of which verdicts are given, pixels.
-const ERRORS: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
+const ERRORS: [f64; 2] = [0.1, 0.01];
 
 /// Studies `scene` on rayon's current thread pool.
 ///
@@ -33,6 +33,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
     let plan = plan(scene, options)?;
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, &plan, progress)?;
+    let once = once(&prepared);
     let prepare_seconds = start.elapsed().as_secs_f64();
     Observer::new(&prepared)?;
     let (able, left_out) = geometries(&mut prepared, &plan, options, progress)?;
@@ -50,7 +51,8 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
     };
     let mut rounds = Rounds::new(options, &able);
     let was_cut_short = rounds.run(&mut prepared, options, &truth, progress)?;
-    let mut entries: Vec<_> = rounds.jobs.into_iter().map(Job::finish).collect();
+    let jobs = rounds.jobs.into_iter();
+    let mut entries: Vec<_> = jobs.map(|job| job.finish(&once)).collect();
     mark_fronts(&mut entries);
     Ok(Study {
         format: "nullray-study",
@@ -63,8 +65,9 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         platform: format!("{} {}", std::env::consts::ARCH, std::env::consts::OS),
         threads: rayon::current_num_threads(),
         prepare_seconds,
+        once,
         reference,
-        verdicts: ERRORS.map(|pixels| verdict(&entries, pixels)).into(),
+        verdicts: verdicts(&entries, &options.samples),
         entries,
         left_out,
         was_cut_short,
@@ -93,6 +96,20 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
         return Err(Error::invalid(&scene.name, "study", what, help));
     }
     Plan::new(scene, &request)
+}
+
+/// What `prepared` has built, and now builds, once.
+fn once(prepared: &Prepared) -> Once {
+    let start = Instant::now();
+    for frame in &prepared.frames {
+        frame.shared_vertices();
+    }
+    let trees = prepared.frames.iter().map(|frame| frame.bvh.bytes() as u64);
+    Once {
+        tree_seconds: prepared.built_in,
+        tree_bytes: trees.sum(),
+        vertex_seconds: start.elapsed().as_secs_f64(),
+    }
 }
 
 /// A picture with `samples` samples per pixel.
@@ -259,18 +276,23 @@ impl Job {
         Ok(())
     }
 
-    fn finish(self) -> Entry {
+    fn finish(self, once: &Once) -> Entry {
         let timing = (!self.runs.is_empty()).then(|| Timing {
             median: quantile(&self.runs, 0.5),
             quartiles: [0.25, 0.75].map(|part| quantile(&self.runs, part)),
             setup: quantile(&self.setups, 0.5),
             runs: self.runs,
         });
+        let family = Family::of(&self.subject);
         Entry {
             method: self.subject.to_string(),
-            family: Family::of(&self.subject),
+            family,
             samples: self.samples,
             timing,
+            once_seconds: match family.is_raster() {
+                true => once.vertex_seconds,
+                false => once.tree_seconds,
+            },
             memory: self.memory,
             geometry: self.geometry,
             radiance: self.radiance,
@@ -313,10 +335,15 @@ fn mark_fronts(entries: &mut [Entry]) {
     }
 }
 
-/// The fastest ways to an error of at most `pixels`.
-fn verdict(entries: &[Entry], pixels: f64) -> Verdict {
-    let fewest = entries.iter().map(|e| e.samples).min();
-    let fits = |e: &&Entry| Some(e.samples) == fewest && e.geometry.pixels.max <= pixels;
+fn verdicts(entries: &[Entry], samples: &[u32]) -> Vec<Verdict> {
+    let all = ERRORS.iter();
+    all.flat_map(|pixels| samples.iter().map(|n| verdict(entries, *pixels, *n)))
+        .collect()
+}
+
+/// The fastest ways to an error of at most `pixels` with `samples` samples per pixel.
+fn verdict(entries: &[Entry], pixels: f64, samples: u32) -> Verdict {
+    let fits = |e: &&Entry| e.samples == samples && e.geometry.pixels.max <= pixels;
     let fastest = |is: fn(Family) -> bool| {
         let timed = entries.iter().filter(fits).filter(|e| is(e.family));
         let timed = timed.filter_map(|e| Some((e, e.timing.as_ref()?)));
@@ -324,22 +351,36 @@ fn verdict(entries: &[Entry], pixels: f64) -> Verdict {
     };
     let named = |found: Option<(&Entry, &Timing)>| found.map(|(e, t)| (e.method.clone(), t.median));
     let trace = fastest(|family| family == Family::Trace);
-    let raster = fastest(Family::is_raster);
+    let (raster, warp) = (fastest(Family::is_raster), fastest(Family::is_warp));
     Verdict {
         pixels,
+        samples,
+        fastest: first([trace, raster, warp]),
         trace: trace.map(|(_, timing)| timing.median),
         raster: named(raster),
         raster_over_trace: raster
             .zip(trace)
             .map(|((_, raster), (_, trace))| ratios(raster, trace)),
-        warp: named(fastest(Family::is_warp)),
+        warp: named(warp),
     }
 }
 
-/// The ratio of times, run by run: median, least, largest.
+/// The method that is faster than all others, if the quartiles of its ratio to the next say so.
+fn first(found: [Option<(&Entry, &Timing)>; 3]) -> Option<String> {
+    let mut found: Vec<_> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
+    let (entry, timing) = found.first()?;
+    let is_first = match found.get(1) {
+        Some((_, next)) => ratios(timing, next)[2] < 1.0,
+        None => true,
+    };
+    is_first.then(|| entry.method.clone())
+}
+
+/// The ratio of times, run by run: median and quartiles.
 fn ratios(a: &Timing, b: &Timing) -> [f64; 3] {
     let ratios: Vec<_> = a.runs.iter().zip(&b.runs).map(|(a, b)| a / b).collect();
-    [0.5, 0.0, 1.0].map(|part| quantile(&ratios, part))
+    [0.5, 0.25, 0.75].map(|part| quantile(&ratios, part))
 }
 
 /// The resident memory of this process before something is done, as Linux counts it.

@@ -26,7 +26,7 @@ mod plot;
 mod statistics;
 mod table;
 
-pub use entry::{Entry, Family, Front, LeftOut, Reference, Study, Timing, Verdict};
+pub use entry::{Entry, Family, Front, LeftOut, Once, Reference, Study, Timing, Verdict};
 pub use errors::{GeometricError, RadianceError, Spread};
 pub use measure::study;
 pub use options::{METHODS, StudyOptions, Subject, parse_methods, parse_samples};

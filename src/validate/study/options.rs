@@ -29,7 +29,7 @@ pub struct StudyOptions {
 
 /// What is studied where nothing is said.
 pub const METHODS: &str = "trace; trace:fast; raster:none; raster:uniform=0.2; raster:uniform=0.1; raster:uniform=0.05; \
-                           raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; \
+                           raster:uniform=0.02; raster:adaptive=1; raster:adaptive=0.3; raster:adaptive=0.1; raster:adaptive=0.01; \
                            warp:cube=256; warp:cube=1024";
 
 impl Default for StudyOptions {

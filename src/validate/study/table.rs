@@ -9,7 +9,7 @@ use super::errors::RadianceError;
 type Column = (&'static str, fn(&Entry) -> String);
 
 /// The columns of [`csv`].
-const COLUMNS: [Column; 20] = [
+const COLUMNS: [Column; 22] = [
     ("method", |e| format!("\"{}\"", e.method)),
     ("family", |e| e.family.name().replace(',', "")),
     ("samples", |e| e.samples.to_string()),
@@ -20,6 +20,8 @@ const COLUMNS: [Column; 20] = [
     ("seconds_q1", |e| of_timing(e, |t| t.quartiles[0])),
     ("seconds_q3", |e| of_timing(e, |t| t.quartiles[1])),
     ("setup_seconds", |e| of_timing(e, |t| t.setup)),
+    ("once_seconds", |e| number(e.once_seconds)),
+    ("total_seconds", total),
     ("memory_bytes", |e| {
         e.memory.map_or(String::new(), |bytes| bytes.to_string())
     }),
@@ -53,6 +55,11 @@ fn of_timing(entry: &Entry, value: fn(&Timing) -> f64) -> String {
     timing.map_or(String::new(), |timing| number(value(timing)))
 }
 
+fn total(entry: &Entry) -> String {
+    let timing = entry.timing.as_ref();
+    timing.map_or(String::new(), |t| number(t.median + entry.once_seconds))
+}
+
 fn of_radiance(entry: &Entry, value: fn(&RadianceError) -> f64) -> String {
     let radiance = entry.radiance.as_ref();
     radiance.map_or(String::new(), |radiance| number(value(radiance)))
@@ -65,42 +72,58 @@ fn number(value: f64) -> String {
 /// All entries and verdicts, to read.
 pub fn table(study: &Study) -> String {
     let mut text = format!(
-        "{:<38} {:>7} {:>4} {:>10} {:>9} {:>10} {:>10} {:>6} {:>9}\n",
-        "method", "samples", "runs", "ms", "± %", "px, 99 %", "px, max", "wrong", "relRMSE"
+        "{:<38} {:>7} {:>4} {:>10} {:>9} {:>9} {:>9} {:>7} {:>10} {:>10} {:>6} {:>9}\n",
+        "method",
+        "samples",
+        "runs",
+        "ms",
+        "± %",
+        "first ms",
+        "once ms",
+        "MB",
+        "px, 99 %",
+        "px, max",
+        "wrong",
+        "relRMSE"
     );
     for entry in &study.entries {
         let _ = writeln!(text, "{}", row(entry));
     }
+    text.push_str("first: until the first tile is done, in ms; once: trees for tracing, distinct vertices for rasterizers\n");
     text.push_str("* nothing else is both faster and nearer to the truth (px, max; relRMSE)\n");
     for left_out in &study.left_out {
         let _ = writeln!(text, "{} was left out: {}", left_out.method, left_out.why);
     }
     for verdict in &study.verdicts {
-        let _ = writeln!(text, "{}", sentence(verdict));
+        let _ = writeln!(text, "{}", sentence(verdict, study.threads));
     }
     text
 }
 
 fn row(entry: &Entry) -> String {
-    let (runs, time, spread) = match &entry.timing {
-        None => (0, "no time".into(), String::new()),
+    let (runs, time, spread, first) = match &entry.timing {
+        None => (0, "no time".into(), String::new(), String::new()),
         Some(t) => {
             let spread = 50.0 * (t.quartiles[1] - t.quartiles[0]) / t.median;
             (
                 t.runs.len(),
                 format!("{:.2}", 1e3 * t.median),
                 format!("{spread:.0}"),
+                format!("{:.2}", 1e3 * t.setup),
             )
         }
     };
+    let memory = entry.memory;
+    let memory = memory.map_or(String::new(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
     let mark = |on: bool| if on { "*" } else { "" };
     let rel = entry
         .radiance
         .map_or(String::new(), |r| format!("{:.2e}", r.relrmse));
     format!(
-        "{:<38} {:>7} {runs:>4} {time:>10} {spread:>9} {:>10} {:>10} {:>6} {:>9}",
+        "{:<38} {:>7} {runs:>4} {time:>10} {spread:>9} {first:>9} {:>9} {memory:>7} {:>10} {:>10} {:>6} {:>9}",
         entry.method,
         entry.samples,
+        format!("{:.2}", 1e3 * entry.once_seconds),
         format!("{:.2e}", entry.geometry.pixels.p99),
         format!(
             "{:.2e}{}",
@@ -113,24 +136,29 @@ fn row(entry: &Entry) -> String {
 }
 
 /// A verdict in words.
-fn sentence(verdict: &Verdict) -> String {
-    let pixels = verdict.pixels;
-    let warp = match &verdict.warp {
-        Some((warp, time)) => format!("; {warp} {:.2} ms", 1e3 * time),
-        None => String::new(),
+fn sentence(verdict: &Verdict, threads: usize) -> String {
+    let Verdict {
+        pixels, samples, ..
+    } = verdict;
+    let fastest = match &verdict.fastest {
+        Some(method) => format!("{method} is fastest"),
+        None => "none is fastest beyond the spread".into(),
     };
-    let Some(trace) = verdict.trace else {
-        return format!("at most {pixels} px everywhere: the ray tracer was not measured{warp}");
-    };
+    let ms = |time: f64| format!("{:.2} ms", 1e3 * time);
+    let trace = verdict.trace.map_or("not measured".into(), ms);
     let raster = match (&verdict.raster, verdict.raster_over_trace) {
-        (Some((raster, time)), Some([ratio, least, most])) => format!(
-            "{raster} {:.2} ms, {ratio:.2} times that ({least:.2} to {most:.2})",
-            1e3 * time
+        (Some((raster, time)), Some([ratio, low, high])) => format!(
+            "{raster} {}, {ratio:.2} times that ({low:.2} to {high:.2})",
+            ms(*time)
         ),
+        (Some((raster, time)), None) => format!("{raster} {}", ms(*time)),
         _ => "no rasterizer that was measured".into(),
     };
+    let warp = match &verdict.warp {
+        Some((warp, time)) => format!("; {warp} {}", ms(*time)),
+        None => String::new(),
+    };
     format!(
-        "at most {pixels} px everywhere: ray tracer {:.2} ms; {raster}{warp}",
-        1e3 * trace
+        "at most {pixels} px everywhere, samples {samples}, threads {threads}: {fastest}: ray tracer {trace}; {raster}{warp}"
     )
 }

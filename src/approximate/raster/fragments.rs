@@ -160,7 +160,7 @@ impl Fragments {
         }
         // Samples are on the triangle but for rounding.
         let [u, v] = surface.weights.map(|weight| weight.dot(p));
-        let u = u.max(0.0).min(1.0);
+        let u = u.clamp(0.0, 1.0);
         let hit = Hit {
             s: 0.0,
             u,

@@ -10,7 +10,7 @@ use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 use nullray::scene::{self, Overrides};
 use nullray::validate::study::{
-    Entry, Family, Study, StudyOptions, csv, draw, parse_methods, study, table,
+    Entry, Family, Study, StudyOptions, Verdict, csv, draw, parse_methods, study, table,
 };
 
 /// A cube and a floor, from a camera at 0.9 c, as rasterizers like it least.

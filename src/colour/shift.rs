@@ -41,12 +41,11 @@ struct Table<const N: usize> {
 }
 
 impl<const N: usize> Table<N> {
-    /// `f` from the power of 2 at or below `from` to that at or above `to`.
+    /// `f` from the step at or below `from` to that above `to`.
     fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
-        let first = octave(from);
-        let last = octave(to) + 1;
-        let first = first.max(last.saturating_sub(u64::from(MOST_OCTAVES)));
-        let (first, last) = (first << STEP_BITS, last << STEP_BITS);
+        let last = (to.to_bits() >> SHIFT) + 1;
+        let most = u64::from(MOST_OCTAVES) << STEP_BITS;
+        let first = (from.to_bits() >> SHIFT).max(last.saturating_sub(most));
         let entry = |bits| f(f64::from_bits(bits << SHIFT)).map(|x| x as f32);
         Table {
             first,
@@ -85,11 +84,6 @@ impl<const N: usize> Table<N> {
             a + (b - a) * rest
         }))
     }
-}
-
-/// The exponent's bits of a positive number.
-fn octave(x: f64) -> u64 {
-    x.to_bits() >> 52
 }
 
 /// Of RGB: M(W), by which linear RGB at rest is multiplied.
@@ -353,7 +347,7 @@ impl<const N: usize> Reach<N> {
             };
         }
         let ratios = reach(spectrum);
-        let kept = ratios.unwrap_or([1.0 / 32.0, 32.0]);
+        let kept = ratios.unwrap_or([1.0 / 8.0, 8.0]);
         let is_whole = ratios.is_some() && kept[1] <= kept[0] * f64::from(1 << (MOST_OCTAVES - 2));
         let scale = peak(spectrum, kept);
         Reach {

@@ -4,8 +4,8 @@ use crate::common::png::decode;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use nullray::io::gltf::{self, Imported, Want};
-use nullray::mesh::{Mesh, Wrap};
+use nullray::io::gltf::{self, GltfLightKind, Imported, Want};
+use nullray::mesh::{AlphaMode, Material, Mesh, Wrap};
 use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {
@@ -339,4 +339,113 @@ fn a_camera_is_found_by_its_own_name_and_below_a_node() {
     );
     let names = gltf::inspect(&file, None).unwrap().cameras;
     assert_eq!(names, ["main", "tall", "plan"]);
+}
+
+/// The file's numbers are those that are written here.
+#[test]
+fn materials_have_metal_roughness_emission_and_alpha() {
+    let imported = load("materials.gltf", None);
+    let mesh = &imported.mesh;
+    let called = |name: &str| mesh.materials.iter().find(|m| m.name == name).unwrap();
+    assert!(called("unlit").unlit);
+    let full = called("full");
+    assert_eq!((full.base_colour, full.alpha), ([0.5, 0.25, 1.0], 0.75));
+    assert_eq!((full.metallic, full.roughness), (0.5, 0.25));
+    assert_eq!(full.emissive, [4.0, 2.0, 0.0]);
+    assert_eq!(full.alpha_mode, AlphaMode::Mask { cutoff: 0.25 });
+    assert!(full.double_sided && !full.unlit);
+    // One set in the file, and a list for each of the two transforms.
+    let textures = [
+        &full.base_colour_texture,
+        &full.metallic_roughness_texture,
+        &full.emissive_texture,
+    ];
+    let sets = textures.map(|t| t.as_ref().unwrap().uv_set);
+    assert_eq!(sets, [1, 2, 0]);
+    assert_eq!(imported.images.len(), 1);
+    let part = mesh.parts.iter().find(|p| p.node == "bytes").unwrap();
+    let first = |set| {
+        mesh.uv(set, part.first_triangle, [0.0; 2])
+            .unwrap()
+            .to_array()
+    };
+    assert_eq!(
+        [first(0), first(1), first(2)],
+        [[0.0, 0.0], [0.5, 0.0], [0.25, 0.0]]
+    );
+    let plain = &mesh.materials[mesh.parts.last().unwrap().material as usize];
+    assert_eq!(*plain, Material::default());
+}
+
+#[test]
+fn vertex_colours_are_floats_or_normalized_integers_with_alpha_or_without() {
+    let mesh = load("materials.gltf", None).mesh;
+    let colour = |node: &str| {
+        let part = mesh.parts.iter().find(|p| p.node == node).unwrap();
+        mesh.colour(part.first_triangle, [0.0; 2])
+            .unwrap()
+            .map(|c| c as f32)
+    };
+    assert_eq!(colour("many"), [1.0, 0.5, 0.25, 1.0]);
+    assert_eq!(colour("bytes"), [1.0, 0.2, 0.0, 0.4]);
+    assert_eq!(colour("words"), [1.0, 0.2, 0.0, 0.4]);
+    let middle = mesh.colour(0, [0.5, 0.5]).unwrap();
+    assert_eq!(middle, [0.5, 0.5, 0.5, 1.0]);
+}
+
+/// The node moves by (0, 0, 5); its second instance is turned by half a turn about z, doubled, and moved by
+/// (0, 20, 0).
+#[test]
+fn instances_are_placed_by_their_own_transforms_first() {
+    let mesh = load("materials.gltf", Some("many")).mesh;
+    let first = [[10.0, 0.0, 5.0], [11.0, 0.0, 5.0], [10.0, 1.0, 5.0]];
+    let second = [[0.0, 20.0, 5.0], [-2.0, 20.0, 5.0], [0.0, 18.0, 5.0]];
+    assert_near(&triangles(&mesh), &[first, second]);
+    let held = gltf::inspect(&valid("materials.gltf"), Some("many")).unwrap();
+    assert_eq!((held.triangles, held.vertices, held.primitives), (2, 6, 2));
+}
+
+#[test]
+fn hidden_nodes_are_left_out_with_all_below_them_unless_named() {
+    let nodes = |node| {
+        let mesh = load("materials.gltf", node).mesh;
+        let names = mesh.parts.iter().map(|part| part.node.clone());
+        names.collect::<Vec<String>>()
+    };
+    assert_eq!(nodes(None), ["many", "many", "bytes", "words"]);
+    assert_eq!(nodes(Some("hidden")), ["hidden", "below"]);
+}
+
+#[test]
+fn lights_shine_along_the_minus_z_of_their_nodes() {
+    let lights = gltf::lights(&valid("materials.gltf")).unwrap();
+    let names: Vec<&str> = lights.iter().map(|light| light.name.as_str()).collect();
+    assert_eq!(names, ["lamp", "torch", "sun"]);
+    assert_eq!(lights[0].kind, GltfLightKind::Point);
+    assert_eq!(lights[0].intensity, [8.0, 4.0, 2.0]);
+    assert_eq!(lights[0].position, DVec3::new(1.0, 2.0, 3.0));
+    // A quarter turn about x takes −z to +y.
+    let (inner, outer) = (0.25, 0.5);
+    assert_eq!(lights[1].kind, GltfLightKind::Spot { inner, outer });
+    assert!((lights[1].direction - DVec3::Y).length() < 1e-7);
+    assert_eq!(lights[2].kind, GltfLightKind::Directional);
+    assert_eq!(lights[2].direction, DVec3::NEG_Z);
+}
+
+#[test]
+fn what_is_not_read_is_named_once() {
+    let warnings = load("materials.gltf", None).warnings;
+    for said in [
+        "extensionsUsed: the extension \"KHR_materials_clearcoat\" is not read",
+        "animation 0: animations are not played",
+        "node 4 \"lamp\": lights of the file are not lamps of the scene",
+        "node 2 \"hidden\": hidden nodes and what is below them are left out",
+        "material 1 \"full\": normal maps are not read",
+        "material 1 \"full\": occlusion maps are not read",
+    ] {
+        let count = warnings.iter().filter(|w| w.starts_with(said)).count();
+        assert_eq!(count, 1, "{said}: {warnings:?}");
+    }
+    let held = gltf::inspect(&valid("materials.gltf"), None).unwrap();
+    assert_eq!(held.warnings, warnings);
 }

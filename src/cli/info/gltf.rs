@@ -33,8 +33,9 @@ pub fn info(path: &Path) -> Result<Info> {
     );
     info.names("nodes", held.nodes);
     info.names("cameras", held.cameras);
+    info.names("lights", held.lights);
     info.names("materials", held.materials);
-    let images = format!("{} base colour images", held.images);
+    let images = format!("{} images", held.images);
     info.fact("textures", images, "images", held.images);
     info.fact("uv sets", held.uv_sets.to_string(), "uv_sets", held.uv_sets);
     info.list("file", &held.files, |path| there(path));

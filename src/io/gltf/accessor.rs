@@ -27,6 +27,10 @@ pub(super) enum Purpose {
         alpha: bool,
     },
     Indices,
+    /// Translations and scales.
+    Vectors,
+    /// Quaternions.
+    Rotations,
 }
 
 /// A checked accessor.
@@ -141,6 +145,9 @@ impl Check<'_, '_> {
                 let right = if alpha { Type::Vec4 } else { Type::Vec3 };
                 (*kind == right && normalized == (component != F32), "")
             }
+            (Purpose::Vectors, F32) => (*kind == Type::Vec3 && !normalized, ""),
+            (Purpose::Rotations, F32) => (*kind == Type::Vec4 && !normalized, ""),
+            (Purpose::Rotations, I8 | I16) => (*kind == Type::Vec4 && normalized, ""),
             _ => (false, ""),
         };
         match right {
@@ -238,7 +245,8 @@ const Q: &str = " without KHR_mesh_quantization";
 impl Purpose {
     fn components(self) -> u64 {
         match self {
-            Purpose::Positions => 3,
+            Purpose::Positions | Purpose::Vectors => 3,
+            Purpose::Rotations => 4,
             Purpose::TexCoords => 2,
             Purpose::Colours { alpha } => 3 + u64::from(alpha),
             Purpose::Indices => 1,
@@ -251,6 +259,8 @@ impl Purpose {
             Purpose::TexCoords => "texture coordinates",
             Purpose::Colours { .. } => "vertex colours",
             Purpose::Indices => "indices",
+            Purpose::Vectors => "translations or scales",
+            Purpose::Rotations => "rotations",
         }
     }
 
@@ -261,6 +271,8 @@ impl Purpose {
             Purpose::Colours { .. } => {
                 "they are VEC3 or VEC4 of FLOAT or normalized UNSIGNED_BYTE or _SHORT"
             }
+            Purpose::Vectors => "they are VEC3 of FLOAT",
+            Purpose::Rotations => "they are VEC4 of FLOAT or normalized BYTE or SHORT",
             Purpose::Indices => "indices are SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or _INT",
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::accessor;
 use super::buffers::Buffers;
@@ -11,6 +11,7 @@ use super::draft::{Draft, Materials};
 use super::images;
 use super::import::{EncodedImage, Imported, Want};
 use super::materials::{FIRST_TRANSFORMED, Resolved};
+use super::nodes::Placed;
 use super::pieces::Placement;
 use super::primitive::Piece;
 use super::vertices::Vertices;
@@ -28,8 +29,12 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
         palette: Palette::default(),
         warnings: draft.warnings,
     };
-    for (at, piece) in draft.pieces.all() {
-        builder.add(at, piece, &draft.materials)?;
+    for at in &draft.pieces.placements {
+        for at in builder.instances(at)? {
+            for piece in draft.pieces.of_mesh(at.mesh) {
+                builder.add(&at, piece, &draft.materials)?;
+            }
+        }
     }
     Ok(builder.finish())
 }
@@ -44,6 +49,24 @@ struct Builder<'d, 'a> {
 }
 
 impl Builder<'_, '_> {
+    /// The instances of a placement, each where it is.
+    fn instances(&mut self, at: &Placement) -> Result<Vec<Placement>> {
+        let Some(instances) = &at.instances else {
+            return Ok(vec![at.clone()]);
+        };
+        let transforms = instances.read(&mut self.buffers)?;
+        let placed = |(instance, transform): (u64, &DAffine3)| Placement {
+            placed: Placed {
+                world: at.placed.world * *transform,
+                ..at.placed
+            },
+            mesh: at.mesh,
+            instances: None,
+            instance,
+        };
+        Ok((0..).zip(&transforms).map(placed).collect())
+    }
+
     fn add(&mut self, at: &Placement, piece: &Piece, materials: &Materials) -> Result<()> {
         let place = &piece.positions.place;
         let Some(resolved) = materials.get(&piece.material) else {

@@ -69,7 +69,7 @@ fn candidates(
         .collect();
     if called.is_empty() && nodes.iter().any(|node| node.name.as_deref() == Some(name)) {
         // Some exporters hang the camera below the node that carries its name.
-        let below = hierarchy.with_all_below(vec![named(document, name)?]);
+        let below = hierarchy.with_all_below(vec![named(document, name)?], &mut |_| true);
         let below = below.iter().map(|placed| placed.node);
         return Ok(below.filter(has_camera).collect());
     }

@@ -1,5 +1,6 @@
 //! A parsed document whose data are still in their files, and how its parts are named in messages.
 
+use std::collections::BTreeSet;
 use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,10 @@ use crate::{Error, Result};
 
 /// The extensions that may be required: what this program reads is complete without the others,
 /// or with these.
-const UNDERSTOOD: [&str; 4] = [
+const UNDERSTOOD: [&str; 7] = [
+    "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
+    "KHR_node_visibility",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
     "KHR_materials_unlit",
@@ -95,6 +99,12 @@ impl<'a> Document<'a> {
                 "export the model without it (without compression, for most such extensions)",
             )),
         }
+    }
+
+    /// The extensions that the file uses and that are not read, each once.
+    pub fn unread_extensions(&self) -> BTreeSet<&str> {
+        let used = self.root.extensions_used.iter().map(String::as_str);
+        used.filter(|name| !UNDERSTOOD.contains(name)).collect()
     }
 
     /// Whether the file says anywhere that it uses this extension.

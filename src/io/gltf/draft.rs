@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::document::Document;
+use super::document::{Document, shortened};
 use super::import::Want;
+use super::lights;
 use super::materials::{Resolved, resolve};
-use super::nodes::Hierarchy;
+use super::nodes::{Hierarchy, Placed};
 use super::pieces::Pieces;
 use super::primitive::Wanted;
 use super::warnings::Warnings;
@@ -29,6 +30,7 @@ impl Draft {
         let mut warnings = Warnings::default();
         let hierarchy = Hierarchy::new(document, &mut warnings)?;
         let placed = hierarchy.select(document, node, &mut warnings)?;
+        warn_of_unread(document, &placed, &mut warnings);
         let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
         let used = materials_of(document, &nodes)?;
         let materials = resolve(document, used, want, &mut warnings)?;
@@ -56,6 +58,24 @@ impl Draft {
         let pieces = self.pieces.of_mesh.values().flatten();
         let sets = pieces.flat_map(|piece| piece.uvs.keys());
         sets.max().map_or(0, |last| last + 1)
+    }
+}
+
+/// Says what of the file is passed over as a whole.
+fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
+    for name in document.unread_extensions() {
+        let what = format!("the extension {:?} is not read", shortened(name));
+        warnings.add(what, "extensionsUsed");
+    }
+    let animations = document.root.animations.len() as u64;
+    let what = "animations are not played: nodes are where they rest";
+    warnings.add_many(what, "animation 0", animations);
+    let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
+    let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
+    if let Some(first) = lights.first() {
+        let what = "lights of the file are not lamps of the scene: it has [[light]] of its own";
+        let place = document.node_label(first.node);
+        warnings.add_many(what, &place, lights.len() as u64);
     }
 }
 

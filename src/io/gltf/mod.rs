@@ -12,7 +12,7 @@
 //! refused, or their triangles dropped, as the scene says.
 //!
 //! Not read, each with a warning where it would be seen: skins, morph targets, blending by alpha, normal
-//! and occlusion maps, points and lines. Animations and lights are ignored. Extensions that a file
+//! and occlusion maps, points and lines, animations, extensions that are not known. Extensions that a file
 //! *requires* and that are not known here are refused.
 
 mod accessor;
@@ -24,6 +24,8 @@ mod document;
 mod draft;
 mod images;
 mod import;
+mod instances;
+mod lights;
 mod materials;
 mod nodes;
 mod pieces;
@@ -37,6 +39,7 @@ use std::path::Path;
 
 pub use camera::GltfCamera;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
+pub use lights::{GltfLight, GltfLightKind};
 pub use summary::Summary;
 
 use crate::Result;
@@ -70,6 +73,14 @@ pub fn load_bytes(bytes: &[u8], name: &str, node: Option<&str>, want: Want) -> R
 /// As for [`load`], as far as it shows without reading data.
 pub fn inspect(path: &Path, node: Option<&str>) -> Result<Summary> {
     summary::summary(&Document::open(path)?, node)
+}
+
+/// The lights of the default scene (KHR_lights_punctual), in the order of their nodes.
+///
+/// # Errors
+/// The file cannot be read or is not glTF 2.0; a light that is not there, is not of glTF, or has no direction.
+pub fn lights(path: &Path) -> Result<Vec<GltfLight>> {
+    lights::find(&Document::open(path)?)
 }
 
 /// The camera called `node` (the name of a node that has a camera, of the only one with a camera below

@@ -4,6 +4,7 @@
 //! down. The f32 numbers of the file are exact in f64, and all products are taken in f64. A rotation
 //! is used as the quaternion divided by its length, because f32 cannot hold a unit quaternion.
 
+use ::gltf::json::Value;
 use ::gltf::json::scene::Node;
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 
@@ -92,17 +93,36 @@ impl Hierarchy {
             Some(name) => vec![named(document, name)?],
             None => self.scene(document, warnings)?,
         };
-        Ok(self.with_all_below(tops))
+        let mut seen = |&node: &usize| {
+            let hidden = is_hidden(document, node);
+            if hidden {
+                let what = "hidden nodes and what is below them are left out (KHR_node_visibility)";
+                warnings.add(what, &document.node_label(node));
+            }
+            !hidden
+        };
+        // What is asked for by its name is shown.
+        let tops = match name {
+            Some(_) => tops,
+            None => tops.into_iter().filter(&mut seen).collect(),
+        };
+        Ok(self.with_all_below(tops, &mut seen))
     }
 
-    /// `tops` and all nodes below them, each before its children.
-    pub fn with_all_below(&self, tops: Vec<usize>) -> Vec<Placed> {
+    /// `tops` and all nodes below them that are `seen`, each before its children.
+    pub fn with_all_below(
+        &self,
+        tops: Vec<usize>,
+        seen: &mut dyn FnMut(&usize) -> bool,
+    ) -> Vec<Placed> {
         let mut stack: Vec<usize> = tops.into_iter().rev().collect();
         let mut placed = Vec::new();
         while let Some(node) = stack.pop() {
             let world = self.world(node);
             placed.push(Placed { node, world });
-            stack.extend(self.below(node).iter().rev());
+            let first = stack.len();
+            stack.extend(self.below(node).iter().filter(|&child| seen(child)));
+            stack[first..].reverse();
         }
         placed
     }
@@ -143,6 +163,19 @@ impl Hierarchy {
         }
         Ok(scene.nodes.iter().map(|node| node.value()).collect())
     }
+}
+
+/// What an extension says of a node; null where it says nothing.
+pub(super) fn extension<'d>(document: &'d Document, node: usize, name: &str) -> &'d Value {
+    let node = document.root.nodes.get(node);
+    let all = node.and_then(|node| node.extensions.as_ref());
+    let said = all.and_then(|all| all.others.get(name));
+    said.unwrap_or(&Value::Null)
+}
+
+/// Whether a node is hidden, with all below it.
+fn is_hidden(document: &Document, node: usize) -> bool {
+    extension(document, node, "KHR_node_visibility")["visible"] == Value::Bool(false)
 }
 
 const FINITE: &str = "transforms must be finite numbers, and so must their products";
@@ -232,12 +265,25 @@ fn local(
         warnings.add(what, &document.node_label(index));
     }
     let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]).map(f64::from));
-    let [right, up, back] = rotation([x, y, z, w], norm);
     let translation = node.translation.unwrap_or_default().map(f64::from);
-    Ok(DAffine3 {
+    Ok(placing(
+        DVec3::from_array(translation),
+        ([x, y, z, w], norm),
+        scale,
+    ))
+}
+
+/// T·R·S, of the rotation by a quaternion and its squared length.
+pub(super) fn placing(
+    translation: DVec3,
+    (quaternion, norm): ([f64; 4], f64),
+    scale: DVec3,
+) -> DAffine3 {
+    let [right, up, back] = rotation(quaternion, norm);
+    DAffine3 {
         matrix3: DMat3::from_cols(right * scale.x, up * scale.y, back * scale.z),
-        translation: DVec3::from_array(translation),
-    })
+        translation,
+    }
 }
 
 /// The columns of the rotation by the quaternion `[x, y, z, w]` whose squared length is `norm`.

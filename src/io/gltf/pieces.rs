@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use super::document::Document;
+use super::instances::Instances;
 use super::nodes::Placed;
 use super::primitive::{Piece, Wanted, of_mesh};
 use super::warnings::Warnings;
@@ -27,6 +28,17 @@ pub(super) struct Placement {
     pub placed: Placed,
     /// Index of its mesh in the document.
     pub mesh: usize,
+    /// Where it is placed many times: how, before the node's own transform.
+    pub instances: Option<Instances>,
+    /// Which of these it is, once they are read.
+    pub instance: u64,
+}
+
+impl Placement {
+    /// How often the mesh is there.
+    pub fn count(&self) -> u64 {
+        self.instances.as_ref().map_or(1, |all| all.count)
+    }
 }
 
 /// The primitives of triangles of the meshes in use (by index of the mesh), and where they are.
@@ -56,8 +68,15 @@ impl Pieces {
             }
             let of_mesh = pieces.of_mesh(mesh);
             if !of_mesh.is_empty() {
-                totals.add(of_mesh).check(document, placed.node)?;
-                pieces.placements.push(Placement { placed, mesh });
+                let placement = Placement {
+                    placed,
+                    mesh,
+                    instances: Instances::of(document, placed.node)?,
+                    instance: 0,
+                };
+                let totals = totals.add(of_mesh, placement.count());
+                totals.check(document, placed.node)?;
+                pieces.placements.push(placement);
             }
         }
         match pieces.placements.is_empty() {
@@ -70,7 +89,7 @@ impl Pieces {
         self.of_mesh.get(&mesh).map_or(&[], Vec::as_slice)
     }
 
-    /// Every primitive at every node.
+    /// Every primitive at every node, once for all its instances.
     pub fn all(&self) -> impl Iterator<Item = (&Placement, &Piece)> {
         let placements = self.placements.iter();
         placements.flat_map(|at| self.of_mesh(at.mesh).iter().map(move |piece| (at, piece)))
@@ -85,14 +104,16 @@ struct Totals {
 }
 
 impl Totals {
-    fn add(&mut self, pieces: &[Piece]) -> &Self {
-        self.parts += pieces.len() as u64;
+    fn add(&mut self, pieces: &[Piece], instances: u64) -> &Self {
+        let parts = (pieces.len() as u64).saturating_mul(instances);
+        self.parts = self.parts.saturating_add(parts);
         for piece in pieces {
             let bytes = 24 + 8 * piece.uvs.len() + 16 * usize::from(piece.colours.is_some());
             let bytes = bytes as u64;
             let bytes = piece.positions.count.saturating_mul(bytes);
-            self.vertex_bytes = self.vertex_bytes.saturating_add(bytes);
-            self.triangles = self.triangles.saturating_add(piece.triangles);
+            let all = |each: u64| each.saturating_mul(instances);
+            self.vertex_bytes = self.vertex_bytes.saturating_add(all(bytes));
+            self.triangles = self.triangles.saturating_add(all(piece.triangles));
         }
         self
     }

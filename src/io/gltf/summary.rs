@@ -9,6 +9,7 @@ use super::camera;
 use super::document::Document;
 use super::draft::Draft;
 use super::import::{BadVertices, Want};
+use super::lights;
 use super::pieces::Pieces;
 use super::uri::{self, Target};
 use crate::Result;
@@ -35,6 +36,8 @@ pub struct Summary {
     pub images: usize,
     /// How many texture coordinate sets there are: the highest number, plus one.
     pub uv_sets: usize,
+    /// Names of the lights (KHR_lights_punctual) that [`lights`](super::lights) finds; "" for one without a name.
+    pub lights: Vec<String>,
     /// Names by which [`camera`](super::camera) finds the cameras of the whole file.
     pub cameras: Vec<String>,
     /// The files that the whole file refers to (buffers and images), each once; they need not be there.
@@ -55,7 +58,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
     };
     let draft = Draft::new(document, node, want)?;
     let (pieces, materials) = (&draft.pieces, used_materials(&draft));
-    let all = || pieces.all().map(|(_, piece)| piece);
+    let all = || pieces.all().map(|(at, piece)| (at.count(), piece));
     let meshes: BTreeSet<usize> = pieces.placements.iter().map(|at| at.mesh).collect();
     let textures = materials.iter().flat_map(|m| m.textures());
     let images: BTreeSet<usize> = textures.map(|texture| texture.image).collect();
@@ -63,12 +66,15 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
         generator: document.root.asset.generator.clone(),
         nodes: draft.nodes.iter().map(|&n| name(document, n)).collect(),
         meshes: meshes.len(),
-        primitives: all().count(),
-        triangles: all().map(|piece| piece.triangles).sum(),
-        vertices: all().map(|piece| piece.positions.count).sum(),
+        primitives: all().map(|(count, _)| count as usize).sum(),
+        triangles: all().map(|(count, piece)| count * piece.triangles).sum(),
+        vertices: all()
+            .map(|(count, piece)| count * piece.positions.count)
+            .sum(),
         images: images.len(),
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
+        lights: lights::names(document),
         cameras: camera::names(document),
         files: files(document),
         bounds: bounds(document, pieces),
@@ -110,6 +116,9 @@ fn used_materials(draft: &Draft) -> Vec<&Material> {
 fn bounds(document: &Document, pieces: &Pieces) -> Option<[DVec3; 2]> {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for (at, piece) in pieces.all() {
+        if at.instances.is_some() {
+            return None;
+        }
         let accessor = document.root.accessors.get(piece.positions.accessor)?;
         let least = corner(accessor.min.as_ref()?)?;
         let greatest = corner(accessor.max.as_ref()?)?;

@@ -33,6 +33,7 @@ pub(super) struct Vertices {
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct BlockKey {
     node: usize,
+    instance: u64,
     /// Accessors of positions, of sets, and of colours.
     positions: usize,
     sets: Vec<(usize, usize)>,
@@ -66,6 +67,7 @@ impl Vertices {
         let transforms = !material.transforms.is_empty();
         let key = BlockKey {
             node: at.placed.node,
+            instance: at.instance,
             positions: piece.positions.accessor,
             sets: sets.map(|(&set, uvs)| (set, uvs.accessor)).collect(),
             colours: piece.colours.as_ref().map(|c| c.layout.accessor),

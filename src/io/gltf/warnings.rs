@@ -1,24 +1,27 @@
 //! What is passed over in a file, said once per kind, with the first place.
 
+use std::borrow::Cow;
+
 /// Collects warnings.
 #[derive(Debug, Default)]
 pub(super) struct Warnings(Vec<Entry>);
 
 #[derive(Debug)]
 struct Entry {
-    what: &'static str,
+    what: Cow<'static, str>,
     first: String,
     count: u64,
 }
 
 impl Warnings {
     /// Notes that `what` is so at `place`.
-    pub fn add(&mut self, what: &'static str, place: &str) {
+    pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: &str) {
         self.add_many(what, place, 1);
     }
 
     /// Notes that `what` is so `count` times, first at `place`.
-    pub fn add_many(&mut self, what: &'static str, place: &str, count: u64) {
+    pub fn add_many(&mut self, what: impl Into<Cow<'static, str>>, place: &str, count: u64) {
+        let what = what.into();
         match self.0.iter_mut().find(|entry| entry.what == what) {
             _ if count == 0 => {}
             Some(entry) => entry.count += count,

@@ -131,6 +131,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                     uv_sets: summary.uv_sets,
                     materials: summary.materials,
                     images: summary.images,
+                    unread: summary.warnings,
                 })
             }
             Geometry::Shape { shape, .. } => {
@@ -148,6 +149,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                     uv_sets: 1,
                     materials: vec![String::new()],
                     images: 0,
+                    unread: Vec::new(),
                 })
             }
             Geometry::Mesh(mesh) => Ok(PlannedObject {
@@ -163,6 +165,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
                 uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
                 materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
                 images: 0,
+                unread: Vec::new(),
             }),
         })
         .collect()

@@ -135,6 +135,15 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             scene.medium_index
         ));
     }
+    for object in &plan.objects {
+        let file = object.file.as_ref().map(|file| file.display().to_string());
+        for sentence in &object.unread {
+            let note = format!("{}: {sentence}", file.as_deref().unwrap_or_default());
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
     if scene.speed_of_light != crate::scene::model::SPEED_OF_LIGHT {
         notes.push(format!(
             "the speed of light of this scene is {} m/s",

@@ -103,6 +103,9 @@ pub struct PlannedObject {
     pub(super) materials: Vec<String>,
     #[serde(skip)]
     pub(super) images: usize,
+    /// What of its file is passed over, a sentence each.
+    #[serde(skip)]
+    pub(super) unread: Vec<String>,
 }
 
 /// A cube that is loaded.

@@ -1,0 +1,142 @@
+//! Lights of a file (KHR_lights_punctual): they shine along their node's local −Z. Candela and lux are taken as the
+//! power that they weigh, without a factor; a `range`, which cuts the law of inverse squares, is not applied.
+
+use std::f64::consts::FRAC_PI_2;
+
+use ::gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
+use ::gltf::json::validation::Checked;
+use glam::{DAffine3, DVec3};
+
+use super::document::{Document, shortened};
+use super::nodes::Hierarchy;
+use super::warnings::Warnings;
+use crate::Result;
+use crate::spacetime::{Direction, World};
+
+/// A light, placed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GltfLight {
+    /// The name of its node, or its own; "" where neither has one.
+    pub name: String,
+    /// What it shines like.
+    pub kind: GltfLightKind,
+    /// Linear RGB: luminous intensity of a point or spot light in candela, illuminance of a directional one in lux.
+    pub intensity: [f64; 3],
+    /// Where it is, metres, in the coordinates of the file's root.
+    pub position: DVec3,
+    /// Where it shines to: a unit vector.
+    pub direction: DVec3,
+}
+
+/// What a light shines like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GltfLightKind {
+    /// In all directions.
+    Point,
+    /// In a cone.
+    Spot {
+        /// Full within this angle of the axis, radians.
+        inner: f64,
+        /// Dark from this angle on, radians, above `inner`, at most π/2.
+        outer: f64,
+    },
+    /// Parallel light.
+    Directional,
+}
+
+/// Which light a node has.
+pub(super) fn index_of(document: &Document, node: usize) -> Option<usize> {
+    let node = document.root.nodes.get(node)?;
+    let light = node.extensions.as_ref()?.khr_lights_punctual.as_ref()?;
+    Some(light.light.value())
+}
+
+fn all<'d>(document: &'d Document) -> &'d [Light] {
+    let extensions = document.root.extensions.as_ref();
+    let lights = extensions.and_then(|all| all.khr_lights_punctual.as_ref());
+    lights.map_or(&[], |all| &all.lights)
+}
+
+fn name(document: &Document, node: usize, light: Option<&Light>) -> String {
+    let node = document.root.nodes.get(node);
+    let own = light.and_then(|light| light.name.as_deref());
+    let name = node.and_then(|node| node.name.as_deref()).or(own);
+    shortened(name.unwrap_or_default())
+}
+
+/// The names of the lights of all nodes.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    let nodes = 0..document.root.nodes.len();
+    let light = |node| {
+        let light = all(document).get(index_of(document, node)?);
+        Some(name(document, node, light))
+    };
+    nodes.filter_map(light).collect()
+}
+
+/// The lights of the default scene that are not hidden.
+pub(super) fn find(document: &Document) -> Result<Vec<GltfLight>> {
+    let mut warnings = Warnings::default();
+    let hierarchy = Hierarchy::new(document, &mut warnings)?;
+    let nodes = hierarchy.select(document, None, &mut warnings)?;
+    let mut lights = Vec::new();
+    for placed in nodes {
+        let Some(index) = index_of(document, placed.node) else {
+            continue;
+        };
+        let place = document.node_label(placed.node);
+        let Some(light) = all(document).get(index) else {
+            let what = format!("it refers to light {index}, which is not there");
+            let help = "every index must be within its list";
+            return Err(document.invalid(place, what, help));
+        };
+        lights.push(GltfLight {
+            name: name(document, placed.node, Some(light)),
+            ..one(document, light, placed.world, &place)?
+        });
+    }
+    Ok(lights)
+}
+
+fn one(document: &Document, light: &Light, world: DAffine3, place: &str) -> Result<GltfLight> {
+    let invalid = |what: String, help: &str| Err(document.invalid(place, what, help));
+    let strength = f64::from(light.intensity);
+    let intensity = light.color.map(|c| f64::from(c) * strength);
+    if !intensity.iter().all(|c| (0.0..=f64::MAX).contains(c)) {
+        let what = format!("its light has the intensity {intensity:?}");
+        return invalid(what, "colour and intensity are finite and not negative");
+    }
+    let kind = match (&light.type_, &light.spot) {
+        (Checked::Valid(Type::Point), _) => GltfLightKind::Point,
+        (Checked::Valid(Type::Directional), _) => GltfLightKind::Directional,
+        (Checked::Valid(Type::Spot), spot) => {
+            let spot = spot.as_ref();
+            let inner = spot.map_or(0.0, |s| f64::from(s.inner_cone_angle));
+            let outer = spot.map_or(0.5 * FRAC_PI_2, |s| f64::from(s.outer_cone_angle));
+            // f32 rounds a right angle up.
+            let right = outer > FRAC_PI_2 && outer < FRAC_PI_2 + 1e-7;
+            let outer = if right { FRAC_PI_2 } else { outer };
+            if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2) {
+                let what = format!("the cone of its spot light goes from {inner} to {outer} rad");
+                let help = "0 ≤ innerConeAngle < outerConeAngle ≤ π/2";
+                return invalid(what, help);
+            }
+            GltfLightKind::Spot { inner, outer }
+        }
+        (Checked::Invalid, _) => {
+            let help = "a light is \"point\", \"spot\" or \"directional\"";
+            return invalid("the type of its light is not of glTF".into(), help);
+        }
+    };
+    let Some(direction) = Direction::<World>::new(-world.matrix3.z_axis) else {
+        let what = "its transform leaves the light no direction".into();
+        return invalid(what, "place lights by rotation and translation");
+    };
+    Ok(GltfLight {
+        name: String::new(),
+        kind,
+        intensity,
+        position: world.translation,
+        direction: direction.unit(),
+    })
+}

@@ -10,8 +10,8 @@ use nullray::approximate::raster::Method;
 use nullray::figures::overlay::Parts;
 use nullray::render::aov::Aov;
 use nullray::render::plan::Request;
-use nullray::scene::Overrides;
 use nullray::scene::model::{MOST_SAMPLES, Scene};
+use nullray::scene::{Heading, ModelView, Overrides};
 use nullray::spacetime::units::Time;
 use nullray::validate::compare::{Encoding, NotFinite, Tolerance};
 use nullray::validate::study;
@@ -79,7 +79,7 @@ pub enum Command {
 /// A scene, or a panel of it, and what is changed of it.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// The scene file (TOML). Default: the built-in scene.
+    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -188,9 +188,22 @@ pub struct FrameArguments {
     pub interval: Option<Time>,
 }
 
+impl FrameArguments {
+    /// Those of a fly-by for which none are given.
+    pub fn all_of_flyby() -> Self {
+        FrameArguments {
+            frames: Some(0..ModelView::FLYBY_FRAMES),
+            from: None,
+            to: None,
+            fps: None,
+            interval: None,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct RenderArguments {
-    /// The scene file (TOML). Default: the built-in scene.
+    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -240,8 +253,29 @@ pub struct RenderArguments {
     /// Write the same statistics as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub stats_json: Option<PathBuf>,
+    /// Print the scene, with all that options change of it, and render nothing. Of a model without a scene it is the
+    /// scene that this stands for; saved in the current directory, it renders the same picture.
+    #[arg(long)]
+    pub print_scene: bool,
+    #[command(flatten)]
+    pub model: ModelArguments,
     #[command(flatten)]
     pub frames: FrameArguments,
+}
+
+/// How a model is looked at that is given in place of a scene.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
+pub struct ModelArguments {
+    /// The camera's speed v/c, from -1 to 1, both not included. Default: at rest; 0.9 for --flyby.
+    #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
+    pub beta: Option<f64>,
+    /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it.
+    #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
+    pub direction: Option<Heading>,
+    /// Pass the model by, in a sequence of 48 pictures (or those that --frames takes of it).
+    #[arg(long)]
+    pub flyby: bool,
 }
 
 #[derive(Debug, Args)]

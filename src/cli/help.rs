@@ -8,6 +8,7 @@ pub const PROGRAM: &str = "\
 Examples:
   nullray                            render the built-in scene into nullray-out/
   nullray render scene.toml          write scene.png
+  nullray render model.glb --beta 0.9  see a model at 0.9 c, without a scene
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
@@ -31,6 +32,9 @@ Examples:
   nullray render scene.toml --from \"0 ns\" --to \"10 ns\" --fps 5e9 --white 0.5 -o \"frame-####.png\"
   nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
   nullray render figure.toml --panel beta-0.9 -o right.png
+  nullray render model.glb --beta 0.9 --direction x
+  nullray render model.glb --flyby -o \"frame-####.png\"
+  nullray render model.glb --beta 0.9 --print-scene > scene.toml
 
 `nullray help render` lists formats and channels.";
 

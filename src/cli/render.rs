@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use nullray::approximate::raster::Method;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
+use nullray::scene::{ModelView, Overrides};
 use nullray::{Error, Result};
 
-use super::args::RenderArguments;
+use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
 use super::film::{in_pool, one};
@@ -19,9 +20,15 @@ use super::{builtin, inputs, panels, print, say};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
-    let scene = builtin::load(arguments.scene.as_deref(), &overrides)?;
+    let scene = scene(arguments, &overrides)?;
+    if arguments.print_scene {
+        return print(&scene.text);
+    }
     let outputs = outputs(arguments, &scene);
-    let frames = Frames::of(&arguments.frames, &scene)?;
+    let frames = match Frames::of(&arguments.frames, &scene)? {
+        None if arguments.model.flyby => Frames::of(&FrameArguments::all_of_flyby(), &scene)?,
+        frames => frames,
+    };
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if let Some(path) = &arguments.stats_json {
         let plan = Plan::new(&scene, &request(arguments, &outputs))?;
@@ -56,6 +63,40 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
         }
     })?;
     account.map_or(Ok(()), |account| settle(arguments, &account))
+}
+
+/// The scene that is named, or that a model stands for.
+fn scene(arguments: &RenderArguments, overrides: &Overrides) -> Result<Scene> {
+    let (path, model) = (arguments.scene.as_deref(), &arguments.model);
+    let moves = model.beta.is_some() || model.flyby;
+    if model.direction.is_some() && !moves {
+        let what = "it says where a moving camera goes, and this one is at rest";
+        return Err(refused("--direction", what, "add --beta 0.9, or --flyby"));
+    }
+    match path {
+        Some(path) if builtin::is_model(path) => {
+            let view = ModelView {
+                beta: model.beta,
+                direction: model.direction,
+                flyby: model.flyby,
+                size: None,
+            };
+            builtin::load_model(path, &view, overrides)
+        }
+        path => {
+            let option = match model.flyby {
+                true => "--flyby",
+                false => "--beta",
+            };
+            if moves {
+                let what = "it tells how a model without a scene is looked at, and this is a scene";
+                let help =
+                    "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
+                return Err(refused(option, what, help));
+            }
+            builtin::load(path, overrides)
+        }
+    }
 }
 
 /// Says and writes what it has cost, as far as that is wanted.

@@ -2,8 +2,10 @@
 
 use std::ops::{Range, RangeBounds};
 
+use glam::DVec3;
 use nullray::accel::Precision;
 use nullray::render::aov::{self, Aov};
+use nullray::scene::Heading;
 use nullray::spacetime::units::Percentage;
 use nullray::validate::compare::{Encoding, NotFinite};
 use nullray::validate::study::{self, Subject};
@@ -28,6 +30,30 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     match (pixels(width), pixels(height)) {
         (Some(width), Some(height)) => Ok([width, height]),
         _ => Err("width and height are whole numbers above 0".into()),
+    }
+}
+
+/// Where a camera moves to.
+pub fn heading(text: &str) -> Result<Heading, String> {
+    let (sign, axis) = match text.strip_prefix('-') {
+        Some(axis) => (-1.0, axis),
+        None => (1.0, text),
+    };
+    match (axis, text) {
+        ("x", _) => return Ok(Heading::Along(DVec3::X * sign)),
+        ("y", _) => return Ok(Heading::Along(DVec3::Y * sign)),
+        ("z", _) => return Ok(Heading::Along(DVec3::Z * sign)),
+        (_, "towards") => return Ok(Heading::Towards),
+        (_, "away") => return Ok(Heading::Away),
+        _ => {}
+    }
+    let numbers = text.split(',').map(|n| n.trim().parse::<f64>().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if DVec3::new(x, y, z) != DVec3::ZERO && (x + y + z).is_finite() => {
+            Ok(Heading::Along(DVec3::new(x, y, z)))
+        }
+        _ => Err("write x, y, z, -x, -y, -z, a vector like 1,0,-1, towards or away".into()),
     }
 }
 

@@ -113,6 +113,7 @@ mod inputs;
 mod load;
 mod memory;
 pub mod model;
+mod model_scene;
 mod names;
 mod overrides;
 mod panel;
@@ -126,6 +127,7 @@ mod values;
 
 pub use builder::{Builder, Value};
 pub use load::{load, parse};
+pub use model_scene::{Heading, ModelView, model_scene};
 pub use overrides::Overrides;
 pub use panel::{load_panel, parse_panel};
 pub use schema::schema;

@@ -11,7 +11,6 @@ use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
-use nullray::scene::Overrides;
 use nullray::scene::model::{Exposure, Scene};
 
 use super::args::RenderArguments;
@@ -38,6 +37,7 @@ pub fn run(
 ) -> Result<()> {
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
+    overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);
     let all = frames.numbers.clone();
     check_all(
@@ -47,6 +47,7 @@ pub fn run(
     interrupt::can_resume();
     let mut sequence = Sequence {
         arguments,
+        scene,
         frames,
         request,
         outputs,
@@ -78,6 +79,8 @@ pub fn run(
 /// A sequence that is being rendered.
 struct Sequence<'a> {
     arguments: &'a RenderArguments,
+    /// As it is without a time of its own.
+    scene: &'a Scene,
     frames: &'a Frames,
     request: &'a Request,
     outputs: &'a Outputs,
@@ -129,11 +132,9 @@ impl Sequence<'_> {
 
     /// The scene with its shot at camera time `time`, metres.
     fn scene_at(&self, time: f64) -> Result<Scene> {
-        let overrides = Overrides {
-            time: Some(format!("{time} m")),
-            ..self.arguments.changes.overrides()
-        };
-        let mut scene = builtin::load(self.arguments.scene.as_deref(), &overrides)?;
+        let overrides = self.arguments.changes.overrides();
+        let path = self.arguments.scene.as_deref();
+        let mut scene = builtin::at_time(path, self.scene, overrides, format!("{time} m"))?;
         if let Some(white) = self.white {
             scene.exposure = Exposure::White(white);
         }

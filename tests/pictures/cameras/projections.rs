@@ -51,7 +51,7 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 fn density(film: &AnyProjection, x: f64, y: f64) -> f64 {
     const STEP: f64 = 1e-3;
     let at = |dx, dy| film.direction(x + dx * STEP, y + dy * STEP).unit();
-    let [a, b, c, d] = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+    let [a, b, c, d] = [at(-0.5, -0.5), at(0.5, -0.5), at(0.5, 0.5), at(-0.5, 0.5)];
     (solid_angle([a, b, c]) + solid_angle([a, c, d])) / (STEP * STEP)
 }
 
@@ -193,17 +193,17 @@ radiance = { quantity = \"integrated\" }
 
 const PAIR: &str = "\
 [camera]
-eye = [0.2, 0.1, 4]
+eye = [0.2, 0.1, 5]
 look_at = [0.2, 0, 0]
 size = [40, 16]
-hfov = \"50 deg\"
-velocity = { beta = [0.5, 0.2, -0.4] }
+hfov = \"90 deg\"
+velocity = { beta = [0.3, 0.1, -0.2] }
 time = \"0.3 m\"
 [camera.stereo]
 interpupillary_distance = \"0.4 m\"
 [[object]]
-shape = { box = { size = [1, 1, 1] } }
-velocity = { beta = [0, 0.6, 0] }
+shape = { box = { size = [3, 3, 3] } }
+velocity = { beta = [0, 0.1, 0] }
 ";
 
 #[test]

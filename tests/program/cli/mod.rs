@@ -8,6 +8,7 @@ mod info;
 mod interrupt;
 mod light;
 mod methods;
+mod models;
 mod overlay;
 mod panels;
 mod pixel;

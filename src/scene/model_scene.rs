@@ -1,0 +1,425 @@
+//! A scene for a model that comes without one: a camera that frames it, and light.
+//!
+//! The model fits into the sphere of radius r about the middle C of its bounding box. From a place at the distance
+//! d it fills a cone of half-angle α, sin α = r/d, about the direction a. Aberration takes circles of directions
+//! to circles (Penrose 1959): with look directions (−1, l) in the cone those with
+//!
+//! ```text
+//! k·N ≥ 0,     N = (−cos α, a),
+//! ```
+//!
+//! a camera with velocity β along n sees the cone of N′ = Λ N = (t′, a′), of half-angle α′ about a′:
+//!
+//! ```text
+//! t′ = γ(−cos α − β n·a),    a′∥ = γ(n·a + β cos α),    cos α′ = −t′/|a′|,    sin α′ = sin α/|a′|,
+//! ```
+//!
+//! the last since N′·N′ = N·N = sin² α.
+//!
+//! Its forward axis is a′, and d is such that α′ fills the picture. α′ grows with α, which bisection finds. From a
+//! camera that flies towards the model so fast that it had to be inside it, the picture is made narrower instead.
+//!
+//! *Fly-by.* The camera passes C at the distance b, its forward axis across its motion. What it sees at the angle
+//! θ′ from its motion lies at θ, with sin θ = sin θ′/(γ(1 − β cos θ′)) and cos θ = (cos θ′ − β)/(1 − β cos θ′). C is
+//! at θ where the camera is b cot θ before it, which it is at
+//!
+//! ```text
+//! x = −b cot θ = b γ (β − cos θ′)/sin θ′.
+//! ```
+//!
+//! From one edge of the picture at θ′ = θ₀ to the other at π − θ₀ it takes (x₂ − x₁)/(γβ) = 2 b cot θ₀/β of its own time.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use glam::DVec3;
+use toml_edit::Value;
+
+use crate::error::{Error, Result};
+use crate::io::gltf::{self, BadVertices, Want};
+use crate::mesh::Mesh;
+use crate::spacetime::{Velocity, World};
+
+/// How a model is looked at that comes without a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ModelView {
+    /// The camera's speed v/c; none at rest, and 0.9 for a fly-by.
+    pub beta: Option<f64>,
+    /// Where it moves to; none: along x.
+    pub direction: Option<Heading>,
+    /// Whether it passes by, in a sequence of [`ModelView::FLYBY_FRAMES`] pictures.
+    pub flyby: bool,
+    /// Columns and rows of the picture; none: those of a scene that says nothing.
+    pub size: Option<[u32; 2]>,
+}
+
+/// Where a camera moves to that looks at a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Heading {
+    /// Along this vector, of any length but 0.
+    Along(DVec3),
+    /// To the model.
+    Towards,
+    /// From the model.
+    Away,
+}
+
+impl ModelView {
+    /// How many pictures a fly-by has.
+    pub const FLYBY_FRAMES: u64 = 48;
+    /// The speed of a fly-by for which none is given.
+    const FLYBY_SPEED: f64 = 0.9;
+}
+
+/// From the model to the camera: in front (+z, as glTF has it), somewhat to the right and above.
+const VIEWPOINT: DVec3 = DVec3::new(0.5, 0.35, 1.0);
+/// Horizontal field of view of a picture, degrees.
+const FOV: f64 = 50.0;
+/// That of a fly-by.
+const FLYBY_FOV: f64 = 90.0;
+/// How much of the picture, from its middle to its nearer edges, the sphere about the model fills.
+const FILLED: f64 = 0.95;
+/// θ₀ of the fly-by, degrees: a little beyond the edges of the picture.
+const FLYBY_EDGE: f64 = 40.0;
+/// Distance of the fly-by, in radii.
+const FLYBY_DISTANCE: f64 = 2.5;
+/// The widest α: the camera is not nearer than 1.015 r.
+const WIDEST: f64 = 80.0;
+/// The size of a scene that says nothing.
+const SIZE: [u32; 2] = [640, 480];
+
+/// The text of the scene that the glTF file at `path` stands for, seen as `view` says. Its path is in it as it is
+/// given, so that the scene file belongs in the folder from which `path` starts.
+///
+/// # Errors
+/// As [`gltf::load`]; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
+/// a direction of length 0.
+pub fn model_scene(path: &Path, view: &ModelView) -> Result<String> {
+    let name = path.to_str().ok_or_else(|| {
+        let help = "rename the file, so that a scene file can name it";
+        Error::unsupported(path, "path", "its name is not UTF-8 text", help)
+    })?;
+    let ball = Ball::of(path)?;
+    let motion = Motion::new(path, view)?;
+    let size = view.size.unwrap_or(SIZE);
+    let camera = match (view.flyby, motion) {
+        (true, Some(motion)) => passing(&ball, motion),
+        (_, motion) => framing(&ball, motion, size),
+    };
+    let mut text = String::from("# Made by nullray for a model without a scene.\n");
+    // Writing to a text does not fail.
+    let _ = camera.write(&mut text, size);
+    let _ = write!(
+        text,
+        "\n[[object]]\ngltf = {}\n{LIGHT}",
+        Value::from(name).to_string().trim()
+    );
+    Ok(text)
+}
+
+/// What the model is seen by.
+const LIGHT: &str = "
+[radiance]
+quantity = \"rgb\"
+
+[display]
+background = [0.02, 0.03, 0.05]
+";
+
+/// A sphere around all triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    centre: DVec3,
+    /// Above 0.
+    radius: f64,
+}
+
+impl Ball {
+    fn of(path: &Path) -> Result<Ball> {
+        let want = Want {
+            uvs: false,
+            textures: false,
+            shading: false,
+            bad_vertices: BadVertices::Drop,
+        };
+        let mesh = gltf::load(path, None, want)?.mesh;
+        Ball::around(&mesh).ok_or_else(|| {
+            let what = "its triangles have no extent that a camera could frame";
+            let help = "export a model whose triangles have an area, in metres from 1e-60 to 1e60";
+            Error::invalid(path, "meshes", what, help)
+        })
+    }
+
+    /// That of the triangles that have corners apart.
+    fn around(mesh: &Mesh) -> Option<Ball> {
+        let seen = || {
+            let all = 0..mesh.triangles.len() as u32;
+            let apart = all
+                .map(|i| mesh.corners(i))
+                .filter(|[a, b, c]| a != b && b != c);
+            apart.flatten()
+        };
+        let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [least, greatest] = seen().fold(empty, |[l, g], p| [l.min(p), g.max(p)]);
+        let centre = 0.5 * least + 0.5 * greatest;
+        let radius = seen().map(|p| p.distance(centre)).fold(0.0, f64::max);
+        // Squares of lengths are in range, and the sphere is larger than the last digit of where it is.
+        let seen = (1e-60..1e60).contains(&radius) && centre.length() * 1e-12 < radius;
+        seen.then_some(Ball { centre, radius })
+    }
+}
+
+/// The camera's motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Motion {
+    beta: f64,
+    gamma: f64,
+    /// Unit vector.
+    n: DVec3,
+}
+
+impl Motion {
+    /// None at rest.
+    fn new(path: &Path, view: &ModelView) -> Result<Option<Motion>> {
+        let refuse =
+            |place: &str, what: String, help: &str| Err(Error::invalid(path, place, what, help));
+        let default = view.flyby.then_some(ModelView::FLYBY_SPEED);
+        let Some(beta) = view.beta.or(default) else {
+            return Ok(None);
+        };
+        if !(beta > -1.0 && beta < 1.0) {
+            let what = format!("|β| = {} is not below 1", beta.abs());
+            return refuse("beta", what, "give a speed between −1 and 1, like 0.9");
+        }
+        let away = VIEWPOINT.normalize();
+        let n = match view.direction.unwrap_or(Heading::Along(DVec3::X)) {
+            Heading::Along(vector) => vector,
+            Heading::Towards => -away,
+            Heading::Away => away,
+        };
+        let Some(n) = crate::spacetime::Direction::<World>::new(n) else {
+            let what = format!("{n} has no direction");
+            return refuse("direction", what, "give a vector like 1,0,-1");
+        };
+        if beta == 0.0 && view.flyby {
+            let what = "a camera at rest passes nothing".to_owned();
+            return refuse("beta", what, "give a speed above 0, like 0.9");
+        }
+        let velocity = Velocity::from_beta(n.unit() * beta);
+        let gamma = velocity.map_or(f64::INFINITY, Velocity::gamma);
+        if gamma.is_nan() || gamma >= 1e8 {
+            let what = format!("at |β| = {} nothing can be framed", beta.abs());
+            return refuse("beta", what, "give a slower camera");
+        }
+        let (beta, n) = (beta.abs(), n.unit() * beta.signum());
+        Ok((beta > 0.0).then_some(Motion { beta, gamma, n }))
+    }
+
+    /// The cone of half-angle `alpha` about `axis`, as the camera sees it: its axis and half-angle.
+    fn seen(&self, axis: DVec3, alpha: f64) -> (DVec3, f64) {
+        let (cos, along) = (libm::cos(alpha), self.n.dot(axis));
+        // N′ = Λ N; its part across is that of N.
+        let time = self.gamma * (-cos - self.beta * along);
+        let stretched = self.gamma * (along + self.beta * cos);
+        let axis = axis + self.n * (stretched - along);
+        let length = axis.length();
+        (axis / length, libm::atan2(libm::sin(alpha), -time))
+    }
+}
+
+/// The camera of a scene.
+struct Framing {
+    eye: DVec3,
+    forward: DVec3,
+    /// Degrees.
+    fov: f64,
+    motion: Option<Motion>,
+    /// Camera time between the pictures of a sequence, metres.
+    interval: Option<f64>,
+    /// A length of the scene, to which `look_at` is.
+    reach: f64,
+}
+
+impl Framing {
+    fn write(&self, text: &mut String, size: [u32; 2]) -> std::fmt::Result {
+        let vector = |v: DVec3| format!("[{:?}, {:?}, {:?}]", v.x + 0.0, v.y + 0.0, v.z + 0.0);
+        writeln!(text, "[camera]")?;
+        writeln!(text, "eye = {}", vector(self.eye))?;
+        let target = self.eye + self.forward * self.reach;
+        writeln!(text, "look_at = {}", vector(target))?;
+        // Where it looks up or down, what is behind it is up.
+        if self.forward.y.abs() > 0.99 {
+            writeln!(text, "up = [0.0, 0.0, {:?}]", -self.forward.y.signum())?;
+        }
+        writeln!(text, "hfov = \"{:?} deg\"", self.fov)?;
+        writeln!(text, "size = [{}, {}]", size[0], size[1])?;
+        if let Some(Motion { beta, n, .. }) = self.motion {
+            let direction = vector(n);
+            writeln!(
+                text,
+                "velocity = {{ beta = {beta:?}, direction = {direction} }}"
+            )?;
+        }
+        match self.interval {
+            Some(interval) => writeln!(text, "frame_interval = \"{interval:?} m\""),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A camera that has the whole model in view.
+fn framing(ball: &Ball, motion: Option<Motion>, [width, height]: [u32; 2]) -> Framing {
+    let away = VIEWPOINT.normalize();
+    let aspect = f64::from(width) / f64::from(height);
+    // Half the field of view across the shorter side, of which the sphere fills a part.
+    let half = libm::tan(0.5 * FOV.to_radians()) / aspect.max(1.0);
+    let wanted = libm::atan(FILLED * half);
+    let seen = |alpha| match &motion {
+        Some(motion) => motion.seen(-away, alpha),
+        None => (-away, alpha),
+    };
+    let alpha = bisect(WIDEST.to_radians(), |alpha| seen(alpha).1 < wanted);
+    let (forward, filled) = seen(alpha);
+    // Narrower, where no place outside of the model fills the picture.
+    let tangent = libm::tan(filled.min(wanted)) / FILLED * aspect.max(1.0);
+    let distance = ball.radius / libm::sin(alpha);
+    Framing {
+        eye: ball.centre + away * distance,
+        forward,
+        fov: 2.0 * libm::atan(tangent).to_degrees(),
+        motion,
+        interval: None,
+        reach: distance,
+    }
+}
+
+/// The largest number up to `most` that is `below`, which smaller ones are.
+fn bisect(most: f64, below: impl Fn(f64) -> bool) -> f64 {
+    if below(most) {
+        return most;
+    }
+    let (mut low, mut high) = (0.0, most);
+    // A hundred halvings leave nothing of f64, of numbers as small as 1e-14 too.
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        match below(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    high
+}
+
+/// A camera that passes by.
+fn passing(ball: &Ball, motion: Motion) -> Framing {
+    let Motion { beta, gamma, n } = motion;
+    // It passes in front; to the right where it comes from there, or goes there.
+    let side = |v: DVec3| v.reject_from_normalized(n);
+    let front = side(DVec3::new(0.0, 0.25, 1.0));
+    let across = match front.length() > 0.3 {
+        true => front.normalize(),
+        false => side(DVec3::new(1.0, 0.25, 0.0)).normalize(),
+    };
+    let (sin, cos) = libm::sincos(FLYBY_EDGE.to_radians());
+    let distance = FLYBY_DISTANCE * ball.radius;
+    let first = distance * gamma * (beta - cos) / sin;
+    let duration = 2.0 * distance * cos / (sin * beta);
+    Framing {
+        eye: ball.centre + across * distance + n * first,
+        forward: -across,
+        fov: FLYBY_FOV,
+        motion: Some(motion),
+        interval: Some(duration / (ModelView::FLYBY_FRAMES - 1) as f64),
+        reach: distance,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cone_of_directions_is_seen_as_the_cone_of_its_aberrated_edge() {
+        let motion = Motion {
+            beta: 0.8,
+            gamma: 5.0 / 3.0,
+            n: DVec3::X,
+        };
+        // About the direction of motion tan(α′/2) = √((1 − β)/(1 + β)) tan(α/2) = tan(α/2)/3.
+        for (axis, factor) in [(DVec3::X, 1.0 / 3.0), (DVec3::NEG_X, 3.0)] {
+            let (seen, alpha) = motion.seen(axis, 0.4);
+            assert!((seen - axis).length() < 1e-15);
+            let expected = 2.0 * libm::atan(factor * libm::tan(0.2));
+            assert!((alpha - expected).abs() < 1e-14);
+        }
+        // A narrow one across the motion is seen at cos θ′ = β, narrower by 1/γ (dθ′ = dθ √(1 − β²)/(1 + β cos θ)).
+        let (seen, alpha) = motion.seen(DVec3::Y, 1e-4);
+        assert!((seen.x - 0.8).abs() < 1e-7);
+        assert!((alpha / 0.6e-4 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_model_fills_the_picture_at_any_speed_and_scale() {
+        for radius in [1e-3, 1.0, 1e4] {
+            let ball = Ball {
+                centre: DVec3::new(3.0, -1.0, 7.0) * radius,
+                radius,
+            };
+            for (beta, n) in [
+                (0.0, DVec3::X),
+                (0.9, DVec3::X),
+                (0.5, -VIEWPOINT),
+                (0.99, VIEWPOINT),
+            ] {
+                let motion = Motion {
+                    beta,
+                    gamma: 1.0 / f64::sqrt(1.0 - beta * beta),
+                    n: n.normalize(),
+                };
+                let camera = framing(&ball, Some(motion), [640, 320]);
+                let to = ball.centre - camera.eye;
+                let (axis, alpha) = motion.seen(to.normalize(), libm::asin(radius / to.length()));
+                assert!((axis - camera.forward).length() < 1e-9);
+                // Half of the shorter side is tan(fov/2)/2.
+                let edge = 0.5 * libm::tan(0.5 * camera.fov.to_radians());
+                assert!(
+                    (libm::tan(alpha) / edge - FILLED).abs() < 1e-6,
+                    "{beta} {n}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_flyby_goes_from_one_edge_of_the_picture_to_the_other() {
+        let ball = Ball {
+            centre: DVec3::new(5.0, 0.0, 0.0),
+            radius: 2.0,
+        };
+        let motion = Motion {
+            beta: 0.6,
+            gamma: 1.25,
+            n: DVec3::X,
+        };
+        let camera = passing(&ball, motion);
+        let steps = (ModelView::FLYBY_FRAMES - 1) as f64;
+        for (time, edge) in [(0.0, 40.0_f64), (steps, 140.0)] {
+            // γβ of path per proper time.
+            let path = camera.interval.unwrap() * time * 0.75;
+            let to = ball.centre - (camera.eye + DVec3::X * path);
+            let cos = to.normalize().x;
+            let seen = (cos + 0.6) / (1.0 + 0.6 * cos);
+            assert!((seen - edge.to_radians().cos()).abs() < 1e-12, "{time}");
+        }
+    }
+
+    #[test]
+    fn triangles_without_extent_are_not_framed() {
+        let flat = Mesh::new(vec![DVec3::ONE; 3], vec![[0, 1, 2]], [1.0; 3]);
+        assert_eq!(Ball::around(&flat), None);
+        let corners = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y, DVec3::Z * 1e9];
+        let one = Mesh::new(corners, vec![[0, 1, 2], [3, 3, 3]], [1.0; 3]);
+        let ball = Ball::around(&one).unwrap();
+        assert_eq!(ball.centre, DVec3::new(1.0, 0.5, 0.0));
+    }
+}

@@ -1,0 +1,174 @@
+//! `nullray render model.glb`: a model without a scene.
+
+use nullray::io::image::{Layers, exr};
+use serde_json::json;
+
+use super::Folder;
+
+/// A folder with `model.gltf`: a square that stands about (3, 1, −2), all times `size`, facing +z.
+fn folder(size: f32) -> Folder {
+    let corner = |x: f32, y: f32| [(3.0 + x) * size, (1.0 + y) * size, -2.0 * size];
+    let (a, c) = (corner(-0.5, -0.5), corner(0.5, 0.5));
+    let (b, d) = (corner(0.5, -0.5), corner(-0.5, 0.5));
+    let corners = [a, b, c, a, c, d];
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0.0 }, "doubleSided": true }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3",
+            "min": a, "max": c }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 72 }],
+        "buffers": [{ "byteLength": 72, "uri": "model.bin" }],
+    });
+    let bytes = corners.iter().flatten().flat_map(|c| c.to_le_bytes());
+    let folder = Folder::empty();
+    folder.write("model.gltf", document.to_string());
+    folder.write("model.bin", bytes.collect::<Vec<u8>>());
+    folder
+}
+
+const SIZE: [&str; 4] = ["--size", "60x40", "--spp", "1"];
+
+fn render(folder: &Folder, arguments: &[&str]) {
+    let mut all = vec!["render"];
+    all.extend(arguments);
+    all.extend(SIZE);
+    folder.ok(&all);
+}
+
+fn picture(folder: &Folder, name: &str) -> Layers {
+    exr::read(&folder.path(name)).unwrap()
+}
+
+/// By row, whether each pixel sees the model.
+fn seen(layers: &Layers) -> Vec<Vec<bool>> {
+    let object = layers.channels.iter().find(|c| c.name == "object").unwrap();
+    let ids = object.samples.to_f64();
+    ids.chunks(60)
+        .map(|row| row.iter().map(|&id| id >= 0.0).collect())
+        .collect()
+}
+
+#[test]
+fn the_whole_model_is_in_the_picture_at_any_speed_and_scale() {
+    for size in [1e-3, 1.0, 1e3] {
+        let folder = folder(size);
+        for motion in [
+            &[][..],
+            &["--beta", "0.9"],
+            &["--beta", "0.9", "--direction", "towards"],
+            &["--beta", "0.5", "--direction", "away"],
+            &["--beta", "0.99", "--direction", "-y"],
+            &["--beta", "0.8", "--direction", "1,-1,0.5"],
+        ] {
+            let mut arguments = vec!["model.gltf", "-o", "a.exr", "--aovs", "object"];
+            arguments.extend(motion);
+            render(&folder, &arguments);
+            let seen = seen(&picture(&folder, "a.exr"));
+            let count = seen.iter().flatten().filter(|seen| **seen).count();
+            // The square's own sphere fills 0.95² π/4 of the 40 × 40 pixels in the middle, and the square at most
+            // 2/π of that, where it is seen from the front; from nearby its corners are seen farther away.
+            assert!((60..1100).contains(&count), "{size} {motion:?}: {count}");
+            let edges = seen[0].iter().chain(&seen[39]);
+            let sides = seen.iter().flat_map(|row| [&row[0], &row[59]]);
+            assert!(!edges.chain(sides).any(|seen| *seen), "{size} {motion:?}");
+        }
+    }
+}
+
+#[test]
+fn the_scene_that_a_model_stands_for_renders_the_same_picture() {
+    let folder = folder(0.02);
+    let motion = ["--beta", "0.9", "--direction", "-x"];
+    let said = folder.ok(&[
+        &["render", "model.gltf", "--print-scene"],
+        &motion[..],
+        &SIZE,
+    ]
+    .concat());
+    assert!(said.contains("gltf = \"model.gltf\""), "{said}");
+    assert!(said.contains("beta = 0.9"), "{said}");
+    assert_eq!(folder.names(), ["model.bin", "model.gltf"]);
+    folder.write("printed.toml", &said);
+    folder.ok(&["render", "printed.toml", "-o", "b.exr"]);
+    render(
+        &folder,
+        &[&["model.gltf", "-o", "a.exr"], &motion[..]].concat(),
+    );
+    let [a, b] = ["a.exr", "b.exr"].map(|name| picture(&folder, name));
+    assert_eq!(a.channels, b.channels);
+}
+
+#[test]
+fn a_flyby_is_a_sequence_that_the_model_crosses() {
+    let folder = folder(5.0);
+    let arguments = [
+        "model.gltf",
+        "--flyby",
+        "--beta",
+        "0.6",
+        "-o",
+        "a-##.exr",
+        "--aovs",
+        "object",
+    ];
+    // The middle of its 48 pictures, and those at either end of it.
+    render(&folder, &[&arguments[..], &["--frames", "8..40"]].concat());
+    // The camera moves to the right (it looks along −z), so that the model moves to the left.
+    let place = |name: &str| {
+        let seen = seen(&picture(&folder, name));
+        let columns = seen.iter().flat_map(|row| (0..60).filter(|&k| row[k]));
+        let columns: Vec<usize> = columns.collect();
+        columns.iter().sum::<usize>() as f64 / columns.len() as f64
+    };
+    let places = [place("a-08.exr"), place("a-24.exr"), place("a-39.exr")];
+    assert!(
+        places[0] > places[1] + 3.0 && places[1] > places[2] + 3.0,
+        "{places:?}"
+    );
+    folder.ok(&[
+        "render",
+        "model.gltf",
+        "--flyby",
+        "--size",
+        "4x4",
+        "--spp",
+        "1",
+        "-q",
+    ]);
+    assert!(folder.names().contains(&"model-0047.png".to_string()));
+}
+
+#[test]
+fn what_cannot_be_framed_is_refused() {
+    let folder = folder(1.0);
+    folder.write("scene.toml", super::SMALL);
+    let refused = |arguments: &[&str], what: &str| {
+        let run = folder.run(&[&["render"], arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(
+            run.message().contains(what),
+            "{arguments:?}: {}",
+            run.message()
+        );
+    };
+    refused(&["model.gltf", "--beta", "1"], "|β| = 1 is not below 1");
+    refused(&["model.gltf", "--beta", "nan"], "|β| = NaN is not below 1");
+    refused(&["model.gltf", "--direction", "x"], "--beta");
+    refused(
+        &["model.gltf", "--beta", "0.5", "--direction", "up"],
+        "towards or away",
+    );
+    refused(
+        &["model.gltf", "--flyby", "--beta", "0"],
+        "a camera at rest passes nothing",
+    );
+    refused(&["scene.toml", "--beta", "0.5"], "this is a scene");
+    refused(&["scene.toml", "--flyby"], "this is a scene");
+    refused(&["missing.glb"], "missing.glb");
+    folder.write("model.bin", [0; 72]);
+    refused(&["model.gltf"], "its triangles have no extent");
+    folder.write("model.bin", [0; 7]);
+    refused(&["model.gltf"], "model.bin");
+}

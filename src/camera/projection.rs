@@ -133,10 +133,10 @@ impl AnyProjection {
         }
     }
 
-    /// That of a capture camera whose cube has `size` columns and rows.
+    /// That of the whole film of a capture camera whose cube has `size` columns and rows.
     pub fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
-        let size = size.map(|n| n as f64);
-        AnyProjection::of_kind(camera.projection, camera.axes, camera.horizontal_fov, size)
+        let (fov, film) = (camera.horizontal_fov(size), camera.film(size));
+        AnyProjection::of_kind(camera.projection, camera.axes, fov, film)
     }
 
     /// Whether some point of the film sees nothing: it is so in a corner, if anywhere.

@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::Cube;
+use crate::io::cube::{Axes, Cube};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -203,6 +203,8 @@ pub enum CubeData {
         path: PathBuf,
         /// The array of an `.npz`; needed where it holds several.
         array: Option<String>,
+        /// The order of its axes, where the scene says it.
+        axes: Option<Axes>,
     },
     /// In memory.
     Memory(Arc<Cube>),
@@ -239,8 +241,84 @@ pub struct CaptureCamera {
     pub axes: [DVec3; 3],
     /// How its pixels look.
     pub projection: ProjectionKind,
-    /// Horizontal field of view, radians. The aspect follows from the cube's shape.
-    pub horizontal_fov: f64,
+    /// Field of view of the whole film, radians. The aspect follows from the film's shape.
+    pub fov: f64,
+    /// The axis along which `fov` is.
+    pub fov_axis: FovAxis,
+    /// Where the cube lies on the film; none where it is all of it.
+    pub crop: Option<Crop>,
+    /// Depth of the plane on which the capture's rays began, metres, at least 0.
+    pub near_clip: f64,
+}
+
+impl CaptureCamera {
+    /// A perspective camera whose film is the cube, with a horizontal field of view, without a near plane.
+    pub fn new(eye: DVec3, axes: [DVec3; 3], horizontal_fov: f64) -> Self {
+        CaptureCamera {
+            eye,
+            axes,
+            projection: ProjectionKind::Perspective,
+            fov: horizontal_fov,
+            fov_axis: FovAxis::X,
+            crop: None,
+            near_clip: 0.0,
+        }
+    }
+
+    /// Columns and rows of the whole film, for a cube of `size` columns and rows.
+    pub fn film(&self, size: [usize; 2]) -> [f64; 2] {
+        match self.crop {
+            Some(crop) => crop.film.map(f64::from),
+            None => size.map(|n| n as f64),
+        }
+    }
+
+    /// The horizontal field of view, radians, of the whole film, for a cube of `size` columns and rows.
+    ///
+    /// On a plane at depth 1, half the film's width, height and diagonal are the tangents of half their fields of
+    /// view, and they are to each other as w, h and √(w² + h²).
+    pub fn horizontal_fov(&self, size: [usize; 2]) -> f64 {
+        let [w, h] = self.film(size);
+        let along = match self.fov_axis {
+            FovAxis::X => w,
+            FovAxis::Y => h,
+            FovAxis::Diagonal => libm::hypot(w, h),
+            FovAxis::Smaller => w.min(h),
+            FovAxis::Larger => w.max(h),
+        };
+        // What is the horizontal one already keeps its digits.
+        if along == w {
+            return self.fov;
+        }
+        2.0 * libm::atan(libm::tan(0.5 * self.fov) * (w / along))
+    }
+}
+
+/// An axis of a film along which a field of view is given.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum FovAxis {
+    /// Across the columns.
+    #[default]
+    X,
+    /// Across the rows.
+    Y,
+    /// From corner to corner.
+    Diagonal,
+    /// The one with fewer pixels.
+    Smaller,
+    /// The one with more pixels.
+    Larger,
+}
+
+/// Where a cube lies on the film of its camera, in columns and rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crop {
+    /// Of the whole film.
+    pub film: [u32; 2],
+    /// Of the film, left of the cube and above it.
+    pub offset: [u32; 2],
 }
 
 /// The clock that a time axis shows.

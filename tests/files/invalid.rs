@@ -5,7 +5,7 @@ use crate::common::png::decode;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use nullray::io::cube;
+use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf::{self, Want};
 use nullray::io::npy;
 use nullray::scene::model::BadVertices;
@@ -53,7 +53,7 @@ fn cases() -> Vec<Case> {
 fn import(file: &str) -> Result<()> {
     let path = Path::new(DIRECTORY).join(file);
     match file.rsplit_once('.').unwrap().1 {
-        "npy" | "npz" => cube::load(&path, None).map(drop),
+        "npy" | "npz" => cube::load(&path, Wanted::default()).map(drop),
         _ if file.starts_with("camera-") => gltf::camera(&path, None).map(drop),
         _ => gltf::load(&path, None, ALL).map(drop),
     }
@@ -135,7 +135,7 @@ fn a_missing_file_is_an_io_error_and_a_directory_is_refused() {
     for error in [
         gltf::load(missing, None, ALL).map(drop).unwrap_err(),
         gltf::inspect(missing, None).map(drop).unwrap_err(),
-        cube::load(missing, None).map(drop).unwrap_err(),
+        cube::load(missing, Wanted::default()).map(drop).unwrap_err(),
         npy::inspect(missing, None).map(drop).unwrap_err(),
     ] {
         assert!(
@@ -147,7 +147,7 @@ fn a_missing_file_is_an_io_error_and_a_directory_is_refused() {
         gltf::load(Path::new(DIRECTORY), None, ALL)
             .map(drop)
             .unwrap_err(),
-        cube::load(Path::new(DIRECTORY), None)
+        cube::load(Path::new(DIRECTORY), Wanted::default())
             .map(drop)
             .unwrap_err(),
     ] {

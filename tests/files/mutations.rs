@@ -1,7 +1,7 @@
 //! Valid files with bytes changed, numbers replaced and ends cut off: whatever comes of it is a
 //! result or an error, never a panic, a hang or a bid for all memory.
 
-use nullray::io::cube;
+use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf::{self, Want};
 use nullray::scene::model::BadVertices;
 
@@ -58,7 +58,8 @@ fn import_gltf(bytes: &[u8]) -> bool {
 }
 
 fn import_array(bytes: &[u8], array: Option<&str>) -> bool {
-    cube::load_bytes(bytes, "mutated", array).is_ok()
+    let wanted = Wanted { array, axes: None };
+    cube::load_bytes(bytes, "mutated", wanted).is_ok()
 }
 
 /// Every byte, changed in four ways.

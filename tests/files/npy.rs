@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use nullray::io::cube::{self, Samples};
+use nullray::io::cube::{self, Samples, Wanted};
 use nullray::io::npy::{self, Dtype};
 
 fn valid(file: &str) -> PathBuf {
@@ -23,7 +23,7 @@ fn single_precision_of_every_header_version_is_read() {
         "cube-f4-version-3.npy",
         "stored.npz",
     ] {
-        let cube = cube::load(&valid(file), None).unwrap();
+        let cube = cube::load(&valid(file), Wanted::default()).unwrap();
         assert_eq!(cube.shape, [2, 3, 4, 1], "{file}");
         let samples = expected().map(|s| s as f32).collect();
         assert_eq!(cube.samples, Samples::F32(samples), "{file}");
@@ -32,32 +32,80 @@ fn single_precision_of_every_header_version_is_read() {
 
 #[test]
 fn half_precision_is_read_as_it_is() {
-    let cube = cube::load(&valid("cube-f2.npy"), None).unwrap();
+    let cube = cube::load(&valid("cube-f2.npy"), Wanted::default()).unwrap();
     let samples = expected().map(f16::from_f64).collect();
     assert_eq!(cube.samples, Samples::F16(samples));
 }
 
 #[test]
 fn big_endian_samples_are_converted() {
-    let cube = cube::load(&valid("cube-f8-big-endian.npy"), None).unwrap();
+    let cube = cube::load(&valid("cube-f8-big-endian.npy"), Wanted::default()).unwrap();
     assert_eq!(cube.samples, Samples::F64(expected().collect()));
 }
 
 #[test]
+fn axes_in_another_order_are_brought_into_that_of_a_cube() {
+    let samples: Vec<f32> = expected().map(|s| s as f32).collect();
+    let axes = "T H W".parse().unwrap();
+    let wanted = Wanted {
+        array: None,
+        axes: Some(&axes),
+    };
+    let file = valid("time-first-f4.npy");
+    let cube = cube::load(&file, wanted).unwrap();
+    assert_eq!(cube.shape, [2, 3, 4, 1]);
+    assert_eq!(cube.samples, Samples::F32(samples.clone()));
+    let info = cube::inspect(&file, wanted).unwrap();
+    assert_eq!((info.shape, info.assumed), ([2, 3, 4, 1], false));
+    // Fortran order is an order of axes like any other, and needs no name.
+    let cube = cube::load(&valid("fortran-order.npy"), Wanted::default()).unwrap();
+    assert_eq!(cube.shape, [2, 3, 4, 1]);
+    assert_eq!(cube.samples, Samples::F32(samples));
+}
+
+#[test]
+fn axes_without_time_are_a_steady_picture() {
+    let axes = "H W".parse().unwrap();
+    let wanted = Wanted {
+        array: None,
+        axes: Some(&axes),
+    };
+    let cube = cube::load(&valid("steady-f4.npy"), wanted).unwrap();
+    assert_eq!(cube.shape, [4, 6, 1, 1]);
+    let refused = cube::load(&valid("cube-f4.npy"), wanted).unwrap_err();
+    assert!(
+        refused.to_string().contains("has 3 axes, and 2 are named"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn integers_are_read_exactly() {
+    let cube = cube::load(&valid("counts-u2.npy"), Wanted::default()).unwrap();
+    let counts = (0..24).map(|n| (2700 * n) as f32).collect();
+    assert_eq!(cube.samples, Samples::F32(counts));
+    let cube = cube::load(&valid("counts-i4-big-endian.npy"), Wanted::default()).unwrap();
+    let counts = (0..24).map(|n| 90e6 * f64::from(n) - 1.0).collect();
+    assert_eq!(cube.samples, Samples::F64(counts));
+    let info = cube::inspect(&valid("counts-u2.npy"), Wanted::default()).unwrap();
+    assert_eq!((info.bytes, info.assumed), (96, true));
+}
+
+#[test]
 fn a_fourth_axis_is_channels() {
-    let cube = cube::load(&valid("rgb-f4.npy"), None).unwrap();
+    let cube = cube::load(&valid("rgb-f4.npy"), Wanted::default()).unwrap();
     assert_eq!(cube.shape, [2, 2, 2, 3]);
 }
 
 #[test]
 fn a_deflated_array_is_found_by_its_name_among_arrays_that_are_no_cubes() {
-    let cube = cube::load(&valid("deflated.npz"), Some("cube")).unwrap();
+    let cube = cube::load(&valid("deflated.npz"), Wanted::array("cube")).unwrap();
     assert_eq!(cube.samples, Samples::F64(expected().collect()));
 }
 
 #[test]
 fn an_array_that_is_not_there_is_refused_with_the_names_of_those_that_are() {
-    let error = cube::load(&valid("deflated.npz"), Some("cubes")).unwrap_err();
+    let error = cube::load(&valid("deflated.npz"), Wanted::array("cubes")).unwrap_err();
     let help = error.help();
     for name in ["\"cube\"", "\"wavelengths\"", "\"axis\""] {
         assert!(help.contains(name), "{help}");
@@ -66,7 +114,7 @@ fn an_array_that_is_not_there_is_refused_with_the_names_of_those_that_are() {
 
 #[test]
 fn a_name_for_the_nameless_array_of_an_npy_file_is_refused() {
-    let error = cube::load(&valid("cube-f4.npy"), Some("cube")).unwrap_err();
+    let error = cube::load(&valid("cube-f4.npy"), Wanted::array("cube")).unwrap_err();
     assert!(error.to_string().contains("has no name"), "{error}");
 }
 
@@ -95,18 +143,21 @@ fn inspecting_tells_headers_of_all_arrays() {
 
 #[test]
 fn inspecting_a_cube_tells_its_size_in_memory() {
-    let info = cube::inspect(&valid("cube-f2.npy"), None).unwrap();
+    let info = cube::inspect(&valid("cube-f2.npy"), Wanted::default()).unwrap();
     assert_eq!((info.shape, info.bytes), ([2, 3, 4, 1], 48));
     assert_eq!(info.dtype, Dtype::F16);
 }
 
 #[test]
 fn bytes_in_memory_are_read_as_files_are() {
-    for (file, array) in [("cube-f4.npy", None), ("deflated.npz", Some("cube"))] {
+    for (file, wanted) in [
+        ("cube-f4.npy", Wanted::default()),
+        ("deflated.npz", Wanted::array("cube")),
+    ] {
         let bytes = std::fs::read(valid(file)).unwrap();
-        let cube = cube::load_bytes(&bytes, "built-in", array).unwrap();
-        assert_eq!(cube, cube::load(&valid(file), array).unwrap());
-        let error = cube::load_bytes(&bytes[..90], "built-in", array).unwrap_err();
+        let cube = cube::load_bytes(&bytes, "built-in", wanted).unwrap();
+        assert_eq!(cube, cube::load(&valid(file), wanted).unwrap());
+        let error = cube::load_bytes(&bytes[..90], "built-in", wanted).unwrap_err();
         assert!(error.to_string().starts_with("built-in"), "{error}");
     }
 }
@@ -119,7 +170,7 @@ fn a_cube_of_many_pieces_is_read_whole() {
     bytes.extend((shape.len() as u16).to_le_bytes());
     bytes.extend(shape.bytes());
     bytes.extend((0..60_000).flat_map(|n| (n as f32).to_le_bytes()));
-    let cube = cube::load_bytes(&bytes, "memory", None).unwrap();
+    let cube = cube::load_bytes(&bytes, "memory", Wanted::default()).unwrap();
     assert_eq!(
         cube.samples,
         Samples::F32((0..60_000).map(|n| n as f32).collect())

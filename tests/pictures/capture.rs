@@ -6,7 +6,7 @@ use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
     Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
-use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, ProjectionKind, TimeFilter};
+use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
 
 const SIZE: usize = 192;
 const BINS: usize = 160;
@@ -24,12 +24,7 @@ fn wave(p: DVec3, t: f64) -> f64 {
 fn camera() -> CaptureCamera {
     let forward = (DVec3::new(0.0, 0.3, 0.3) - EYE).normalize();
     let right = forward.cross(DVec3::Z).normalize();
-    CaptureCamera {
-        eye: EYE,
-        axes: [right, right.cross(forward), forward],
-        projection: ProjectionKind::Perspective,
-        horizontal_fov: 0.7,
-    }
+    CaptureCamera::new(EYE, [right, right.cross(forward), forward], 0.7)
 }
 
 fn sphere(origin: DVec3, direction: DVec3) -> Option<SeenPoint> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use nullray::Error;
-use nullray::io::cube::{self, Cube, Samples};
+use nullray::io::cube::{self, Cube, Samples, Wanted};
 use nullray::io::gltf::{self, Want};
 
 use nullray::mesh::{Mesh, shapes};
@@ -87,7 +87,7 @@ fn a_cube_of_a_file_renders_the_same_when_it_is_passed_as_an_array() {
                 cube = { file = 'cube.npy', bin_width = '0.3 m', start = '-1 m', filter = 'cubic' }";
     let file = stage::scene_in(folder.path(), &format!("{CAMERA}{text}"));
 
-    let cube = Arc::new(cube::load(&path, None).unwrap());
+    let cube = Arc::new(cube::load(&path, Wanted::default()).unwrap());
     let memory = camera("array")
         .shape("wall", shapes_box())
         .cube("light", cube.clone(), 0.3)

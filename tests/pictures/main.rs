@@ -14,6 +14,7 @@ mod capture;
 mod exposures;
 mod in_memory;
 mod lookups;
+mod mitransient;
 mod moving_meshes;
 mod paper_scenes;
 mod paper_versus_exact;

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use nullray::io::cube::{self, CubeFormat, CubeInfo};
+use nullray::io::cube::{self, CubeFormat, CubeInfo, Wanted};
 use nullray::io::npy::{Dtype, Header};
+use nullray::light::time_texture::survey;
 use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
@@ -19,7 +20,12 @@ pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
     };
     let mut info = Info::new("numpy", &title);
     let arrays = headers.iter().map(|header| {
-        let cube = cube::inspect(path, header.name.as_deref());
+        let wanted = Wanted {
+            array: header.name.as_deref(),
+            axes: None,
+        };
+        let cube = cube::inspect(path, wanted)
+            .and_then(|info| Ok((samples(path, wanted, &info)?, info)));
         describe(&mut info, header, &cube);
         data(header, &cube)
     });
@@ -28,7 +34,20 @@ pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
     Ok(info)
 }
 
-type Cube = Result<CubeInfo>;
+/// What is known of a cube: what looks wrong about its samples (none where they were not read), and its header.
+type Cube = Result<(Option<Vec<String>>, CubeInfo)>;
+
+/// Samples that take more memory than this are not read, bytes.
+const MOST_READ: u64 = 1 << 30;
+
+/// Reads the samples, which tells whether all are finite, and looks at them.
+fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<String>>> {
+    if info.bytes > MOST_READ {
+        return Ok(None);
+    }
+    let cube = cube::load(path, wanted)?;
+    Ok(Some(survey::of_samples(&cube, info.assumed)))
+}
 
 fn describe(info: &mut Info, header: &Header, cube: &Cube) {
     if let Some(name) = &header.name {
@@ -43,14 +62,25 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
         format!("{} ({precision}), {order} order, {size}", descr(header)),
     );
     match cube {
-        Ok(cube) => {
+        Ok((remarks, cube)) => {
             let [h, w, t, c] = cube.shape;
             let colours = if c == 1 { "grey" } else { "red, green, blue" };
             info.row(
                 "as a cube",
                 format!("H = {h} rows, W = {w} columns, T = {t} time bins, C = {c} ({colours})"),
             );
+            if cube.assumed {
+                let text = format!(
+                    "{} (assumed: `axes` of the source says another order)",
+                    cube.axes
+                );
+                info.row("axes", text);
+            }
             info.row("usable", "yes: as the file of a [source.cube]");
+            let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
+            for remark in remarks.clone().unwrap_or_else(unread) {
+                info.row("remark", remark);
+            }
         }
         Err(error) => {
             let (why, help) = why(error);
@@ -63,9 +93,12 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
 }
 
 fn data(header: &Header, cube: &Cube) -> Value {
-    let usable = cube.as_ref().ok().map(|cube| {
+    let usable = cube.as_ref().ok().map(|(remarks, cube)| {
         let [h, w, t, c] = cube.shape;
-        json!({ "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes })
+        json!({
+            "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
+            "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "remarks": remarks,
+        })
     });
     let problem = cube.as_ref().err().map(|error| why(error).0);
     json!({

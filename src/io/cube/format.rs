@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use super::axes::Axes;
 use super::samples::Cube;
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header};
 
-/// A format of files that hold cubes. The readers get an open file, its name for messages, and the name of an
-/// array in it, which may be left out where there is one only.
+/// A format of files that hold cubes. The readers get an open file, its name for messages, and what is
+/// asked of it.
 #[derive(Debug)]
 pub struct CubeFormat {
     /// Its name, for people.
@@ -20,11 +21,30 @@ pub struct CubeFormat {
     /// Whether its arrays have names.
     pub named: bool,
     /// What would be loaded, by the same checks of headers and lengths; no samples are read.
-    pub(super) inspect: fn(&mut dyn ReadSeek, &Path, Option<&str>) -> Result<CubeInfo>,
+    pub(super) inspect: fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<CubeInfo>,
     /// The cube.
-    pub(super) load: fn(&mut dyn ReadSeek, &Path, Option<&str>) -> Result<Cube>,
+    pub(super) load: fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
+}
+
+/// What is asked of a file.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wanted<'a> {
+    /// The array, which may be left out where there is one only.
+    pub array: Option<&'a str>,
+    /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
+    pub axes: Option<&'a Axes>,
+}
+
+impl<'a> Wanted<'a> {
+    /// The array of this name.
+    pub fn array(name: &'a str) -> Self {
+        Wanted {
+            array: Some(name),
+            axes: None,
+        }
+    }
 }
 
 /// What a cube will be once it is loaded: its shape and its size in memory.
@@ -32,8 +52,12 @@ pub struct CubeFormat {
 pub struct CubeInfo {
     /// H, W, T, C; each at least 1.
     pub shape: [usize; 4],
-    /// The precision of the samples.
+    /// The precision of the samples in memory.
     pub dtype: Dtype,
     /// Bytes of the samples in memory.
     pub bytes: u64,
+    /// The order of the axes in the file.
+    pub axes: Axes,
+    /// Whether that order was assumed: neither the file nor the caller said it.
+    pub assumed: bool,
 }

@@ -2,11 +2,13 @@
 //!
 //! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`].
 
+mod axes;
 mod format;
 mod npy;
 mod samples;
 mod table;
 
-pub use format::{CubeFormat, CubeInfo};
+pub use axes::{Axes, Axis};
+pub use format::{CubeFormat, CubeInfo, Wanted};
 pub use samples::{Cube, CubeError, Samples};
 pub use table::{FORMATS, format_of, inspect, load, load_bytes};

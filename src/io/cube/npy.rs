@@ -1,11 +1,14 @@
-//! NumPy arrays as cubes: shape (H, W, T) or (H, W, T, C), C order, half, single or double precision, of
-//! either byte order; C is 1 or 3.
+//! NumPy arrays as cubes: half, single or double precision, or integers (counts) of at most 32 bits, of either
+//! byte order, in C or Fortran order, with axes in any order that is named; C is 1 or 3.
+//!
+//! Samples go to their places in the cube as they are read, so that no second copy is held.
 
 use std::path::Path;
 
 use half::f16;
 
-use super::format::{CubeFormat, CubeInfo};
+use super::axes::{Arrangement, Axes};
+use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::samples::{Cube, Samples, place_of};
 use crate::Result;
 use crate::io::files::ReadSeek;
@@ -36,127 +39,241 @@ fn arrays(path: &Path) -> Result<Vec<Header>> {
     npy::inspect(path, None)
 }
 
-fn inspect(mut reader: &mut dyn ReadSeek, file: &Path, array: Option<&str>) -> Result<CubeInfo> {
-    npy::with_array(&mut reader, file, array, |stored| Ok(layout(stored)?.1))
-}
-
-fn load(mut reader: &mut dyn ReadSeek, file: &Path, array: Option<&str>) -> Result<Cube> {
-    npy::with_array(&mut reader, file, array, |stored| {
-        let (header, CubeInfo { shape, .. }) = layout(stored)?;
-        let big = header.big_endian;
-        let samples = match header.dtype {
-            Dtype::F16 if big => Samples::F16(finite(stored, shape, f16::from_be_bytes)?),
-            Dtype::F16 => Samples::F16(finite(stored, shape, f16::from_le_bytes)?),
-            Dtype::F32 if big => Samples::F32(finite(stored, shape, f32::from_be_bytes)?),
-            Dtype::F32 => Samples::F32(finite(stored, shape, f32::from_le_bytes)?),
-            Dtype::F64 if big => Samples::F64(finite(stored, shape, f64::from_be_bytes)?),
-            Dtype::F64 => Samples::F64(finite(stored, shape, f64::from_le_bytes)?),
-            Dtype::Other(descr) => return Err(not_floating_point(&stored.place, &descr)),
-        };
-        Ok(Cube { shape, samples })
+fn inspect(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<CubeInfo> {
+    npy::with_array(&mut reader, file, wanted.array, |stored| {
+        Ok(layout(stored, wanted.axes)?.info())
     })
 }
 
-/// The samples of a cube, all finite.
-fn finite<const N: usize, T: Copy + Into<f64>>(
+fn load(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
+    npy::with_array(&mut reader, file, wanted.array, |stored| {
+        let layout = layout(stored, wanted.axes)?;
+        let samples = samples(stored, &layout)?;
+        Ok(Cube {
+            shape: layout.arrangement.shape,
+            samples,
+        })
+    })
+}
+
+/// The samples in their own precision; integers as the floating-point numbers that hold them.
+fn samples(stored: &mut Stored, layout: &Layout) -> Result<Samples> {
+    Ok(match (layout.number, layout.big_endian) {
+        (Number::F16, true) => Samples::F16(finite(stored, layout, f16::from_be_bytes)?),
+        (Number::F16, false) => Samples::F16(finite(stored, layout, f16::from_le_bytes)?),
+        (Number::F32, true) => Samples::F32(finite(stored, layout, f32::from_be_bytes)?),
+        (Number::F32, false) => Samples::F32(finite(stored, layout, f32::from_le_bytes)?),
+        (Number::F64, true) => Samples::F64(finite(stored, layout, f64::from_be_bytes)?),
+        (Number::F64, false) => Samples::F64(finite(stored, layout, f64::from_le_bytes)?),
+        (Number::U8, _) => Samples::F32(finite(stored, layout, |[b]: [u8; 1]| b.into())?),
+        (Number::I8, _) => Samples::F32(finite(stored, layout, |b| i8::from_le_bytes(b).into())?),
+        (Number::U16, true) => {
+            Samples::F32(finite(stored, layout, |b| u16::from_be_bytes(b).into())?)
+        }
+        (Number::U16, false) => {
+            Samples::F32(finite(stored, layout, |b| u16::from_le_bytes(b).into())?)
+        }
+        (Number::I16, true) => {
+            Samples::F32(finite(stored, layout, |b| i16::from_be_bytes(b).into())?)
+        }
+        (Number::I16, false) => {
+            Samples::F32(finite(stored, layout, |b| i16::from_le_bytes(b).into())?)
+        }
+        (Number::U32, true) => {
+            Samples::F64(finite(stored, layout, |b| u32::from_be_bytes(b).into())?)
+        }
+        (Number::U32, false) => {
+            Samples::F64(finite(stored, layout, |b| u32::from_le_bytes(b).into())?)
+        }
+        (Number::I32, true) => {
+            Samples::F64(finite(stored, layout, |b| i32::from_be_bytes(b).into())?)
+        }
+        (Number::I32, false) => {
+            Samples::F64(finite(stored, layout, |b| i32::from_le_bytes(b).into())?)
+        }
+    })
+}
+
+/// The samples of a cube, all finite, in its order.
+fn finite<const N: usize, T: Copy + Default + Into<f64>>(
     stored: &mut Stored,
-    shape: [usize; 4],
+    layout: &Layout,
     sample: fn([u8; N]) -> T,
 ) -> Result<Vec<T>> {
-    let count = shape.iter().product();
-    stored.samples(count, sample, |place, first, piece| {
+    let arrangement = &layout.arrangement;
+    let count = arrangement.shape.iter().product();
+    let check = |place: &Place, first: usize, piece: &[T]| {
         let is_bad = |sample: &T| !Into::<f64>::into(*sample).is_finite();
         let Some(bad) = piece.iter().position(is_bad) else {
             return Ok(());
         };
-        let [i, j, k, l] = place_of(first + bad, shape);
+        let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
         Err(place.invalid(
             &format!("sample [{i}, {j}, {k}, {l}]"),
             "the sample is not a finite number",
             "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
         ))
-    })
+    };
+    if arrangement.is_plain() {
+        return stored.samples(count, sample, check);
+    }
+    let mut cube = stored.room(count)?;
+    cube.resize(count, T::default());
+    let mut decoded = Vec::new();
+    stored.pieces(count, |place, first, bytes| {
+        decoded.clear();
+        decoded.extend(bytes.iter().map(|b| sample(*b)));
+        check(place, first, &decoded)?;
+        arrangement.put(first, &decoded, &mut cube);
+        Ok(())
+    })?;
+    Ok(cube)
+}
+
+/// The types of samples that are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Number {
+    F16,
+    F32,
+    F64,
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+}
+
+impl Number {
+    /// Bytes in the file.
+    fn stored(self) -> u64 {
+        match self {
+            Number::U8 | Number::I8 => 1,
+            Number::F16 | Number::U16 | Number::I16 => 2,
+            Number::F32 | Number::U32 | Number::I32 => 4,
+            Number::F64 => 8,
+        }
+    }
+
+    /// The type in memory. Every integer is exact in it.
+    fn loaded(self) -> (Dtype, u64) {
+        match self {
+            Number::F16 => (Dtype::F16, 2),
+            Number::F32 | Number::U8 | Number::I8 | Number::U16 | Number::I16 => (Dtype::F32, 4),
+            Number::F64 | Number::U32 | Number::I32 => (Dtype::F64, 8),
+        }
+    }
+
+    /// The type of an array, and whether its most significant byte comes first.
+    fn of(header: &Header, place: &Place) -> Result<(Number, bool)> {
+        let number = match &header.dtype {
+            Dtype::F16 => Number::F16,
+            Dtype::F32 => Number::F32,
+            Dtype::F64 => Number::F64,
+            Dtype::Other(descr) => match descr.trim_start_matches(['<', '>', '|', '=']) {
+                "u1" => Number::U8,
+                "i1" => Number::I8,
+                "u2" => Number::U16,
+                "i2" => Number::I16,
+                "u4" => Number::U32,
+                "i4" => Number::I32,
+                _ => return Err(no_radiance(place, descr)),
+            },
+        };
+        Ok((number, header.big_endian))
+    }
+}
+
+/// What a header says of a cube.
+struct Layout {
+    arrangement: Arrangement,
+    axes: Axes,
+    assumed: bool,
+    number: Number,
+    big_endian: bool,
+}
+
+impl Layout {
+    fn info(self) -> CubeInfo {
+        let (dtype, each) = self.number.loaded();
+        let count = |n: u64, size: &usize| n.saturating_mul(*size as u64);
+        CubeInfo {
+            shape: self.arrangement.shape,
+            bytes: self.arrangement.shape.iter().fold(each, count),
+            dtype,
+            axes: self.axes,
+            assumed: self.assumed,
+        }
+    }
 }
 
 /// Reads the header and checks that a cube of this size follows.
-fn layout(stored: &mut Stored) -> Result<(Header, CubeInfo)> {
+fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
     let (header, header_bytes) = stored.header()?;
     let place = &stored.place;
-    let size = match &header.dtype {
-        Dtype::F16 => 2,
-        Dtype::F32 => 4,
-        Dtype::F64 => 8,
-        Dtype::Other(descr) => return Err(not_floating_point(place, descr)),
-    };
-    let shape = cube_shape(&header, place)?;
-    if header.fortran_order {
-        return Err(place.invalid(
-            "header",
-            "the array is in Fortran order (its first index varies fastest)",
-            "save it in C order: numpy.save(path, numpy.ascontiguousarray(array))",
-        ));
-    }
-    let bytes = shape
-        .iter()
-        .try_fold(size, |product: u64, &n| product.checked_mul(n as u64))
-        .filter(|&bytes| bytes <= isize::MAX as u64);
-    let bytes = bytes.ok_or_else(|| {
-        let what = format!(
-            "the shape {:?} has more samples than memory can address",
-            header.shape
-        );
-        place.invalid("header", what, WRITE_AGAIN)
-    })?;
-    stored.check_length(header_bytes.saturating_add(bytes))?;
-    let dtype = header.dtype.clone();
-    Ok((
-        header,
-        CubeInfo {
-            shape,
-            dtype,
-            bytes,
-        },
-    ))
-}
-
-fn not_floating_point(place: &Place, descr: &str) -> crate::Error {
-    let descr: String = descr.chars().take(40).collect();
-    let what = match descr.as_str() {
-        "|O" => "the array holds Python objects, which are never unpickled".to_owned(),
-        _ => format!("samples of type {descr:?} are not floating-point numbers"),
-    };
-    let help = "give f2, f4 or f8 samples: numpy.save(path, array.astype(numpy.float32))";
-    place.unsupported("header", what, help)
-}
-
-/// The shape (H, W, T, C) of an array.
-fn cube_shape(header: &Header, place: &Place) -> Result<[usize; 4]> {
-    let shape = match *header.shape.as_slice() {
-        [h, w, t] => [h, w, t, 1],
-        [h, w, t, c] => [h, w, t, c],
-        _ => {
-            return Err(place.invalid(
-                "header",
-                format!("an array of shape {:?} is not a cube", header.shape),
-                "give three or four axes: (H, W, T) or (H, W, T, C); one frame in time is \
-                 array[:, :, numpy.newaxis]",
-            ));
-        }
-    };
-    if shape.contains(&0) {
+    let (number, big_endian) = Number::of(&header, place)?;
+    if header.shape.contains(&0) {
         return Err(place.invalid(
             "header",
             format!("an array of shape {:?} has no samples", header.shape),
             "every axis must have a size of at least 1",
         ));
     }
-    if !matches!(shape[3], 1 | 3) {
+    // Eight bytes are the most that a sample takes once it is loaded.
+    let count = (header.shape.iter())
+        .try_fold(1, |product: u64, &n| product.checked_mul(n as u64))
+        .filter(|&count| count <= isize::MAX as u64 / 8);
+    let count = count.ok_or_else(|| {
+        let what = format!(
+            "the shape {:?} has more samples than memory can address",
+            header.shape
+        );
+        place.invalid("header", what, WRITE_AGAIN)
+    })?;
+    let usual = || Axes::usual(header.shape.len()).ok_or_else(|| not_a_cube(&header, place));
+    let named = match axes {
+        Some(axes) => axes.clone(),
+        None => usual()?,
+    };
+    let arrangement = Arrangement::of(&header.shape, &named, header.fortran_order)
+        .map_err(|what| place.invalid("header", what, AXES))?;
+    let channels = arrangement.shape[3];
+    if !matches!(channels, 1 | 3) {
         return Err(place.invalid(
             "header",
-            format!("shape {:?} means {} channels", header.shape, shape[3]),
-            "axes are (H, W, T, C) with C of 1 or 3; numpy.moveaxis brings another order \
-             into this one",
+            format!("shape {:?} means {channels} channels", header.shape),
+            format!("a cube has 1 or 3 channels; the axes were taken for {named}; {AXES}"),
         ));
     }
-    Ok(shape)
+    stored.check_length(header_bytes.saturating_add(count * number.stored()))?;
+    Ok(Layout {
+        arrangement,
+        assumed: axes.is_none(),
+        axes: named,
+        number,
+        big_endian,
+    })
+}
+
+/// What to do about an order of axes.
+const AXES: &str = "name the axes of the array in the source's `axes`, like \"T H W\" or \"C T H W\": \
+                    H rows, W columns, T time bins, C channels, 1 an axis of one entry";
+
+fn not_a_cube(header: &Header, place: &Place) -> crate::Error {
+    place.invalid(
+        "header",
+        format!("an array of shape {:?} is not a cube", header.shape),
+        "a cube has three or four axes, (H, W, T) or (H, W, T, C); for any others name them in the source's \
+         `axes`, like \"H W\" for a steady picture",
+    )
+}
+
+fn no_radiance(place: &Place, descr: &str) -> crate::Error {
+    let descr: String = descr.chars().take(40).collect();
+    let what = match descr.as_str() {
+        "|O" => "the array holds Python objects, which are never unpickled".to_owned(),
+        _ => format!("samples of type {descr:?} are no numbers that radiance is given in"),
+    };
+    let help = "give f2, f4 or f8 samples, or integers of at most 32 bits: numpy.save(path, array.astype(numpy.float32))";
+    place.unsupported("header", what, help)
 }

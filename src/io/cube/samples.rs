@@ -80,6 +80,15 @@ impl Samples {
         self.len() == 0
     }
 
+    /// A sample as f64; none beyond the last.
+    pub fn get(&self, index: usize) -> Option<f64> {
+        match self {
+            Samples::F16(s) => s.get(index).map(|x| x.to_f64()),
+            Samples::F32(s) => s.get(index).map(|x| f64::from(*x)),
+            Samples::F64(s) => s.get(index).copied(),
+        }
+    }
+
     /// The place of the first sample that is not finite.
     fn first_not_finite(&self) -> Option<usize> {
         match self {
@@ -102,6 +111,15 @@ impl Cube {
             Some(place) => Err(CubeError::NotFinite(place_of(place, cube.shape))),
             None => Ok(cube),
         }
+    }
+
+    /// The sum over the channels of bin `bin` of pixel `pixel` (row · W + column); 0 where there is none.
+    pub fn total(&self, pixel: usize, bin: usize) -> f64 {
+        let [_, _, bins, channels] = self.shape;
+        let first = (pixel * bins + bin) * channels;
+        (first..first + channels)
+            .filter_map(|at| self.samples.get(at))
+            .sum()
     }
 
     /// Whether the shape is that of the samples: all that reading in range relies on.

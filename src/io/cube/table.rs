@@ -3,7 +3,7 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
-use super::format::{CubeFormat, CubeInfo};
+use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::npy;
 use super::samples::Cube;
 use crate::error::{Error, Result};
@@ -28,30 +28,28 @@ pub fn format_of(start: &[u8], name: &Path) -> Option<&'static CubeFormat> {
 ///
 /// # Errors
 /// As for [`load`], except for what is wrong with samples.
-pub fn inspect(path: &Path, array: Option<&str>) -> Result<CubeInfo> {
+pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     let mut reader = BufReader::new(open_regular(path)?.0);
-    (told_apart(&mut reader, path)?.inspect)(&mut reader, path, array)
+    (told_apart(&mut reader, path)?.inspect)(&mut reader, path, wanted)
 }
 
-/// The cube in a file, or the one in its array named `array` (which may be left out where the file holds
-/// one array only).
+/// The cube in a file that is `wanted` of it.
 ///
 /// # Errors
-/// The file cannot be read; it is truncated or longer than its header says; the array is not of
-/// shape (H, W, T) or (H, W, T, C) with C of 1 or 3, not in C order, not floating-point; a sample
-/// is not finite.
-pub fn load(path: &Path, array: Option<&str>) -> Result<Cube> {
+/// The file cannot be read; it is truncated or longer than its header says; the array has not
+/// the axes that are wanted, or other than 1 or 3 channels; it does not hold numbers; a sample is not finite.
+pub fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     let mut reader = BufReader::new(open_regular(path)?.0);
-    (told_apart(&mut reader, path)?.load)(&mut reader, path, array)
+    (told_apart(&mut reader, path)?.load)(&mut reader, path, wanted)
 }
 
 /// As [`load`], from bytes in memory; `name` stands for the file in messages.
 ///
 /// # Errors
 /// As for [`load`].
-pub fn load_bytes(bytes: &[u8], name: &str, array: Option<&str>) -> Result<Cube> {
+pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
     let (mut reader, name) = (Cursor::new(bytes), Path::new(name));
-    (told_apart(&mut reader, name)?.load)(&mut reader, name, array)
+    (told_apart(&mut reader, name)?.load)(&mut reader, name, wanted)
 }
 
 /// The format by the first bytes; leaves the reader at the start.

@@ -40,25 +40,45 @@ impl Stored<'_> {
         sample: impl Fn([u8; N]) -> T,
         check: impl Fn(&Place, usize, &[T]) -> Result<()>,
     ) -> Result<Vec<T>> {
-        let mut samples = Vec::new();
         // Memory is only promised here; it is taken as samples arrive.
+        let mut samples = self.room(count)?;
+        self.pieces(count, |place, first, bytes| {
+            samples.extend(bytes.iter().map(|b| sample(*b)));
+            check(place, first, &samples[first..])
+        })?;
+        Ok(samples)
+    }
+
+    /// An empty vector with room for `count` samples.
+    pub fn room<T>(&self, count: usize) -> Result<Vec<T>> {
+        let mut samples = Vec::new();
         samples.try_reserve_exact(count).map_err(|_| {
             let what = format!("there is not enough memory for {count} samples");
             let help = "crop the array, or store it in half precision (numpy.float16)";
             self.place.unsupported("", what, help)
         })?;
+        Ok(samples)
+    }
+
+    /// Gives the bytes of the next `count` samples, the last of the array, to `take`, piece by piece, with the
+    /// index of each piece's first sample.
+    pub fn pieces<const N: usize>(
+        &mut self,
+        count: usize,
+        mut take: impl FnMut(&Place, usize, &[[u8; N]]) -> Result<()>,
+    ) -> Result<()> {
         let mut piece = vec![0; PIECE];
-        while samples.len() < count {
-            let bytes = &mut piece[..PIECE.min((count - samples.len()).saturating_mul(N))];
+        let mut first = 0;
+        while first < count {
+            let bytes = &mut piece[..PIECE.min((count - first).saturating_mul(N))];
             self.reader
                 .read_exact(bytes)
                 .map_err(|error| self.place.read_error("samples", error))?;
-            let first = samples.len();
-            samples.extend(bytes.as_chunks::<N>().0.iter().map(|b| sample(*b)));
-            check(&self.place, first, &samples[first..])?;
+            let samples = bytes.as_chunks::<N>().0;
+            take(&self.place, first, samples)?;
+            first += samples.len();
         }
-        self.expect_end()?;
-        Ok(samples)
+        self.expect_end()
     }
 
     /// One more read: an archive's checksum is compared at the end, and a member may be longer

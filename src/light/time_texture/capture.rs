@@ -7,6 +7,9 @@
 //! pixel's surface at t. Neighbouring pixels differ in r by about a pixel's footprint, often more
 //! than a bin is wide, so every tap of a lookup is read at its own r.
 //!
+//! Renderers whose rays begin on a near plane at depth n record times that lack the way to it, n / cos θ with θ the
+//! angle between ray and axis: what left a surface at t shows at t + η (r − n / cos θ).
+//!
 //! A tap stands for a point p with normal n only if it saw *that* surface, at q with normal m. It did
 //! if all three hold, a being the width of a pixel at p:
 //! - |n·(q − p)| ≤ a: q lies near p's tangent plane;
@@ -66,7 +69,12 @@ pub struct Capture {
 #[derive(Debug, Clone)]
 struct Lens {
     eye: DVec3,
+    /// That of the whole film.
     projection: AnyProjection,
+    /// Columns and rows of the film left of the cube and above it.
+    offset: [f64; 2],
+    /// Depth of the near plane.
+    near: f64,
     /// Pixels in a row.
     width: usize,
 }
@@ -114,6 +122,8 @@ impl Capture {
         let lens = Lens {
             eye: camera.eye,
             projection: AnyProjection::of_capture(camera, size),
+            offset: camera.crop.map_or([0.0; 2], |crop| crop.offset.map(f64::from)),
+            near: camera.near_clip,
             width: size[0],
         };
         let seen = (0..size[0].saturating_mul(size[1]))
@@ -143,7 +153,9 @@ impl Capture {
         let Lens {
             eye, projection, ..
         } = &self.lens;
-        projection.film_point(projection.along_axes(point - *eye))
+        let place = projection.film_point(projection.along_axes(point - *eye))?;
+        let [left, above] = self.lens.offset;
+        Some([place[0] - left, place[1] - above])
     }
 
     /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.
@@ -158,7 +170,13 @@ impl Capture {
     /// How much later than it left its surface this pixel's light is recorded, metres.
     #[inline]
     pub(super) fn delay_of(&self, pixel: usize) -> f64 {
-        self.delay * self.distance(pixel).unwrap_or(0.0)
+        let Some(seen) = self.seen.get(pixel).filter(|seen| seen.distance > 0.0) else {
+            return 0.0;
+        };
+        match self.lens.near > 0.0 {
+            true => self.delay * (seen.distance - self.lens.near_distance(seen)),
+            false => self.delay * seen.distance,
+        }
     }
 
     /// The point, if its looked-at side faces the pinhole and is before it.
@@ -212,18 +230,30 @@ impl Lens {
     ) -> Seen {
         let (row, column) = ((pixel / self.width) as f64, (pixel % self.width) as f64);
         // Of depth 1: the distance is along the ray.
-        let ray = self.projection.components(column + 0.5, row + 0.5);
+        let [left, above] = self.offset;
+        let ray = (self.projection).components(column + 0.5 + left, row + 0.5 + above);
         let length = ray.length();
         let [right, up, forward] = self.projection.axes();
         let direction = (right * ray.x + up * ray.y + forward * ray.z) / length;
-        match trace(self.eye, direction) {
-            Some(hit) if hit.distance > 0.0 && hit.distance.is_finite() => Seen {
-                distance: hit.distance,
-                position: (ray * (hit.distance / length)).as_vec3().to_array(),
-                normal: self.facing(hit.normal, ray).as_vec3().to_array(),
-            },
+        // The ray begins on the near plane.
+        let skipped = self.near * length;
+        match trace(self.eye + direction * skipped, direction) {
+            Some(hit) if hit.distance > 0.0 && hit.distance.is_finite() => {
+                let distance = skipped + hit.distance;
+                Seen {
+                    distance,
+                    position: (ray * (distance / length)).as_vec3().to_array(),
+                    normal: self.facing(hit.normal, ray).as_vec3().to_array(),
+                }
+            }
             _ => NOTHING,
         }
+    }
+
+    /// n / cos θ: how far the near plane is from the pinhole along a pixel's ray, to the digits of an f32.
+    #[inline]
+    fn near_distance(&self, seen: &Seen) -> f64 {
+        self.near * seen.distance / f64::from(seen.position[2])
     }
 
     /// The normal by its components along the axes, on the side that the ray comes from.

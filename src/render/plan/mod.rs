@@ -12,11 +12,14 @@ mod report;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::io::{cube as cubes, gltf};
+use crate::io::cube::{self as cubes, Wanted};
+use crate::io::gltf;
 use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
-use crate::scene::model::{CubeData, Elements, Geometry, Mapping, Scene, SourceKind};
+use crate::scene::model::{
+    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Scene, Source, SourceKind,
+};
 
 pub use bindings::{Lit, lit_by};
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
@@ -185,13 +188,18 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
                 return Ok(None);
             }
             let (shape, bytes, file, array) = match &cube.data {
-                CubeData::File { path, array } => {
-                    let info = cubes::inspect(path, array.as_deref())?;
+                CubeData::File { path, array, axes } => {
+                    let wanted = Wanted {
+                        array: array.as_deref(),
+                        axes: axes.as_ref(),
+                    };
+                    let info = cubes::inspect(path, wanted)?;
                     (info.shape, info.bytes, Some(path.clone()), array.clone())
                 }
                 CubeData::Memory(cube) => (cube.shape, cube.samples.bytes(), None, None),
             };
             let [h, w, ..] = shape;
+            check_crop(scene, source, cube, [w, h])?;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
             Ok(Some(PlannedCube {
                 source: source.name.clone(),
@@ -203,6 +211,27 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             }))
         })
         .collect()
+}
+
+/// Refuses a cube that is larger than what is left of the film that it is a crop of.
+fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2]) -> Result<()> {
+    let Mapping::Capture(camera) = &cube.mapping else {
+        return Ok(());
+    };
+    let Some(Crop { film, offset }) = camera.crop else {
+        return Ok(());
+    };
+    let fits = |axis: usize| size[axis] <= film[axis].saturating_sub(offset[axis]) as usize;
+    if fits(0) && fits(1) {
+        return Ok(());
+    }
+    let ([w, h], [fw, fh], [x, y]) = (size, film, offset);
+    Err(Error::invalid(
+        &scene.name,
+        format!("source \"{}\", capture.crop", source.name),
+        format!("a cube of {w} × {h} pixels at ({x}, {y}) reaches beyond a film of {fw} × {fh}"),
+        "`film` is the size of the whole film, `offset` where the cube begins on it, both columns first",
+    ))
 }
 
 fn rays(

@@ -9,10 +9,10 @@ use glam::DVec3;
 use crate::accel::Ray;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Cube};
+use crate::io::cube::{self as cubes, Axes, Cube, Wanted};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
-use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
+use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture, survey};
 use crate::mesh::{Material, Mesh};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
@@ -106,6 +106,7 @@ impl<'a> Builder<'a> {
         self,
         plan: &Plan,
         frames: &[RestFrame],
+        warnings: &mut Vec<String>,
         progress: &dyn Progress,
     ) -> Result<Light> {
         let scene = self.scene;
@@ -157,6 +158,7 @@ impl<'a> Builder<'a> {
             }
         });
         let emitters = emitters.collect();
+        warnings.append(&mut stores.warnings);
         Ok(Light::TimeResolved(TimeResolved {
             emitters,
             base,
@@ -290,11 +292,13 @@ impl Textures {
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
 struct Stores {
-    files: HashMap<(PathBuf, Option<String>), Arc<Cube>>,
+    files: HashMap<(PathBuf, Option<String>, Option<Axes>), Arc<Cube>>,
     cubes: Vec<TimeTexture>,
     /// By cube: the source that it is.
     sources: Vec<usize>,
     captures: Vec<Capture>,
+    /// What looks wrong about them.
+    warnings: Vec<String>,
 }
 
 impl Stores {
@@ -308,12 +312,12 @@ impl Stores {
         let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?;
         let size = texture.size();
-        self.cubes.push(texture);
-        self.sources.push(source);
+        let assumed = matches!(cube.data, CubeData::File { axes: None, .. });
+        self.warn(scene, source, survey::of_samples(texture.cube(), assumed));
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
-        let index = self.cubes.len() - 1;
-        Ok(match &cube.mapping {
+        let index = self.cubes.len();
+        let emitter = match &cube.mapping {
             Mapping::Uv { set } => Emitter::Uv {
                 cube: index,
                 set: *set,
@@ -326,32 +330,41 @@ impl Stores {
                 };
                 let warped = cube.clock == Clock::Capture;
                 let trace = |origin, direction| place.seen(origin, direction);
-                self.captures.push(Capture::new(
-                    &camera,
-                    size,
-                    warped,
-                    scene.medium_index,
-                    trace,
-                ));
+                let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
+                self.warn(scene, source, survey::of_capture(&texture, &capture));
+                self.captures.push(capture);
                 Emitter::Capture {
                     cube: index,
                     capture: self.captures.len() - 1,
                     clock,
                 }
             }
-        })
+        };
+        self.cubes.push(texture);
+        self.sources.push(source);
+        Ok(emitter)
+    }
+
+    fn warn(&mut self, scene: &Scene, source: usize, remarks: Vec<String>) {
+        let name = &scene.sources[source].name;
+        let named = |remark| format!("source \"{name}\": {remark}");
+        self.warnings.extend(remarks.into_iter().map(named));
     }
 
     fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
-        let (path, array) = match &cube.data {
-            CubeData::File { path, array } => (path, array),
+        let (path, array, axes) = match &cube.data {
+            CubeData::File { path, array, axes } => (path, array, axes),
             CubeData::Memory(cube) => return Ok(cube.clone()),
         };
-        let key = (path.clone(), array.clone());
+        let key = (path.clone(), array.clone(), axes.clone());
         if let Some(loaded) = self.files.get(&key) {
             return Ok(loaded.clone());
         }
-        let loaded = Arc::new(cubes::load(path, array.as_deref())?);
+        let wanted = Wanted {
+            array: array.as_deref(),
+            axes: axes.as_ref(),
+        };
+        let loaded = Arc::new(cubes::load(path, wanted)?);
         self.files.insert(key, loaded.clone());
         Ok(loaded)
     }

@@ -65,7 +65,7 @@ impl Prepared {
             )?);
         }
         progress.check()?;
-        let light = light.finish(plan, &frames, progress)?;
+        let light = light.finish(plan, &frames, &mut warnings, progress)?;
         let ray_index = if scene.effects.retardation {
             scene.medium_index
         } else {

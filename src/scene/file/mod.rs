@@ -30,7 +30,7 @@ pub(super) use object::{Lattice, Object, Rotation, Shape, Sphere, Transform};
 pub(super) use panel::{Panel, Sheet};
 pub(super) use radiance::Radiance;
 pub(super) use sensor::{Sensor, SensorRotation};
-pub(super) use source::{Capture, Cube, Pulse, Source};
+pub(super) use source::{Capture, Crop, Cube, Pulse, Source};
 pub(super) use spectrum::{Gaussian, SpectralLine, Spectrum};
 
 /// A scene of nullray. Positions are plain numbers in metres; times, angles, wavelengths and speeds are

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::radiance::Radiance;
 use crate::scene::at::At;
-use crate::scene::model::{BinValues, Clock, ProjectionKind, TimeFilter};
+use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -46,11 +46,16 @@ pub(in crate::scene) struct Cube {
     pub file: At<String>,
     /// The array of an .npz file. Default: its only array.
     pub array: Option<At<String>>,
+    /// The order of the array's axes, the slowest first as numpy has it, like "T H W": H rows, W columns, T time
+    /// bins, C channels, 1 an axis of one entry. Without T it is a steady picture: radiance that does not change
+    /// with time. Default: "H W T", or "H W T C" for four axes.
+    pub axes: Option<At<String>>,
     /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
-    #[serde(default = "Cube::start")]
-    pub start: At<Time>,
-    /// Width of a bin, above 0, like "0.05 m" or "4 ps".
-    pub bin_width: At<Time>,
+    pub start: Option<At<Time>>,
+    /// Time at the centre of bin 0, in place of `start`.
+    pub first_center: Option<At<Time>>,
+    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures.
+    pub bin_width: Option<At<Time>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
     /// pinhole). Default: "world".
@@ -76,10 +81,6 @@ pub(in crate::scene) struct Cube {
 }
 
 impl Cube {
-    fn start() -> At<Time> {
-        At::nowhere(Time::customary(0.0))
-    }
-
     fn scale() -> Number {
         Number(1.0)
     }
@@ -109,8 +110,32 @@ pub(in crate::scene) struct Capture {
     #[serde(default)]
     pub projection: At<ProjectionKind>,
     /// Horizontal field of view, above 0, up to what the projection can show; the vertical one follows from the cube's
-    /// shape (square pixels). Required unless the glTF camera gives it.
+    /// shape (square pixels). Required unless the glTF camera gives it, or `fov` does.
     pub hfov: Option<At<Angle>>,
+    /// The field of view along another axis of the film, that of `fov_axis`, in place of `hfov`.
+    pub fov: Option<At<Angle>>,
+    /// The axis of `fov`: "x" (as `hfov`), "y", "diagonal", "smaller" or "larger".
+    pub fov_axis: Option<At<FovAxis>>,
+    /// The whole film, of which the cube is a crop. The field of view is that of the whole film.
+    pub crop: Option<At<Crop>>,
+    /// The depth of a near plane on which the capture's rays began, metres, at least 0: what is before it is not
+    /// seen, and the times of `clock = "capture"` lack the way from the pinhole to it, near_clip / cos θ. Default: 0.
+    pub near_clip: Option<At<Number>>,
+}
+
+/// Where a cube lies on the film of the camera that captured it.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { film = [512, 512], offset = [128, 64] }"
+)]
+pub(in crate::scene) struct Crop {
+    /// Columns and rows of the whole film.
+    pub film: [u32; 2],
+    /// Columns and rows of the film left of the cube and above it. Default: [0, 0].
+    #[serde(default)]
+    pub offset: [u32; 2],
 }
 
 /// A spherical pulse of light from a point at rest in the world, Gaussian in time, that falls on
@@ -125,7 +150,7 @@ pub(in crate::scene) struct Pulse {
     /// World position of the point, metres.
     pub position: At<Vector>,
     /// World time at which the pulse's centre is emitted. Default: "0 m".
-    #[serde(default = "Cube::start")]
+    #[serde(default = "Pulse::time")]
     pub time: At<Time>,
     /// Standard deviation of the Gaussian in time, above 0, like "5 cm" or "20 ps".
     pub sigma: At<Time>,
@@ -138,6 +163,10 @@ pub(in crate::scene) struct Pulse {
 }
 
 impl Pulse {
+    fn time() -> At<Time> {
+        At::nowhere(Time::customary(0.0))
+    }
+
     fn intensity() -> At<NumberOrVector> {
         At::nowhere(NumberOrVector::Number(1.0))
     }

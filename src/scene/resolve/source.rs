@@ -3,14 +3,16 @@
 use super::context::{Context, has_extension};
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
-use crate::io::cube::FORMATS;
+use crate::io::cube::{Axes, FORMATS};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    CaptureCamera, Clock, CubeData, CubeSource, Mapping, Object, Pulse, Source, SourceKind,
+    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeSource, FovAxis, Mapping, Object, ProjectionKind, Pulse,
+    Source, SourceKind, TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
+use crate::spacetime::units::{LARGEST, quoted};
 use crate::spacetime::{Event, Quantity};
 
 /// All sources; `quantity` is that of sources that give none of their own.
@@ -64,19 +66,89 @@ fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
 
 fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     let cube = &at.value;
+    let axes = axes(cx, cube)?;
+    let steady = axes.as_ref().is_some_and(|axes| !axes.has_time());
+    let time = match steady {
+        true => steady_time(cx, cube)?,
+        false => time_axis(cx, at)?,
+    };
     Ok(CubeSource {
-        data: data(cx, cube)?,
+        data: data(cx, cube, axes)?,
         mapping: mapping(cx, cube)?,
         clock: clock(cx, cube)?,
-        start: cx.time(&cube.start)?,
-        bin_width: cx.duration(&cube.bin_width, "`bin_width`")?,
-        values: cube.values,
-        filter: cube.filter,
+        start: time.start,
+        bin_width: time.bin_width,
+        values: time.values,
+        filter: time.filter,
         scale: cube.scale.0,
     })
 }
 
-fn data(cx: &Context, cube: &file::Cube) -> Result<CubeData> {
+/// The keys of the time axis, resolved.
+struct TimeKeys {
+    start: f64,
+    bin_width: f64,
+    values: BinValues,
+    filter: TimeFilter,
+}
+
+fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
+    let cube = &at.value;
+    cx.exclusive((&cube.start, "start"), (&cube.first_center, "first_center"))?;
+    let Some(bin_width) = &cube.bin_width else {
+        let help = "add the width of a bin, like bin_width = \"0.05 m\"; a picture that does not change with time \
+                    is declared by axes = \"H W\"";
+        return Err(cx.refuse(at, "the key `bin_width` is missing", help));
+    };
+    let bin_width = cx.duration(bin_width, "`bin_width`")?;
+    let start = match (&cube.start, &cube.first_center) {
+        (Some(start), _) => cx.time(start)?,
+        (None, Some(center)) => cx.time(center)? - 0.5 * bin_width,
+        (None, None) => 0.0,
+    };
+    Ok(TimeKeys {
+        start,
+        bin_width,
+        values: cube.values,
+        filter: cube.filter,
+    })
+}
+
+/// One bin that holds all times that there are, whose value is the radiance.
+fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
+    let keys = [
+        (&cube.start, "start"),
+        (&cube.first_center, "first_center"),
+        (&cube.bin_width, "bin_width"),
+    ];
+    for (key, name) in keys {
+        if let Some(key) = key {
+            let what = format!("`{name}` is of a time axis, and the axes name none");
+            let help = "leave it out, or add T to `axes`";
+            return Err(cx.refuse(key, what, help));
+        }
+    }
+    Ok(TimeKeys {
+        start: -0.5 * LARGEST,
+        bin_width: LARGEST,
+        values: BinValues::Density,
+        filter: TimeFilter::Nearest,
+    })
+}
+
+fn axes(cx: &Context, cube: &file::Cube) -> Result<Option<Axes>> {
+    let Some(at) = &cube.axes else {
+        return Ok(None);
+    };
+    let refused = |what: String| {
+        let help = "name every axis of the array once, the slowest first, like \"T H W\" or \"H W T C\": H rows, \
+                    W columns, T time bins, C channels, 1 an axis of one entry";
+        cx.refuse(at, format!("{}: {what}", quoted(&at.value)), help)
+    };
+    at.value.parse().map(Some).map_err(refused)
+}
+
+fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData> {
     let memory = &cx.inputs.memory;
     let alone = |what| {
         let refuse = |array| cx.refuse(array, what, "leave `array` out, or name an .npz file");
@@ -84,9 +156,13 @@ fn data(cx: &Context, cube: &file::Cube) -> Result<CubeData> {
             .as_ref()
             .map_or(Ok(()), |array| Err(refuse(array)))
     };
-    if let Some(cube) = cx.in_memory(&cube.file, |name| memory.cube(name))? {
+    if let Some(in_memory) = cx.in_memory(&cube.file, |name| memory.cube(name))? {
         alone("a cube in memory is a single array without a name")?;
-        return Ok(CubeData::Memory(cube));
+        if let Some(axes) = &cube.axes {
+            let what = "a cube in memory has its axes in the order H W T C";
+            return Err(cx.refuse(axes, what, "leave `axes` out"));
+        }
+        return Ok(CubeData::Memory(in_memory));
     }
     let extensions: Vec<_> = FORMATS.iter().map(|format| format.extension).collect();
     let path = cx.path(&cube.file, &extensions)?;
@@ -97,7 +173,7 @@ fn data(cx: &Context, cube: &file::Cube) -> Result<CubeData> {
         alone("an .npy file holds a single array without a name")?;
     }
     let array = cx.optional_text(&cube.array, "the array's name")?;
-    Ok(CubeData::File { path, array })
+    Ok(CubeData::File { path, array, axes })
 }
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
@@ -123,10 +199,14 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
 
 fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     let pose = pose::resolve(cx, at, &(&at.value).into())?;
-    let horizontal_fov = match (&at.value.hfov, pose.gltf_fov) {
-        (Some(hfov), _) => pose::fov(cx, hfov, at.value.projection.value)?,
-        (None, Some((Some(horizontal), _))) => horizontal,
-        (None, gltf) => {
+    let camera = &at.value;
+    let projection = camera.projection.value;
+    cx.exclusive((&camera.hfov, "hfov"), (&camera.fov, "fov"))?;
+    let (fov, fov_axis) = match (&camera.hfov, &camera.fov, pose.gltf_fov) {
+        (Some(hfov), _, _) => (pose::fov(cx, hfov, projection)?, FovAxis::X),
+        (None, Some(fov), _) => (pose::fov(cx, fov, projection)?, fov_axis(cx, camera)?),
+        (None, None, Some((Some(horizontal), _))) => (horizontal, FovAxis::X),
+        (None, None, gltf) => {
             let what = match gltf {
                 Some(_) => "the glTF camera has no horizontal field of view",
                 None => "the key `hfov` is missing",
@@ -138,12 +218,78 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
             ));
         }
     };
+    if let (Some(axis), None) = (&camera.fov_axis, &camera.fov) {
+        let what = "`fov_axis` is the axis of `fov`, and there is none";
+        return Err(cx.refuse(axis, what, "give the field of view as `fov`"));
+    }
     Ok(CaptureCamera {
         eye: pose.eye,
         axes: pose.axes,
-        projection: at.value.projection.value,
-        horizontal_fov,
+        projection,
+        fov,
+        fov_axis,
+        crop: crop(cx, camera)?,
+        near_clip: near_clip(cx, camera)?,
     })
+}
+
+fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {
+    if let Some(axis) = camera.fov_axis.as_ref().filter(|axis| axis.value != FovAxis::X) {
+        perspective_only(cx, camera, axis, "a field of view along another axis than x")?;
+    }
+    match (&camera.fov_axis, &camera.fov) {
+        (Some(axis), _) => Ok(axis.value),
+        (None, Some(fov)) => {
+            let what = "the axis of this field of view is not said";
+            let help = "add fov_axis = \"x\", \"y\", \"diagonal\", \"smaller\" or \"larger\"";
+            Err(cx.refuse(fov, what, help))
+        }
+        (None, None) => Ok(FovAxis::X),
+    }
+}
+
+/// Refuses `thing`, which only a perspective camera has, for any other.
+fn perspective_only<T>(
+    cx: &Context,
+    camera: &file::Capture,
+    at: &At<T>,
+    thing: &str,
+) -> Result<()> {
+    if camera.projection.value == ProjectionKind::Perspective {
+        return Ok(());
+    }
+    let what = format!("{thing} is of perspective cameras only");
+    Err(cx.refuse(at, what, "leave it out, or leave `projection` out"))
+}
+
+fn crop(cx: &Context, camera: &file::Capture) -> Result<Option<Crop>> {
+    let Some(at) = &camera.crop else {
+        return Ok(None);
+    };
+    let file::Crop { film, offset } = at.value;
+    let lies = |axis: usize| film[axis] > 0 && offset[axis] < film[axis];
+    if !(lies(0) && lies(1)) {
+        let what = format!("an offset of {offset:?} is not on a film of {film:?} columns and rows");
+        return Err(cx.refuse(
+            at,
+            what,
+            "`film` is the size of the whole film, `offset` less than it",
+        ));
+    }
+    Ok(Some(Crop { film, offset }))
+}
+
+fn near_clip(cx: &Context, camera: &file::Capture) -> Result<f64> {
+    let Some(at) = &camera.near_clip else {
+        return Ok(0.0);
+    };
+    let near = at.value.0;
+    if !(0.0..=LARGEST).contains(&near) {
+        let help = "`near_clip` is the depth of the near plane in metres, at least 0, like 0.01";
+        return Err(cx.refuse(at, format!("a near plane at a depth of {near} m"), help));
+    }
+    perspective_only(cx, camera, at, "a near plane")?;
+    Ok(near)
 }
 
 fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {

@@ -273,6 +273,9 @@ pub struct CubeEntry {
     pub sha256: String,
     /// The array of an .npz that holds several.
     pub array: Option<String>,
+    /// The order of the array's axes, the slowest first: H rows, W columns, T bins, C channels, 1 an axis of one
+    /// entry; null where it is H W T or H W T C.
+    pub axes: Option<String>,
     /// Rows, columns, bins, channels; null for a cube that lights nothing.
     pub shape: Option<[usize; 4]>,
     /// Time at the start of bin 0.
@@ -314,8 +317,18 @@ pub enum MappingEntry {
         forward: [f64; 3],
         /// How its pixels look.
         projection: ProjectionKind,
-        /// Horizontal field of view, radians; pixels are square.
+        /// Horizontal field of view of the whole film, radians; pixels are square.
         horizontal_fov_rad: f64,
+        /// Columns and rows of the whole film, where the cube is a crop of it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        film: Option<[u32; 2]>,
+        /// Columns and rows of the film left of the cube and above it, where the cube is a crop.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        offset: Option<[u32; 2]>,
+        /// Depth n of a near plane, metres, where there is one: nothing before it is seen, and times of the clock
+        /// "capture" are η (r − n / cos θ) after the emission, θ the angle to the forward axis.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        near_clip: Option<f64>,
     },
 }
 

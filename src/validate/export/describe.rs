@@ -14,7 +14,7 @@ use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
 use crate::render::plan::{Lit, lit_by};
 use crate::render::prepare::scaling;
-use crate::scene::model::{CaptureCamera, Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
+use crate::scene::model::{Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
 
 /// What holds for all of `scene`, whose text is in `text`.
@@ -165,23 +165,22 @@ pub(super) fn pulse(pulse: &Pulse) -> LightEntry {
     })
 }
 
-pub(super) fn mapping(mapping: &Mapping) -> MappingEntry {
+/// How surface points address a cube of shape `shape`.
+pub(super) fn mapping(mapping: &Mapping, shape: [usize; 4]) -> MappingEntry {
     match mapping {
         Mapping::Uv { set } => MappingEntry::Uv { set: *set },
-        Mapping::Capture(CaptureCamera {
-            eye,
-            axes,
-            projection,
-            horizontal_fov,
-        }) => {
-            let [right, up, forward] = axes.map(|axis| axis.to_array());
+        Mapping::Capture(camera) => {
+            let [right, up, forward] = camera.axes.map(|axis| axis.to_array());
             MappingEntry::Capture {
-                eye: eye.to_array(),
+                eye: camera.eye.to_array(),
                 right,
                 up,
                 forward,
-                projection: *projection,
-                horizontal_fov_rad: *horizontal_fov,
+                projection: camera.projection,
+                horizontal_fov_rad: camera.horizontal_fov([shape[1], shape[0]]),
+                film: camera.crop.map(|crop| crop.film),
+                offset: camera.crop.map(|crop| crop.offset),
+                near_clip: (camera.near_clip > 0.0).then_some(camera.near_clip),
             }
         }
     }

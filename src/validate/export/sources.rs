@@ -57,6 +57,10 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
             CubeData::File { array, .. } => array.clone(),
             CubeData::Memory(_) => None,
         },
+        axes: match &cube.data {
+            CubeData::File { axes, .. } => axes.as_ref().map(|axes| axes.to_string()),
+            CubeData::Memory(_) => None,
+        },
         shape,
         start: cube.start,
         bin_width: cube.bin_width,
@@ -64,7 +68,7 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
         scale: cube.scale,
         filter: cube.filter,
         clock: cube.clock,
-        mapping: describe::mapping(&cube.mapping),
+        mapping: describe::mapping(&cube.mapping, shape.unwrap_or([1; 4])),
     }
 }
 

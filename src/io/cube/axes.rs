@@ -1,0 +1,257 @@
+//! The order of an array's axes, and from it into that of a cube: (H, W, T, C).
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What the entries along an axis of an array are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Axis {
+    /// `H`: rows, from the top.
+    Row,
+    /// `W`: columns, from the left.
+    Column,
+    /// `T`: time bins.
+    Time,
+    /// `C`: channels.
+    Channel,
+    /// `1`: an axis of one entry, which means nothing.
+    Single,
+}
+
+impl Axis {
+    const ALL: [(Axis, char); 5] = [
+        (Axis::Row, 'H'),
+        (Axis::Column, 'W'),
+        (Axis::Time, 'T'),
+        (Axis::Channel, 'C'),
+        (Axis::Single, '1'),
+    ];
+
+    fn letter(self) -> char {
+        let row = Axis::ALL.iter().find(|(axis, _)| *axis == self);
+        row.map_or('1', |(_, letter)| *letter)
+    }
+}
+
+/// The order of an array's axes, the slowest in memory first: numpy's order. It has rows and columns, and at
+/// most one axis of time and one of channels; without time it is a steady picture.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Axes(Vec<Axis>);
+
+impl Axes {
+    /// (H, W, T), or with channels (H, W, T, C): what an array is taken for where nothing is said.
+    pub(super) fn usual(count: usize) -> Option<Axes> {
+        let all = [Axis::Row, Axis::Column, Axis::Time, Axis::Channel];
+        matches!(count, 3 | 4).then(|| Axes(all[..count].to_vec()))
+    }
+
+    /// Whether there is an axis of time.
+    pub fn has_time(&self) -> bool {
+        self.0.contains(&Axis::Time)
+    }
+}
+
+impl fmt::Display for Axes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let letters: Vec<String> = self.0.iter().map(|a| a.letter().to_string()).collect();
+        f.write_str(&letters.join(" "))
+    }
+}
+
+impl FromStr for Axes {
+    /// What is wrong.
+    type Err = String;
+
+    /// From letters like `T H W`, with or without blanks or commas between them.
+    fn from_str(text: &str) -> Result<Axes, String> {
+        let mut axes = Vec::new();
+        for letter in text.chars().filter(|c| !matches!(c, ' ' | ',')) {
+            let known = |(_, known): &&(Axis, char)| letter.to_ascii_uppercase() == *known;
+            let Some((axis, _)) = Axis::ALL.iter().find(known) else {
+                return Err(format!("{letter:?} is not the letter of an axis"));
+            };
+            if *axis != Axis::Single && axes.contains(axis) {
+                return Err(format!("the axis {letter} stands twice"));
+            }
+            axes.push(*axis);
+        }
+        for (axis, name) in [(Axis::Row, "rows (H)"), (Axis::Column, "columns (W)")] {
+            if !axes.contains(&axis) {
+                return Err(format!("there are no {name}"));
+            }
+        }
+        Ok(Axes(axes))
+    }
+}
+
+/// From samples in the order of a file to a cube's.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Arrangement {
+    /// H, W, T, C of the cube.
+    pub shape: [usize; 4],
+    /// Per axis of the file, the slowest first: its size, and how far apart in the cube its entries are.
+    axes: Vec<(usize, usize)>,
+}
+
+impl Arrangement {
+    /// Of an array with these sizes, whose product is known to fit memory, in the order of the file
+    /// (the slowest axis first).
+    ///
+    /// # Errors
+    /// What is wrong: a number of axes or an axis of one entry that there is not.
+    pub fn new(sizes: &[usize], axes: &[Axis]) -> Result<Arrangement, String> {
+        if sizes.len() != axes.len() {
+            return Err(format!(
+                "an array of shape {sizes:?} has {} axes, and {} are named",
+                sizes.len(),
+                axes.len()
+            ));
+        }
+        let mut shape = [1; 4];
+        for (&axis, &size) in axes.iter().zip(sizes) {
+            match slot(axis) {
+                Some(slot) => shape[slot] = size,
+                None if size == 1 => {}
+                None => {
+                    return Err(format!(
+                        "an axis named 1 has {size} entries in an array of shape {sizes:?}"
+                    ));
+                }
+            }
+        }
+        let [_, w, t, c] = shape;
+        let strides = [w * t * c, t * c, c, 1];
+        let apart = |&axis: &Axis| slot(axis).map_or(0, |slot| strides[slot]);
+        Ok(Arrangement {
+            shape,
+            axes: sizes.iter().copied().zip(axes.iter().map(apart)).collect(),
+        })
+    }
+
+    /// That of an array whose header says `shape`: in the order of the file, which Fortran order turns round.
+    pub fn of(shape: &[usize], axes: &Axes, fortran_order: bool) -> Result<Arrangement, String> {
+        if !fortran_order {
+            return Arrangement::new(shape, &axes.0);
+        }
+        let sizes: Vec<_> = shape.iter().rev().copied().collect();
+        let axes: Vec<_> = axes.0.iter().rev().copied().collect();
+        Arrangement::new(&sizes, &axes)
+    }
+
+    /// Whether samples lie in the file as they do in the cube.
+    pub fn is_plain(&self) -> bool {
+        let mut apart = 1;
+        self.axes.iter().rev().all(|&(size, stride)| {
+            let fits = size == 1 || stride == apart;
+            apart *= size;
+            fits
+        })
+    }
+
+    /// Puts `piece`, the samples of the file from the `first` on, where they belong in `cube`.
+    pub fn put<T: Copy>(&self, first: usize, piece: &[T], cube: &mut [T]) {
+        let (mut counts, mut place) = self.counts(first);
+        for sample in piece {
+            if let Some(slot) = cube.get_mut(place) {
+                *slot = *sample;
+            }
+            // One sample on: the fastest axis that is not at its end goes on, those below it begin again.
+            for (count, &(size, stride)) in counts.iter_mut().zip(&self.axes).rev() {
+                *count += 1;
+                place += stride;
+                if *count < size {
+                    break;
+                }
+                place -= size * stride;
+                *count = 0;
+            }
+        }
+    }
+
+    /// Where the `index`-th sample of the file lies in the cube.
+    pub fn place(&self, index: usize) -> usize {
+        self.counts(index).1
+    }
+
+    /// The index along each axis of the file's `index`-th sample, and its place in the cube.
+    fn counts(&self, mut index: usize) -> (Vec<usize>, usize) {
+        let mut counts = vec![0; self.axes.len()];
+        let mut place = 0;
+        for (count, &(size, stride)) in counts.iter_mut().zip(&self.axes).rev() {
+            *count = index % size;
+            index /= size;
+            place += *count * stride;
+        }
+        (counts, place)
+    }
+}
+
+/// Where an axis stands in (H, W, T, C).
+fn slot(axis: Axis) -> Option<usize> {
+    match axis {
+        Axis::Row => Some(0),
+        Axis::Column => Some(1),
+        Axis::Time => Some(2),
+        Axis::Channel => Some(3),
+        Axis::Single => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_read_with_and_without_blanks() {
+        for text in ["T H W", "T,H,W", "thw", " T  H W "] {
+            assert_eq!(text.parse::<Axes>().unwrap().to_string(), "T H W");
+        }
+        for (text, wrong) in [
+            ("T H X", "'X'"),
+            ("T H H W", "twice"),
+            ("T W", "rows"),
+            ("", "rows"),
+            ("H T C", "columns"),
+        ] {
+            let error = text.parse::<Axes>().unwrap_err();
+            assert!(error.contains(wrong), "{text}: {error}");
+        }
+    }
+
+    /// Sample (i, j, k, c) of a cube of shape (2, 3, 4, 3) is its own index in C order; each order of axes is
+    /// filled by its definition, index by index, and read back in pieces.
+    #[test]
+    fn every_order_gives_the_cube_back() {
+        let shape = [2, 3, 4, 3];
+        for text in ["H W T C", "T H W C", "C T H W", "W C H T", "1 T C W 1 H"] {
+            let axes: Axes = text.parse().unwrap();
+            let slots: Vec<_> = axes.0.iter().map(|&a| slot(a)).collect();
+            let sizes: Vec<_> = slots.iter().map(|s| s.map_or(1, |s| shape[s])).collect();
+            let mut file = vec![0; 72];
+            for n in 0..72 {
+                let index = [n / 36, n / 12 % 3, n / 3 % 4, n % 3];
+                let place = slots.iter().zip(&sizes).fold(0, |place, (slot, size)| {
+                    place * size + slot.map_or(0, |s| index[s])
+                });
+                file[place] = n;
+            }
+            for fortran in [false, true] {
+                let mut said = sizes.clone();
+                let mut axes = axes.clone();
+                if fortran {
+                    said.reverse();
+                    axes.0.reverse();
+                }
+                let arrangement = Arrangement::of(&said, &axes, fortran).unwrap();
+                assert_eq!(arrangement.shape, shape);
+                assert_eq!(arrangement.is_plain(), text == "H W T C");
+                let mut cube = vec![0; 72];
+                for (number, piece) in file.chunks(7).enumerate() {
+                    arrangement.put(7 * number, piece, &mut cube);
+                }
+                assert!(cube.iter().copied().eq(0..72), "{text}");
+                assert_eq!(arrangement.place(5), file[5]);
+            }
+        }
+    }
+}

@@ -135,7 +135,9 @@ fn a_missing_file_is_an_io_error_and_a_directory_is_refused() {
     for error in [
         gltf::load(missing, None, ALL).map(drop).unwrap_err(),
         gltf::inspect(missing, None).map(drop).unwrap_err(),
-        cube::load(missing, Wanted::default()).map(drop).unwrap_err(),
+        cube::load(missing, Wanted::default())
+            .map(drop)
+            .unwrap_err(),
         npy::inspect(missing, None).map(drop).unwrap_err(),
     ] {
         assert!(

@@ -21,6 +21,7 @@ mod paper_versus_exact;
 mod pipeline;
 mod raster;
 mod scenes;
+mod survey;
 mod textures;
 mod time_texture;
 mod transient;

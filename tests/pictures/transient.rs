@@ -147,7 +147,9 @@ fn a_second_camera_at_rest_sees_the_cube_that_the_transient_renderer_made_for_it
     // Bin k of the reference holds the energy that arrives in [7.85 + 0.05 k, 7.85 + 0.05 (k + 1)] m; a
     // picture at the bin's centre is its density, value/0.05, to second order in the width.
     let path = crate::common::frames::data("reference_cube.npz");
-    let [height, width, bins, _] = nullray::io::cube::load(&path, Default::default()).unwrap().shape;
+    let [height, width, bins, _] = nullray::io::cube::load(&path, Default::default())
+        .unwrap()
+        .shape;
     assert_eq!([height, width, bins], [64, 64, 183]);
     let values = crate::common::arrays::array_at(&path, "radiance");
     let slice = |k: usize| values.iter().skip(k).step_by(bins).map(|v| v / 0.05);

@@ -122,7 +122,9 @@ impl Capture {
         let lens = Lens {
             eye: camera.eye,
             projection: AnyProjection::of_capture(camera, size),
-            offset: camera.crop.map_or([0.0; 2], |crop| crop.offset.map(f64::from)),
+            offset: camera
+                .crop
+                .map_or([0.0; 2], |crop| crop.offset.map(f64::from)),
             near: camera.near_clip,
             width: size[0],
         };

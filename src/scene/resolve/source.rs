@@ -7,8 +7,8 @@ use crate::io::cube::{Axes, FORMATS};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeSource, FovAxis, Mapping, Object, ProjectionKind, Pulse,
-    Source, SourceKind, TimeFilter,
+    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeSource, FovAxis, Mapping, Object,
+    ProjectionKind, Pulse, Source, SourceKind, TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
@@ -234,8 +234,17 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
 }
 
 fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {
-    if let Some(axis) = camera.fov_axis.as_ref().filter(|axis| axis.value != FovAxis::X) {
-        perspective_only(cx, camera, axis, "a field of view along another axis than x")?;
+    if let Some(axis) = camera
+        .fov_axis
+        .as_ref()
+        .filter(|axis| axis.value != FovAxis::X)
+    {
+        perspective_only(
+            cx,
+            camera,
+            axis,
+            "a field of view along another axis than x",
+        )?;
     }
     match (&camera.fov_axis, &camera.fov) {
         (Some(axis), _) => Ok(axis.value),

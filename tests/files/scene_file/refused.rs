@@ -16,7 +16,7 @@ cases! { STRUCTURE:
     "sigma =" => "sgma =" at "source[1].pulse.sgma" "sgma": "unknown key `sgma`", "`sigma`";
     "before =" => "befor =" at "outside.befor" "befor": "unknown key", "did you mean `before`?";
     "[camera]" => "[Camera]" at "Camera" "Camera": "unknown key `Camera`", "did you mean `camera`?";
-    "bin_width = \"5 cm\", " => "" at "source[0].cube" "{ file": "the key `bin_width` is missing", "Width of a bin";
+    "bin_width = \"5 cm\", " => "" at "source[0].cube" "{ file": "the key `bin_width` is missing", "add the width of a bin";
     "eye = [0, 1, 5]" => "" at "camera" "[camera]": "the key `eye` is missing", "give eye and look_at";
     "size = [64, 48]" => "size = \"big\"" at "camera.size" "\"big\"": "invalid type: string", "Width and height";
     "size = [64, 48]" => "size = [64]" at "camera.size" "[64]": "invalid length 1", "Width and height";
@@ -124,6 +124,14 @@ cases! { SOURCES:
     CAPTURE => "uv = 0, capture = { eye = [0, 0, 9], look_at = [0, 0, 0], hfov = \"30 deg\" }" at "source[0].cube.capture" "{ eye": "`uv` and `capture` exclude", "keep one";
     ", hfov = \"30 deg\"" => "" at "source[0].cube.capture" "{ eye": "`hfov` is missing", "hfov = \"40 deg\"";
     "\"30 deg\"" => "\"200 deg\"" at "source[0].cube.capture.hfov" "\"200 deg\"": "not between", "below 180";
+    ", hfov = \"30 deg\"" => ", fov = \"30 deg\"" at "source[0].cube.capture.fov" "\"30 deg\"": "axis of this field of view", "fov_axis";
+    ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", fov_axis = \"y\"" at "source[0].cube.capture.fov_axis" "\"y\"": "the axis of `fov`", "as `fov`";
+    ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", fov = \"3 deg\"" at "source[0].cube.capture.fov" "\"3 deg\"": "exclude each other", "keep one";
+    ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", near_clip = -1" at "source[0].cube.capture.near_clip" "-1": "at a depth of -1 m", "at least 0";
+    ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", projection = \"equirectangular\", near_clip = 1" at "source[0].cube.capture.near_clip" "1": "perspective cameras only", "`projection` out";
+    ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", crop = { film = [4, 4], offset = [4, 0] }" at "source[0].cube.capture.crop" "{ film": "not on a film of [4, 4]", "whole film";
+    "bin_width = \"5 cm\"" => "bin_width = \"5 cm\", axes = \"T H X\"" at "source[0].cube.axes" "\"T H X\"": "'X'", "H rows";
+    "bin_width = \"5 cm\"" => "bin_width = \"5 cm\", axes = \"H W\"" at "source[0].cube.bin_width" "\"5 cm\"": "of a time axis", "add T";
     "\"5 cm\"" => "\"0 cm\"" at "source[0].cube.bin_width" "\"0 cm\"": "`bin_width` is 0", "like \"0.05 m\"";
     "\"5 cm\"" => "\"-1 ps\"" at "source[0].cube.bin_width" "\"-1 ps\"": "not above 0", "above 0";
     "a.npz" => "missing.npz" at "source[0].cube.file" "\"missing.npz\"": "cannot find this file", "relative";

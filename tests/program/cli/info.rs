@@ -75,6 +75,7 @@ fn of_arrays_that_cannot_be_used_and_why() {
         ("two-axes.npy", "is not a cube"),
         ("two-channels.npy", "2 channels"),
         ("structured.npy", "no numbers that radiance is given in"),
+        ("sample-nan.npy", "not a finite number"),
         ("truncated.npy", "truncated"),
         ("trailing-bytes.npy", "after the last sample"),
     ];

@@ -1,0 +1,68 @@
+//! What is remarked on data that look wrong, and on data that do not.
+
+use nullray::io::cube::{Cube, Samples};
+use nullray::light::time_texture::survey::of_samples;
+
+/// A pulse that crosses 16 × 24 pixels within 32 bins, and an exponential tail; rows, columns and time are the
+/// axes `order` of the array.
+fn crossing(order: [usize; 3]) -> Cube {
+    let sizes = [16, 24, 32];
+    let shape = order.map(|axis| sizes[axis]);
+    let [h, w, t] = shape;
+    let sample = |n: usize| {
+        let index = [n / (w * t), n / t % w, n % t];
+        let at = |axis| index[order.iter().position(|a| *a == axis).unwrap()] as f64;
+        let since = at(2) - 4.0 - 0.3 * at(0) - 0.2 * at(1);
+        let lit = since >= 0.0;
+        if lit {
+            (-since / 1.5).exp() as f32
+        } else {
+            0.0
+        }
+    };
+    let samples = (0..16 * 24 * 32).map(sample).collect();
+    Cube::new([h, w, t, 1], Samples::F32(samples)).unwrap()
+}
+
+#[test]
+fn another_order_of_axes_is_doubted_and_the_right_one_is_not() {
+    assert_eq!(of_samples(&crossing([0, 1, 2]), true), [""; 0]);
+    for (order, named) in [([2, 0, 1], "T H W"), ([0, 2, 1], "H T W")] {
+        let doubt = format!("axes = \"{named}\"");
+        let found = of_samples(&crossing(order), true);
+        assert!(found.iter().any(|r| r.contains(&doubt)), "{found:?}");
+        // Who says the order is believed.
+        let found = of_samples(&crossing(order), false);
+        assert!(!found.iter().any(|r| r.contains("axes")), "{found:?}");
+    }
+}
+
+#[test]
+fn light_that_is_cut_off_is_remarked_on() {
+    let found = |f: fn(usize) -> f32| {
+        let samples = Samples::F32((0..20).map(f).collect());
+        of_samples(&Cube::new([1, 1, 20, 1], samples).unwrap(), true)
+    };
+    let cut = found(|n| (n + 1) as f32);
+    assert!(
+        cut[0].contains("last bin is") && cut[0].contains("100.0 %"),
+        "{cut:?}"
+    );
+    assert_eq!(found(|_| 1.0), [""; 0], "steady light has no end");
+    assert_eq!(found(|n| if n == 9 { 1.0 } else { 0.02 }), [""; 0]);
+}
+
+#[test]
+fn samples_below_zero_and_data_without_light_are_remarked_on() {
+    let samples = (0..64)
+        .map(|n| if n % 8 == 3 { 1.0 } else { -0.1 })
+        .collect();
+    let found = of_samples(
+        &Cube::new([2, 4, 8, 1], Samples::F32(samples)).unwrap(),
+        false,
+    );
+    // Seven samples of -0.1 beside one of 1: 0.7 / 1.7 = 41.2 %.
+    assert!(found[0].contains("41.2 %"), "{found:?}");
+    let dark = Cube::new([1, 1, 2, 1], Samples::F32(vec![0.0; 2])).unwrap();
+    assert!(of_samples(&dark, false)[0].contains("is 0"));
+}

@@ -14,8 +14,10 @@ use super::capture::Capture;
 use super::texture::TimeTexture;
 use crate::io::cube::Cube;
 
-/// Pixels, and lines along each axis, that are looked at.
-const MOST: usize = 4096;
+/// Pixels that are looked at.
+const PIXELS: usize = 4096;
+/// Lines along each axis that are looked at.
+const LINES: usize = 512;
 /// Fewer entries along an axis tell nothing about it.
 const FEWEST: usize = 8;
 /// The part of all light that may be where none should be.
@@ -50,7 +52,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
     let axis = texture.axis();
     let (mut total, mut unseen, mut early) = (0.0, 0.0, 0.0);
     let (mut nearest, mut farthest) = (f64::INFINITY, 0.0f64);
-    for pixel in spread(h * w) {
+    for pixel in spread(h * w, PIXELS) {
         let seen = capture.distance(pixel);
         let delay = capture.delay_of(pixel);
         if let Some(distance) = seen {
@@ -116,7 +118,7 @@ impl Light {
             total: 0.0,
             negative: 0.0,
         };
-        for pixel in spread(h * w) {
+        for pixel in spread(h * w, PIXELS) {
             for (bin, sum) in light.per_bin.iter_mut().enumerate() {
                 let value = cube.total(pixel, bin);
                 *sum += value.abs();
@@ -184,7 +186,7 @@ fn lit_part(cube: &Cube, axis: usize) -> f64 {
         _ => cube.total(a * w + b, n),
     };
     let mut lines = Vec::new();
-    for line in spread(others[0] * others[1]) {
+    for line in spread(others[0] * others[1], LINES) {
         let (a, b) = (line / others[1], line % others[1]);
         let mut values: Vec<f64> = (0..length).map(|n| value(a, b, n).abs()).collect();
         values.sort_by(|a, b| b.total_cmp(a));
@@ -203,9 +205,9 @@ fn lit_part(cube: &Cube, axis: usize) -> f64 {
     bright.iter().sum::<f64>() / bright.len().max(1) as f64
 }
 
-/// At most [`MOST`] of `count` indices, evenly spread: every s-th of them, s odd, so that it is not the size of rows.
-fn spread(count: usize) -> impl Iterator<Item = usize> {
-    (0..count).step_by((count / MOST).max(1) | 1)
+/// About `most` of `count` indices, evenly spread: every s-th of them, s odd, so that it is not the size of rows.
+fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    (0..count).step_by((count / most).max(1) | 1)
 }
 
 fn percent(part: f64) -> String {

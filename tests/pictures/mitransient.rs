@@ -31,7 +31,7 @@ look_at = [-0.3, 1.0, -0.5]
 hfov = \"30 deg\"
 size = [48, 40]
 velocity = {{ beta = [0.1, 0, 0.2] }}
-clock_zero = \"9.5 m\"
+clock_zero = \"10 m\"
 [effects]
 searchlight = false
 [[object]]
@@ -69,8 +69,9 @@ fn a_warped_capture_with_its_near_plane_gives_the_picture_of_the_unwarped_one() 
     assert!(truth.iter().filter(|value| **value > 0.0).count() > 1000);
     assert_eq!(remarks, [""; 0]);
     let (got, remarks) = picture(WARPED, &format!("{FILM}\nnear_clip = 2"));
+    // 0.034: two estimates with noise of their own, and bins that begin at other times.
     let apart = score(&got, &truth);
-    assert!(apart < 0.1, "relRMSE {apart}");
+    assert!(apart < 0.05, "relRMSE {apart}");
     assert_eq!(remarks, [""; 0]);
     // Each of the keys left out gives another picture altogether.
     for wrong in [

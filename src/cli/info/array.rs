@@ -24,8 +24,8 @@ pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
             array: header.name.as_deref(),
             axes: None,
         };
-        let cube = cube::inspect(path, wanted)
-            .and_then(|info| Ok((samples(path, wanted, &info)?, info)));
+        let cube =
+            cube::inspect(path, wanted).and_then(|info| Ok((samples(path, wanted, &info)?, info)));
         describe(&mut info, header, &cube);
         data(header, &cube)
     });
@@ -71,7 +71,7 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
             );
             if cube.assumed {
                 let text = format!(
-                    "{} (assumed: `axes` of the source says another order)",
+                    "{}, assumed; another order is said by `axes` of the source",
                     cube.axes
                 );
                 info.row("axes", text);

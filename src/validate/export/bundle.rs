@@ -256,7 +256,7 @@ pub struct SourceEntry {
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum LightEntry {
     /// A stored x-y-t cube.
-    Cube(CubeEntry),
+    Cube(Box<CubeEntry>),
     /// A spherical pulse.
     Pulse(PulseEntry),
 }

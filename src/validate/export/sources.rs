@@ -36,7 +36,7 @@ pub(super) fn write(
                     CubeData::Memory(cube) => write_out(cube, index, files)?,
                 };
                 let shape = plan.cubes.get(index).and_then(Option::as_ref);
-                LightEntry::Cube(entry(cube, place, shape.map(|cube| cube.shape)))
+                LightEntry::Cube(Box::new(entry(cube, place, shape.map(|cube| cube.shape))))
             }
         };
         entries.push(SourceEntry {

@@ -99,7 +99,7 @@ fn a_cube_in_memory_is_written_into_the_bundle() {
         source["sha256"],
         metadata::sha256(&fs::read(&path).unwrap())
     );
-    assert_eq!(cube::load(&path, None).unwrap(), held);
+    assert_eq!(cube::load(&path, Default::default()).unwrap(), held);
 }
 
 #[test]

@@ -4,7 +4,8 @@
 //! what the tree is worth: the time of one 1024² picture by one thread, for the sum that a still takes. JSON lines in
 //! `target/bench/build.jsonl`: fields `case`, `preset`, `threads`, `triangles`, `build_s`, `mtriangles_per_s`,
 //! `bytes_per_triangle`, `trace_s`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES`, else generated ones and a
-//! sphere of 1.6 million triangles. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
+//! sphere of 1.6 million triangles. Then triangles of which none lies better with one than with another: coincident,
+//! concentric, … ([`FAMILIES`]), from 10³ to 10⁶, with `over_random`, the time over that of as many random ones. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
 mod common;
 
@@ -48,6 +49,97 @@ fn main() {
             report(&mut file, &line);
         }
     }
+    let counts: &[usize] = match smoke {
+        true => &[1000],
+        false => &[1000, 10_000, 100_000, 1_000_000],
+    };
+    for &count in counts {
+        let mut random = f64::NAN;
+        for (name, triangle) in FAMILIES {
+            let mut numbers = Numbers(1);
+            let triangles: Vec<_> = (0..count)
+                .map(|i| triangle(i, count, &mut numbers))
+                .collect();
+            let time = || build_time(&triangles, Some(Preset::Balanced), 2);
+            let seconds = (0..rounds.min(3))
+                .map(|_| time())
+                .fold(f64::INFINITY, f64::min);
+            if name == "random" {
+                random = seconds;
+            }
+            let line = serde_json::json!({
+                "case": name, "preset": "balanced", "threads": 2, "triangles": count, "build_s": seconds,
+                "mtriangles_per_s": count as f64 / seconds / 1e6, "over_random": seconds / random,
+            });
+            report(&mut file, &line);
+        }
+    }
+}
+
+/// A linear congruential generator.
+struct Numbers(u64);
+
+impl Numbers {
+    /// A number in [0, 1).
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+/// A triangle of a family: its index, of how many, and random numbers.
+type Make = fn(usize, usize, &mut Numbers) -> [DVec3; 3];
+
+/// Triangles on which builders of trees have been seen to be slow; random ones come first.
+const FAMILIES: [(&str, Make); 8] = [
+    ("random", |_, count, numbers| {
+        small(numbers.point(), (count as f64).cbrt().recip())
+    }),
+    ("coincident", |_, _, _| small(DVec3::splat(0.5), 0.3)),
+    ("concentric", |i, count, _| {
+        let size = (i + 1) as f64 / count as f64;
+        [DVec3::X, DVec3::Y, -DVec3::ONE].map(|corner| corner * size)
+    }),
+    ("from one corner", |i, count, _| {
+        let size = (i + 1) as f64 / count as f64;
+        [DVec3::ZERO, DVec3::X * size, DVec3::Y * size]
+    }),
+    ("duplicated", |i, count, _| {
+        let mut place = Numbers((i % (count / 100).max(1)) as u64);
+        place.next();
+        small(place.point(), 0.02)
+    }),
+    ("collinear", |i, count, _| {
+        let x = i as f64 / count as f64;
+        let step = DVec3::X / count as f64;
+        [
+            DVec3::X * x,
+            DVec3::X * x + step,
+            DVec3::X * x + DVec3::Y * 1e-6,
+        ]
+    }),
+    ("huge and tiny", |i, _, numbers| match i % 2 {
+        0 => [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1.0, 1.0)],
+        _ => small(numbers.point(), 1e-9),
+    }),
+    ("needles", |_, _, numbers| {
+        [numbers.point(), numbers.point(), numbers.point()]
+    }),
+];
+
+fn small(place: DVec3, size: f64) -> [DVec3; 3] {
+    [
+        place,
+        place + DVec3::X * size,
+        place + DVec3::new(0.3, 1.0, 0.5) * size,
+    ]
 }
 
 /// Presets, and none for obvhs alone, by one and by two threads.

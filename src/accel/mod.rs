@@ -18,7 +18,7 @@
 //! that takes rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic; `triangle` intersects a ray with a triangle; `node` and
-//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them and `build` makes them; `slab`,
+//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster` and `build` make them; `slab`,
 //! `traverse` and `single` trace single rays; `packet` traces batches.
 
 #[doc = include_str!("guide.md")]
@@ -26,6 +26,7 @@ pub mod guide {}
 
 mod build;
 mod bvh;
+mod cluster;
 mod exact;
 mod float;
 mod node;

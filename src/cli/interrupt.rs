@@ -1,19 +1,17 @@
 //! Ctrl-C and termination signals: work that checks the flag stops by itself. If it has not stopped after a while,
 //! as in the construction of a BVH or the encoding of a large file, the process exits.
 //!
-//! Files appear whole or not at all, so that all there is to clear away is a temporary file in progress.
-//! No new one is begun once the flag is set ([`check`]).
+//! Files appear whole or not at all, so that all there is to clear away is what is in the making. Nothing new is begun
+//! once the flag is set ([`check`]).
 
-use std::fs;
 use std::io::IsTerminal;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use nullray::io::temporary;
 use nullray::{Error, Result};
 
-use super::complain;
+use super::{complain, complain_styled};
 
 /// The exit code, as shells have it: 128 + SIGINT.
 pub const CODE: u8 = 130;
@@ -27,8 +25,6 @@ const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
 static CAN_RESUME: AtomicBool = AtomicBool::new(false);
-/// The temporary files that may be in progress belong into these directories.
-static DIRECTORIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Handles signals from now on.
 pub fn install() {
@@ -40,10 +36,10 @@ pub fn install() {
 fn stop() {
     STOPPING.store(true, Ordering::Relaxed);
     std::thread::sleep(PATIENCE);
-    remove_temporary_files();
+    temporary::remove_all();
     // The progress bar leaves its line to us.
     if std::io::stderr().is_terminal() {
-        complain("\r\x1b[K");
+        complain_styled("\r\x1b[K");
     }
     complain(&message());
     std::process::exit(CODE.into());
@@ -73,29 +69,5 @@ pub fn check() -> Result<()> {
         Err(Error::Cancelled)
     } else {
         Ok(())
-    }
-}
-
-/// Says that a file will be written into `directory`.
-pub fn will_write_into(directory: PathBuf) {
-    let mut known = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);
-    if !known.contains(&directory) {
-        known.push(directory);
-    }
-}
-
-/// Removes the temporary files of this process, by the names that `nullray::io::image` and
-/// `nullray::validate::export` give them.
-fn remove_temporary_files() {
-    let ours = format!(".nullray-{}-", std::process::id());
-    let directories = DIRECTORIES.lock().unwrap_or_else(PoisonError::into_inner);
-    let entries = directories.iter().filter_map(|d| fs::read_dir(d).ok());
-    for entry in entries.flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with(&ours) && name.ends_with(".part") {
-            let path = entry.path();
-            // A directory is an export in the making.
-            let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir_all(&path));
-        }
     }
 }

@@ -4,16 +4,12 @@
 //! all is on the disk. Until then a file of that name stays as it was, and on any failure the temporary
 //! file is removed.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
-
-/// Makes temporary names of one process distinct.
-static COUNTER: AtomicU64 = AtomicU64::new(0);
+use crate::io::temporary::Temporary;
 
 /// Writes the file `path` through `write`, so that it appears whole or not at all.
 ///
@@ -28,70 +24,36 @@ pub fn write_atomically(
 ) -> Result<()> {
     let target = target(path)?;
     let failed = || Error::io(path, "cannot write");
-    let (temporary, file) = Temporary::create(&target).map_err(failed())?;
+    let (temporary, file) = Temporary::file(&target).map_err(failed())?;
     let mut writer = BufWriter::with_capacity(1 << 16, file);
     write(&mut writer)?;
     let file = writer.into_inner().map_err(|e| failed()(e.into_error()))?;
     file.sync_all().map_err(failed())?;
-    drop(file);
-    fs::rename(&temporary.path, &target).map_err(failed())?;
-    temporary.keep();
+    // The file stays open, and locked, until it has its name.
+    temporary.persist(&target).map_err(failed())?;
     sync_directory(&target);
     Ok(())
 }
 
-/// The file to replace: `path` with links followed, refused where it is there and is not a file.
+/// The file to replace: `path` with links followed, refused where it is there and is not a file, or is a link to nothing.
 fn target(path: &Path) -> Result<PathBuf> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    match fs::metadata(&target) {
-        Ok(found) if !found.is_file() => {
-            let what = "there is something of this name that is not a file";
-            Err(Error::invalid(
-                path,
-                "",
-                what,
-                "name a file that is new, or that may be replaced",
-            ))
-        }
-        _ => Ok(target),
-    }
-}
-
-/// A temporary file, removed when dropped.
-struct Temporary {
-    path: PathBuf,
-    kept: bool,
-}
-
-impl Temporary {
-    /// A new file beside `target`.
-    fn create(target: &Path) -> io::Result<(Temporary, File)> {
-        let directory = target.parent().unwrap_or(Path::new(""));
-        loop {
-            let n = COUNTER.fetch_add(1, Ordering::Relaxed);
-            let path = directory.join(format!(".nullray-{}-{n}.part", process::id()));
-            let mut options = OpenOptions::new();
-            match options.read(true).write(true).create_new(true).open(&path) {
-                Ok(file) => return Ok((Temporary { path, kept: false }, file)),
-                // Left by another machine, or by a process of the past with our number.
-                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => continue,
-                Err(e) => return Err(e),
+    let refused = |what: String, help| Err(Error::invalid(path, "", what, help));
+    let target = match fs::canonicalize(path) {
+        Ok(target) => target,
+        Err(_) => match fs::read_link(path) {
+            Ok(link) => {
+                let what = format!("this is a link to {}, which is not there", link.display());
+                return refused(what, "remove the link, or make what it leads to");
             }
-        }
-    }
-
-    /// The file has its final name now.
-    fn keep(mut self) {
-        self.kept = true;
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.kept {
-            // Nothing more can be done about a file that cannot be removed.
-            let _ = fs::remove_file(&self.path);
-        }
+            Err(_) => path.to_path_buf(),
+        },
+    };
+    match fs::metadata(&target) {
+        Ok(found) if !found.is_file() => refused(
+            "there is something of this name that is not a file".into(),
+            "name a file that is new, or that may be replaced",
+        ),
+        _ => Ok(target),
     }
 }
 
@@ -197,5 +159,16 @@ mod tests {
         write_atomically(&link, |w| write_all(w, &link, b"new")).unwrap();
         assert_eq!(fs::read_to_string(&real).unwrap(), "new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_refused_and_stays() {
+        let directory = tempfile::tempdir().unwrap();
+        let link = directory.path().join("link");
+        std::os::unix::fs::symlink("nowhere", &link).unwrap();
+        let error = write_atomically(&link, |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("a link to nowhere"), "{error}");
+        assert_eq!(names(directory.path()), ["link"]);
     }
 }

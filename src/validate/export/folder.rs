@@ -1,45 +1,46 @@
 //! A directory that appears whole or not at all.
 //!
-//! It is filled under a temporary name beside the target, and takes the target's name when all is in it. On
-//! any failure it is removed, and what was there stays as it was.
+//! It is filled under a temporary name beside the target, and takes the target's name when all is in it: where an export
+//! has that name, the two change places at once. On any failure what is new is removed, and what was there stays as it was.
+//! Of an old export only the files go that its own list names; a directory that holds anything else is not replaced.
 
+use std::collections::BTreeSet;
 use std::fs;
-use std::io::{ErrorKind, Read};
-use std::path::{Path, PathBuf};
-use std::process;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Component, Path, PathBuf};
 
-use super::{DESCRIPTION, MARK};
+use super::{DESCRIPTION, FORMAT};
 use crate::error::{Error, Result};
+use crate::io::temporary::Temporary;
 
-/// Makes temporary names of one process distinct.
-static COUNTER: AtomicU64 = AtomicU64::new(0);
+/// The longest description that is read, bytes.
+const LONGEST: u64 = 256 << 20;
 
 /// A directory in the making; removed when dropped before it is finished.
 #[derive(Debug)]
 pub(super) struct Folder {
     target: PathBuf,
-    temporary: PathBuf,
-    finished: bool,
+    overwrite: bool,
+    temporary: Temporary,
 }
 
 impl Folder {
     /// Begins the directory that will be `target`. One of this name is replaced where it is empty, and
-    /// with `overwrite` where it is an export.
+    /// with `overwrite` where it is an export and nothing else.
     pub fn create(target: &Path, overwrite: bool) -> Result<Self> {
         check(target, overwrite)?;
-        let temporary = beside(target);
-        fs::create_dir(&temporary).map_err(Error::io(target, "cannot create the directory"))?;
+        let temporary =
+            Temporary::folder(target).map_err(Error::io(target, "cannot create the directory"))?;
         Ok(Folder {
             target: target.to_path_buf(),
+            overwrite,
             temporary,
-            finished: false,
         })
     }
 
     /// Where file `name` of the directory is written.
     pub fn path(&self, name: &str) -> PathBuf {
-        self.temporary.join(name)
+        self.temporary.path().join(name)
     }
 
     /// Makes a directory in it, where it is not there.
@@ -49,83 +50,160 @@ impl Folder {
     }
 
     /// Gives the directory its name.
-    pub fn finish(mut self) -> Result<()> {
-        let failed = || Error::io(&self.target, "cannot replace the directory");
-        let old = beside(&self.target);
-        let replaces = self.target.symlink_metadata().is_ok();
-        if replaces {
-            fs::rename(&self.target, &old).map_err(failed())?;
-        }
-        if let Err(error) = fs::rename(&self.temporary, &self.target) {
-            if replaces {
-                // The first error is the one to report.
-                let _ = fs::rename(&old, &self.target);
-            }
-            return Err(failed()(error));
-        }
-        self.finished = true;
-        if replaces {
-            fs::remove_dir_all(&old).map_err(Error::io(&old, "cannot remove the old directory"))?;
-        }
-        Ok(())
+    pub fn finish(self) -> Result<()> {
+        let failed = Error::io(&self.target, "cannot replace the directory");
+        // Something may have been put there meanwhile.
+        let Some(old) = check(&self.target, self.overwrite)? else {
+            return self.temporary.persist(&self.target).map_err(failed);
+        };
+        exchange(self.temporary.path(), &self.target).map_err(failed)?;
+        let path = self.temporary.path().to_path_buf();
+        self.temporary.keep();
+        remove_listed(&path, &old).map_err(Error::io(&path, "cannot remove the old directory"))
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        if !self.finished {
-            // Nothing more can be done about a directory that cannot be removed.
-            let _ = fs::remove_dir_all(&self.temporary);
+/// The files that an export lists, and the list itself.
+type Listed = BTreeSet<PathBuf>;
+
+/// Has two directories change their names.
+#[cfg(target_os = "linux")]
+fn exchange(new: &Path, target: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    let swapped = renameat_with(CWD, new, CWD, target, RenameFlags::EXCHANGE);
+    // Some file systems cannot do it at once.
+    swapped.or_else(|_| exchange_in_turn(new, target))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn exchange(new: &Path, target: &Path) -> io::Result<()> {
+    exchange_in_turn(new, target)
+}
+
+fn exchange_in_turn(new: &Path, target: &Path) -> io::Result<()> {
+    let aside = Temporary::folder(target)?;
+    fs::remove_dir(aside.path())?;
+    fs::rename(target, aside.path())?;
+    if let Err(error) = fs::rename(new, target) {
+        // The first error is the one to report.
+        let _ = fs::rename(aside.path(), target);
+        return Err(error);
+    }
+    fs::rename(aside.path(), new)
+}
+
+/// Removes the files that are `listed`, and the directories that are empty then.
+fn remove_listed(directory: &Path, listed: &Listed) -> io::Result<()> {
+    for name in listed {
+        match fs::remove_file(directory.join(name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+            _ => {}
         }
     }
+    let mut parents: BTreeSet<&Path> = listed
+        .iter()
+        .flat_map(|name| name.ancestors().skip(1))
+        .collect();
+    // The longer name of two lies in the shorter one; the last is the directory itself.
+    while let Some(parent) = parents.pop_last() {
+        match fs::remove_dir(directory.join(parent)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
-/// A name beside `target` that is not in use by this process.
-fn beside(target: &Path) -> PathBuf {
-    let n = COUNTER.fetch_add(1, Ordering::Relaxed);
-    target.with_file_name(format!(".nullray-{}-export-{n}.part", process::id()))
-}
-
-/// Refuses a target whose content would be lost, or that cannot be a directory.
-fn check(target: &Path, overwrite: bool) -> Result<()> {
-    let refused = |what, help| Err(Error::invalid(target, "", what, help));
+/// Refuses a target whose content would be lost, or that cannot be a directory; what of the export there is listed, if
+/// there is one.
+fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
+    let refused = |what: String, help: &str| Err(Error::invalid(target, "", what, help));
     if target.file_name().is_none() {
         return refused(
-            "this is not the name of a directory to be made",
+            "this is not the name of a directory to be made".into(),
             "name a new directory",
         );
     }
     match target.symlink_metadata() {
-        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(Error::io(target, "cannot look at the directory")(e)),
         Ok(found) if !found.is_dir() => {
             let what = "there is something of this name that is not a directory";
-            return refused(what, "name a new directory");
+            return refused(what.into(), "name a new directory");
         }
         Ok(_) => {}
     }
-    let mut entries =
-        fs::read_dir(target).map_err(Error::io(target, "cannot read the directory"))?;
-    if entries.next().is_none() {
-        return Ok(());
+    let failed = || Error::io(target, "cannot read the directory");
+    if fs::read_dir(target).map_err(failed())?.next().is_none() {
+        return Ok(None);
     }
-    match (is_export(target), overwrite) {
-        (true, true) => Ok(()),
-        (true, false) => refused(
-            "there is an export of this name already",
-            "name a new directory, or replace that one with --overwrite",
-        ),
-        (false, _) => refused(
-            "there is a directory of this name that is no export, and it is not empty",
+    let Some(listed) = listed(target) else {
+        return refused(
+            "there is a directory of this name that is no export, and it is not empty".into(),
             "name a new directory",
+        );
+    };
+    if !overwrite {
+        return refused(
+            "there is an export of this name already".into(),
+            "name a new directory, or replace that one with --overwrite",
+        );
+    }
+    match stranger(target, Path::new(""), &listed).map_err(failed())? {
+        None => Ok(Some(listed)),
+        Some(name) => refused(
+            format!(
+                "{} lies in it and is not of the export: it would be lost",
+                name.display()
+            ),
+            "move it elsewhere, or name a new directory",
         ),
     }
 }
 
-/// Whether `directory` was written by this module.
-fn is_export(directory: &Path) -> bool {
-    let mut start = Vec::new();
-    let opened = fs::File::open(directory.join(DESCRIPTION));
-    let read = opened.and_then(|file| file.take(256).read_to_end(&mut start));
-    read.is_ok() && String::from_utf8_lossy(&start).contains(MARK)
+/// What the description of an export in `directory` lists, and its own name; none where there is no such description.
+fn listed(directory: &Path) -> Option<Listed> {
+    let mut text = Vec::new();
+    let file = fs::File::open(directory.join(DESCRIPTION)).ok()?;
+    file.take(LONGEST).read_to_end(&mut text).ok()?;
+    let bundle: serde_json::Value = serde_json::from_slice(&text).ok()?;
+    if bundle.get("format")?.as_str()? != FORMAT {
+        return None;
+    }
+    let path = |file: &serde_json::Value| {
+        let path = PathBuf::from(file.get("path")?.as_str()?);
+        // A list that leads elsewhere is not one of ours.
+        let is_inside = path
+            .components()
+            .all(|part| matches!(part, Component::Normal(_)));
+        (is_inside && path.file_name().is_some()).then_some(path)
+    };
+    let files = bundle.get("files")?.as_array()?;
+    files
+        .iter()
+        .map(path)
+        .chain([Some(DESCRIPTION.into())])
+        .collect()
+}
+
+/// Something below `at` in `directory` that is neither a file that is `listed` nor a directory with such files.
+fn stranger(directory: &Path, at: &Path, listed: &Listed) -> io::Result<Option<PathBuf>> {
+    for entry in fs::read_dir(directory.join(at))? {
+        let entry = entry?;
+        let name = at.join(entry.file_name());
+        let kind = entry.file_type()?;
+        let holds_files = || {
+            listed
+                .iter()
+                .any(|file| *file != name && file.starts_with(&name))
+        };
+        if kind.is_dir() && holds_files() {
+            if let Some(inner) = stranger(directory, &name, listed)? {
+                return Ok(Some(inner));
+            }
+        } else if !(kind.is_file() && listed.contains(&name)) {
+            return Ok(Some(name));
+        }
+    }
+    Ok(None)
 }

@@ -42,8 +42,6 @@ pub const README: &str = include_str!("README.md");
 
 /// The description's name.
 const DESCRIPTION: &str = "bundle.json";
-/// How a description begins.
-const MARK: &str = "\"format\": \"nullray-bundle\"";
 #[cfg(feature = "schema")]
 const SCHEMA: &str = "bundle.schema.json";
 const TEXT: &str = "scene.toml";
@@ -100,6 +98,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
         pixel_centers: true,
         precision: Precision::Certified,
         memory_limit: options.memory_limit,
+        beside: 0,
     };
     Plan::new(scene, &request)
 }

@@ -35,16 +35,50 @@ fn an_export_is_replaced_only_when_that_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("bundle");
     write(&target, false, &Silent).unwrap();
-    fs::write(target.join("extra"), "of the first").unwrap();
     let refused = write(&target, false, &Silent).unwrap_err();
     assert!(
         refused.to_string().contains("an export of this name"),
         "{refused}"
     );
-    assert!(target.join("extra").exists());
+    fs::remove_file(target.join("README.md")).unwrap();
     write(&target, true, &Silent).unwrap();
-    assert!(!target.join("extra").exists());
+    assert!(target.join("README.md").exists());
     assert_eq!(names(folder.path()), ["bundle"]);
+}
+
+#[test]
+fn an_export_with_anything_else_in_it_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("bundle");
+    write(&target, false, &Silent).unwrap();
+    for name in ["notes.txt", "geometry/mine.glb", "of-mine/a.txt"] {
+        let mine = target.join(name);
+        fs::create_dir_all(mine.parent().unwrap()).unwrap();
+        fs::write(&mine, "of the user").unwrap();
+        let refused = write(&target, true, &Silent).unwrap_err().to_string();
+        let named = name.strip_suffix("/a.txt").unwrap_or(name);
+        assert!(refused.contains(named), "{name}: {refused}");
+        assert_eq!(fs::read_to_string(&mine).unwrap(), "of the user");
+        assert_eq!(names(folder.path()), ["bundle"]);
+        fs::remove_file(&mine).unwrap();
+    }
+    fs::remove_dir(target.join("of-mine")).unwrap();
+    write(&target, true, &Silent).unwrap();
+}
+
+#[test]
+fn a_list_that_leads_out_of_the_directory_removes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (target, mine) = (folder.path().join("bundle"), folder.path().join("mine"));
+    fs::write(&mine, "of the user").unwrap();
+    fs::create_dir(&target).unwrap();
+    for path in ["../mine", &mine.display().to_string()] {
+        let list = serde_json::json!({ "format": "nullray-bundle", "files": [{ "path": path }] });
+        fs::write(target.join("bundle.json"), list.to_string()).unwrap();
+        let refused = write(&target, true, &Silent).unwrap_err().to_string();
+        assert!(refused.contains("no export"), "{refused}");
+        assert!(mine.exists());
+    }
 }
 
 #[test]

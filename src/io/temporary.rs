@@ -1,0 +1,267 @@
+//! Files and directories in the making, under names that say so: `.nullray-XXXXXX.part`, with six random characters.
+//!
+//! They lie beside what they will become, are locked as long as their process lives, and are removed when it gives up.
+//! What a process leaves behind that was killed is removed by the next one that writes into the directory: things of such
+//! names that belong to its own user, are locked by nobody, and have not changed for [`FILE_AGE`] or [`FOLDER_AGE`].
+//! The lock tells at once on a local disk, also between containers; on file systems of clusters a lock may not be seen
+//! from other machines, hence the age.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+const PREFIX: &str = ".nullray-";
+const SUFFIX: &str = ".part";
+
+/// For how long nothing was written to a file that is a left-over. Encoders write every few seconds.
+const FILE_AGE: Duration = Duration::from_secs(5 * 60);
+/// For how long nothing was put into a directory that is a left-over. A long rendering may stand between two files.
+const FOLDER_AGE: Duration = Duration::from_secs(24 * 3600);
+
+/// What this process has in the making.
+static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// The directories from which left-overs were removed.
+static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A file or directory in the making; removed when dropped, unless it has its name or is kept.
+#[derive(Debug)]
+pub(crate) struct Temporary {
+    path: PathBuf,
+    kept: bool,
+    /// Of a directory, which has to stay locked; a file is locked by whoever writes it.
+    _lock: Option<File>,
+}
+
+impl Temporary {
+    /// A new file beside `target`, open for reading and writing and locked.
+    pub fn file(target: &Path) -> io::Result<(Temporary, File)> {
+        let (path, file) = make_beside(target, |path| {
+            let mut options = OpenOptions::new();
+            options.read(true).write(true).create_new(true).open(path)
+        })?;
+        let temporary = Temporary {
+            path,
+            kept: false,
+            _lock: None,
+        };
+        Ok((temporary, file))
+    }
+
+    /// A new directory beside `target`.
+    pub fn folder(target: &Path) -> io::Result<Temporary> {
+        let (path, lock) = make_beside(target, |path| {
+            fs::create_dir(path)?;
+            // Where directories cannot be opened they are not locked either.
+            File::open(path).or_else(|_| tempfile::tempfile_in(path))
+        })?;
+        Ok(Temporary {
+            path,
+            kept: false,
+            _lock: Some(lock),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives it the name `target`, in place of the file that has it.
+    pub fn persist(self, target: &Path) -> io::Result<()> {
+        // What has its name is not found under the temporary one when this is dropped.
+        fs::rename(&self.path, target)
+    }
+
+    /// Leaves it where it is.
+    pub fn keep(mut self) {
+        self.kept = true;
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.kept {
+            remove(&self.path);
+        }
+        live().remove(&self.path);
+    }
+}
+
+/// Removes what this process has in the making: for when it is about to exit without unwinding.
+pub fn remove_all() {
+    live().iter().for_each(|path| remove(path));
+}
+
+fn live() -> std::sync::MutexGuard<'static, BTreeSet<PathBuf>> {
+    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes a file, or a directory with all that is in it.
+fn remove(path: &Path) {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            // Nothing more can be done about a directory that cannot be removed.
+            let _ = fs::remove_dir_all(path);
+        }
+        _ => {}
+    }
+}
+
+/// Something new that `make` makes beside `target`, locked and noted.
+fn make_beside(
+    target: &Path,
+    make: impl Fn(&Path) -> io::Result<File>,
+) -> io::Result<(PathBuf, File)> {
+    let directory = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    let made = builder
+        .prefix(PREFIX)
+        .suffix(SUFFIX)
+        .make_in(directory, |path| {
+            let file = make(path)?;
+            // Another process may be looking for left-overs just now: what it has locked or removed is left to it.
+            let taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+            match taken || !path.exists() {
+                true => Err(ErrorKind::AlreadyExists.into()),
+                false => {
+                    live().insert(path.to_path_buf());
+                    Ok(file)
+                }
+            }
+        })?;
+    let (file, path) = made.keep().map_err(|error| error.error)?;
+    if let Ok(metadata) = file.metadata() {
+        clear_once(directory, &metadata);
+    }
+    Ok((path, file))
+}
+
+/// Removes left-overs from `directory`, when it is first written to; `ours` is of something that was just made there,
+/// which tells its file system's time and our user.
+fn clear_once(directory: &Path, ours: &Metadata) {
+    let key = directory
+        .canonicalize()
+        .unwrap_or_else(|_| directory.into());
+    let mut cleared = CLEARED.lock().unwrap_or_else(PoisonError::into_inner);
+    if !cleared.insert(key) {
+        return;
+    }
+    drop(cleared);
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_named = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+        if is_named
+            && entry
+                .metadata()
+                .is_ok_and(|m| is_left_over(&entry.path(), &m, ours))
+        {
+            remove(&entry.path());
+        }
+    }
+}
+
+/// Whether nobody works at the file or directory at `path`.
+fn is_left_over(path: &Path, metadata: &Metadata, ours: &Metadata) -> bool {
+    let lock = match metadata {
+        m if m.is_dir() => File::open(path),
+        m if m.is_file() => OpenOptions::new().read(true).write(true).open(path),
+        _ => return false,
+    };
+    let age = |m: &Metadata| {
+        ours.modified()
+            .ok()?
+            .duration_since(m.modified().ok()?)
+            .ok()
+    };
+    let needed = if metadata.is_dir() {
+        FOLDER_AGE
+    } else {
+        FILE_AGE
+    };
+    let is_locked = lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)));
+    same_owner(metadata, ours) && !is_locked && age(metadata).is_some_and(|age| age >= needed)
+}
+
+#[cfg(unix)]
+fn same_owner(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    a.uid() == b.uid()
+}
+
+#[cfg(not(unix))]
+fn same_owner(_: &Metadata, _: &Metadata) -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::SystemTime;
+
+    fn aged(path: &Path, age: Duration) {
+        let file = File::open(path).unwrap();
+        file.set_modified(SystemTime::now() - age).unwrap();
+    }
+
+    #[test]
+    fn left_overs_are_removed_and_what_lives_or_is_not_ours_stays() {
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        let names = [
+            ".nullray-1-probe.part",
+            ".nullray-young.part",
+            ".nullray-locked.part",
+            ".nullray-other.txt",
+        ];
+        for name in names {
+            fs::write(at(name), "x").unwrap();
+        }
+        fs::create_dir(at(".nullray-folder.part")).unwrap();
+        fs::write(at(".nullray-folder.part/a"), "x").unwrap();
+        fs::create_dir(at(".nullray-young-folder.part")).unwrap();
+        for name in [names[0], names[2], names[3], ".nullray-young-folder.part"] {
+            aged(&at(name), 2 * FILE_AGE);
+        }
+        aged(&at(".nullray-folder.part"), 2 * FOLDER_AGE);
+        let locked = File::open(at(names[2])).unwrap();
+        locked.try_lock().unwrap();
+        drop(Temporary::file(&at("a.png")).unwrap());
+        let mut left: Vec<_> = fs::read_dir(directory.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        assert_eq!(
+            left,
+            [
+                ".nullray-locked.part",
+                ".nullray-other.txt",
+                ".nullray-young-folder.part",
+                ".nullray-young.part"
+            ]
+        );
+    }
+
+    #[test]
+    fn what_is_in_the_making_goes_when_it_is_given_up() {
+        let directory = tempfile::tempdir().unwrap();
+        let target = directory.path().join("a");
+        let (file, _open) = Temporary::file(&target).unwrap();
+        let folder = Temporary::folder(&target).unwrap();
+        fs::write(folder.path().join("b"), "x").unwrap();
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2);
+        drop((file, folder));
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+        let (file, _open) = Temporary::file(&target).unwrap();
+        file.persist(&target).unwrap();
+        assert!(target.is_file());
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+}

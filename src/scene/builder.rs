@@ -7,11 +7,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
-use super::load;
+use super::load::{self, SceneFile};
 use super::memory::Memory;
 use super::model::{Scene, Shape};
 use super::overrides::{self, Overrides};
-use super::panel;
 use super::report::Report;
 use crate::error::{Error, Result};
 use crate::io::cube::Cube;
@@ -172,10 +171,12 @@ impl Builder {
             text: self.document.to_string().into(),
             edits: Vec::new(),
         };
-        load::scene(report, &self.base, self.memory)
+        let mut file = SceneFile::of_text("", &report.name, &self.base);
+        file.memory = self.memory;
+        load::scene(report, &file, false)
     }
 
-    /// The scene that the panel `name` shows, like [`load_panel`](super::load_panel).
+    /// The scene that the panel `name` shows, like [`SceneFile::panel`].
     ///
     /// # Errors
     /// As [`build`](Builder::build); a name that no panel has.
@@ -187,9 +188,9 @@ impl Builder {
             let help = format!("there are: {}", known.join(", "));
             return Err(Error::invalid(&whole.name, "panel", what, help));
         };
-        let overrides = Overrides::default();
-        let Builder { base, memory, .. } = &self;
-        panel::with_memory(&whole.text, base, memory, &whole, panel, &overrides)
+        let mut file = SceneFile::of_text(&whole.text, &whole.name, &self.base);
+        file.memory = self.memory;
+        file.panel(&whole, panel, &Overrides::default())
     }
 
     /// Adds the entry `name` to the list of objects or sources.

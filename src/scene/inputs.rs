@@ -1,8 +1,11 @@
 //! What a scene names outside its text, gathered before it is resolved: resolving opens nothing.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
-use std::path::PathBuf;
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 
@@ -20,11 +23,70 @@ pub(super) struct Pose {
     pub gltf_fov: Option<(Option<f64>, f64)>,
 }
 
+/// What was found outside the text of a scene, so that all that is read from one text sees the same.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Files that are there.
+    files: Mutex<HashSet<PathBuf>>,
+    /// Poses of glTF cameras, by file and node.
+    poses: Mutex<HashMap<(PathBuf, Option<String>), Pose>>,
+    /// Rows of the tables of spectra.
+    tables: Mutex<HashMap<PathBuf, Rows>>,
+}
+
+/// The rows of a table.
+type Rows = Vec<[f64; 2]>;
+
+impl Seen {
+    /// Whether the file at `path` was there when it was first looked for; `look` looks for it.
+    pub fn look_for(&self, path: &Path, look: impl FnOnce() -> io::Result<u64>) -> io::Result<()> {
+        let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        if !files.contains(path) {
+            look()?;
+            files.insert(path.to_path_buf());
+        }
+        Ok(())
+    }
+
+    /// The pose of the camera at `node` in the file at `path`, as it was first read; `read` reads it.
+    pub fn pose(
+        &self,
+        path: &Path,
+        node: Option<&str>,
+        read: impl FnOnce() -> Result<Pose>,
+    ) -> Result<Pose> {
+        let node = node.map(str::to_string);
+        once(&self.poses, (path.to_path_buf(), node), read)
+    }
+
+    /// The rows of the table in the file at `path`, as they were first read; `read` reads them.
+    pub fn table(&self, path: &Path, read: impl FnOnce() -> Result<Rows>) -> Result<Rows> {
+        once(&self.tables, path.to_path_buf(), read)
+    }
+}
+
+/// What `known` has of `key`, or what `read` gives, which is kept.
+fn once<K: Hash + Eq, V: Clone>(
+    known: &Mutex<HashMap<K, V>>,
+    key: K,
+    read: impl FnOnce() -> Result<V>,
+) -> Result<V> {
+    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(value) = known.get(&key) {
+        return Ok(value.clone());
+    }
+    let value = read()?;
+    known.insert(key, value.clone());
+    Ok(value)
+}
+
 /// What was found of that which a scene names.
 #[derive(Default)]
 pub(super) struct Inputs {
     /// The folder against which relative paths resolve.
     pub base: PathBuf,
+    /// Whether files may refer to others outside of it.
+    pub allow_outside: bool,
     /// Meshes and cubes in memory.
     pub memory: Memory,
     /// By place in the text: why the file that is named there cannot be used.

@@ -2,13 +2,13 @@
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
 use super::at::At;
 use super::file;
-use super::inputs::{Inputs, Pose};
+use super::inputs::{Inputs, Pose, Seen};
 use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
@@ -21,6 +21,49 @@ use crate::scene::schema::JsonSchema;
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;
 
+/// A scene file that was read once: whatever becomes of the file, all scenes and panels that are made of this see the
+/// same text, the same poses of glTF cameras, and look for the same files once.
+#[derive(Debug)]
+pub struct SceneFile {
+    pub(super) name: String,
+    pub(super) text: String,
+    pub(super) base: PathBuf,
+    /// Meshes and cubes of a program.
+    pub(super) memory: Memory,
+    pub(super) seen: Seen,
+}
+
+impl SceneFile {
+    /// Reads the file at `path`; relative paths in it resolve against its folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file cannot be read; [`Error::Invalid`] where it is longer than scenes are, or not UTF-8.
+    pub fn read(path: &Path) -> Result<SceneFile> {
+        let name = path.display().to_string();
+        Ok(SceneFile::of_text(&text_of(path)?, &name, base(path)))
+    }
+
+    /// The text of a scene called `name`; relative paths in it resolve against `base`.
+    pub fn of_text(text: &str, name: &str, base: &Path) -> SceneFile {
+        SceneFile {
+            name: name.to_string(),
+            text: text.to_string(),
+            base: base.to_path_buf(),
+            memory: Memory::default(),
+            seen: Seen::default(),
+        }
+    }
+
+    /// The scene, with what `overrides` change of it.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn scene(&self, overrides: &Overrides) -> Result<Scene> {
+        let report = report(&self.text, &self.name, overrides)?;
+        scene(report, self, overrides.allow_outside)
+    }
+}
+
 /// Reads the scene file at `path`; relative paths in it resolve against its folder.
 ///
 /// # Errors
@@ -28,8 +71,7 @@ const LONGEST: usize = 4 << 20;
 /// place in it and what would be right. Files that it names are looked for, not read (except for the
 /// pose of a glTF camera).
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
-    let name = path.display().to_string();
-    parse(&text_of(path)?, &name, base(path), overrides)
+    SceneFile::read(path)?.scene(overrides)
 }
 
 /// The text of the scene file at `path`.
@@ -51,53 +93,60 @@ pub(crate) fn base(path: &Path) -> &Path {
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Result<Scene> {
-    scene(report(text, name, overrides)?, base, Memory::default())
+    SceneFile::of_text(text, name, base).scene(overrides)
 }
 
-/// The scene that the report's text means, with what is in `memory`.
-pub(super) fn scene(report: Report, base: &Path, memory: Memory) -> Result<Scene> {
+/// The scene that the report's text means; what it names is looked for as the file saw it.
+pub(super) fn scene(
+    report: Report,
+    SceneFile {
+        base, memory, seen, ..
+    }: &SceneFile,
+    allow_outside: bool,
+) -> Result<Scene> {
     let file: file::Scene = report.read()?;
-    let mut inputs = Inputs::new(base.to_path_buf(), memory);
+    let mut inputs = Inputs::new(base.clone(), memory.clone());
+    inputs.allow_outside = allow_outside;
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
     let cubes = || file.source.iter().filter_map(|at| at.value.cube.as_ref());
     for name in meshes.chain(cubes().map(|cube| &cube.value.file)) {
-        look_for(&mut inputs, name);
+        look_for(&mut inputs, seen, name);
     }
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
-        read_pose(&mut inputs, &capture.value.gltf, &capture.value.node);
+        read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
     }
     for object in &file.object {
-        read_spectrum(&mut inputs, &object.value.spectrum);
+        read_spectrum(&mut inputs, seen, &object.value.spectrum);
     }
-    camera(&mut inputs, &file);
+    camera(&mut inputs, seen, &file);
     resolve::scene(report, inputs, &file)
 }
 
 /// Reads the table of a spectrum, where it has one.
-fn read_spectrum(inputs: &mut Inputs, spectrum: &Option<At<file::Spectrum>>) {
+fn read_spectrum(inputs: &mut Inputs, seen: &Seen, spectrum: &Option<At<file::Spectrum>>) {
     let Some(name) = spectrum.as_ref().and_then(|at| at.value.table.as_ref()) else {
         return;
     };
-    look_for(inputs, name);
+    look_for(inputs, seen, name);
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_none() && resolve::has_extension(&path, SPECTRUM) {
-        inputs.add_table(name, spectrum::load(&path));
+        inputs.add_table(name, seen.table(&path, || spectrum::load(&path)));
     }
 }
 
-fn camera<D>(inputs: &mut Inputs, file: &file::Scene<D>) {
+fn camera<D>(inputs: &mut Inputs, seen: &Seen, file: &file::Scene<D>) {
     if let Some(camera) = &file.camera {
-        read_pose(inputs, &camera.value.gltf, &camera.value.node);
+        read_pose(inputs, seen, &camera.value.gltf, &camera.value.node);
     }
 }
 
 /// Notes what is wrong with the file that `name` names. None is opened.
-fn look_for(inputs: &mut Inputs, name: &At<String>) {
+fn look_for(inputs: &mut Inputs, seen: &Seen, name: &At<String>) {
     if name.value.starts_with(memory::PREFIX) {
         return;
     }
     let path = inputs.base.join(&name.value);
-    match files::length(&path) {
+    match seen.look_for(&path, || files::length(&path)) {
         Ok(_) => {}
         // There, but a directory or a device.
         Err(error) if error.kind() == ErrorKind::InvalidInput && path.exists() => {
@@ -108,18 +157,26 @@ fn look_for(inputs: &mut Inputs, name: &At<String>) {
 }
 
 /// Reads the pose of the camera at `node` of the glTF file `name`, where there is one.
-fn read_pose(inputs: &mut Inputs, name: &Option<At<String>>, node: &Option<At<String>>) {
+fn read_pose(
+    inputs: &mut Inputs,
+    seen: &Seen,
+    name: &Option<At<String>>,
+    node: &Option<At<String>>,
+) {
     let Some(name) = name else { return };
-    look_for(inputs, name);
+    look_for(inputs, seen, name);
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_some() || !resolve::has_extension(&path, GLTF) {
         return;
     }
     let node = node.as_ref().map(|node| node.value.as_str());
-    let pose = gltf::camera(&path, node).map(|camera| Pose {
-        eye: camera.eye,
-        axes: camera.axes,
-        gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
+    let pose = seen.pose(&path, node, || {
+        let camera = gltf::camera(&path, node)?;
+        Ok(Pose {
+            eye: camera.eye,
+            axes: camera.axes,
+            gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
+        })
     });
     inputs.add_pose(name, pose);
 }
@@ -136,7 +193,7 @@ pub(crate) fn parse_diagram<D: DeserializeOwned + JsonSchema, T>(
     let report = report(text, name, overrides)?;
     let file: file::Scene<D> = report.read()?;
     let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
-    camera(&mut inputs, &file);
+    camera(&mut inputs, &Seen::default(), &file);
     let cx = Context::new(report, inputs, &file.speed_of_light)?;
     resolve(&cx, &Kinematics::new(&cx, &file)?, file.diagram.as_ref())
 }

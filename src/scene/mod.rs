@@ -126,10 +126,9 @@ mod tree;
 mod values;
 
 pub use builder::{Builder, Value};
-pub use load::{load, parse};
+pub use load::{SceneFile, load, parse};
 pub use model_scene::{Heading, ModelView, model_scene};
 pub use overrides::Overrides;
-pub use panel::{load_panel, parse_panel};
 pub use schema::schema;
 
 // For `[diagram]`, which `figures` reads from the same file.

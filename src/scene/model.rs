@@ -39,6 +39,8 @@ pub struct Scene {
     pub name: String,
     /// The text that was parsed, after overrides; goes into the metadata of outputs.
     pub text: String,
+    /// The folder within which glTF files may refer to other files, besides their own; none where they may anywhere.
+    pub folder: Option<PathBuf>,
     /// Speed of light of this scene, metres per second: only for converting seconds at the edges.
     pub speed_of_light: f64,
     /// Refractive index η ≥ 1 of the world-static medium; affects the delay only.

@@ -29,6 +29,8 @@ pub struct Overrides {
     pub samples_per_pixel: Option<u32>,
     /// The camera's proper time of the shot, with its unit, in place of `camera.time`.
     pub time: Option<String>,
+    /// Whether glTF files may refer to files outside their own folder and the scene's. Not a change of the text.
+    pub allow_outside: bool,
 }
 
 /// An edit that was made.
@@ -42,7 +44,7 @@ pub(crate) struct Edit {
 /// The keys of a path, at most: more than any that exists.
 const LONGEST_PATH: usize = 16;
 
-/// Makes the edits in `text`. A text that is not TOML stays as it is: reading it says why.
+/// Makes the edits in `text`. A text that is not TOML stays as it is: reading it, by the same parser, says why.
 pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Edit>)> {
     let changes = changes(overrides)?;
     if changes.is_empty() {
@@ -82,6 +84,7 @@ fn changes(overrides: &Overrides) -> Result<Vec<(String, String, Value)>> {
         white,
         samples_per_pixel,
         time,
+        allow_outside: _,
     } = overrides;
     let mut all = Vec::new();
     for (key, text) in set {

@@ -1,81 +1,51 @@
 //! The scene that a panel shows: the file's, with the panel's changes and then those of the command line.
 
-use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
 use toml_edit::DocumentMut;
 
-use super::load::{self, base, text_of};
-use super::memory::Memory;
+use super::load::{self, SceneFile};
 use super::model::{Panel, Scene};
 use super::overrides::{self, Overrides};
 use super::report::Report;
 use crate::error::{Error, Result};
 
-/// Reads the scene of `panel`, one of those of `scene`, which was read from the file at `path`.
-///
-/// Changes are made in the order panel, `overrides`. The scene's text is one without panels that shows
-/// the same.
-///
-/// # Errors
-/// As [`load`](super::load); where the panel's own changes are wrong, with the place of the panel.
-pub fn load_panel(
-    path: &Path,
-    scene: &Scene,
-    panel: &Panel,
-    overrides: &Overrides,
-) -> Result<Scene> {
-    parse_panel(&text_of(path)?, base(path), scene, panel, overrides)
-}
+impl SceneFile {
+    /// The scene of `panel`, one of those of `scene`, which was made of this file.
+    ///
+    /// Changes are made in the order panel, `overrides`. The scene's text is one without panels that shows
+    /// the same.
+    ///
+    /// # Errors
+    /// As [`load`](super::load()); where the panel's own changes are wrong, with the place of the panel.
+    pub fn panel(&self, scene: &Scene, panel: &Panel, overrides: &Overrides) -> Result<Scene> {
+        let of_panel = Overrides {
+            allow_outside: overrides.allow_outside,
+            ..Overrides::default()
+        };
+        self.changed(panel, overrides)
+            .map_err(|error| match self.changed(panel, &of_panel) {
+                // Without the command line all is well.
+                Ok(_) => error,
+                Err(error) => blame(scene, panel, error),
+            })
+    }
 
-/// As [`load_panel`], from the text of the file that `scene` was read from.
-///
-/// # Errors
-/// As [`load_panel`].
-pub fn parse_panel(
-    text: &str,
-    base: &Path,
-    scene: &Scene,
-    panel: &Panel,
-    overrides: &Overrides,
-) -> Result<Scene> {
-    with_memory(text, base, &Memory::default(), scene, panel, overrides)
-}
-
-/// As [`parse_panel`], with meshes and cubes in memory.
-pub(super) fn with_memory(
-    text: &str,
-    base: &Path,
-    memory: &Memory,
-    scene: &Scene,
-    panel: &Panel,
-    overrides: &Overrides,
-) -> Result<Scene> {
-    let changed = |overrides: &Overrides| {
-        let report = changed(text, &scene.name, panel, overrides)?;
-        load::scene(report, base, memory.clone())
-    };
-    changed(overrides).map_err(|error| match changed(&Overrides::default()) {
-        // Without the command line all is well.
-        Ok(_) => error,
-        Err(error) => blame(scene, panel, error),
-    })
-}
-
-/// The text with all changes made.
-fn changed(text: &str, name: &str, panel: &Panel, overrides: &Overrides) -> Result<Report> {
-    let of_panel = Overrides {
-        set: panel.set.clone(),
-        ..Overrides::default()
-    };
-    let (text, _) = overrides::apply(text, &of_panel)?;
-    let (text, edits) = overrides::apply(&text, overrides)?;
-    Ok(Report {
-        name: name.to_string(),
-        text: without_panels(&text),
-        edits,
-    })
+    fn changed(&self, panel: &Panel, overrides: &Overrides) -> Result<Scene> {
+        let of_panel = Overrides {
+            set: panel.set.clone(),
+            ..Overrides::default()
+        };
+        let (text, _) = overrides::apply(&self.text, &of_panel)?;
+        let (text, edits) = overrides::apply(&text, overrides)?;
+        let report = Report {
+            name: self.name.clone(),
+            text: without_panels(&text),
+            edits,
+        };
+        load::scene(report, self, overrides.allow_outside)
+    }
 }
 
 /// The text without its panels and their sheet. One that is not TOML stays as it is.

@@ -66,6 +66,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         sheet: panel::sheet(&cx, &file.sheet)?,
         text: cx.report.text.to_string(),
         name: cx.report.name.clone(),
+        folder: (!cx.inputs.allow_outside).then(|| cx.inputs.base.clone()),
     };
     equations::check(&cx, file, &scene)?;
     Ok(scene)

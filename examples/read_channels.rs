@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use nullray::io::budget::Budget;
 use nullray::io::image::{Layers, exr};
 use nullray::render::aov;
 use nullray::render::metadata::metadata;
@@ -40,7 +41,7 @@ fn main() -> nullray::Result<()> {
     if given.is_none() {
         write(&path)?;
     }
-    let layers = exr::read(&path)?;
+    let layers = exr::read(&path, &Budget::default())?;
     println!(
         "{}: {} × {} pixels",
         path.display(),

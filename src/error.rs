@@ -169,33 +169,199 @@ fn remedy(kind: io::ErrorKind) -> &'static str {
 #[cfg(feature = "reports")]
 impl Error {
     /// The error with the lines of the file that it is about, and what would be right: for people to read.
-    /// With ANSI colours where it is `styled`.
+    /// With ANSI colours where it is `styled`; nothing else in it steers a terminal. Long lines are cut around the place.
     pub fn report(&self, styled: bool) -> String {
+        let draw = std::panic::AssertUnwindSafe(|| self.drawn(styled));
+        // Whatever a file does to the drawing, what is wrong is said.
+        let report = std::panic::catch_unwind(draw).unwrap_or_else(|_| self.plain());
+        report.replace(|c| ('\u{80}'..='\u{9f}').contains(&c), "�")
+    }
+
+    /// The error without lines of the file.
+    fn plain(&self) -> String {
+        let visible = |text: &str| -> String {
+            let visible = |c: char| {
+                if c.is_control() && c != '\n' {
+                    '�'
+                } else {
+                    c
+                }
+            };
+            shortened(text, MOST_WORDS).chars().map(visible).collect()
+        };
+        match self.help() {
+            "" => format!("error: {}\n", visible(&self.to_string())),
+            help => format!(
+                "error: {}\nhelp: {}\n",
+                visible(&self.to_string()),
+                visible(help)
+            ),
+        }
+    }
+
+    fn drawn(&self, styled: bool) -> String {
         use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+        let title = shortened(&self.to_string(), MOST_WORDS);
+        let help = shortened(self.help(), MOST_WORDS);
         let mut group = Level::ERROR
-            .primary_title(self.to_string())
+            .primary_title(title)
             .elements(None::<annotate_snippets::Message>);
+        let shown;
         if let Error::Invalid(problem) | Error::Unsupported(problem) = self
             && let Some(snippet) = &problem.snippet
         {
+            shown = snippet.cut();
+            let (first_line, snippet) = match &shown {
+                Some((first_line, cut)) => (*first_line, cut),
+                None => (1, snippet),
+            };
             let kinds = std::iter::once(AnnotationKind::Primary);
             let kinds = kinds.chain(std::iter::repeat(AnnotationKind::Context));
             let labels = kinds.zip(&snippet.labels);
             group = group.element(
                 Snippet::source(&*snippet.text)
-                    .path(&problem.file)
-                    .annotations(
-                        labels.map(|(kind, (span, label))| kind.span(span.clone()).label(label)),
-                    ),
+                    .line_start(first_line)
+                    .path(shortened(&problem.file, MOST_WORDS))
+                    .annotations(labels.map(|(kind, (span, label))| {
+                        kind.span(span.clone()).label(shortened(label, MOST_WORDS))
+                    })),
             );
         }
-        if !self.help().is_empty() {
-            group = group.element(Level::HELP.message(self.help()));
+        if !help.is_empty() {
+            group = group.element(Level::HELP.message(help));
         }
         let renderer = match styled {
             true => Renderer::styled(),
             false => Renderer::plain(),
         };
         renderer.render(&[group]) + "\n"
+    }
+}
+
+/// The longest message or path of a report, characters.
+#[cfg(feature = "reports")]
+const MOST_WORDS: usize = 2000;
+/// The longest line of a file that is shown as it stands, bytes.
+#[cfg(feature = "reports")]
+const LONGEST_LINE: usize = 400;
+/// How much of a longer one is shown before the place and from there on, bytes.
+#[cfg(feature = "reports")]
+const AROUND: [usize; 2] = [80, 160];
+
+#[cfg(feature = "reports")]
+fn shortened(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_string(),
+    }
+}
+
+#[cfg(feature = "reports")]
+impl Snippet {
+    /// Where a labelled line is too long to be shown: the number of the first place's line, and what stands around the place.
+    fn cut(&self) -> Option<(usize, Snippet)> {
+        let text = &*self.text;
+        let line_of = |place: usize| {
+            let place = text.floor_char_boundary(place.min(text.len()));
+            let start = text[..place].rfind('\n').map_or(0, |newline| newline + 1);
+            let end = text[place..]
+                .find('\n')
+                .map_or(text.len(), |newline| place + newline);
+            start..end
+        };
+        let spans = || self.labels.iter().map(|(span, _)| span);
+        let lines = spans().flat_map(|span| [line_of(span.start), line_of(span.end)]);
+        if lines.map(|line| line.len()).max()? <= LONGEST_LINE {
+            return None;
+        }
+        let (span, label) = self.labels.first()?;
+        let line = line_of(span.start);
+        let place = text.floor_char_boundary(span.start.min(line.end));
+        let from = text.floor_char_boundary(place.saturating_sub(AROUND[0]).max(line.start));
+        let to = text.floor_char_boundary((place + AROUND[1]).min(line.end));
+        let before = if from > line.start { "… " } else { "" };
+        let after = if to < line.end { " …" } else { "" };
+        let start = before.len() + place - from;
+        let end = before.len() + text.floor_char_boundary(span.end.clamp(place, to)) - from;
+        let number = text[..line.start].matches('\n').count() + 1;
+        let cut = Snippet {
+            text: format!("{before}{}{after}", &text[from..to]).into(),
+            labels: vec![(start..end, label.clone())],
+        };
+        Some((number, cut))
+    }
+}
+
+#[cfg(all(test, feature = "reports"))]
+mod tests {
+    use super::*;
+
+    fn report(text: &str, span: Range<usize>) -> String {
+        let problem = Problem::new("scene.toml", "a", "this is wrong", "do that");
+        problem
+            .labelled(text.into(), span, "here")
+            .invalid()
+            .report(false)
+    }
+
+    #[test]
+    fn a_place_far_to_the_right_is_shown_with_what_stands_around_it() {
+        for column in [300, 65_535, 65_536, 70_000, 3_000_000] {
+            let text = format!(
+                "a = 1\nb = \"{}wrong{}\"\n",
+                "é".repeat(column),
+                "x".repeat(column)
+            );
+            let place = text.find("wrong").unwrap();
+            let report = report(&text, place..place + 5);
+            for part in [
+                "this is wrong",
+                "scene.toml",
+                "wrong",
+                "here",
+                "do that",
+                "2 |",
+            ] {
+                assert!(
+                    report.contains(part),
+                    "column {column}: {part} is not in {report}"
+                );
+            }
+            let longest = report.lines().map(str::len).max().unwrap();
+            assert!(longest < 1000, "column {column}: {longest} bytes in a line");
+        }
+    }
+
+    #[test]
+    fn spans_that_are_no_spans_of_the_text_are_reported_all_the_same() {
+        for [start, end] in [[0, 0], [7, 3], [2, 3], [900, 1000], [5, usize::MAX]] {
+            let span = start..end;
+            for text in ["", "aéb\ncd", &"é".repeat(1000)] {
+                assert!(
+                    report(text, span.clone()).contains("this is wrong"),
+                    "{span:?} of {text:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_in_a_report_steers_a_terminal() {
+        let evil = "a\u{1b}[2J\u{9b}31m\u{7}\u{202e}\u{8}\rb";
+        let problem = Problem::new(evil, evil, evil, evil);
+        let error = problem.labelled(evil.into(), 0..evil.len(), evil).invalid();
+        for report in [error.report(false), error.plain()] {
+            let left: Vec<char> = report
+                .chars()
+                .filter(|c| c.is_control() && *c != '\n')
+                .collect();
+            assert!(left.is_empty(), "{left:?} in {report:?}");
+        }
+    }
+
+    #[test]
+    fn long_words_are_cut() {
+        let problem = Problem::new("a", "b", "w".repeat(2 << 20), "h".repeat(2 << 20));
+        assert!(problem.invalid().report(false).len() < 20_000);
     }
 }

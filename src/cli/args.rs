@@ -17,7 +17,7 @@ use nullray::validate::compare::{Encoding, NotFinite, Tolerance};
 use nullray::validate::study;
 
 use super::values::{AovList, MethodList, SampleList};
-use super::{help, panels, values};
+use super::{help, memory, panels, values};
 
 /// Reference renderer for special relativity and time-resolved light.
 ///
@@ -137,9 +137,12 @@ pub struct Changes {
     /// slip through edges, and surfaces at nearly equal depths may be confused).
     #[arg(long, value_name = "certified|fast", default_value = "certified", value_parser = values::precision)]
     pub precision: Precision,
-    /// Memory limit for the scene.
-    #[arg(long, value_name = "SIZE", default_value = "16GiB", value_parser = values::bytes)]
-    pub max_memory: u64,
+    /// Memory limit. Default: three quarters of the machine's.
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Let glTF files refer to files outside their own folder and the scene's.
+    #[arg(long)]
+    pub allow_outside: bool,
 }
 
 /// Which moments are rendered, where they are many.
@@ -309,6 +312,15 @@ pub struct PlanArguments {
     pub scene: SceneArguments,
     #[command(flatten)]
     pub channels: ChannelArguments,
+    /// Plan a picture that is made so, as for render.
+    #[arg(long, value_name = "METHOD", default_value = "trace")]
+    pub method: Method,
+    /// Plan pictures with lines over them, too.
+    #[arg(long)]
+    pub overlay: bool,
+    /// Which of "isochrones,outlines,beta,legend" are drawn. Default: all.
+    #[arg(long, value_name = "LIST", requires = "overlay", value_parser = Parts::parse)]
+    pub overlay_parts: Option<Parts>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
@@ -392,6 +404,9 @@ pub struct CompareArguments {
     /// A limit; if it is exceeded the exit code is 1. Repeatable.
     #[arg(long, value_name = "METRIC=VALUE")]
     pub tolerance: Vec<Tolerance>,
+    /// Memory limit. Default: three quarters of the machine's.
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
     /// As JSON.
     #[arg(long)]
     pub json: bool,
@@ -474,9 +489,12 @@ pub struct PixelArguments {
     /// Print the numbers of the pixel as JSON, and nothing else.
     #[arg(long, requires = "pixel")]
     pub json: bool,
-    /// Memory limit for the geometry.
-    #[arg(long, value_name = "SIZE", default_value = "16GiB", requires = "pixel", value_parser = values::bytes)]
-    pub max_memory: u64,
+    /// Memory limit for the geometry. Default: three quarters of the machine's.
+    #[arg(long, value_name = "SIZE", requires = "pixel", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Let glTF files refer to files outside their own folder and the scene's.
+    #[arg(long, requires = "pixel")]
+    pub allow_outside: bool,
 }
 
 #[derive(Debug, Args)]
@@ -559,6 +577,7 @@ impl Changes {
             time: self.time.clone(),
             exposure: self.exposure.clone(),
             white: self.white,
+            allow_outside: self.allow_outside,
         }
     }
 
@@ -567,8 +586,9 @@ impl Changes {
         Request {
             aovs: Vec::new(),
             pixel_centers: self.pixel_centers,
-            memory_limit: self.max_memory,
+            memory_limit: memory::limit(self.max_memory),
             precision: self.precision,
+            beside: 0,
         }
     }
 }

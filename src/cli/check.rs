@@ -1,7 +1,6 @@
 //! What cannot be written is refused before any work.
 
 use std::collections::HashSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use nullray::{Error, Result};
@@ -169,7 +168,7 @@ fn takes_files(option: &str, path: &Path, directory: &Path) -> Result<()> {
             "make the directory first, or write elsewhere",
         ));
     }
-    let probe = directory.join(format!(".nullray-{}-probe.part", std::process::id()));
-    let made = fs::File::create_new(&probe).and_then(|_| fs::remove_file(&probe));
+    let made = tempfile::tempfile_in(directory);
+    let made = made.map(drop);
     made.map_err(Error::io(path, "no file can be written into its directory"))
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::figures::drawing::{self, png};
+use nullray::io::budget::Budget;
 use nullray::io::image::{self, exr};
 use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::validate::compare::{
@@ -14,16 +15,22 @@ use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{interrupt, print, print_json};
+use super::{interrupt, memory, print, print_json};
+
+/// Bytes per pixel that comparing takes beside the pictures, with maps of errors and what is drawn of them.
+const COMPARED: u64 = 96;
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments)?;
     let png = arguments.transfer.unwrap_or(Encoding::Srgb);
-    let reference = Picture::read(&arguments.reference, png)?;
-    let candidate = Picture::read(&arguments.candidate, png)?;
+    let budget = Budget::new(memory::limit(arguments.max_memory));
+    let reference = Picture::read(&arguments.reference, png, &budget)?;
+    let candidate = Picture::read(&arguments.candidate, png, &budget)?;
+    let pixels = u64::from(reference.layers.width) * u64::from(reference.layers.height);
+    budget.take(pixels.saturating_mul(COMPARED), &arguments.reference)?;
     interrupt::check()?;
-    let comparison = compare(&reference, &candidate, &options(arguments)?)?;
+    let comparison = compare(&reference, &candidate, &options(arguments, &budget)?)?;
     let breaches = comparison.breaches(&arguments.tolerance)?;
     match arguments.json {
         true => print_json(&comparison)?,
@@ -39,10 +46,10 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     })
 }
 
-fn options(arguments: &CompareArguments) -> Result<CompareOptions> {
+fn options(arguments: &CompareArguments, budget: &Budget) -> Result<CompareOptions> {
     let mask = match &arguments.mask {
         Some(path) => Some(Region::mask_of(
-            &Picture::read(path, Encoding::Linear)?.layers,
+            &Picture::read(path, Encoding::Linear, budget)?.layers,
         )),
         None => None,
     };
@@ -69,9 +76,6 @@ fn write(
 ) -> Result<()> {
     if arguments.outputs().next().is_none() {
         return Ok(());
-    }
-    for (_, path, _) in arguments.outputs() {
-        super::output::will_write(path);
     }
     if let Some(path) = &arguments.maps {
         exr::write(path, &report::maps(comparison, reference, candidate)?)?;

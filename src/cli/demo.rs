@@ -53,7 +53,7 @@ fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
         ..Default::default()
     };
     film::one(
-        &builtin::load(None, overrides)?,
+        &builtin::open(None, overrides)?.scene(overrides)?,
         &request,
         &outputs,
         false,
@@ -82,7 +82,6 @@ fn leave(path: &Path, bytes: &[u8]) -> Result<()> {
     interrupt::check()?;
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(Error::io(parent, "cannot create the directory"))?;
-        interrupt::will_write_into(parent.into());
     }
     write_atomically(path, |file| {
         file.write_all(bytes)

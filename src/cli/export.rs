@@ -7,9 +7,8 @@ use nullray::validate::export::{self, Cubes, ExportOptions, Exported};
 
 use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
-use super::output::will_write;
 use super::progress::Bar;
-use super::{film, inputs, interrupt, print, warn};
+use super::{film, inputs, interrupt, memory, print, warn};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
@@ -20,11 +19,10 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
             CubesArgument::Reference => Cubes::Referenced,
         },
         overwrite: arguments.overwrite,
-        memory_limit: arguments.scene.changes.max_memory,
+        memory_limit: memory::limit(arguments.scene.changes.max_memory),
     };
     let plan = export::plan(&scene, &options)?;
     check(arguments, &scene, &plan)?;
-    will_write(&arguments.output);
     let exported = film::in_pool(arguments.work.threads, || {
         let bar = Bar::new(plan.rays.camera, arguments.work.quiet);
         bar.start();

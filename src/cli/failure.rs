@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use nullray::{Error, Result};
 
-use super::{complain, interrupt};
+use super::{complain, complain_styled, interrupt};
 
 const OUT_OF_BOUNDS: u8 = 1;
 const FAILED: u8 = 2;
@@ -43,7 +43,7 @@ pub fn outcome(work: impl FnOnce() -> Result<Done>) -> ExitCode {
         Ok(Ok(Done::Well)) => ExitCode::SUCCESS,
         Ok(Ok(Done::OutOfBounds)) => ExitCode::from(OUT_OF_BOUNDS),
         Ok(Err(error)) => {
-            complain(&error.report(true));
+            complain_styled(&error.report(true));
             ExitCode::from(FAILED)
         }
         Err(what) => {

@@ -15,6 +15,7 @@ mod help;
 mod info;
 mod inputs;
 mod interrupt;
+mod memory;
 mod names;
 mod output;
 mod overlay;
@@ -31,6 +32,7 @@ mod study;
 mod tessellation;
 mod values;
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
@@ -68,11 +70,32 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     done.map(|()| Done::Well)
 }
 
+/// `text` with nothing in it that steers a terminal or changes the direction of what follows; lines and tabs stay. File
+/// names, names in files and texts of metadata come from anywhere.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let is_harmful =
+        |c: char| c.is_control() && !matches!(c, '\n' | '\t') || info::is_reordering(c);
+    if !text.contains(is_harmful) {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_harmful(c) {
+            true => out.extend(c.escape_default()),
+            false => out.push(c),
+        }
+    }
+    out.into()
+}
+
 /// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an
 /// error: the work goes on.
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(harmless(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::io("standard output", "cannot write")(error))
         }
@@ -96,10 +119,51 @@ fn print_json(value: &impl Serialize) -> Result<()> {
     let help = "leave --json out; numbers that JSON cannot hold are a bug";
     let text = serde_json::to_string_pretty(value);
     let text = text.map_err(|e| failure::refused("--json", e.to_string(), help))?;
-    print(&(text + "\n"))
+    print(&(escaped_json(&text) + "\n"))
 }
 
-/// Writes `text` to standard error, if there is one; in colour where a terminal shows it.
+/// A JSON text, whose strings say characters that are not [`harmless`] by their numbers.
+fn escaped_json(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match u32::from(c) {
+            // Beyond these, strings of JSON have none.
+            code if code != 10 && (c.is_control() || info::is_reordering(c)) => {
+                out.push_str(&format!("\\u{code:04x}"));
+            }
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// Writes `text` to standard error, if there is one.
 fn complain(text: &str) {
+    complain_styled(&harmless(text));
+}
+
+/// Writes a text that was made for a terminal to standard error, in colour where that shows it.
+fn complain_styled(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_is_printed_steers_a_terminal() {
+        assert_eq!(harmless("a\tb\nγ = 1 × 2"), "a\tb\nγ = 1 × 2");
+        assert_eq!(
+            harmless("\u{1b}[2J\u{9b}m\u{202e}\r"),
+            "\\u{1b}[2J\\u{9b}m\\u{202e}\\r"
+        );
+        let value = serde_json::json!({ "name": "\u{9b}\u{202e}\u{7f}\u{1b}é" });
+        let text = escaped_json(&serde_json::to_string_pretty(&value).unwrap());
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n' || info::is_reordering(c)));
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            value
+        );
+    }
 }

@@ -1,19 +1,20 @@
 //! The files of one rendering, by extension, and the fingerprints by which files of a frame are known again.
 //!
 //! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with
-//! the frame's time, poses read from other files, channels, sampling, method, content of every input file); each
+//! the frame's time, poses and spectra read from other files, channels, sampling, method, content of every input file); each
 //! part is preceded by its length.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use nullray::Result;
 use nullray::approximate::raster::Method;
 use nullray::figures::drawing::{Drawing, pdf, png, svg};
 use nullray::figures::isochrones;
-use nullray::figures::overlay::Parts;
+use nullray::figures::overlay::{self, Parts};
 use nullray::io::files;
-use nullray::io::image::{self, Layers, RgbImage};
+use nullray::io::image::{self, Layers, RgbImage, Samples};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
@@ -22,7 +23,7 @@ use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
-use super::{inputs, interrupt, say};
+use super::{interrupt, say};
 
 /// The retarded time, which isochrones need.
 const RETARDED_TIME: Aov = Aov::EventCt;
@@ -103,6 +104,15 @@ impl Outputs {
         needed
     }
 
+    /// What is held beside a picture of `size`: a map that is warped, films and pages of lines. Bytes.
+    pub fn beside(&self, size: [u32; 2]) -> u64 {
+        let lines = match self.overlays.is_empty() {
+            true => 0,
+            false => overlay::bytes(size, self.parts),
+        };
+        self.method.bytes(self.needs().len()).saturating_add(lines)
+    }
+
     /// All files of the film's own, and what they hold; not those with lines drawn over them.
     pub fn files(&self) -> impl Iterator<Item = (&Path, Kind)> {
         let images = self.images.iter();
@@ -139,9 +149,6 @@ impl Outputs {
 
     /// Writes all files, one after the other; prints which unless `quiet`.
     pub fn write(&self, scene: &Scene, film: &Film, quiet: bool) -> Result<()> {
-        for (_, path) in self.paths() {
-            will_write(path);
-        }
         for (path, kind) in self.files() {
             interrupt::check()?;
             let note = self.write_one(path, kind, scene, film)?;
@@ -203,9 +210,14 @@ impl Outputs {
         metadata: Vec<(String, String)>,
     ) -> Result<String> {
         let [width, height] = film.size();
-        let layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
+        let mut layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
         match kind {
             Kind::Exr => {
+                // The format has no checksums of its own; of single pictures nobody asks for them.
+                if self.identity.is_some() {
+                    let sum = samples_checksum(&layers, self.half);
+                    layers.metadata.push((SAMPLES_KEY.into(), sum));
+                }
                 let options = image::exr::Options {
                     half: self.half,
                     matrices: scene.camera.matrices(),
@@ -216,11 +228,6 @@ impl Outputs {
         }
         Ok(format!(" ({} channels)", layers.channels.len()))
     }
-}
-
-/// Says that a file of this name is about to be written, so that its temporary one can be cleared away.
-pub fn will_write(path: &Path) {
-    interrupt::will_write_into(inputs::directory(&inputs::identity(path)).into());
 }
 
 /// A number in five significant digits, which `--white` takes again.
@@ -289,11 +296,16 @@ pub fn encoded(drawing: &Drawing, kind: &str, scale: f64) -> Result<Vec<u8>> {
 }
 
 /// The content of all input files.
-pub struct Inputs(Vec<u8>);
+pub struct Inputs {
+    digest: Vec<u8>,
+    /// The files as they were before they were read.
+    pub stamp: Stamp,
+}
 
 impl Inputs {
     /// Reads the files. One that cannot be read counts as none: whether it is needed turns out later.
     pub fn read(paths: &[PathBuf]) -> Inputs {
+        let stamp = Stamp::of(paths);
         let mut all = Digests::default();
         for path in paths {
             match content(path) {
@@ -301,8 +313,48 @@ impl Inputs {
                 None => all.add(b"none"),
             }
         }
-        Inputs(all.finish())
+        Inputs {
+            digest: all.finish(),
+            stamp,
+        }
     }
+}
+
+/// Files as they are at one moment: by their lengths, times and identities.
+pub struct Stamp(Vec<(PathBuf, Option<Mark>)>);
+
+/// Length, time of the last change of the content, and where the system has it, what identifies the file and the
+/// time of its last change at all.
+type Mark = (u64, Option<SystemTime>, [i64; 3]);
+
+impl Stamp {
+    /// The files of these names.
+    pub fn of<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Stamp {
+        let paths = paths.into_iter();
+        Stamp(paths.map(|path| (path.clone(), mark(path))).collect())
+    }
+
+    /// A file that is not any more as it was.
+    pub fn changed(&self) -> Option<&Path> {
+        let changed = self.0.iter().find(|(path, then)| mark(path) != *then);
+        changed.map(|(path, _)| path.as_path())
+    }
+}
+
+fn mark(path: &Path) -> Option<Mark> {
+    let metadata = std::fs::metadata(path).ok()?;
+    #[cfg(unix)]
+    let more = {
+        use std::os::unix::fs::MetadataExt;
+        [
+            metadata.ino() as i64,
+            metadata.ctime(),
+            metadata.ctime_nsec(),
+        ]
+    };
+    #[cfg(not(unix))]
+    let more = [0; 3];
+    Some((metadata.len(), metadata.modified().ok(), more))
 }
 
 fn content(path: &Path) -> Option<Vec<u8>> {
@@ -315,6 +367,36 @@ fn content(path: &Path) -> Option<Vec<u8>> {
             n => hash.update(block.get(..n)?),
         }
     }
+}
+
+/// The key of the checksum of an EXR file's samples in its metadata.
+pub const SAMPLES_KEY: &str = "samples_sha256";
+
+/// The SHA-256 of all samples as an EXR file has them, channel by channel, in the order of their names; with light and alpha
+/// in half precision, where the file has it.
+pub fn samples_checksum(layers: &Layers, half: bool) -> String {
+    let mut channels: Vec<_> = layers.channels.iter().collect();
+    channels.sort_by(|a, b| a.name.cmp(&b.name));
+    let mut hash = Sha256::new();
+    for channel in channels {
+        let is_halved = half && ["radiance.R", "radiance.G", "radiance.B", "A"].contains(&channel.name.as_str());
+        let bits: Vec<u8> = match &channel.samples {
+            samples if is_halved => {
+                let halves = samples.to_f64().into_iter().map(image::exr::half_of);
+                halves.flat_map(|x| x.to_le_bytes()).collect()
+            }
+            Samples::F32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Samples::F64(v) => v.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect(),
+            Samples::U32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Samples::I32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
+        };
+        hash.update(bits);
+    }
+    hex(&hash.finalize())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Tells the files of a frame from all others.
@@ -333,7 +415,7 @@ impl Identity {
         let mut parts = Digests::default();
         parts.add(env!("CARGO_PKG_VERSION").as_bytes());
         parts.add(scene.text.as_bytes());
-        parts.add(poses(scene).as_bytes());
+        parts.add(looks(scene).as_bytes());
         for aov in &outputs.aovs {
             parts.add(aov.name().as_bytes());
         }
@@ -344,7 +426,7 @@ impl Identity {
         }
         parts.add(outputs.method.to_string().as_bytes());
         parts.add(request.precision.name().as_bytes());
-        parts.add(&inputs.0);
+        parts.add(&inputs.digest);
         Identity {
             common: parts.finish(),
             step: outputs.step,
@@ -369,13 +451,12 @@ impl Identity {
         if let Some(step) = step {
             parts.add(&step.to_le_bytes());
         }
-        let bytes = parts.finish();
-        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&parts.finish())
     }
 }
 
-/// Cameras, whose poses may come from files that are not inputs otherwise.
-fn poses(scene: &Scene) -> String {
+/// Cameras and spectra, which may come from files that are not inputs otherwise.
+fn looks(scene: &Scene) -> String {
     let captures = scene
         .sources
         .iter()
@@ -386,7 +467,10 @@ fn poses(scene: &Scene) -> String {
             },
             SourceKind::Pulse(_) => None,
         });
-    format!("{:?} {:?}", scene.camera, captures.collect::<Vec<_>>())
+    let captures = captures.collect::<Vec<_>>();
+    let spectra = scene.objects.iter().map(|object| &object.spectrum);
+    let spectra = spectra.collect::<Vec<_>>();
+    format!("{:?} {captures:?} {spectra:?}", scene.camera)
 }
 
 /// Hashes parts, so that no two lists of parts are the same to it.

@@ -8,7 +8,7 @@ use nullray::render::metadata::metadata;
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{Scene, Show};
 
-use super::output::{Identity, Outputs, encoded, extension, picture, will_write};
+use super::output::{Identity, Outputs, encoded, extension, picture};
 use super::progress::Bar;
 use super::{interrupt, say};
 
@@ -42,7 +42,6 @@ pub fn write(
     }
     for path in &outputs.overlays {
         interrupt::check()?;
-        will_write(path);
         drawing::save(path, encoded(&page, &extension(path), scale)?)?;
         say(quiet, &format!("wrote {} (overlay)\n", path.display()))?;
     }

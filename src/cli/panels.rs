@@ -4,8 +4,8 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::render::plan::Request;
-use nullray::scene::Overrides;
 use nullray::scene::model::{Exposure, Panel, Scene};
+use nullray::scene::{Overrides, SceneFile};
 
 use super::failure::refused;
 use super::{builtin, exposure};
@@ -29,12 +29,13 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
 /// # Errors
 /// What is wrong with the scene; a name that no panel has.
 pub fn scene(path: Option<&Path>, panel: Option<&String>, overrides: &Overrides) -> Result<Scene> {
-    let whole = builtin::load(path, overrides)?;
+    let file = builtin::open(path, overrides)?;
+    let whole = file.scene(overrides)?;
     let Some(panel) = panel else {
         return Ok(whole);
     };
     match chosen(&whole, std::slice::from_ref(panel))?.as_slice() {
-        [panel] => builtin::load_panel(path, &whole, panel, overrides),
+        [panel] => file.panel(&whole, panel, overrides),
         _ => Ok(whole),
     }
 }
@@ -53,10 +54,10 @@ fn unknown(scene: &Scene, name: &str) -> nullray::Error {
 ///
 /// # Errors
 /// What is wrong with any of them.
-pub fn load_all(path: Option<&Path>, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
+pub fn load_all(file: &SceneFile, whole: &Scene, overrides: &Overrides) -> Result<Vec<Scene>> {
     let panels = whole.panels.iter();
     panels
-        .map(|panel| builtin::load_panel(path, whole, panel, overrides))
+        .map(|panel| file.panel(whole, panel, overrides))
         .collect()
 }
 

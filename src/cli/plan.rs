@@ -1,17 +1,27 @@
 //! `nullray plan`.
 
 use nullray::Result;
+use nullray::figures::overlay;
 use nullray::render::plan::{Plan, Request};
 
 use super::args::PlanArguments;
 use super::{print, print_json};
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
+    let scene = arguments.scene.load()?;
+    let aovs = arguments.channels.list();
+    let mut beside = arguments.method.bytes(aovs.len());
+    if arguments.overlay {
+        let parts = arguments.overlay_parts.unwrap_or_default();
+        beside += overlay::bytes(scene.camera.size, parts);
+    }
     let request = Request {
-        aovs: arguments.channels.list(),
+        aovs,
+        beside,
         ..arguments.scene.changes.request()
     };
-    let plan = Plan::new(&arguments.scene.load()?, &request)?;
+    let plan = Plan::new(&scene, &request)?;
+    arguments.method.check(&plan)?;
     match arguments.json {
         true => print_json(&plan),
         false => print(&plan.to_string()),

@@ -37,7 +37,8 @@ impl Bar {
 
     /// The same, with what it is of in front.
     pub fn named(self, what: String) -> Self {
-        self.0.set_prefix(what + "  ");
+        self.0
+            .set_prefix(super::harmless(&(what + "  ")).into_owned());
         self
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nullray::approximate::raster::Method;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
-use nullray::scene::{ModelView, Overrides};
+use nullray::scene::{ModelView, Overrides, SceneFile};
 use nullray::{Error, Result};
 
 use super::args::{FrameArguments, RenderArguments};
@@ -14,13 +14,14 @@ use super::failure::refused;
 use super::film::{in_pool, one};
 use super::frames::{self, Frames};
 use super::names::{named_after, suffixed};
-use super::output::{Outputs, will_write};
+use super::output::Outputs;
 use super::stats::Account;
 use super::{builtin, inputs, panels, print, say};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
-    let scene = scene(arguments, &overrides)?;
+    let file = file(arguments, &overrides)?;
+    let scene = file.scene(&overrides)?;
     if arguments.print_scene {
         return print(&scene.text);
     }
@@ -31,7 +32,7 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     };
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if let Some(path) = &arguments.stats_json {
-        let plan = Plan::new(&scene, &request(arguments, &outputs))?;
+        let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;
         check_statistics(path, &inputs::of(&scene, &plan))?;
     }
     let wanted = arguments.stats || arguments.stats_json.is_some();
@@ -46,13 +47,15 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     in_pool(arguments.work.threads, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
-            let request = request(arguments, &outputs);
+            let request = request(arguments, &outputs, &scene);
             let account = account.as_mut();
-            frames::run(arguments, &scene, &frames, &request, &outputs, account)
+            frames::run(
+                arguments, &file, &scene, &frames, &request, &outputs, account,
+            )
         }
-        None if of_panels => all_panels(arguments, &scene, &outputs, account.as_mut()),
+        None if of_panels => all_panels(arguments, &file, &scene, &outputs, account.as_mut()),
         None => {
-            let request = request(arguments, &outputs);
+            let request = request(arguments, &outputs, &scene);
             one(
                 &scene,
                 &request,
@@ -65,8 +68,8 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     account.map_or(Ok(()), |account| settle(arguments, &account))
 }
 
-/// The scene that is named, or that a model stands for.
-fn scene(arguments: &RenderArguments, overrides: &Overrides) -> Result<Scene> {
+/// The scene file that is named, or that a model stands for.
+fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
     let (path, model) = (arguments.scene.as_deref(), &arguments.model);
     let moves = model.beta.is_some() || model.flyby;
     if model.direction.is_some() && !moves {
@@ -81,7 +84,7 @@ fn scene(arguments: &RenderArguments, overrides: &Overrides) -> Result<Scene> {
                 flyby: model.flyby,
                 size: None,
             };
-            builtin::load_model(path, &view, overrides)
+            builtin::open_model(path, &view, overrides)
         }
         path => {
             let option = match model.flyby {
@@ -94,7 +97,7 @@ fn scene(arguments: &RenderArguments, overrides: &Overrides) -> Result<Scene> {
                     "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
                 return Err(refused(option, what, help));
             }
-            builtin::load(path, overrides)
+            builtin::open(path, overrides)
         }
     }
 }
@@ -107,14 +110,14 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
     let Some(path) = &arguments.stats_json else {
         return Ok(());
     };
-    will_write(path);
     account.write(path)?;
     say(arguments.work.quiet, &format!("wrote {}\n", path.display()))
 }
 
-fn request(arguments: &RenderArguments, outputs: &Outputs) -> Request {
+fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Request {
     Request {
         aovs: outputs.needs(),
+        beside: outputs.beside(scene.camera.size),
         ..arguments.changes.request()
     }
 }
@@ -130,13 +133,13 @@ fn panels_and_frames() -> Error {
 /// Renders the panels that are asked for.
 fn all_panels(
     arguments: &RenderArguments,
+    file: &SceneFile,
     whole: &Scene,
     outputs: &Outputs,
     mut account: Option<&mut Account>,
 ) -> Result<()> {
-    let path = arguments.scene.as_deref();
     let chosen = panels::chosen(whole, &arguments.panel)?;
-    let mut scenes = panels::load_all(path, whole, &arguments.changes.overrides())?;
+    let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
     if arguments.same_exposure {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
@@ -152,7 +155,7 @@ fn all_panels(
             false => outputs.renamed(|path| suffixed(path, &panel.name)),
         };
         outputs.show = panel.show;
-        jobs.push((request(arguments, &outputs), scene, outputs));
+        jobs.push((request(arguments, &outputs, &scene), scene, outputs));
     }
     let mut read = Vec::new();
     for (request, scene, _) in &jobs {

@@ -8,13 +8,14 @@ use nullray::figures::contact_sheet;
 use nullray::figures::text::RichText;
 use nullray::io::image;
 use nullray::render::plan::{Plan, Request};
+use nullray::scene::SceneFile;
 use nullray::scene::model::{Panel, Scene, Show};
-use nullray::{Error, Result, scene};
+use nullray::{Error, Result};
 
 use super::args::SheetArguments;
 use super::check::{check_all, check_page};
 use super::names::{named_after, stem, suffixed};
-use super::output::{Outputs, Picture, picture, will_write};
+use super::output::{Outputs, Picture, picture};
 use super::{film, inputs, interrupt, panels, say};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
@@ -56,12 +57,13 @@ struct Part {
 
 impl Figure {
     fn new(path: &Path, arguments: &SheetArguments) -> Result<Figure> {
-        let whole = scene::load(path, &arguments.changes.overrides())?;
+        let file = SceneFile::read(path)?;
+        let whole = file.scene(&arguments.changes.overrides())?;
         let directory = arguments.directory.as_deref().unwrap_or(Path::new(""));
         let default = || directory.join(named_after(Some(path), "-sheet.png"));
         let output = arguments.output.clone().unwrap_or_else(default);
         let beside = output.with_file_name(named_after(Some(path), ".png"));
-        let parts = parts(path, &whole, &beside, arguments)?;
+        let parts = parts(path, &file, &whole, &beside, arguments)?;
         Ok(Figure {
             whole,
             output,
@@ -102,7 +104,6 @@ impl Figure {
         };
         let page = contact_sheet::compose(&panels, &options)?;
         interrupt::check()?;
-        will_write(&self.output);
         image::png::write(
             &self.output,
             page.width,
@@ -130,8 +131,14 @@ impl Figure {
     }
 }
 
-/// A part for each panel, or one for a scene without; files are named after `file`.
-fn parts(path: &Path, whole: &Scene, file: &Path, arguments: &SheetArguments) -> Result<Vec<Part>> {
+/// A part for each panel, or one for a scene without; pictures are named after `beside`.
+fn parts(
+    path: &Path,
+    file: &SceneFile,
+    whole: &Scene,
+    beside: &Path,
+    arguments: &SheetArguments,
+) -> Result<Vec<Part>> {
     if whole.panels.is_empty() {
         let label = stem(Some(path)).display().to_string();
         let show = Show::Picture;
@@ -140,15 +147,15 @@ fn parts(path: &Path, whole: &Scene, file: &Path, arguments: &SheetArguments) ->
             &label,
             show,
             arguments,
-            file.into(),
+            beside.into(),
         )]);
     }
-    let mut scenes = panels::load_all(Some(path), whole, &arguments.changes.overrides())?;
+    let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
     if arguments.same_exposure {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     let part = |(panel, scene): (&Panel, Scene)| {
-        let file = suffixed(file, &panel.name);
+        let file = suffixed(beside, &panel.name);
         part(scene, &panel.label, panel.show, arguments, file)
     };
     Ok(whole.panels.iter().zip(scenes).map(part).collect())

@@ -14,9 +14,9 @@ use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
 use super::names::named_after;
-use super::output::{encoded, extension, will_write};
+use super::output::{encoded, extension};
 use super::progress::Bar;
-use super::{interrupt, say};
+use super::{interrupt, memory, say};
 
 /// Pixels of a point in a .png.
 const SCALE: f64 = 2.0;
@@ -30,7 +30,7 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         runs: arguments.runs,
         budget: Duration::from_secs_f64(arguments.budget),
         reference_samples: arguments.reference_spp,
-        memory_limit: arguments.scene.changes.max_memory,
+        memory_limit: memory::limit(arguments.scene.changes.max_memory),
     };
     let quiet = arguments.work.quiet;
     let study = in_pool(arguments.work.threads, || {
@@ -45,7 +45,6 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         say(quiet, what)?;
     }
     for output in &outputs {
-        will_write(output);
         write(&study, output, &scene)?;
         say(quiet, &format!("wrote {}\n", output.display()))?;
     }

@@ -92,6 +92,7 @@ pub fn assignment(text: &str) -> Result<(String, String), String> {
     Ok((key.trim().into(), value.trim().into()))
 }
 
+/// An amount of memory.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let unit = match text[digits.len()..].to_ascii_lowercase().as_str() {
@@ -142,12 +143,19 @@ pub fn percentage(text: &str) -> Result<String, String> {
     parsed.map(|_| text).map_err(|error| error.to_string())
 }
 
+/// The most frames of one run.
+pub const MOST_FRAMES: u64 = 1_000_000;
+
 /// Frames A to B, B not included.
 pub fn frames(text: &str) -> Result<Range<u64>, String> {
     let help = "write the first frame and the one after the last, for instance 0..50";
     let (first, end) = text.split_once("..").ok_or(help)?;
     let number = |t: &str| t.trim().parse::<u32>().map(u64::from);
     match (number(first), number(end)) {
+        (Ok(first), Ok(end)) if end > first + MOST_FRAMES => Err(format!(
+            "{} frames are more than {MOST_FRAMES}: render a part of them",
+            end - first
+        )),
         (Ok(first), Ok(end)) if first < end => Ok(first..end),
         (Ok(first), Ok(end)) => Err(format!(
             "{first}..{end} holds no frame: the second number is that of the first frame that is not rendered"

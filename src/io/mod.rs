@@ -5,6 +5,7 @@
 //! in one [`Error`](crate::Error) that names the file, the place in it and what would be right.
 //! Each reader has an `inspect` that reads headers only, for planning.
 
+pub mod budget;
 pub mod cube;
 pub mod files;
 pub mod gltf;
@@ -13,3 +14,4 @@ pub mod npy;
 mod open;
 mod packed;
 pub mod spectrum;
+pub mod temporary;

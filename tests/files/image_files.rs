@@ -66,7 +66,7 @@ fn an_exr_keeps_every_sample_and_rounds_f64_alone() {
     let path = directory.path().join("a.exr");
     let written = layers();
     exr::write(&path, &written).unwrap();
-    let read = exr::read(&path).unwrap();
+    let read = exr::read(&path, &Default::default()).unwrap();
     assert_eq!((read.width, read.height), (WIDTH, HEIGHT));
     assert_eq!(read.channels.len(), written.channels.len());
     for channel in &written.channels {
@@ -122,7 +122,7 @@ fn half_precision_is_for_what_is_looked_at_alone() {
         matrices: matrices.map(Some),
     };
     exr::write_with(&path, &written, &options).unwrap();
-    let read = exr::read(&path).unwrap();
+    let read = exr::read(&path, &Default::default()).unwrap();
     for name in names {
         let values = read.channel(name).unwrap().samples.to_f64();
         // 1/3 in half precision is 1365/4096, the largest half 65504.
@@ -295,7 +295,10 @@ fn hostile_exr_files_are_errors_or_images_but_never_a_panic() {
     let good = fs::read(&path).unwrap();
     for length in (0..good.len()).step_by(61) {
         fs::write(&path, &good[..length]).unwrap();
-        assert!(exr::read(&path).is_err(), "cut to {length} bytes");
+        assert!(
+            exr::read(&path, &Default::default()).is_err(),
+            "cut to {length} bytes"
+        );
     }
     // Every byte of the header and some of the pixels, to several values.
     for i in (0..1500).chain((1500..good.len()).step_by(97)) {
@@ -303,7 +306,7 @@ fn hostile_exr_files_are_errors_or_images_but_never_a_panic() {
             let mut bad = good.clone();
             bad[i] = value;
             fs::write(&path, &bad).unwrap();
-            let _ = exr::read(&path);
+            let _ = exr::read(&path, &Default::default());
         }
     }
 }
@@ -320,7 +323,7 @@ fn an_exr_that_claims_too_much_is_refused_before_anything_is_allocated() {
     let at = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 12;
     file[at..at + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
     fs::write(&path, file).unwrap();
-    let error = exr::read(&path).unwrap_err();
+    let error = exr::read(&path, &Default::default()).unwrap_err();
     assert!(error.to_string().contains("a.exr"), "{error}");
 }
 
@@ -344,7 +347,7 @@ fn parts_of_a_foreign_exr_become_layers() {
     ];
     let image = Image::from_layers(ImageAttributes::with_size((2, 1)), parts.to_vec());
     image.write().to_file(&path).unwrap();
-    let layers = exr::read(&path).unwrap();
+    let layers = exr::read(&path, &Default::default()).unwrap();
     let samples = |name| layers.channel(name).unwrap().samples.clone();
     assert_eq!(samples("near.Z"), Samples::F32(vec![1.5, -2.0]));
     assert_eq!(samples("far.Z"), Samples::U32(vec![7, u32::MAX]));

@@ -42,7 +42,9 @@ fn tiny() -> Overrides {
 fn panels(path: &Path, overrides: &Overrides) -> Vec<(String, Scene)> {
     let scene = scene::load(path, overrides).unwrap_or_else(|e| panic!("{e}"));
     let panel = |panel| {
-        let changed = scene::load_panel(path, &scene, panel, overrides);
+        let changed = scene::SceneFile::read(path)
+            .unwrap()
+            .panel(&scene, panel, overrides);
         (
             panel.name.clone(),
             changed.unwrap_or_else(|e| panic!("{e}")),

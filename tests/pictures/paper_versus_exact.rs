@@ -54,7 +54,10 @@ fn picture(figure: u32, panel: &str, model: &str) -> Picture {
     // As a whole a figure may be what the paper does not have.
     let whole = scene::load(&path, &Overrides::default()).unwrap();
     let panel = whole.panels.iter().find(|p| p.name == panel).unwrap();
-    let scene = scene::load_panel(&path, &whole, panel, &overrides).unwrap();
+    let scene = scene::SceneFile::read(&path)
+        .unwrap()
+        .panel(&whole, panel, &overrides)
+        .unwrap();
     let request = Request {
         aovs: CHANNELS.to_vec(),
         pixel_centers: true,

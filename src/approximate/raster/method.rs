@@ -237,6 +237,16 @@ impl fmt::Display for Method {
 }
 
 impl Method {
+    /// What it holds beside the picture of so many auxiliary channels, bytes: of a warp its map. What a rasterizer divides
+    /// shows only while it does.
+    pub fn bytes(&self, channels: usize) -> u64 {
+        match self {
+            Method::Trace | Method::Raster(_) => 0,
+            // Radiance and channels, f64.
+            Method::Warp(warp) => warp.map.texels().saturating_mul(24 + 8 * channels as u64),
+        }
+    }
+
     /// Refuses what the method cannot do of `plan`, before anything is loaded.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use super::args::DiagramArguments;
 use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
-use super::output::{encoded, extension, will_write};
+use super::output::{encoded, extension};
 use super::{builtin, interrupt, say};
 
 /// The kinds of files, by extension.
@@ -95,7 +95,6 @@ impl Pages<'_> {
     /// Writes one file; says so unless asked to be quiet.
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
-        will_write(path);
         drawing::save(path, encoded(drawing, &output.kind, self.arguments.scale)?)?;
         let [width, height] = [drawing.width, drawing.height].map(f64::round);
         let path = path.display();
@@ -160,6 +159,7 @@ fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
         set,
         time: arguments.time.clone(),
         size: arguments.pixel.image_size,
+        allow_outside: arguments.pixel.allow_outside,
         ..Overrides::default()
     }
 }

@@ -14,7 +14,7 @@ use super::overrides;
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{interrupt, panels, print_json};
+use crate::cli::{interrupt, memory, panels, print_json};
 
 /// The diagram of what a pixel sees, whose numbers it prints.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
@@ -22,7 +22,8 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let base = diagram_of(arguments, &scene)?;
     let quiet = arguments.quiet || arguments.pixel.json;
     let bar = Bar::new(0, quiet);
-    let probe = pixel_probe::trace(&scene, pixel, arguments.pixel.max_memory, &bar)?;
+    let limit = memory::limit(arguments.pixel.max_memory);
+    let probe = pixel_probe::trace(&scene, pixel, limit, &bar)?;
     drop(bar);
     interrupt::check()?;
     let known = known(&base, &probe);

@@ -12,7 +12,6 @@ use super::{Output, Pages};
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::names::numbered;
-use crate::cli::output::will_write;
 use crate::cli::{interrupt, say};
 
 /// The greatest numerator and denominator of a delay in an animated file.
@@ -98,7 +97,6 @@ fn animate(pages: &Pages, series: Series, path: &Path, frames: &Range<u64>) -> R
         png::render(&drawing, arguments.scale)
     });
     let bytes = apng::write(count as u32, rasters, delay(fps))?;
-    will_write(path);
     drawing::save(path, bytes)?;
     let [width, height] = size.map(f64::round);
     let path = path.display();

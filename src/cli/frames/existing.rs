@@ -4,9 +4,11 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use nullray::io::image::{Texture, exr, png};
+use nullray::io::budget::Budget;
+use nullray::io::image::{exr, png};
 
-use crate::cli::output::{Identity, Kind, Outputs, extension};
+use crate::cli::memory;
+use crate::cli::output::{Identity, Kind, Outputs, SAMPLES_KEY, extension, samples_checksum};
 
 /// Whether all files of a frame are there, as they would be written.
 pub fn all(outputs: &Outputs) -> bool {
@@ -48,20 +50,56 @@ fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
     }
     let metadata = match kind {
         Kind::Display | Kind::Isochrones | Kind::Luminance => of_png(path)?,
-        Kind::Exr => exr::read(path).ok()?.metadata,
+        Kind::Exr => of_exr(path)?,
         Kind::Npz => of_npz(path)?,
     };
     let entry = metadata.into_iter().find(|(key, _)| key == Identity::KEY);
     entry.map(|(_, value)| value)
 }
 
-/// The text of a PNG of which all pixels can be read.
+/// The text of a PNG of which all checksums are right.
 fn of_png(path: &Path) -> Option<Vec<(String, String)>> {
-    let text = png::inspect(path).ok()?.text;
     let bytes = std::fs::read(path).ok()?;
-    Texture::decode(&bytes, "", path).ok()?;
-    let end = b"\0\0\0\0IEND\xae\x42\x60\x82";
-    bytes.ends_with(end).then_some(text)
+    if !png_is_whole(&bytes) {
+        return None;
+    }
+    Some(png::inspect(path).ok()?.text)
+}
+
+/// Whether a PNG is chunks with their checksums (length, kind, data, CRC-32 of kind and data) up to its last one.
+fn png_is_whole(bytes: &[u8]) -> bool {
+    let Some(mut rest) = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n") else {
+        return false;
+    };
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let covered = u32::from_be_bytes(*length) as usize + 4;
+        let Some((covered, after)) = after.split_at_checked(covered) else {
+            return false;
+        };
+        let Some((sum, after)) = after.split_first_chunk::<4>() else {
+            return false;
+        };
+        let mut crc = flate2::Crc::new();
+        crc.update(covered);
+        if crc.sum() != u32::from_be_bytes(*sum) {
+            return false;
+        }
+        if covered.starts_with(b"IEND") {
+            return after.is_empty();
+        }
+        rest = after;
+    }
+    false
+}
+
+/// The metadata of an EXR file whose samples have the checksum that it was given.
+fn of_exr(path: &Path) -> Option<Vec<(String, String)>> {
+    let layers = exr::read(path, &Budget::new(memory::limit(None))).ok()?;
+    let mut metadata = layers.metadata.clone();
+    let given = metadata.iter().position(|(key, _)| key == SAMPLES_KEY)?;
+    let (_, given) = metadata.swap_remove(given);
+    let half = !exr::half_channels(path).ok()?.is_empty();
+    (given == samples_checksum(&layers, half)).then_some(metadata)
 }
 
 /// The metadata of an archive of which every checksum is right.
@@ -94,4 +132,27 @@ fn numpy_text(reader: &mut impl Read) -> Option<String> {
         .iter()
         .map(|unit| char::from_u32(u32::from_le_bytes(*unit)));
     text.collect::<Option<String>>().filter(|_| rest.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_png_with_any_byte_changed_is_not_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let text = [(Identity::KEY.to_string(), "é and more".to_string())];
+        png::write(&path, 5, 4, &[77; 60], &text).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        assert!(png_is_whole(&bytes));
+        for at in 0..bytes.len() {
+            bytes[at] ^= 0x10;
+            assert!(!png_is_whole(&bytes), "byte {at}");
+            bytes[at] ^= 0x10;
+            assert!(!png_is_whole(&bytes[..at]), "cut to {at}");
+        }
+        bytes.push(0);
+        assert!(!png_is_whole(&bytes));
+    }
 }

@@ -4,22 +4,24 @@
 mod existing;
 mod range;
 
+use std::path::Path;
 use std::time::Instant;
 
-use nullray::Result;
 use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::{Exposure, Scene};
+use nullray::scene::{Overrides, SceneFile};
+use nullray::{Error, Result};
 
 use super::args::RenderArguments;
 use super::check::check_all;
 use super::names::numbered;
-use super::output::{Identity, Inputs, Kind, Outputs};
+use super::output::{Identity, Inputs, Kind, Outputs, Stamp};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
-use super::{builtin, exposure, film, inputs, interrupt, overlay, remarks, say, warn};
+use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
 
 pub use range::Frames;
 
@@ -29,6 +31,7 @@ const MEASURED: u64 = 9;
 /// Renders the frames of `scene`; `outputs` have names to be numbered.
 pub fn run(
     arguments: &RenderArguments,
+    file: &SceneFile,
     scene: &Scene,
     frames: &Frames,
     request: &Request,
@@ -47,13 +50,14 @@ pub fn run(
     interrupt::can_resume();
     let mut sequence = Sequence {
         arguments,
-        scene,
+        file,
         frames,
         request,
         outputs,
         plan,
         // The scene's own text counts as it is after its changes.
         inputs: Inputs::read(read.get(1..).unwrap_or_default()),
+        scene_file: Stamp::of(read.iter().take(1)),
         prepared: None,
         done: Done::default(),
         account,
@@ -84,8 +88,11 @@ struct Sequence<'a> {
     frames: &'a Frames,
     request: &'a Request,
     outputs: &'a Outputs,
+    file: &'a SceneFile,
     plan: Plan,
     inputs: Inputs,
+    /// The scene file as it was.
+    scene_file: Stamp,
     /// None until the first frame that is not there.
     prepared: Option<Prepared>,
     done: Done,
@@ -132,9 +139,11 @@ impl Sequence<'_> {
 
     /// The scene with its shot at camera time `time`, metres.
     fn scene_at(&self, time: f64) -> Result<Scene> {
-        let overrides = self.arguments.changes.overrides();
-        let path = self.arguments.scene.as_deref();
-        let mut scene = builtin::at_time(path, self.scene, overrides, format!("{time} m"))?;
+        let overrides = Overrides {
+            time: Some(format!("{time} m")),
+            ..self.arguments.changes.overrides()
+        };
+        let mut scene = self.file.scene(&overrides)?;
         if let Some(white) = self.white {
             scene.exposure = Exposure::White(white);
         }
@@ -170,7 +179,12 @@ impl Sequence<'_> {
         let prepared = match &mut self.prepared {
             Some(prepared) => prepared,
             none => {
-                let prepared = none.insert(Prepared::new(scene, &self.plan, &bar)?);
+                let prepared = Prepared::new(scene, &self.plan, &bar)?;
+                // What was loaded is what the fingerprints are of.
+                if let Some(path) = self.inputs.stamp.changed() {
+                    return Err(changed(path));
+                }
+                let prepared = none.insert(prepared);
                 let preparation = Preparation {
                     seconds: start.elapsed().as_secs_f64(),
                     built_in: prepared.built_in,
@@ -221,6 +235,13 @@ impl Sequence<'_> {
             counted(done.rendered),
             counted(done.skipped)
         ))?;
+        let stamps = [&self.scene_file, &self.inputs.stamp];
+        if let Some(path) = stamps.into_iter().find_map(Stamp::changed) {
+            self.say(&format!(
+                "warning: {} has changed since: all frames show it as it was when the sequence began\n",
+                path.display()
+            ))?;
+        }
         if done.black > 1 {
             self.say(&format!(
                 "{} frames are black, the first of them:\n",
@@ -231,6 +252,12 @@ impl Sequence<'_> {
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
         warn(self.arguments.work.quiet, warnings)
     }
+}
+
+/// The refusal of files that change under our hands.
+fn changed(path: &Path) -> Error {
+    let what = "the file was changed while it was read";
+    Error::invalid(path, "", what, "run the command again when it is complete")
 }
 
 /// A warning where each frame would have its own brightness; empty otherwise.

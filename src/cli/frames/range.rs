@@ -13,9 +13,8 @@ use nullray::spacetime::units::Time;
 
 use crate::cli::args::FrameArguments;
 use crate::cli::failure::refused;
+use crate::cli::values::MOST_FRAMES;
 
-/// The most frames of one run.
-const MOST: u64 = 1_000_000;
 /// A frame this near to the end of the range is at the end, in intervals.
 const AT_THE_END: f64 = 1e-9;
 
@@ -84,10 +83,6 @@ impl Frames {
             }
             _ => return Ok(None),
         };
-        let count = frames.numbers.end - frames.numbers.start;
-        if count > MOST {
-            return Err(too_many(count as f64));
-        }
         Ok(Some(frames))
     }
 
@@ -98,7 +93,7 @@ impl Frames {
             return Err(refused("--to", what, "give a later time"));
         }
         // Also a count beyond all numbers.
-        if count > MOST as f64 {
+        if count > MOST_FRAMES as f64 {
             return Err(too_many(count));
         }
         Ok(Frames {
@@ -139,7 +134,7 @@ fn pace(arguments: &FrameArguments, scene: &Scene) -> Result<Pace> {
 }
 
 fn too_many(count: f64) -> nullray::Error {
-    let what = format!("{count} frames are more than {MOST}");
+    let what = format!("{count} frames are more than {MOST_FRAMES}");
     let help = "render a part of them, or give a longer --interval";
     refused("sequence", what, help)
 }
@@ -198,7 +193,9 @@ mod tests {
 
     #[test]
     fn the_interval_of_the_scene_counts_where_the_command_line_says_none() {
-        let mut scene = crate::cli::builtin::load(None, &Default::default()).unwrap();
+        let mut scene = crate::cli::builtin::open(None, &Default::default())
+            .and_then(|file| file.scene(&Default::default()))
+            .unwrap();
         scene.camera.time = 2.0;
         scene.camera.frame_interval = Some(0.25);
         let mut arguments = FrameArguments {

@@ -138,7 +138,7 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 /// Whether the character changes the direction of what follows, or hides.
-fn is_reordering(c: char) -> bool {
+pub(super) fn is_reordering(c: char) -> bool {
     matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 

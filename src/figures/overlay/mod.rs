@@ -29,7 +29,7 @@ mod times;
 
 pub use instant::{apparent, instantaneous};
 pub use outline::{Outline, outlines};
-pub use page::png_scale;
+pub use page::{bytes, png_scale};
 pub use parts::{Part, Parts};
 pub use pointer::{Pointer, Target};
 pub use times::{Isochrone, Isochrones};

@@ -3,7 +3,7 @@
 use super::label::Labels;
 use super::legend;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
-use super::{Isochrones, Outline, Overlay, Pointer, Polyline, Target};
+use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::isochrones::lines::path_of;
@@ -22,6 +22,26 @@ const PIXELS: f64 = 1200.0;
 pub fn png_scale(size: [u32; 2]) -> f64 {
     let side = f64::from(size[0].max(size[1]).max(1));
     (PIXELS / side).ceil().max(1.0) * side / SIDE
+}
+
+/// What pictures of `size` with lines over them take beside the picture, bytes: the films that the lines are traced on, and
+/// the largest page, which is drawn and encoded.
+pub fn bytes(size: [u32; 2], parts: Parts) -> u64 {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    // Radiance and the channels, f64, as a film and as the channels of one.
+    let apparent = match parts.needs().len() as u64 {
+        0 => 0,
+        channels => 2 * (24 + 8 * channels),
+    };
+    let instantaneous = if parts.has(Part::Outlines) {
+        2 * (24 + 8)
+    } else {
+        0
+    };
+    let squares = png_scale(size) * SIDE / f64::from(size[0].max(size[1]).max(1));
+    // Of each pixel of the page RGBA, and RGB on its way into the file.
+    let page = (7.0 * squares * squares) as u64;
+    pixels.saturating_mul(apparent + instantaneous + 3 + page)
 }
 
 impl Overlay {

@@ -55,6 +55,7 @@ pub fn trace(
         pixel_centers: true,
         precision: Precision::Certified,
         memory_limit,
+        beside: 0,
     };
     let mut plan = Plan::new(scene, &request)?;
     plan.cubes.iter_mut().for_each(|cube| *cube = None);

@@ -34,6 +34,8 @@ use super::decoder::guarded;
 use super::file::{write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples, check_metadata};
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::open::open_regular;
 
 /// The beginning of the name of the software that has written our files.
 const OWN: &str = concat!(env!("CARGO_PKG_NAME"), " ");
@@ -76,8 +78,8 @@ pub struct Options {
     pub matrices: [Option<[f32; 16]>; 2],
 }
 
-/// The most pixel data that is read, bytes in memory.
-const MAX_BYTES: u64 = 1 << 32;
+/// The lossless compressions make at most so many bytes of one (deflate: 1032, and chunks have their own offsets besides).
+const LARGEST_EXPANSION: u64 = 1032;
 
 /// Reads an EXR file.
 ///
@@ -87,14 +89,14 @@ const MAX_BYTES: u64 = 1 << 32;
 ///
 /// # Errors
 /// I/O errors; files that are not EXR or are broken; deep data, subsampled channels, parts of different
-/// sizes, and more than 4 GiB of pixels.
-pub fn read(path: &Path) -> Result<Layers> {
-    let io = || Error::io(path, "cannot read");
-    let mut file = BufReader::new(File::open(path).map_err(io())?);
+/// sizes; more pixels than a file of that length can hold, or than `budget` has memory for.
+pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
+    let (file, length) = open_regular(path)?;
+    let mut file = BufReader::new(file);
     let decoded = guarded(|| MetaData::read_from_buffered(&mut file, false));
     let headers = settle(path, decoded)?.headers;
-    check(path, &headers)?;
-    file.rewind().map_err(io())?;
+    check(path, &headers, length, budget)?;
+    file.rewind().map_err(Error::io(path, "cannot read"))?;
     // One thread: a panic of a pool's thread could not be caught.
     let decoded = guarded(|| {
         ::exr::prelude::read()
@@ -114,7 +116,7 @@ pub fn read(path: &Path) -> Result<Layers> {
 /// # Errors
 /// I/O errors; files that are not EXR or are broken.
 pub fn half_channels(path: &Path) -> Result<Vec<String>> {
-    let mut file = BufReader::new(File::open(path).map_err(Error::io(path, "cannot read"))?);
+    let mut file = BufReader::new(open_regular(path)?.0);
     let decoded = guarded(|| MetaData::read_from_buffered(&mut file, false));
     let headers = settle(path, decoded)?.headers;
     let channels = headers.iter().flat_map(|header| &header.channels.list);
@@ -141,13 +143,13 @@ fn broken(path: &Path, what: &str) -> Error {
     Error::invalid(path, "", what, "an OpenEXR image without deep data")
 }
 
-/// Refuses what would not fit, before anything is allocated for it.
-fn check(path: &Path, headers: &[Header]) -> Result<()> {
+/// Refuses what would not fit, before anything is allocated for it, in a file of `length` bytes.
+fn check(path: &Path, headers: &[Header], length: u64, budget: &Budget) -> Result<()> {
     let Some(first) = headers.first() else {
         return Err(broken(path, "it has no part"));
     };
     let refuse = |what: String| Err(Error::unsupported(path, "", what, ""));
-    let mut bytes = 0u64;
+    let (mut stored, mut bytes) = (0u64, 0u64);
     for header in headers {
         if header.deep {
             return refuse("deep data are not supported".into());
@@ -163,16 +165,20 @@ fn check(path: &Path, headers: &[Header]) -> Result<()> {
         {
             return refuse(format!("channel {} is subsampled", channel.name));
         }
-        let channels = header.channels.list.len() as u64;
         let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
-        bytes = bytes.saturating_add(pixels.saturating_mul(4 * channels));
+        for channel in &header.channels.list {
+            let size = channel.sample_type.bytes_per_sample() as u64;
+            stored = stored.saturating_add(pixels.saturating_mul(size));
+            // While it becomes single precision, a channel of half precision is there twice.
+            let widened = if size == 2 { 6 } else { 4 };
+            bytes = bytes.saturating_add(pixels.saturating_mul(widened));
+        }
     }
-    if bytes > MAX_BYTES {
-        return refuse(format!(
-            "it claims {bytes} bytes of pixels; at most {MAX_BYTES} are read"
-        ));
+    if stored > length.saturating_mul(LARGEST_EXPANSION) {
+        let what = format!("it claims {stored} bytes of pixels, and has {length} bytes in all");
+        return Err(broken(path, &what));
     }
-    Ok(())
+    budget.take(bytes, path)
 }
 
 fn convert(path: &Path, image: FlatImage) -> Result<Layers> {
@@ -333,7 +339,7 @@ fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
 }
 
 /// The nearest half; the largest one in place of what is beyond it, which would become infinite.
-fn half_of(value: f64) -> f16 {
+pub fn half_of(value: f64) -> f16 {
     let largest = f64::from(f16::MAX);
     match value.is_infinite() {
         true => f16::from_f64(value),

@@ -8,7 +8,7 @@
 //! Formats: NEP 1 (npy 1.0) in a deflated zip archive, zip64 where an array needs it.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
@@ -21,7 +21,7 @@ use crate::io::cube::{Cube, Samples as CubeSamples};
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
-type Archive<'a> = ZipWriter<&'a mut BufWriter<File>>;
+type Archive<'a> = ZipWriter<Quiet<'a>>;
 
 /// Writes `layers` to `path`, whole or not at all.
 ///
@@ -32,7 +32,10 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     let arrays = arrays(layers);
     check_names(path, &arrays)?;
     write_atomically(path, |writer| {
-        let mut archive = ZipWriter::new(writer);
+        let mut archive = ZipWriter::new(Quiet {
+            writer,
+            failed: false,
+        });
         for array in &arrays {
             write_array(&mut archive, path, layers, array)?;
         }
@@ -81,6 +84,54 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
             CubeSamples::F64(v) => write("<f8", &mut v.iter().flat_map(|x| x.to_le_bytes())),
         }
     })
+}
+
+/// A writer that fails once: what is written after that goes nowhere. An archive that is dropped unfinished writes its
+/// directory, and where that fails complains on standard error.
+struct Quiet<'a> {
+    writer: &'a mut BufWriter<File>,
+    failed: bool,
+}
+
+impl Quiet<'_> {
+    fn once<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        self.failed |= result.is_err();
+        result
+    }
+}
+
+impl Write for Quiet<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.failed {
+            true => Ok(bytes.len()),
+            false => {
+                let written = self.writer.write(bytes);
+                self.once(written)
+            }
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.failed {
+            true => Ok(()),
+            false => {
+                let flushed = self.writer.flush();
+                self.once(flushed)
+            }
+        }
+    }
+}
+
+impl Seek for Quiet<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self.failed {
+            true => Ok(0),
+            false => {
+                let place = self.writer.seek(to);
+                self.once(place)
+            }
+        }
+    }
 }
 
 /// An array of the archive: its name, and the channels whose samples alternate in it.

@@ -1,6 +1,5 @@
 //! PNG files: what a display shows.
 
-use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::Path;
 
@@ -13,6 +12,9 @@ use super::decoder::guarded;
 use super::file::{write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples, check_metadata, pixel_count};
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::files::Reader;
+use crate::io::open::open_regular;
 
 /// Writes 8-bit sRGB pixels (3 bytes each, row 0 at the top) to `path`, whole or not at all.
 ///
@@ -134,7 +136,7 @@ pub struct PngInfo {
 /// # Errors
 /// I/O errors, and files that are not PNG or are broken as far as that shows before the pixels.
 pub fn inspect(path: &Path) -> Result<PngInfo> {
-    let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
+    let (file, _) = open_regular(path)?;
     let limits = Limits {
         bytes: HEADER_MEMORY,
     };
@@ -150,9 +152,6 @@ pub fn inspect(path: &Path) -> Result<PngInfo> {
     }
 }
 
-/// The most memory that the pixels of a file may take, bytes.
-const PIXEL_MEMORY: usize = 1 << 30;
-
 /// Reads a PNG file as codes in [0, 1].
 ///
 /// Channels are `radiance.R`, `radiance.G`, `radiance.B`, three times the same for a grey picture, and `A`
@@ -160,10 +159,12 @@ const PIXEL_MEMORY: usize = 1 << 30;
 /// as far as keys and values fit.
 ///
 /// # Errors
-/// I/O errors; files that are not PNG or are broken; more than 1 GiB of pixels.
-pub fn read(path: &Path) -> Result<Layers> {
+/// I/O errors; files that are not PNG or are broken; more pixels than `budget` has memory for.
+pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
     let info = inspect(path)?;
-    let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
+    let pixels = u64::from(info.width).saturating_mul(info.height.into());
+    budget.take(pixels.saturating_mul(PIXEL_BYTES), path)?;
+    let (file, _) = open_regular(path)?;
     let decoded = guarded(|| decode(BufReader::new(file)));
     match decoded {
         Some(Ok((samples, bytes, wide))) => layers(path, info, samples, &bytes, wide),
@@ -172,15 +173,18 @@ pub fn read(path: &Path) -> Result<Layers> {
     }
 }
 
+/// The most memory of a pixel: four samples of 16 bits as they are decoded, and as f32.
+const PIXEL_BYTES: u64 = 4 * (2 + 4);
+
 /// Samples per pixel, the samples' bytes, and whether each has two.
-fn decode(file: BufReader<File>) -> Result<(usize, Vec<u8>, bool), DecodingError> {
+fn decode(file: BufReader<Reader>) -> Result<(usize, Vec<u8>, bool), DecodingError> {
     let limits = Limits {
-        bytes: PIXEL_MEMORY,
+        bytes: HEADER_MEMORY,
     };
     let mut decoder = Decoder::new_with_limits(file, limits);
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
-    let length = reader.output_buffer_size().filter(|n| *n <= PIXEL_MEMORY);
+    let length = reader.output_buffer_size();
     let length = length.ok_or(DecodingError::LimitsExceeded)?;
     let mut bytes = vec![0; length];
     let frame = reader.next_frame(&mut bytes)?;

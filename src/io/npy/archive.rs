@@ -127,14 +127,13 @@ pub(in crate::io) fn with_array<R: Read + Seek, T>(
     then: impl FnOnce(&mut Stored) -> Result<T>,
 ) -> Result<T> {
     if is_zip(reader, file)? {
+        let length = length(reader, file)?;
         let mut archive = open(reader, file)?;
         let (index, name) = choose(members(&archive, file)?, file, array)?;
-        return with_member(&mut archive, index, Place::new(file, Some(&name)), then);
+        let place = Place::new(file, Some(&name));
+        return with_member(&mut archive, index, length, place, then);
     }
-    let length = reader
-        .seek(SeekFrom::End(0))
-        .and_then(|length| reader.rewind().map(|()| length))
-        .map_err(Error::io(file, "cannot read"))?;
+    let length = length(reader, file)?;
     let mut stored = Stored {
         reader,
         place: Place::new(file, None),
@@ -149,6 +148,14 @@ pub(in crate::io) fn with_array<R: Read + Seek, T>(
         )),
         _ => then(&mut stored),
     }
+}
+
+/// The bytes of the file; leaves the reader at the start.
+fn length<R: Read + Seek>(reader: &mut R, file: &Path) -> Result<u64> {
+    reader
+        .seek(SeekFrom::End(0))
+        .and_then(|length| reader.rewind().map(|()| length))
+        .map_err(Error::io(file, "cannot read"))
 }
 
 /// Whether the header reads well; otherwise that is the better message.
@@ -166,10 +173,14 @@ pub(super) fn headers<R: Read + Seek>(
     if array.is_some() || !is_zip(&mut reader, file)? {
         return Ok(vec![with_array(&mut reader, file, array, one)?]);
     }
+    let length = length(&mut reader, file)?;
     let mut archive = open(&mut reader, file)?;
     members(&archive, file)?
         .into_iter()
-        .map(|(index, name)| with_member(&mut archive, index, Place::new(file, Some(&name)), one))
+        .map(|(index, name)| {
+            let place = Place::new(file, Some(&name));
+            with_member(&mut archive, index, length, place, one)
+        })
         .collect()
 }
 
@@ -252,11 +263,13 @@ fn names(members: &[(usize, String)]) -> String {
 fn with_member<R: Read + Seek, T>(
     archive: &mut ZipArchive<R>,
     index: usize,
+    file_length: u64,
     place: Place,
     then: impl FnOnce(&mut Stored) -> Result<T>,
 ) -> Result<T> {
     let mut member = (archive.by_index(index)).map_err(|error| zip_error(&place, error))?;
-    let (length, compressed) = (member.size(), member.compressed_size());
+    // Both are claims; of the compressed bytes there are no more than the file has.
+    let (length, compressed) = (member.size(), member.compressed_size().min(file_length));
     then(&mut Stored {
         reader: &mut member,
         place,

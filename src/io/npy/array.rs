@@ -1,10 +1,13 @@
 //! Arrays of any shape as numbers or text: pictures, masks. NaN and infinity are values like others.
 
+use std::path::Path;
+
 use half::f16;
 
 use super::archive::Stored;
 use super::header::{self, Dtype, Header};
 use super::place::Place;
+use crate::io::budget::Budget;
 use crate::{Error, Result};
 
 /// The most samples that are read.
@@ -33,8 +36,8 @@ pub enum Numbers {
 }
 
 /// Reads an array of numbers.
-pub(super) fn read(stored: &mut Stored) -> Result<Plain> {
-    let mut array = Array::open(stored)?;
+pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<Plain> {
+    let mut array = Array::open(stored, file, budget)?;
     let samples = array.numbers()?;
     Ok(Plain {
         shape: array.header.shape,
@@ -43,8 +46,8 @@ pub(super) fn read(stored: &mut Stored) -> Result<Plain> {
 }
 
 /// Reads an array of one text (`<U…`, shape ()).
-pub(super) fn text(stored: &mut Stored) -> Result<String> {
-    let mut array = Array::open(stored)?;
+pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<String> {
+    let mut array = Array::open(stored, file, budget)?;
     let Dtype::Other(descr) = &array.header.dtype else {
         return Err(unsupported(&array.stored.place, "is no single text"));
     };
@@ -73,10 +76,12 @@ struct Array<'a, 'b> {
     header_bytes: u64,
     /// How many samples it has.
     count: usize,
+    file: &'a Path,
+    budget: &'a Budget,
 }
 
 impl<'a, 'b> Array<'a, 'b> {
-    fn open(stored: &'a mut Stored<'b>) -> Result<Self> {
+    fn open(stored: &'a mut Stored<'b>, file: &'a Path, budget: &'a Budget) -> Result<Self> {
         let (header, header_bytes) = header::read(stored.reader, &stored.place)?;
         if header.fortran_order && header.shape.len() > 1 {
             return Err(unsupported(&stored.place, "is in Fortran order"));
@@ -88,6 +93,8 @@ impl<'a, 'b> Array<'a, 'b> {
             stored,
             header,
             header_bytes,
+            file,
+            budget,
         })
     }
 
@@ -123,6 +130,8 @@ impl<'a, 'b> Array<'a, 'b> {
         };
         self.stored
             .check_length(self.header_bytes.saturating_add(bytes as u64))?;
+        let memory = (self.count as u64).saturating_mul(size_of::<T>() as u64);
+        self.budget.take(memory, self.file)?;
         self.stored.samples(self.count, sample, |_, _, _| Ok(()))
     }
 }

@@ -20,6 +20,7 @@ pub use array::{Numbers, Plain};
 pub use header::{Dtype, Header};
 pub(super) use place::{Place, WRITE_AGAIN};
 
+use super::budget::Budget;
 use super::open::open_regular;
 use crate::Result;
 
@@ -38,17 +39,19 @@ pub fn inspect(path: &Path, array: Option<&str>) -> Result<Vec<Header>> {
 ///
 /// # Errors
 /// The file cannot be read; it is truncated or longer than its header says; the array is in Fortran order or
-/// does not hold numbers of at most 32 bits, or f8.
-pub fn load_plain(path: &Path, array: Option<&str>) -> Result<Plain> {
+/// does not hold numbers of at most 32 bits, or f8; it needs more memory than `budget` has.
+pub fn load_plain(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Plain> {
     let (file, _) = open_regular(path)?;
-    with_array(&mut BufReader::new(file), path, array, array::read)
+    let read = |stored: &mut Stored| array::read(stored, path, budget);
+    with_array(&mut BufReader::new(file), path, array, read)
 }
 
 /// The text that the array named `array` of a `.npz` file is.
 ///
 /// # Errors
 /// The file cannot be read; there is no such array; it is no single text.
-pub fn load_text(path: &Path, array: &str) -> Result<String> {
+pub fn load_text(path: &Path, array: &str, budget: &Budget) -> Result<String> {
     let (file, _) = open_regular(path)?;
-    with_array(&mut BufReader::new(file), path, Some(array), array::text)
+    let read = |stored: &mut Stored| array::text(stored, path, budget);
+    with_array(&mut BufReader::new(file), path, Some(array), read)
 }

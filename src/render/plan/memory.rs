@@ -18,6 +18,7 @@ pub(super) fn memory(
     objects: &[PlannedObject],
     cubes: &[Option<PlannedCube>],
     layout: &Layout,
+    beside: u64,
 ) -> Memory {
     let bvhs = frames
         .iter()
@@ -46,6 +47,7 @@ pub(super) fn memory(
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         film: layout.bytes(),
         temporary: temporary(frames, layout),
+        beside,
     }
 }
 

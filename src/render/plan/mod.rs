@@ -5,6 +5,7 @@
 
 mod bindings;
 mod frames;
+mod inside;
 mod memory;
 mod notes;
 mod planned;
@@ -33,6 +34,7 @@ impl Plan {
     /// scene that takes more than the request's memory limit.
     pub fn new(scene: &Scene, request: &Request) -> Result<Plan> {
         let mut objects = inspect_objects(scene)?;
+        inside::check(scene, &objects)?;
         bindings::check(scene, &objects)?;
         let wants_uv = request
             .aovs
@@ -45,7 +47,7 @@ impl Plan {
         let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
-        let memory = memory::memory(&frames, &objects, &cubes, &layout);
+        let memory = memory::memory(&frames, &objects, &cubes, &layout, request.beside);
         let view = Camera::new(scene)?.view.kind();
         let mut plan = Plan {
             scene: scene.name.clone(),

@@ -20,6 +20,8 @@ pub struct Request {
     pub memory_limit: u64,
     /// What visibility is worth. Default: certified.
     pub precision: Precision,
+    /// What is held beside the picture, bytes: maps that are warped, films that lines are traced on. Default: 0.
+    pub beside: u64,
 }
 
 impl Default for Request {
@@ -29,6 +31,7 @@ impl Default for Request {
             pixel_centers: false,
             memory_limit: 16 << 30,
             precision: Precision::Certified,
+            beside: 0,
         }
     }
 }
@@ -157,6 +160,8 @@ pub struct Memory {
     /// Held for a while only: a mesh beside its BVH under construction, or copies of the film on their
     /// way into files.
     pub temporary: u64,
+    /// What the request says is held beside the picture.
+    pub beside: u64,
 }
 
 impl Memory {
@@ -166,5 +171,6 @@ impl Memory {
             .saturating_add(self.cubes)
             .saturating_add(self.film)
             .saturating_add(self.temporary)
+            .saturating_add(self.beside)
     }
 }

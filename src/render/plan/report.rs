@@ -124,6 +124,10 @@ impl Plan {
             bytes(memory.film),
             bytes(memory.temporary)
         );
+        let text = match memory.beside {
+            0 => text,
+            beside => format!("{text}, beside the picture {}", bytes(beside)),
+        };
         row(f, "memory", &text)
     }
 }

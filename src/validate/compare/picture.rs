@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
 use crate::io::image::{Channel, Layers, Samples, exr, png};
 use crate::io::npy::{self, Numbers, Plain};
 use crate::render::aov::Aov;
@@ -178,8 +179,8 @@ impl Picture {
     /// (H, W) is a channel of its own name, `value` in a `.npy` file.
     ///
     /// # Errors
-    /// What the readers of images and arrays refuse; names that do not end in .exr, .png, .npz or .npy; arrays of other shapes.
-    pub fn read(path: &Path, png: Encoding) -> Result<Picture> {
+    /// What the readers of images and arrays refuse; more than `budget` has memory for; names that do not end in .exr, .png, .npz or .npy; arrays of other shapes.
+    pub fn read(path: &Path, png: Encoding, budget: &Budget) -> Result<Picture> {
         let extension = path
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase());
@@ -187,13 +188,13 @@ impl Picture {
         match extension.as_deref() {
             Some("exr") => Ok(Picture {
                 half: exr::half_channels(path)?,
-                ..Picture::linear(name, exr::read(path)?)
+                ..Picture::linear(name, exr::read(path, budget)?)
             }),
             Some("png") => Ok(Picture {
                 encoding: png,
-                ..Picture::linear(name, png::read(path)?)
+                ..Picture::linear(name, png::read(path, budget)?)
             }),
-            Some("npz" | "npy") => Ok(Picture::linear(name, arrays(path)?)),
+            Some("npz" | "npy") => Ok(Picture::linear(name, arrays(path, budget)?)),
             _ => Err(Error::unsupported(
                 path,
                 "",
@@ -204,15 +205,15 @@ impl Picture {
     }
 }
 
-fn arrays(path: &Path) -> Result<Layers> {
+fn arrays(path: &Path, budget: &Budget) -> Result<Layers> {
     let headers = npy::inspect(path, None)?;
     let mut metadata = Vec::new();
     let mut parts: Vec<([usize; 2], Vec<Channel>)> = Vec::new();
     for header in &headers {
         let name = header.name.as_deref();
         match name {
-            Some("metadata") => metadata = entries(&npy::load_text(path, "metadata")?),
-            _ => parts.push(channels(path, name, npy::load_plain(path, name)?)?),
+            Some("metadata") => metadata = entries(&npy::load_text(path, "metadata", budget)?),
+            _ => parts.push(channels(path, name, npy::load_plain(path, name, budget)?)?),
         }
     }
     let Some([height, width]) = parts.first().map(|part| part.0) else {

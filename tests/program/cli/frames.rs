@@ -178,7 +178,7 @@ fn a_frame_is_the_picture_that_its_time_gives_alone() {
     folder.ok(&sequence(
         &[&["--time", "2.5 m"], &channels[..], &["alone.exr"]].concat(),
     ));
-    let read = |name: &str| exr::read(&folder.path(name)).unwrap();
+    let read = |name: &str| exr::read(&folder.path(name), &Default::default()).unwrap();
     let (frame, alone) = (read("f-0005.exr"), read("alone.exr"));
     assert!(frame.channels == alone.channels);
     assert!(frame.channels != read("f-0004.exr").channels);

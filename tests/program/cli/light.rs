@@ -63,11 +63,11 @@ fn a_png_can_have_16_bits() {
     let info = png::inspect(&folder.path("deep.png")).unwrap();
     assert_eq!(info.bits, 16);
     // Codes are those of the radiance over white, to half a step of 65535.
-    let codes = png::read(&folder.path("deep.png"))
+    let codes = png::read(&folder.path("deep.png"), &Default::default())
         .unwrap()
         .radiance()
         .unwrap();
-    let light = exr::read(&folder.path("deep.exr"))
+    let light = exr::read(&folder.path("deep.exr"), &Default::default())
         .unwrap()
         .radiance()
         .unwrap();

@@ -6,7 +6,7 @@ use super::refused::refused;
 use super::{Folder, repository};
 
 fn method_of(folder: &Folder, name: &str) -> Option<String> {
-    let layers = exr::read(&folder.path(name)).unwrap();
+    let layers = exr::read(&folder.path(name), &Default::default()).unwrap();
     let mut metadata = layers.metadata.into_iter();
     metadata
         .find(|(key, _)| key == "method")
@@ -39,7 +39,7 @@ fn all_methods_write_the_same_channels() {
             "render", &scene, "--size", "24x18", "--aovs", "all", "-o", "a.exr", "--method", method,
         ];
         folder.ok(&arguments);
-        let layers = exr::read(&folder.path("a.exr")).unwrap();
+        let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
         let kind = |samples: &Samples| std::mem::discriminant(samples);
         let channels = layers
             .channels

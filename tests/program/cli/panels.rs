@@ -80,7 +80,11 @@ fn a_panel_shows_what_its_changes_on_the_command_line_would() {
         "object",
     ];
     folder.ok(&[&plain[..], &set].concat());
-    let read = |name: &str| exr::read(&folder.path(name)).unwrap().channels;
+    let read = |name: &str| {
+        exr::read(&folder.path(name), &Default::default())
+            .unwrap()
+            .channels
+    };
     assert!(read("fig-later.exr") == read("plain.exr"));
     assert!(read("fig-beta-0.9.exr") != read("plain.exr"));
 }
@@ -89,7 +93,7 @@ fn a_panel_shows_what_its_changes_on_the_command_line_would() {
 fn the_scene_in_the_metadata_is_that_of_the_panel_alone() {
     let folder = folder();
     folder.ok(&["render", "figure.toml", "--panel", "later", "-o", "a.exr"]);
-    let layers = exr::read(&folder.path("a.exr")).unwrap();
+    let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
     let text = layers
         .metadata
         .iter()
@@ -102,7 +106,7 @@ fn the_scene_in_the_metadata_is_that_of_the_panel_alone() {
     );
     folder.write("again.toml", &text.1);
     folder.ok(&["render", "again.toml", "-o", "b.exr"]);
-    let again = exr::read(&folder.path("b.exr")).unwrap();
+    let again = exr::read(&folder.path("b.exr"), &Default::default()).unwrap();
     assert_eq!(again.channels, layers.channels);
 }
 

@@ -64,7 +64,7 @@ fn exr_channels_are_those_that_were_asked_for() {
         "--aovs",
         "coverage,object",
     ]);
-    let layers = exr::read(&folder.path("a.exr")).unwrap();
+    let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
     let mut names: Vec<_> = layers.channels.iter().map(|c| c.name.as_str()).collect();
     names.sort_unstable();
     assert_eq!(
@@ -91,7 +91,7 @@ fn the_help_documents_every_channel_that_all_gives() {
     let folder = Folder::new();
     let help = folder.ok(&["help", "render"]);
     folder.ok(&["render", "scene.toml", "-o", "a.exr", "--aovs", "all"]);
-    let layers = exr::read(&folder.path("a.exr")).unwrap();
+    let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
     assert!(layers.channels.len() > 20);
     for channel in layers
         .channels
@@ -120,7 +120,7 @@ fn metadata_hold_the_scene_after_its_changes_and_its_hash() {
         "a.png",
     ];
     folder.ok(&arguments);
-    let layers = exr::read(&folder.path("a.exr")).unwrap();
+    let layers = exr::read(&folder.path("a.exr"), &Default::default()).unwrap();
     let picture = png::inspect(&folder.path("a.png")).unwrap();
     for entries in [&layers.metadata, &picture.text] {
         let value = |key: &str| {
@@ -155,7 +155,7 @@ fn metadata_hold_the_scene_after_its_changes_and_its_hash() {
             .clone(),
     );
     folder.ok(&["render", "again.toml", "-o", "b.exr"]);
-    let again = exr::read(&folder.path("b.exr")).unwrap();
+    let again = exr::read(&folder.path("b.exr"), &Default::default()).unwrap();
     assert_eq!(again.channels, layers.channels);
 }
 

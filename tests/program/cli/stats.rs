@@ -100,7 +100,7 @@ fn a_picture_says_how_precise_its_visibility_is() {
     folder.ok(&["render", "scene.toml", "-o", "a.exr"]);
     folder.ok(&["render", "scene.toml", "-o", "b.exr", "--precision", "fast"]);
     for (name, precision) in [("a.exr", "certified"), ("b.exr", "fast")] {
-        let layers = exr::read(&folder.path(name)).unwrap();
+        let layers = exr::read(&folder.path(name), &Default::default()).unwrap();
         let said = layers.metadata.iter().find(|(key, _)| key == "precision");
         assert_eq!(said.map(|(_, value)| value.as_str()), Some(precision));
     }

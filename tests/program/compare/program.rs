@@ -141,7 +141,7 @@ fn all_pictures_and_the_report_are_written() {
     ];
     let output = run(folder.path(), &arguments);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
-    let maps = exr::read(&folder.path().join("maps.exr")).unwrap();
+    let maps = exr::read(&folder.path().join("maps.exr"), &Default::default()).unwrap();
     let names: Vec<_> = maps.channels.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(
         names,
@@ -153,7 +153,12 @@ fn all_pictures_and_the_report_are_written() {
         ]
     );
     for name in ["map.png", "strip.png"] {
-        assert!(png::read(&folder.path().join(name)).unwrap().width > 61);
+        assert!(
+            png::read(&folder.path().join(name), &Default::default())
+                .unwrap()
+                .width
+                > 61
+        );
     }
     let html = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert_eq!(html.matches("data:image/png;base64,").count(), 3);
@@ -189,7 +194,7 @@ fn png_of_both_depths_and_with_alpha_are_read_as_codes() {
         .write_image_data(&[0x80, 0, 0xff, 0xff, 0, 0, 0, 0])
         .unwrap();
     drop(writer);
-    let picture = Picture::read(&path, Encoding::Srgb).unwrap();
+    let picture = Picture::read(&path, Encoding::Srgb, &Default::default()).unwrap();
     let names: Vec<_> = picture
         .layers
         .channels

@@ -15,8 +15,9 @@ const FLATNESS: f64 = 1e-4;
 /// Pieces that are looked at in any case, and halvings of each.
 const PIECES: u32 = 24;
 const HALVINGS: u32 = 10;
-/// The most ticks of a world line.
+/// The most ticks of a world line, and of all of a diagram.
 const MOST_TICKS: f64 = 2000.0;
+const MOST_TICKS_IN_ALL: f64 = 200_000.0;
 /// Points of a hyperbola on each side of its vertex.
 const HYPERBOLA: i32 = 64;
 
@@ -126,7 +127,13 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
     };
     let first = libm::ceil(from / step - 1e-9);
     let last = libm::floor(to / step + 1e-9);
-    if last - first > MOST_TICKS {
+    let ticked = view
+        .diagram
+        .lines
+        .iter()
+        .filter(|line| line.ticks.is_some());
+    let most = MOST_TICKS.min(MOST_TICKS_IN_ALL / ticked.count() as f64);
+    if last - first > most {
         return Vec::new();
     }
     let tick = |k: i64| {

@@ -17,8 +17,33 @@ use crate::spacetime::{Event, World};
 /// The most objects that have world lines of their own.
 const MOST: usize = 12;
 
+/// The most things of a diagram: more than a page has room for.
+const MOST_THINGS: usize = 5000;
+
 /// Whether a diagram names nothing to draw.
 pub(super) fn is_empty(said: &file::Diagram) -> bool {
+    things(said) == 0
+}
+
+/// Refuses a diagram of more things than can be drawn in reasonable time.
+pub(super) fn refuse_many<T>(
+    cx: &Context,
+    at: &At<T>,
+    said: &file::Diagram,
+    scene: &Outline,
+) -> Result<()> {
+    match things(said) + scene.pulses.len() {
+        count if count <= MOST_THINGS => Ok(()),
+        count => {
+            let what =
+                format!("{count} things are more than the {MOST_THINGS} that a diagram may have");
+            Err(cx.refuse(at, what, "draw a part of them, or several diagrams"))
+        }
+    }
+}
+
+/// How many things are to be drawn.
+fn things(said: &file::Diagram) -> usize {
     let lists = [
         said.frame.len(),
         said.worldline.len(),
@@ -35,7 +60,7 @@ pub(super) fn is_empty(said: &file::Diagram) -> bool {
         said.wedge.len(),
         said.text.len(),
     ];
-    lists.iter().all(|count| *count == 0)
+    lists.iter().sum()
 }
 
 /// Fills `diagram` with what the scene has; `at` is what messages point at.

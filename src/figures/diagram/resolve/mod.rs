@@ -28,6 +28,7 @@ pub(super) fn resolve(
     let nothing = At::nowhere(file::Diagram::default());
     let at = table.unwrap_or(&nothing);
     let said = &at.value;
+    content::refuse_many(cx, at, said, scene)?;
     let unit = settings::unit(said);
     let direction = settings::direction(cx, said, scene)?;
     let across = settings::across(cx, said, direction, scene)?;

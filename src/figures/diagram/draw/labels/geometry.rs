@@ -1,5 +1,7 @@
 //! Rectangles, lines and polygons of a page.
 
+use std::collections::HashMap;
+
 use crate::figures::text::Rect;
 
 pub(super) fn widened(rect: Rect, by: f64) -> Rect {
@@ -20,6 +22,11 @@ pub(super) fn moved(rect: Rect, by: [f64; 2]) -> Rect {
 pub(super) fn distance(a: Rect, b: Rect) -> f64 {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]).max(0.0);
     gap(0).hypot(gap(1))
+}
+
+/// Whether two rectangles overlap or touch.
+pub(super) fn touch(a: Rect, b: Rect) -> bool {
+    (0..2).all(|i| a.min[i] <= b.max[i] && b.min[i] <= a.max[i])
 }
 
 /// The rectangle around points.
@@ -61,9 +68,72 @@ pub(super) fn is_inside([x, y]: [f64; 2], edge: &[[f64; 2]]) -> bool {
     crossings.count() % 2 == 1
 }
 
+/// Rectangles by where they are on the page, so that those near a place are found without a look at all of them.
+#[derive(Default)]
+pub(super) struct Grid(HashMap<[i32; 2], Vec<u32>>);
+
+impl Grid {
+    /// The side of a cell, points.
+    const CELL: f64 = 32.0;
+    /// What is farther out, in cells, counts as if it were here: pages are smaller.
+    const FARTHEST: f64 = 512.0;
+
+    /// Puts rectangle `index` in.
+    pub fn insert(&mut self, index: usize, rect: Rect) {
+        for cell in Self::cells(rect) {
+            self.0.entry(cell).or_default().push(index as u32);
+        }
+    }
+
+    /// Takes rectangle `index` out.
+    pub fn remove(&mut self, index: usize, rect: Rect) {
+        for cell in Self::cells(rect) {
+            if let Some(held) = self.0.get_mut(&cell) {
+                held.retain(|other| *other != index as u32);
+            }
+        }
+    }
+
+    /// The indices of all rectangles that may touch `rect`, each once, in their order.
+    pub fn near(&self, rect: Rect) -> Vec<usize> {
+        let held = Self::cells(rect).filter_map(|cell| self.0.get(&cell));
+        let mut found: Vec<usize> = held.flatten().map(|index| *index as usize).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn cells(rect: Rect) -> impl Iterator<Item = [i32; 2]> {
+        let cell = |x: f64| {
+            (x / Self::CELL)
+                .floor()
+                .clamp(-Self::FARTHEST, Self::FARTHEST) as i32
+        };
+        let [columns, rows] = [0, 1].map(|i| cell(rect.min[i])..=cell(rect.max[i]));
+        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_grid_finds_what_is_near_and_forgets_what_was_taken_out() {
+        let mut grid = Grid::default();
+        let at = |x: f64, y: f64| moved(UNIT, [x, y]);
+        for (index, place) in [[0.0, 0.0], [31.5, 0.0], [500.0, 700.0], [1e300, -1e300]]
+            .iter()
+            .enumerate()
+        {
+            grid.insert(index, at(place[0], place[1]));
+        }
+        assert_eq!(grid.near(widened(UNIT, 40.0)), [0, 1]);
+        assert_eq!(grid.near(at(500.5, 700.5)), [2]);
+        assert_eq!(grid.near(at(1e299, -1e301)), [3]);
+        grid.remove(1, at(31.5, 0.0));
+        assert_eq!(grid.near(widened(UNIT, 40.0)), [0]);
+    }
 
     const UNIT: Rect = Rect {
         min: [0.0; 2],

@@ -1,6 +1,6 @@
 //! What is on the page before the labels.
 
-use super::geometry::{around, crosses, distance, is_inside};
+use super::geometry::{around, crosses, is_inside, touch};
 use crate::figures::drawing::Colour;
 use crate::figures::text::Rect;
 
@@ -65,7 +65,7 @@ impl Ground {
 
     /// What a label costs whose ink is in `rect`, and which keeps `airy` free.
     pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
-        let dots = self.dots.iter().filter(|dot| distance(airy, **dot) == 0.0);
+        let dots = self.dots.iter().filter(|dot| touch(airy, **dot));
         let lines = self.crossing(airy).map(|line| line.weight).sum::<f64>();
         let inside =
             (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
@@ -79,7 +79,7 @@ impl Ground {
     }
 
     fn crossing(&self, rect: Rect) -> impl Iterator<Item = &Line> {
-        let near = move |line: &&Line| distance(line.bounds, rect) == 0.0;
+        let near = move |line: &&Line| touch(line.bounds, rect);
         let through = move |line: &&Line| {
             let pairs = line.points.iter().zip(line.points.iter().skip(1));
             pairs.into_iter().any(|(a, b)| crosses(rect, *a, *b))

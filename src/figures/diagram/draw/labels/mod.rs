@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
 use crate::figures::text::{Rect, RichText};
-use geometry::{distance, moved, widened};
+use geometry::{Grid, distance, moved, widened};
 pub(super) use ground::Ground;
 
 const ON_LABEL: f64 = 1000.0;
@@ -114,18 +114,25 @@ pub(super) fn place(
         labels.push(Label::new(request, *count, habits)?);
         *count += 1;
     }
+    let mut grid = Grid::default();
     for _ in 0..ROUNDS {
         let mut moved = false;
         for i in 0..labels.len() {
             let before = labels[i].chosen;
-            labels[i].chosen = choose(&mut labels, i, ground);
+            if let Some(rect) = labels[i].rect() {
+                grid.remove(i, rect);
+            }
+            labels[i].chosen = choose(&mut labels, i, &grid, ground);
+            if let Some(rect) = labels[i].rect() {
+                grid.insert(i, rect);
+            }
             moved |= labels[i].chosen != before;
         }
         if !moved {
             break;
         }
     }
-    leave_out(&mut labels, ground);
+    leave_out(&mut labels, &mut grid, ground);
     let chosen = labels.iter().filter_map(|label| {
         let candidate = label.candidates.get(label.chosen?)?;
         Some((label.key.clone(), candidate.index))
@@ -137,50 +144,52 @@ pub(super) fn place(
         .collect())
 }
 
-/// The cheapest candidate of the i-th label, the others being where they are.
-fn choose(labels: &mut [Label], i: usize, ground: &Ground) -> Option<usize> {
-    let others = rects_but(labels, i);
-    let label = labels.get_mut(i)?;
+/// The cheapest candidate of the i-th label, the others being where they are, in `grid`.
+fn choose(labels: &mut [Label], i: usize, grid: &Grid, ground: &Ground) -> Option<usize> {
+    let mut candidates = std::mem::take(&mut labels.get_mut(i)?.candidates);
     let mut best: Option<(f64, usize)> = None;
-    for (k, candidate) in label.candidates.iter_mut().enumerate() {
+    for (k, candidate) in candidates.iter_mut().enumerate() {
         if best.is_some_and(|(cost, _)| candidate.preference >= cost) {
             break;
         }
-        let cost = candidate.cost(&others, ground);
+        let cost = candidate.cost(labels, grid, ground);
         if best.is_none_or(|(least, _)| cost < least) {
             best = Some((cost, k));
         }
     }
+    labels.get_mut(i)?.candidates = candidates;
     best.map(|(_, k)| k)
 }
 
-fn rects_but(labels: &[Label], i: usize) -> Vec<Rect> {
-    let others = labels.iter().enumerate().filter(|(k, _)| *k != i);
-    others.filter_map(|(_, label)| label.rect()).collect()
-}
-
 /// Takes away what may be left out and has no good place.
-fn leave_out(labels: &mut [Label], ground: &Ground) {
+fn leave_out(labels: &mut [Label], grid: &mut Grid, ground: &Ground) {
     for i in (0..labels.len()).rev() {
-        if !labels[i].request.optional {
+        let (true, Some(rect)) = (labels[i].request.optional, labels[i].rect()) else {
             continue;
-        }
-        let others = rects_but(labels, i);
-        let label = &mut labels[i];
-        let candidate = label.chosen.and_then(|k| label.candidates.get_mut(k));
-        if candidate.is_some_and(|candidate| candidate.cost(&others, ground) >= TOO_MUCH) {
-            label.chosen = None;
+        };
+        grid.remove(i, rect);
+        let mut candidates = std::mem::take(&mut labels[i].candidates);
+        let candidate = labels[i].chosen.and_then(|k| candidates.get_mut(k));
+        let cost = candidate.map(|candidate| candidate.cost(labels, grid, ground));
+        labels[i].candidates = candidates;
+        match cost.is_some_and(|cost| cost >= TOO_MUCH) {
+            true => labels[i].chosen = None,
+            false => grid.insert(i, rect),
         }
     }
 }
 
 impl Candidate {
-    fn cost(&mut self, labels: &[Rect], ground: &Ground) -> f64 {
+    /// What it costs beside those of `labels` that are in `grid`.
+    fn cost(&mut self, labels: &[Label], grid: &Grid, ground: &Ground) -> f64 {
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
             .get_or_insert_with(|| ground.cost(self.rect, airy));
-        let labels = labels.iter().map(|other| match distance(airy, *other) {
+        // What is farther than CLEAR costs nothing.
+        let near = grid.near(widened(airy, CLEAR)).into_iter();
+        let near = near.filter_map(|k| labels.get(k)?.rect());
+        let labels = near.map(|other| match distance(airy, other) {
             0.0 => ON_LABEL,
             apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
         });

@@ -1,0 +1,206 @@
+//! Killed at any instant.
+
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::{Folder, Numbers, SCENE, files, instants, said};
+
+const SEQUENCE: [&str; 14] = [
+    "render",
+    "a.toml",
+    "--frames",
+    "0..6",
+    "--interval",
+    "1 cm",
+    "-o",
+    "f-##.png",
+    "-o",
+    "f-##.exr",
+    "-o",
+    "f-##.npz",
+    "--aovs",
+    "event",
+];
+
+/// Starts the program and kills it after `after`; whether it was still at work.
+fn killed(folder: &Folder, arguments: &[&str], after: Duration) -> bool {
+    let mut command = folder.program(arguments);
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    sleep(after);
+    let was_at_work = child.try_wait().unwrap().is_none();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    was_at_work
+}
+
+#[test]
+fn a_killed_sequence_has_whole_frames_and_is_completed_to_the_same_bits() {
+    let reference = Folder::new();
+    reference.write("a.toml", SCENE);
+    let begin = Instant::now();
+    reference.succeed(&SEQUENCE);
+    let whole = begin.elapsed();
+    let expected = reference.files(&[]);
+    let (mut numbers, mut at_work) = (Numbers(1), 0);
+    for _ in 0..instants() {
+        let folder = Folder::new();
+        folder.write("a.toml", SCENE);
+        for _ in 0..2 {
+            let after = Duration::from_micros(numbers.below(whole.as_micros() as u64));
+            at_work += u64::from(killed(&folder, &SEQUENCE, after));
+            for (name, content) in folder.files(&[".nullray-"]) {
+                assert!(expected.get(&name) == Some(&content), "{name} is not whole");
+            }
+        }
+        folder.age_left_overs();
+        folder.succeed(&SEQUENCE);
+        assert!(
+            folder.files(&[]) == expected,
+            "files or bits differ: {:?}",
+            folder.files(&[]).keys()
+        );
+    }
+    assert!(at_work > 0);
+}
+
+#[test]
+fn a_killed_export_is_there_whole_or_not_at_all() {
+    let reference = Folder::new();
+    reference.write("a.toml", SCENE);
+    let begin = Instant::now();
+    let export = ["export", "a.toml", "-o", "bundle", "--overwrite"];
+    reference.succeed(&export);
+    let whole = begin.elapsed();
+    let expected = files(&reference.path("bundle"), &[]);
+    let mut numbers = Numbers(2);
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    for _ in 0..instants() {
+        let after = Duration::from_micros(numbers.below(whole.as_micros() as u64));
+        killed(&folder, &export, after);
+        // From the second time on there is an old one, which stays until the new one is complete.
+        if folder.path("bundle").exists() {
+            assert!(files(&folder.path("bundle"), &[]) == expected);
+        }
+        if numbers.below(3) == 0 {
+            folder.succeed(&export);
+        }
+    }
+    folder.age_left_overs();
+    folder.succeed(&export);
+    assert!(files(&folder.path("bundle"), &[]) == expected);
+    let left: Vec<_> = folder.files(&["bundle"]).into_keys().collect();
+    assert_eq!(left, ["a.toml"]);
+}
+
+#[test]
+fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_said() {
+    // Slow enough to be edited while it is rendered.
+    let scene = SCENE.replace("[48, 32]", "[320, 240]");
+    let edited = scene.replace("size = [1, 1, 1]", "size = [1, 2, 1]");
+    let sequence = [
+        "render",
+        "a.toml",
+        "--frames",
+        "0..8",
+        "--interval",
+        "1 cm",
+        "-o",
+        "f-##.png",
+        "--spp",
+        "9",
+    ];
+    let reference = |text: &str| {
+        let folder = Folder::new();
+        folder.write("a.toml", text);
+        folder.succeed(&sequence);
+        folder.files(&["a.toml"])
+    };
+    let (before, after) = (reference(&scene), reference(&edited));
+    assert!(before != after);
+    let folder = Folder::new();
+    folder.write("a.toml", &scene);
+    let child = folder
+        .program(&sequence)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.path("f-00.png").exists() {
+        sleep(Duration::from_millis(1));
+    }
+    folder.write("a.toml", &edited);
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(folder.files(&["a.toml"]) == before);
+    let text = said(&output);
+    assert!(text.contains("a.toml has changed since"), "{text}");
+    // Begun again, nothing of the old geometry is taken for the new.
+    folder.succeed(&sequence);
+    assert!(folder.files(&["a.toml"]) == after);
+}
+
+#[test]
+fn a_damaged_frame_is_rendered_again() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    folder.succeed(&SEQUENCE);
+    let expected = folder.files(&[]);
+    let mut numbers = Numbers(3);
+    for _ in 0..instants() {
+        let names: Vec<_> = expected.keys().filter(|name| *name != "a.toml").collect();
+        let name = names[numbers.below(names.len() as u64) as usize];
+        let mut content = expected[name].clone();
+        let at = numbers.below(content.len() as u64) as usize;
+        content[at] ^= 1 << numbers.below(8);
+        folder.write(name, content);
+        folder.succeed(&SEQUENCE);
+        // Bytes of an EXR file that are neither its samples nor its fingerprint say nothing of the picture.
+        let same = folder.files(&[])[name] == expected[name];
+        assert!(same || name.ends_with(".exr"), "{name}, byte {at}");
+        folder.write(name, &expected[name]);
+    }
+}
+
+#[test]
+fn inputs_that_vanish_once_they_are_read_are_not_missed() {
+    let folder = Folder::new();
+    let glb = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/valid/hierarchy.glb"
+    );
+    std::fs::copy(glb, folder.path("a.glb")).unwrap();
+    let scene = SCENE
+        .replace("shape = { box = { size = [1, 1, 1] } }", "gltf = \"a.glb\"")
+        .replace("[48, 32]", "[320, 240]");
+    folder.write("a.toml", scene);
+    let sequence = [
+        "render",
+        "a.toml",
+        "--frames",
+        "0..6",
+        "--interval",
+        "1 cm",
+        "-o",
+        "f-##.png",
+        "--spp",
+        "9",
+    ];
+    let child = folder
+        .program(&sequence)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.path("f-00.png").exists() {
+        sleep(Duration::from_millis(1));
+    }
+    std::fs::remove_file(folder.path("a.glb")).unwrap();
+    std::fs::remove_file(folder.path("a.toml")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    assert_eq!(folder.files(&[]).len(), 6);
+}

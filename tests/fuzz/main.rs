@@ -1,0 +1,94 @@
+//! Files that were made to break the program, and a farm that makes more of them.
+//!
+//! `cargo test --test fuzz` replays the corpus of `fuzz/`, all small files of the other tests, and a few thousand inputs that
+//! are made of them. `fuzz/run SECONDS` runs the farm (the test that is ignored here) for as long as one likes; see `fuzz/README.md`.
+
+mod farm;
+mod mutate;
+#[path = "../../fuzz/src/targets.rs"]
+mod targets;
+mod watch;
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use targets::{TARGETS, Target};
+
+#[global_allocator]
+static ALLOCATOR: watch::Counting = watch::Counting;
+
+/// The least corpus of a target: its own folder, and what the other tests have of its kind.
+fn seeds(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
+    let elsewhere: &[&str] = match target.name {
+        "cube_npy" | "cube_npz" | "gltf" | "picture_npz" => {
+            &["tests/data/valid", "tests/data/invalid"]
+        }
+        "scene" => &["scenes", "scenes/effects", "scenes/cube"],
+        "diagram" => &["scenes/diagrams"],
+        _ => &[],
+    };
+    let own = format!("fuzz/corpus/{}", target.name);
+    let mut paths: Vec<PathBuf> = elsewhere
+        .iter()
+        .flat_map(|folder| files(Path::new(folder)))
+        .filter(|path| has_kind(path, target.extension))
+        .chain(files(Path::new(&own)))
+        .collect();
+    paths.sort();
+    let read = |path: PathBuf| {
+        let bytes = std::fs::read(&path).unwrap();
+        (path, bytes)
+    };
+    let all = paths.into_iter().map(read);
+    all.filter(|(_, bytes)| bytes.len() < 100_000).collect()
+}
+
+fn has_kind(path: &Path, extension: &str) -> bool {
+    let own = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    own == extension || (own, extension) == ("gltf", "glb")
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.path())
+        .filter(|path| path.is_file())
+        .collect()
+}
+
+#[test]
+fn the_corpus_is_read_or_refused_without_a_panic_and_without_much_memory() {
+    for target in &TARGETS {
+        let seeds = seeds(target);
+        assert!(!seeds.is_empty(), "{} has no corpus", target.name);
+        for (path, bytes) in seeds {
+            let begin = Instant::now();
+            let peak = watch::peak_of(|| (target.run)(&bytes));
+            let name = path.display();
+            assert!(peak < watch::MOST_MEMORY, "{name}: {peak} bytes");
+            assert!(
+                begin.elapsed() < Duration::from_secs(20),
+                "{name}: {:?}",
+                begin.elapsed()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_first_harvest_of_the_farm_has_no_finding() {
+    let report = farm::run(&TARGETS, seeds, farm::Until::Inputs(300), 1);
+    assert!(report.findings.is_empty(), "{:#?}", report.findings);
+}
+
+/// `NULLRAY_FUZZ_SECONDS`, `NULLRAY_FUZZ_SEED`, `NULLRAY_FUZZ_TARGETS` say for how long, from which number, and which.
+#[test]
+#[ignore = "it runs for as long as it is told to: fuzz/run"]
+fn the_farm() {
+    let number = |name: &str, or: u64| std::env::var(name).map_or(or, |text| text.parse().unwrap());
+    let seconds = Duration::from_secs(number("NULLRAY_FUZZ_SECONDS", 60));
+    let seed = number("NULLRAY_FUZZ_SEED", 1);
+    let report = farm::run(&TARGETS, seeds, farm::Until::Time(seconds), seed);
+    print!("{report}");
+    assert!(report.findings.is_empty(), "{:#?}", report.findings);
+}

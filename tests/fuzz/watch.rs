@@ -1,0 +1,99 @@
+//! Memory and time of one input.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The most bytes that an input of some kilobytes may take: the largest budget of a target and the texture decoders' own limits.
+pub const MOST_MEMORY: usize = 1200 << 20;
+/// The longest that an input may take. Builds for tests are several times slower than others.
+const LONGEST: Duration = Duration::from_secs(20);
+
+static HELD: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+/// The system's allocator, which counts.
+pub struct Counting;
+
+// SAFETY: every call is passed on to the system's allocator as it is; counting changes nothing of it.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let held = HELD.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(held, Ordering::Relaxed);
+        // SAFETY: the caller keeps to the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        let held = HELD.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(held, Ordering::Relaxed);
+        // SAFETY: the caller keeps to the contract of `alloc_zeroed`.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller keeps to the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+/// The most bytes beyond those held before that `work` held at once; other tests at the same time count too.
+pub fn peak_of(work: impl FnOnce()) -> usize {
+    let before = HELD.load(Ordering::Relaxed);
+    PEAK.store(before, Ordering::Relaxed);
+    work();
+    PEAK.load(Ordering::Relaxed).saturating_sub(before)
+}
+
+/// What is run now, and since when, in milliseconds after the first look.
+static CURRENT: Mutex<(String, Vec<u8>)> = Mutex::new((String::new(), Vec::new()));
+static SINCE: AtomicU64 = AtomicU64::new(u64::MAX);
+static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// Notes that this input is run from now on; one that takes too long is saved, and ends the process.
+pub fn begin(target: &str, bytes: &[u8]) {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    let now = || START.elapsed().as_millis() as u64;
+    {
+        let mut current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+        current.0.clear();
+        current.0.push_str(target);
+        current.1.clear();
+        current.1.extend_from_slice(bytes);
+    }
+    SINCE.store(now(), Ordering::Relaxed);
+    if !WATCHED.swap(true, Ordering::Relaxed) {
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(Duration::from_millis(500));
+                let since = SINCE.load(Ordering::Relaxed);
+                if now().saturating_sub(since) > LONGEST.as_millis() as u64 {
+                    let current = CURRENT.lock().unwrap_or_else(PoisonError::into_inner);
+                    let path = save(&current.0, &current.1, "slow");
+                    eprintln!("{}: takes more than {LONGEST:?}", path.display());
+                    std::process::abort();
+                }
+            }
+        });
+    }
+}
+
+/// Notes that nothing is run.
+pub fn end() {
+    SINCE.store(u64::MAX, Ordering::Relaxed);
+}
+
+/// Keeps an input that was found.
+pub fn save(target: &str, bytes: &[u8], what: &str) -> PathBuf {
+    let folder = PathBuf::from("target/fuzz-findings").join(target);
+    std::fs::create_dir_all(&folder).expect("a folder can be made");
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    let path = folder.join(format!("{what}-{hash:016x}"));
+    std::fs::write(&path, bytes).expect("a file can be written");
+    path
+}

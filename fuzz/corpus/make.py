@@ -1,0 +1,107 @@
+"""Writes the seeds that are not of the program's own making (fuzz/README.md), into the folder that it stands in."""
+
+import os
+import struct
+import zipfile
+import zlib
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def save(name, data):
+    with open(os.path.join(HERE, name), "wb") as file:
+        file.write(data if isinstance(data, bytes) else data.encode())
+
+
+def chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png(width, height, bits, colour, rows, extra=b"", interlace=0):
+    head = struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, interlace)
+    body = chunk(b"IHDR", head) + extra + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + body
+
+
+def rows(height, size, byte=b"\x5a"):
+    return (b"\x00" + byte * size) * height
+
+
+# Pictures of every kind of sample; one that is 64 million pixels of one bit.
+PALETTE = chunk(b"PLTE", bytes(range(12))) + chunk(b"tRNS", b"\x00\x80")
+TEXT = chunk(b"tEXt", b"Title\0some words") + chunk(b"zTXt", b"Comment\0\0" + zlib.compress(b"packed"))
+KINDS = {
+    "grey1": png(9, 4, 1, 0, rows(4, 2)),
+    "grey16": png(3, 4, 16, 0, rows(4, 6), TEXT),
+    "rgb8": png(3, 4, 8, 2, rows(4, 9)),
+    "rgb16": png(3, 4, 16, 2, rows(4, 18)),
+    "palette2": png(5, 4, 2, 3, rows(4, 2), PALETTE),
+    "greyalpha8": png(3, 4, 8, 4, rows(4, 6)),
+    "rgba16": png(3, 4, 16, 6, rows(4, 24)),
+}
+for name, data in KINDS.items():
+    save(f"picture_png/{name}.png", data)
+    save(f"texture/{name}.png", data)
+save("picture_png/wide.png", png(8000, 8000, 1, 0, rows(8000, 1000, b"\0")))
+save("texture/wide.png", png(16384, 4096, 1, 0, rows(4096, 2048, b"\0")))
+
+
+def npy(shape, descr, data=b""):
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
+    text += " " * (63 - (10 + len(text)) % 64) + "\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode() + data
+
+
+# Archives whose directories claim 32 GiB, stored or compressed, in 64-bit fields.
+def lying(name, member, claimed):
+    data = zlib.compress(member, 9)[2:-4]
+    crc = zlib.crc32(member)
+    extra = struct.pack("<HHQQ", 1, 16, claimed, claimed // 1000)
+    sizes = struct.pack("<II", 0xFFFFFFFF, 0xFFFFFFFF)
+    local = b"PK\x03\x04" + struct.pack("<HHHHHI", 45, 0, 8, 0, 33, crc) + sizes
+    local += struct.pack("<HH", len(name), len(extra)) + name + extra
+    entry = b"PK\x01\x02" + struct.pack("<HHHHHHI", 45, 45, 0, 8, 0, 33, crc) + sizes
+    entry += struct.pack("<HHHHHII", len(name), len(extra), 0, 0, 0, 0, 0) + name + extra
+    end = struct.pack("<HHHHIIH", 0, 0, 1, 1, len(entry), len(local) + len(data), 0)
+    return local + data + entry + b"PK\x05\x06" + end
+
+
+huge = npy("(65536, 65536)", "<f8")
+save("picture_npz/claims-32-gib.npz", lying(b"value.npy", huge, 32 << 30))
+save("cube_npz/claims-32-gib.npz", lying(b"cube.npy", npy("(4096, 1024, 1024, 1)", "<f8"), 32 << 30))
+save("cube_npy/claims-32-gib.npy", npy("(4096, 1024, 1024, 1)", "<f8", b"\0" * 64))
+for descr, size in [("<f2", 2), (">f4", 4), ("<f8", 8)]:
+    save(f"cube_npy/small{descr[1:]}.npy", npy("(2, 3, 2)", descr, b"\0" * 12 * size))
+with zipfile.ZipFile(os.path.join(HERE, "picture_npz/several.npz"), "w", zipfile.ZIP_DEFLATED) as archive:
+    for name, shape, descr, size in [("radiance", "(2, 3, 3)", "<f2", 36), ("a", "(2, 3)", "|u1", 6)]:
+        archive.writestr(zipfile.ZipInfo(name + ".npy"), npy(shape, descr, b"\0" * size))
+
+# The data window of a small EXR file, made 16384 by 8192.
+frame = open(os.path.join(HERE, "picture_exr/frame.exr"), "rb").read()
+window = b"dataWindow\0box2i\0" + struct.pack("<I", 16)
+at = frame.index(window) + len(window)
+save("picture_exr/claims-much.exr", frame[: at + 8] + struct.pack("<ii", 16383, 8191) + frame[at + 16 :])
+
+# What once ended in a panic, was dropped in silence, or took long.
+save("scene/column-65536.toml", "camera = 1\nb = \"" + "x" * 65536 + "\" ]\n")
+save("scene/column-65535.toml", "b = [" + "1, " * 22000 + "wrong ]\n")
+for number in [2**63 - 1, 2**63, 2**64 - 1, 2**64]:
+    save(f"scene/integer-{number}.toml", f"[camera]\neye = [0, 0, {number}]\nlook_at = [0, 0, 0]\nsize = [{number}, 4]\n")
+save("scene/escapes.toml", "[camera]\n\"\x1b[2J\x9b31m\u202e\" = 1\n")
+save("scene/deep.toml", "a = " + "[" * 2000 + "\n")
+events = "".join(f"[[diagram.event]]\nname = \"E{i}\"\nat = [{i % 7}, {i % 5}]\nlabel = \"E{i}\"\n" for i in range(200))
+save("diagram/events.toml", events)
+lines = "".join(f"[[diagram.worldline]]\nname = \"L{i}\"\nat = [0, {i}]\nvelocity = 0.{i % 9}\nticks = 0.001\n" for i in range(60))
+save("diagram/ticked.toml", lines)
+
+for index, setting in enumerate(["camera.velocity={beta=[0.5,0,0]}", "camera.time=3 m", "object.0.velocity.beta=0.9",
+                                 "display.white=1e300", "camera.size=[9223372036854775807, 4]", "object.dice.name=x",
+                                 "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r=1", "camera.\"\u202e\"=1"]):
+    save(f"override/{index}.txt", setting)
+save("spectrum/plain.csv", "nm,value\n400,0.1\n500 0.5\n600;1\n# done\n")
+save("spectrum/wrong.csv", "400,nan\n300,1e400\n")
+TEXTS = ["event,normal,uv.u", "all", "outlines,beta", "radiance.rmse=0.1", "psnr=30", "12 ns", "0.6 m", "299792458 m/s",
+         "60 deg", "99 %", "9.81 m/s^2", "raster:adaptive=0.5,attributes=vertex", "warp:panorama=2048x1024,lookup=nearest",
+         "x_{1}^{2} *ct* \u03b3\u2032", "_{_{_{", "1e400 m", "-0 s", "\u22125 ps"]
+for index, text in enumerate(TEXTS):
+    save(f"texts/{index:02}.txt", text)

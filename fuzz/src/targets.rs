@@ -1,0 +1,236 @@
+//! What is fuzzed: each target is a function of bytes that must come back with a result or an error, soon, without a panic
+//! and without much memory. `tests/fuzz` replays the corpus and runs the farm; `fuzz_targets` gives the same functions to libFuzzer.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use nullray::figures::diagram;
+use nullray::figures::text::RichText;
+use nullray::io::budget::Budget;
+use nullray::io::gltf::{self, Want};
+use nullray::io::image::{Texture, exr, png};
+use nullray::io::{cube, npy, spectrum};
+use nullray::render::aov;
+use nullray::scene::model::BadVertices;
+use nullray::scene::{self, Overrides};
+use nullray::validate::compare::{Encoding, Picture, Tolerance};
+
+/// A target: its name, which is that of its folder of the corpus, and the extension of its files.
+pub struct Target {
+    pub name: &'static str,
+    pub extension: &'static str,
+    pub run: fn(&[u8]),
+}
+
+pub const TARGETS: [Target; 12] = [
+    Target {
+        name: "cube_npy",
+        extension: "npy",
+        run: cube_npy,
+    },
+    Target {
+        name: "cube_npz",
+        extension: "npz",
+        run: cube_npz,
+    },
+    Target {
+        name: "gltf",
+        extension: "glb",
+        run: gltf,
+    },
+    Target {
+        name: "texture",
+        extension: "png",
+        run: texture,
+    },
+    Target {
+        name: "scene",
+        extension: "toml",
+        run: scene,
+    },
+    Target {
+        name: "diagram",
+        extension: "toml",
+        run: diagram,
+    },
+    Target {
+        name: "override",
+        extension: "txt",
+        run: override_of_scene,
+    },
+    Target {
+        name: "picture_png",
+        extension: "png",
+        run: picture_png,
+    },
+    Target {
+        name: "picture_exr",
+        extension: "exr",
+        run: picture_exr,
+    },
+    Target {
+        name: "picture_npz",
+        extension: "npz",
+        run: picture_npz,
+    },
+    Target {
+        name: "spectrum",
+        extension: "csv",
+        run: spectrum,
+    },
+    Target {
+        name: "texts",
+        extension: "txt",
+        run: texts,
+    },
+];
+
+/// What readers of pictures may take: more than honest small files need, and less than the farm counts as a finding.
+const MEMORY: u64 = 64 << 20;
+
+fn cube_npy(bytes: &[u8]) {
+    let _ = cube::load_bytes(bytes, "fuzzed.npy", None);
+}
+
+fn cube_npz(bytes: &[u8]) {
+    let _ = cube::load_bytes(bytes, "fuzzed.npz", None);
+    let _ = cube::load_bytes(bytes, "fuzzed.npz", Some("cube"));
+}
+
+fn gltf(bytes: &[u8]) {
+    for bad_vertices in [BadVertices::Refuse, BadVertices::Drop] {
+        let want = Want {
+            uvs: true,
+            textures: true,
+            shading: true,
+            bad_vertices,
+        };
+        let Ok(imported) = gltf::load_bytes(bytes, "fuzzed.glb", None, want) else {
+            continue;
+        };
+        // What is imported is sound.
+        let mesh = imported.mesh;
+        let vertices = mesh.positions.len();
+        assert!(
+            mesh.triangles
+                .iter()
+                .flatten()
+                .all(|&v| (v as usize) < vertices)
+        );
+        assert!(mesh.positions.iter().all(|p| p.is_finite()));
+        assert!(
+            mesh.parts
+                .iter()
+                .all(|p| (p.material as usize) < mesh.materials.len())
+        );
+    }
+}
+
+fn texture(bytes: &[u8]) {
+    let _ = Texture::decode(bytes, "image", Path::new("fuzzed"));
+}
+
+/// A text that is a scene, or says why it is none in a report that is not long.
+fn scene(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    if let Err(error) = scene::parse(&text, "fuzzed.toml", Path::new("."), &Overrides::default()) {
+        check_report(&error);
+    }
+}
+
+fn check_report(error: &nullray::Error) {
+    let report = error.report(false);
+    let is_harmful = |c: char| c.is_control() && c != '\n';
+    assert!(!report.contains(is_harmful), "{report:?}");
+    assert!(report.len() < 100_000, "{} bytes of report", report.len());
+}
+
+fn diagram(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    match diagram::parse(&text, "fuzzed.toml", Path::new("."), &Overrides::default()) {
+        Ok(model) => drop(diagram::draw(&diagram::layout(&model), &model.style)),
+        Err(error) => check_report(&error),
+    }
+}
+
+/// `KEY=VALUE`, set in a scene that has the tables.
+fn override_of_scene(bytes: &[u8]) {
+    const SCENE: &str = include_str!("../../scenes/dice.toml");
+    let text = String::from_utf8_lossy(bytes);
+    let Some((key, value)) = text.split_once('=') else {
+        return;
+    };
+    let overrides = Overrides {
+        set: vec![(key.into(), value.into())],
+        ..Overrides::default()
+    };
+    if let Err(error) = scene::parse(SCENE, "dice.toml", Path::new("scenes"), &overrides) {
+        check_report(&error);
+    }
+}
+
+fn picture_png(bytes: &[u8]) {
+    with_file("png", bytes, |path| {
+        let _ = png::inspect(path);
+        let _ = png::read(path, &Budget::new(MEMORY));
+    });
+}
+
+fn picture_exr(bytes: &[u8]) {
+    with_file("exr", bytes, |path| {
+        let _ = exr::half_channels(path);
+        let _ = exr::read(path, &Budget::new(MEMORY));
+    });
+}
+
+fn picture_npz(bytes: &[u8]) {
+    with_file("npz", bytes, |path| {
+        let _ = npy::inspect(path, None);
+        let _ = Picture::read(path, Encoding::Linear, &Budget::new(MEMORY));
+    });
+}
+
+fn spectrum(bytes: &[u8]) {
+    let _ = spectrum::parse(&String::from_utf8_lossy(bytes), Path::new("fuzzed.csv"));
+}
+
+/// Everything on a command line that has a grammar of its own.
+fn texts(bytes: &[u8]) {
+    use nullray::approximate::raster::Method;
+    use nullray::figures::overlay::Parts;
+    use nullray::spacetime::units::{Acceleration, Angle, Length, Percentage, Speed, Time};
+    let text = &*String::from_utf8_lossy(bytes);
+    let _ = aov::parse(text);
+    let _ = Parts::parse(text);
+    let _ = text.parse::<Tolerance>();
+    let _ = text.parse::<Time>();
+    let _ = text.parse::<Length>();
+    let _ = text.parse::<Speed>();
+    let _ = text.parse::<Angle>();
+    let _ = text.parse::<Acceleration>();
+    let _ = text.parse::<Percentage>();
+    if let Ok(method) = text.parse::<Method>() {
+        // What is read is said so that it is read again.
+        assert_eq!(method.to_string().parse::<Method>().as_ref(), Ok(&method));
+    }
+    if let Ok(rich) = RichText::parse(text) {
+        let _ = rich.width(10.0);
+    }
+}
+
+/// Readers that want a file get one, in memory where the system has a folder there.
+fn with_file(extension: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+    thread_local! {
+        static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
+    }
+    let path: PathBuf = FOLDER.with_borrow_mut(|folder| {
+        let in_memory = Path::new("/dev/shm");
+        let made = folder.get_or_insert_with(|| {
+            let made = tempfile::tempdir_in(in_memory).or_else(|_| tempfile::tempdir());
+            made.expect("a folder can be made")
+        });
+        made.path().join(format!("fuzzed.{extension}"))
+    });
+    std::fs::write(&path, bytes).expect("a file can be written");
+    read(&path);
+}

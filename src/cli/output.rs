@@ -379,7 +379,8 @@ pub fn samples_checksum(layers: &Layers, half: bool) -> String {
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     let mut hash = Sha256::new();
     for channel in channels {
-        let is_halved = half && ["radiance.R", "radiance.G", "radiance.B", "A"].contains(&channel.name.as_str());
+        let is_halved = half
+            && ["radiance.R", "radiance.G", "radiance.B", "alpha"].contains(&channel.name.as_str());
         let bits: Vec<u8> = match &channel.samples {
             samples if is_halved => {
                 let halves = samples.to_f64().into_iter().map(image::exr::half_of);

@@ -1,5 +1,8 @@
 //! Memory and time of one input.
 
+// An allocator that counts cannot be had without.
+#![allow(unsafe_code)]
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};

@@ -30,7 +30,7 @@ pub(super) fn refuse_many<T>(
     cx: &Context,
     at: &At<T>,
     said: &file::Diagram,
-    scene: &Outline,
+    scene: &Kinematics,
 ) -> Result<()> {
     match things(said) + scene.pulses.len() {
         count if count <= MOST_THINGS => Ok(()),

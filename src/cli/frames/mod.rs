@@ -83,8 +83,6 @@ pub fn run(
 /// A sequence that is being rendered.
 struct Sequence<'a> {
     arguments: &'a RenderArguments,
-    /// As it is without a time of its own.
-    scene: &'a Scene,
     frames: &'a Frames,
     request: &'a Request,
     outputs: &'a Outputs,

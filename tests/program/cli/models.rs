@@ -38,7 +38,7 @@ fn render(folder: &Folder, arguments: &[&str]) {
 }
 
 fn picture(folder: &Folder, name: &str) -> Layers {
-    exr::read(&folder.path(name)).unwrap()
+    exr::read(&folder.path(name), &Default::default()).unwrap()
 }
 
 /// By row, whether each pixel sees the model.

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use nullray::figures::diagram;
 use nullray::figures::text::RichText;
 use nullray::io::budget::Budget;
+use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf::{self, Want};
 use nullray::io::image::{Texture, exr, png};
-use nullray::io::{cube, npy, spectrum};
+use nullray::io::{npy, spectrum};
 use nullray::render::aov;
 use nullray::scene::model::BadVertices;
 use nullray::scene::{self, Overrides};
@@ -89,12 +90,12 @@ pub const TARGETS: [Target; 12] = [
 const MEMORY: u64 = 64 << 20;
 
 fn cube_npy(bytes: &[u8]) {
-    let _ = cube::load_bytes(bytes, "fuzzed.npy", None);
+    let _ = cube::load_bytes(bytes, "fuzzed.npy", Wanted::default());
 }
 
 fn cube_npz(bytes: &[u8]) {
-    let _ = cube::load_bytes(bytes, "fuzzed.npz", None);
-    let _ = cube::load_bytes(bytes, "fuzzed.npz", Some("cube"));
+    let _ = cube::load_bytes(bytes, "fuzzed.npz", Wanted::default());
+    let _ = cube::load_bytes(bytes, "fuzzed.npz", Wanted::array("cube"));
 }
 
 fn gltf(bytes: &[u8]) {

@@ -54,7 +54,9 @@ look_at = [-0.4, 1.0, -0.6]
     let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
     let film = render(&prepared, &Silent).unwrap();
     let grey = film.radiance().iter().map(|rgb| rgb[0]).collect();
-    (grey, prepared.warnings)
+    let mut remarks = prepared.warnings;
+    remarks.retain(|remark| remark.starts_with("source"));
+    (grey, remarks)
 }
 
 fn score(got: &[f64], truth: &[f64]) -> f64 {

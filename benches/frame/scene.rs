@@ -42,6 +42,8 @@ pub enum Light {
     Uv { filter: &'static str, line: bool },
     Capture,
     Pulse,
+    Lamp { shadows: bool },
+    Sky,
 }
 
 /// The one that the others are compared with.
@@ -81,6 +83,17 @@ pub const CASES: &[Case] = &[
     cube("0.9c, cubic in time, a line's colour", "cubic", true),
     case("0.9c, projected capture", true, Light::Capture),
     case("0.9c, pulse with shadows", true, Light::Pulse),
+    case(
+        "0.9c, lamp without shadows",
+        true,
+        Light::Lamp { shadows: false },
+    ),
+    case(
+        "0.9c, lamp with shadows",
+        true,
+        Light::Lamp { shadows: true },
+    ),
+    case("0.9c, gradient sky behind", true, Light::Sky),
 ];
 
 pub const MAIN_CASES: &[Case] = &[
@@ -230,6 +243,13 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
             );
             format!(
                 "[[source]]\n{bins}clock = \"capture\"\nfilter = \"cubic\"\ncapture = {camera}\n"
+            )
+        }
+        Light::Sky => "[sky]\ngradient = {}\nlights = false\n".into(),
+        Light::Lamp { shadows } => {
+            let lamp = (c + DVec3::new(0.5, 0.6, 0.4) * r).to_array();
+            format!(
+                "[[light]]\nposition = {lamp:?}\nshadows = {shadows}\nvelocity = {{ beta = [0.3, 0, 0] }}\n"
             )
         }
         Light::Pulse => {

@@ -172,6 +172,7 @@ fn samples(
             directions: &directions,
             origins: None,
             method: prepared.method,
+            samples: Default::default(),
         };
         surfaces.nearest(&rays, hits, &mut Meter::off());
         progress.rays_done(tile.pixels() as u64);

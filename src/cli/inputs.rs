@@ -16,8 +16,10 @@ pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
         .objects
         .iter()
         .flat_map(|o| o.file.iter().chain(&o.files).cloned());
+    let sky = scene.sky.iter().flat_map(|sky| sky.files().cloned());
     let named = cubes
         .chain(meshes)
+        .chain(sky)
         .filter(|p| !p.starts_with(files::BUILT_IN));
     // The built-in scene has a name, and no file.
     std::iter::once(PathBuf::from(&scene.name))

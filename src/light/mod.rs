@@ -1,7 +1,12 @@
-//! Where radiance comes from: time-resolved textures, and pulses of light.
+//! Where radiance comes from: time-resolved textures, lamps, the sky, and how surfaces reflect light.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
-pub mod pulse;
+pub mod lamp;
+mod received;
+pub mod reflection;
+pub mod sky;
 pub mod time_texture;
+
+pub use received::Received;

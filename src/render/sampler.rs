@@ -90,6 +90,17 @@ impl Sampler {
     }
 }
 
+/// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the points of Roberts's R₂ sequence
+/// (1/p, 1/p² with p³ = p + 1), which fill the square evenly for any number of samples, moved by random numbers of
+/// pixel and dimension modulo 1 (Cranley and Patterson 1976).
+#[inline]
+pub(crate) fn pair(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
+    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+    let noise = hash(hash(pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let starts = [noise as u32, (noise >> 32) as u32].map(unit);
+    std::array::from_fn(|k| (starts[k] + STEP[k] * f64::from(index)).fract())
+}
+
 /// What a pixel's random numbers come from.
 #[inline(always)]
 pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {

@@ -12,6 +12,7 @@
 
 use rayon::prelude::*;
 
+use crate::light::lamp::Lamp;
 use crate::render::film::Tile;
 use crate::render::prepare::{Light, Prepared};
 use crate::render::sampler::Sampler;
@@ -145,18 +146,20 @@ fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTi
             };
             of_cube(*cube, on(*clock) + delay);
         }
-        Emitter::Pulses { pulses, .. } => {
-            for index in pulses {
-                let Some((pulse, _)) = &light.pulses[*index] else {
+        Emitter::Lit { lamps, .. } => {
+            for index in lamps {
+                // Lights of the scene are no sources, and come after those.
+                let pulse = light.lamps[*index].as_ref().and_then(Lamp::source_pulse);
+                let Some((origin, sigma)) = pulse else {
                     continue;
                 };
-                let way = point.event() - pulse.origin;
-                let left = pulse.origin.ct + way.ct - light.index * way.x.length();
-                let reach = PULSE_REACH * pulse.sigma;
+                let way = point.event() - origin;
+                let left = origin.ct + way.ct - light.index * way.x.length();
+                let reach = PULSE_REACH * sigma;
                 let times = SeenTimes {
                     source: *index,
                     seen: [left; 2],
-                    data: [pulse.origin.ct - reach, pulse.origin.ct + reach],
+                    data: [origin.ct - reach, origin.ct + reach],
                 };
                 note(all, times);
             }

@@ -133,7 +133,7 @@ impl<'a> Pipeline<'a> {
             index: scene.ray_index,
         };
         let (radiance, ratios) = (scene.light.radiance(), &camera_rays.ratios);
-        shading.shade(radiance, &traced, scene.background, ratios, film, meter);
+        shading.shade(radiance, &traced, &scene.background, ratios, film, meter);
         let channels = scene.layout.channels.as_slice();
         if !channels.is_empty() {
             for (ray, ratio) in ratios.iter().enumerate() {

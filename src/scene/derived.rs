@@ -63,6 +63,13 @@ impl CameraModel {
     }
 }
 
+impl Scene {
+    /// Whether lights or a sky light its surfaces: base colours then are no radiance, but what is reflected.
+    pub fn is_lit(&self) -> bool {
+        !self.lights.is_empty() || self.sky.as_ref().is_some_and(|sky| sky.lights)
+    }
+}
+
 impl Motion {
     /// The world line with this motion that has `velocity` at `zero`, where its clock shows 0. Paths in
     /// the world (keyframes, circles) have their own velocity, and keyframes their own beginning.

@@ -112,11 +112,20 @@ pub(super) fn scene(
     for name in meshes.chain(cubes().map(|cube| &cube.value.file)) {
         look_for(&mut inputs, seen, name);
     }
+    let sky = file.sky.as_ref().map(|at| &at.value);
+    let image = sky.and_then(|sky| Some(&sky.image.as_ref()?.value.file));
+    let stars = sky.and_then(|sky| sky.stars.as_ref()?.value.file.as_ref());
+    for name in image.into_iter().chain(stars) {
+        look_for(&mut inputs, seen, name);
+    }
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
         read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
     }
     for object in &file.object {
         read_spectrum(&mut inputs, seen, &object.value.spectrum);
+    }
+    for light in &file.light {
+        read_spectrum(&mut inputs, seen, &light.value.spectrum);
     }
     camera(&mut inputs, seen, &file);
     resolve::scene(report, inputs, &file)

@@ -23,6 +23,8 @@
 //! | `[camera.rotation]` | a sensor that turns |
 //! | `[camera.shutter]` | a shutter that is open for a while |
 //! | `[[object]]` | geometry from glTF or a shape, transform, velocity, origin event (at least one) |
+//! | `[[light]]` | lamps on world lines of their own, and objects that shine |
+//! | `[sky]` | light from afar: a gradient or a picture, a sun, stars |
 //! | `[[source]]` | time-resolved radiance of surfaces: a stored cube, or a pulse of light |
 //! | `[radiance]` | what radiance measures, from which the searchlight exponent follows |
 //! | `[effects]` | aberration, Doppler shift, searchlight effect, retardation: each on or off |
@@ -75,6 +77,14 @@
 //! - A velocity is given in one way: `beta`, `gamma`, `rapidity` or `one_minus_beta`. A vector has its own
 //!   direction, a number needs `direction`.
 //! - The pose of a camera may come from a glTF file (`gltf`, `node`) in place of `eye`, `look_at`, `up`.
+//!
+//! ## Lights and sky
+//!
+//! In a scene with a `[[light]]`, or a `[sky]` that lights, base colours are what surfaces reflect, with glTF's
+//! metalness and roughness, in their own rest frames; cubes and spectra of objects stay what surfaces shine with. Light
+//! is followed once: from where it comes to the surface, with shadows by bodies where they were then, and to the
+//! camera. A light's clock shows its proper time; its direction is one of its own frame, whose axes are the world's,
+//! boosted without rotation. The sky rests in the world.
 //!
 //! ## Sources
 //!

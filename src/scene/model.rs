@@ -1,7 +1,9 @@
 //! The scene, resolved: every quantity typed and in metres, every name looked up, nothing loaded.
 
 mod camera;
+mod light;
 mod panel;
+mod sky;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,7 +25,9 @@ pub use camera::{
     Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Records, Rotation, Sensor,
     Shutter, Stereo,
 };
+pub use light::{Beam, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};
+pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
 
 /// The speed of light in vacuum, metres per second (exact).
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
@@ -49,6 +53,8 @@ pub struct Scene {
     pub camera: CameraModel,
     /// The objects, in the order of the file.
     pub objects: Vec<Object>,
+    /// Lights, in the order of the file.
+    pub lights: Vec<Light>,
     /// Time-resolved sources, in the order of the file.
     pub sources: Vec<Source>,
     /// What the radiance of base colours measures, and of sources that give none of their own.
@@ -63,7 +69,9 @@ pub struct Scene {
     pub outside: Outside,
     /// Back faces, where the scene overrides the files.
     pub back_faces: BackFaces,
-    /// Linear RGB radiance of rays that hit nothing.
+    /// What shines from afar.
+    pub sky: Option<Sky>,
+    /// Linear RGB radiance of rays that hit nothing, as observed, where there is no sky.
     pub background: [f64; 3],
     /// Bits per sample of the PNG: 8 or 16.
     pub bits: u8,
@@ -129,6 +137,10 @@ pub enum Geometry {
         shape: Shape,
         /// Linear RGB base colour.
         colour: [f32; 3],
+        /// Metalness, 0 to 1.
+        metallic: f32,
+        /// Perceptual roughness, 0 to 1.
+        roughness: f32,
     },
     /// A mesh in memory, in its own coordinates. Textures of its materials are not there.
     Mesh(Arc<Mesh>),

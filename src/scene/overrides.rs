@@ -207,7 +207,7 @@ impl Walk<'_> {
 
     /// `object.x` and `source.x` pick an entry; they cannot make one.
     fn refuse_new_entry(&self, key: &str) -> Result<()> {
-        if self.place.0.len() == 1 && matches!(key, "object" | "source") {
+        if self.place.0.len() == 1 && matches!(key, "object" | "source" | "light") {
             let help = format!("add a [[{key}]] table to the scene file");
             return Err(self.refuse(format!("the scene has no {key}"), help));
         }

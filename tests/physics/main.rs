@@ -8,6 +8,7 @@ mod common {
 }
 
 mod closed_forms;
+mod lamps;
 mod paper_equations;
 mod precision;
 mod reference_vectors;

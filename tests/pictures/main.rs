@@ -15,6 +15,7 @@ mod exposures;
 mod in_memory;
 mod lookups;
 mod mitransient;
+mod mitsuba;
 mod moving_meshes;
 mod paper_scenes;
 mod paper_versus_exact;

@@ -244,12 +244,13 @@ impl Stage<'_> {
                 directions: &rays.directions,
                 origins: (!rays.origins.is_empty()).then_some(&rays.origins),
                 method: scene.method,
+                samples: Default::default(),
             },
             hits: &rays.hits,
             event: scene.camera.shot.event,
             index: self.index,
         };
-        let (radiance, background) = (scene.light.radiance(), scene.background);
+        let (radiance, background) = (scene.light.radiance(), &scene.background);
         let (ratios, meter) = (&rays.ratios, &mut Meter::off());
         if rays.parts.is_empty() {
             shading.shade(radiance, &traced, background, ratios, film, meter);

@@ -69,6 +69,7 @@ fn met(
         directions: &directions,
         origins: None,
         method,
+        samples: Default::default(),
     };
     surfaces.nearest(&rays, hits, &mut Meter::off());
     (0..directions.len()).map(|ray| hits.hit(ray)).collect()

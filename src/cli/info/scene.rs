@@ -5,7 +5,8 @@ use std::path::Path;
 use nullray::Result;
 use nullray::render::metadata;
 use nullray::scene::model::{
-    Binding, CubeSource, Equations, Geometry, Mapping, Object, Scene, Shape, Source, SourceKind,
+    Beam, Binding, Catalogue, CubeSource, EmissionProfile, Equations, Geometry, Light, LightKind,
+    Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source, SourceKind,
 };
 use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
@@ -17,6 +18,10 @@ pub fn info(path: &Path) -> Result<Info> {
     let mut info = Info::new("scene", "nullray scene");
     camera::rows(&mut info, &scene);
     info.list("object", &scene.objects, object);
+    info.list("light", &scene.lights, |l| light(&scene, l));
+    if let Some(sky) = &scene.sky {
+        info.row("sky", self::sky(sky));
+    }
     info.list("source", &scene.sources, |s| source(&scene, s));
     settings(&mut info, &scene);
     info.names(
@@ -77,6 +82,51 @@ fn source(scene: &Scene, source: &Source) -> String {
         }
     };
     format!("{}: {kind}; lights {}", source.name, lit(scene, source))
+}
+
+fn light(scene: &Scene, light: &Light) -> String {
+    let shines = match &light.kind {
+        LightKind::Area { object, .. } => format!("surface of {}", scene.objects[*object].name),
+        LightKind::Lamp(lamp) => {
+            let at = lamp.origin.x;
+            let beam = match lamp.beam {
+                Beam::Point => format!("point at ({}, {}, {}) m", at.x, at.y, at.z),
+                Beam::Spot { .. } => format!("spot at ({}, {}, {}) m", at.x, at.y, at.z),
+                Beam::Parallel(d) => format!("parallel along ({}, {}, {})", d.x, d.y, d.z),
+            };
+            let emission = match &lamp.emission {
+                EmissionProfile::Steady => "steady".into(),
+                EmissionProfile::Gaussian { centre, sigma } => {
+                    format!("a pulse at its {centre} m, σ = {sigma} m")
+                }
+                EmissionProfile::Train { sigma, period, .. } => {
+                    format!("pulses every {period} m, σ = {sigma} m")
+                }
+                EmissionProfile::Table(knots) => format!("by a table of {} times", knots.len()),
+            };
+            format!("{beam}, {emission}; {}", camera::moving(lamp.velocity))
+        }
+    };
+    format!("{}: {shines}", light.name)
+}
+
+fn sky(sky: &Sky) -> String {
+    let mut parts = vec![match &sky.background {
+        SkyRadiance::Uniform([r, g, b]) => format!("radiance ({r}, {g}, {b})"),
+        SkyRadiance::Gradient { .. } => "gradient".into(),
+        SkyRadiance::Image { path, .. } => path.display().to_string(),
+    }];
+    parts.extend(sky.sun.map(|_| "a sun".to_string()));
+    parts.extend(sky.stars.as_ref().map(|stars| match &stars.catalogue {
+        Catalogue::File(path) => format!("stars of {}", path.display()),
+        Catalogue::Random { count, .. } => format!("{count} stars"),
+    }));
+    let lights = if sky.lights {
+        "lights surfaces"
+    } else {
+        "lights nothing"
+    };
+    format!("{}; {lights}", parts.join(", "))
 }
 
 fn path(cube: &CubeSource) -> Option<String> {
@@ -144,5 +194,8 @@ fn data(info: &mut Info, scene: &Scene) {
     info.data("camera", camera::data(&scene.camera));
     info.data("samples_per_pixel", scene.samples_per_pixel);
     info.data("objects", objects.collect::<Vec<_>>());
+    let lights = scene.lights.iter().map(|l| l.name.clone());
+    info.data("lights", lights.collect::<Vec<_>>());
+    info.data("sky", scene.sky.as_ref().map(sky));
     info.data("sources", sources.collect::<Vec<_>>());
 }

@@ -282,7 +282,7 @@ impl Exposed<'_> {
     /// The pulses whose light is seen: each has its picture taken alone.
     fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<PulseLight>> {
         let all = match &self.prepared.light {
-            Light::TimeResolved(light) => light.pulses.clone(),
+            Light::TimeResolved(light) => light.lamps.clone(),
             _ => return Ok(Vec::new()),
         };
         let emission = self.emission(film);
@@ -295,8 +295,8 @@ impl Exposed<'_> {
                 let alone = all
                     .iter()
                     .enumerate()
-                    .map(|(i, pulse)| pulse.clone().filter(|_| i == k));
-                light.pulses = alone.collect();
+                    .map(|(i, lamp)| lamp.clone().filter(|_| i == k));
+                light.lamps = alone.collect();
             }
             let film = self.film()?;
             let radiance: f64 = film.radiance()[self.at()].iter().sum();

@@ -113,13 +113,31 @@ impl Texture {
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
-    /// Linear RGB of texel `j` of row `i`.
-    fn texel(&self, j: usize, i: usize) -> [f64; 3] {
+    /// The same of a texture whose values are no colours but linear, from 0 to 1.
+    pub fn sample_linear(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> [f64; 3] {
+        let u = taps(uv[0], self.width, wrap[0]);
+        let v = taps(uv[1], self.height, wrap[1]);
+        let texel = |j, i| match &self.texels {
+            Texels::Eight(v) => self.channels(j, i).map(|k| f64::from(v[k]) / 255.0),
+            Texels::Sixteen(v) => self.channels(j, i).map(|k| f64::from(v[k]) / 65535.0),
+        };
+        let row = |i: usize| mix(texel(u.0[0], i), texel(u.0[1], i), u.1);
+        mix(row(v.0[0]), row(v.0[1]), v.1)
+    }
+
+    /// Where the samples of texel `j` of row `i` are, for red, green and blue.
+    fn channels(&self, j: usize, i: usize) -> [usize; 3] {
         let first = (i * self.width + j) * self.stride;
         let offsets = if self.stride < 3 { [0; 3] } else { [0, 1, 2] };
+        offsets.map(|k| first + k)
+    }
+
+    /// Linear RGB of texel `j` of row `i`.
+    fn texel(&self, j: usize, i: usize) -> [f64; 3] {
+        let channels = self.channels(j, i);
         match &self.texels {
-            Texels::Eight(v) => offsets.map(|k| LINEAR_8[usize::from(v[first + k])]),
-            Texels::Sixteen(v) => offsets.map(|k| LINEAR_16[usize::from(v[first + k])]),
+            Texels::Eight(v) => channels.map(|k| LINEAR_8[usize::from(v[k])]),
+            Texels::Sixteen(v) => channels.map(|k| LINEAR_16[usize::from(v[k])]),
         }
     }
 }

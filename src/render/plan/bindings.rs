@@ -14,12 +14,12 @@ pub enum Lit {
     Spectrum,
     /// A stored cube.
     Cube(usize),
-    /// Pulses that it reflects.
-    Pulses(Vec<usize>),
+    /// The scene's lights and sky, and these pulses, which it reflects.
+    Reflecting(Vec<usize>),
 }
 
-/// What lights material `material` of object `object`: the object's own spectrum, else a cube, else pulses, else its
-/// base colour.
+/// What lights material `material` of object `object`: the object's own spectrum, else a cube, else pulses, lights and
+/// sky, else its base colour.
 pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
     if scene.objects[object].spectrum.is_some() {
         return Lit::Spectrum;
@@ -38,10 +38,10 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
             SourceKind::Pulse(_) => pulses.push(index),
         }
     }
-    if pulses.is_empty() {
+    if pulses.is_empty() && !scene.is_lit() {
         Lit::Base
     } else {
-        Lit::Pulses(pulses)
+        Lit::Reflecting(pulses)
     }
 }
 
@@ -53,7 +53,7 @@ pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool
             match lit_by(scene, index, material) {
                 Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => used[source] = true,
-                Lit::Pulses(sources) => sources.iter().for_each(|s| used[*s] = true),
+                Lit::Reflecting(sources) => sources.iter().for_each(|s| used[*s] = true),
             }
         }
     }
@@ -79,8 +79,10 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
     match lit {
         Lit::Base => (has_images, has_images, "base colour".into()),
         Lit::Spectrum => (false, false, "its own spectrum".into()),
-        Lit::Pulses(pulses) => {
-            let names: Vec<_> = pulses.iter().map(name).collect();
+        Lit::Reflecting(pulses) => {
+            let lights = scene.lights.iter().map(|light| light.name.as_str());
+            let sky = scene.sky.iter().filter(|sky| sky.lights).map(|_| "the sky");
+            let names: Vec<_> = pulses.iter().map(name).chain(lights).chain(sky).collect();
             (
                 has_images,
                 has_images,
@@ -113,7 +115,7 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
             match lit_by(scene, index, material) {
                 Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => check_uv_set(scene, &scene.sources[source], object)?,
-                Lit::Pulses(pulses) => check_pulses(scene, &pulses, object)?,
+                Lit::Reflecting(pulses) => check_pulses(scene, &pulses, object)?,
             }
         }
     }
@@ -172,6 +174,14 @@ fn check_pulses(scene: &Scene, pulses: &[usize], object: &PlannedObject) -> Resu
         return Ok(());
     };
     match sources.find(|s| s.quantity != first.quantity) {
+        None if scene.is_lit() && first.quantity != scene.quantity => {
+            let what = format!(
+                "lights object \"{}\" with another quantity than the scene's lights",
+                object.name
+            );
+            let help = "leave it out: what lights one surface has the quantity of [radiance]";
+            Err(refuse(scene, first, "radiance", what, help))
+        }
         None => Ok(()),
         Some(other) => {
             let what = format!(

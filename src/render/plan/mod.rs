@@ -248,8 +248,12 @@ fn rays(
         .zip(&scene.sources)
         .filter(|(used, s)| *used && matches!(&s.kind, SourceKind::Pulse(p) if p.shadows))
         .count() as u64;
+    let lights = scene.lights.iter().filter(|light| light.shadows).count() as u64;
+    // Of a sky: one for its light, one for gloss, one for its sun.
+    let sky = scene.sky.as_ref().filter(|sky| sky.lights && sky.shadows);
+    let lights = lights + sky.map_or(0, |sky| 2 + u64::from(sky.sun.is_some()));
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
-    let towards = pulses.max((capture > 0) as u64);
+    let towards = (pulses + lights).max((capture > 0) as u64);
     Rays {
         camera,
         shadow_at_most: camera.saturating_mul(towards),

@@ -50,7 +50,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     skip(
         plan.rays.shadow_at_most == 0,
         "shadow rays",
-        "no pulse with shadows, no projected source",
+        "no light with shadows, no projected source",
     );
     skip(
         plan.film.channels.is_empty(),

@@ -1,4 +1,4 @@
-//! Emitters: base colours, cubes with their capture cameras, pulses.
+//! Emitters: base colours, cubes with their capture cameras, lamps.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,25 +6,28 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::accel::Ray;
+use crate::accel::{Facing, Ray};
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Axes, Cube, Wanted};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
+use crate::light::Received;
+use crate::light::lamp::Lamp;
+use crate::light::sky::Sky;
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture, survey};
-use crate::mesh::{Material, Mesh};
+use crate::mesh::{Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    BaseColour, BaseColours, Colouring, EmissionClock, Emitter, Eye, Radiance, Response, RestFrame,
-    Scaling, TimeResolved,
+    AreaLights, BaseColour, BaseColours, Colouring, Element, EmissionClock, Emitter, Eye, Finish,
+    Gloss, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, Mapping,
-    Scene, SourceKind,
+    Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, LightKind,
+    Mapping, Scene, SourceKind,
 };
-use crate::spacetime::Quantity;
+use crate::spacetime::{Event, Quantity, World};
 
 /// Radiance of surfaces: constant, varying with time, or of the caller's own.
 #[derive(Debug)]
@@ -32,7 +35,7 @@ use crate::spacetime::Quantity;
 pub enum Light {
     /// Base colours only.
     Constant(BaseColours),
-    /// Cubes, pulses, base colours.
+    /// Cubes, lamps, base colours.
     TimeResolved(TimeResolved),
     /// Whatever the caller puts in place of what the scene says.
     Custom(Box<dyn Radiance>),
@@ -53,8 +56,8 @@ pub(super) struct Builder<'a> {
     scene: &'a Scene,
     colours: Vec<BaseColour>,
     textures: Textures,
-    /// Per emitter: what lights it, and the base colour that goes with it.
-    emitters: Vec<(Lit, usize)>,
+    /// Per emitter: what lights it, and what it is made of.
+    emitters: Vec<(Lit, Finish)>,
 }
 
 impl<'a> Builder<'a> {
@@ -88,17 +91,62 @@ impl<'a> Builder<'a> {
             .collect::<Result<Vec<_>>>()?;
         let own = self.scene.objects[object].spectrum.as_ref();
         let own = own.map(|spectrum| spectrum_colour(spectrum, self.scene));
+        let vertex_colours = !mesh.colours.is_empty();
         let emitter = |material: &Material| {
             let lit = lit_by(self.scene, object, &material.name);
             let colour = match &own {
                 Some(colour) => colour.clone(),
-                None => base_colour(material, &textures),
+                None => base_colour(material, &textures, vertex_colours),
             };
             self.colours.push(colour);
-            self.emitters.push((lit, self.colours.len() - 1));
+            let finish = Finish {
+                colour: self.colours.len() - 1,
+                gloss: gloss(self.scene, material, &textures),
+                emission: emission(self.scene, object, material, &textures),
+            };
+            self.emitters.push((lit, finish));
             self.emitters.len() as u32 - 1
         };
         Ok(mesh.materials.iter().map(emitter).collect())
+    }
+
+    /// The sun of a sky that lights, as a lamp.
+    fn sun(&self) -> Option<Lamp> {
+        let sky = self.scene.sky.as_ref().filter(|sky| sky.lights)?;
+        Some(Lamp::sun(
+            &sky.sun?,
+            received(self.scene.quantity, self.scene),
+            sky.shadows,
+        ))
+    }
+
+    /// The surfaces that shine.
+    fn areas(&self, frames: &[RestFrame]) -> Option<Box<AreaLights>> {
+        let mut elements = Vec::new();
+        for (frame, rest) in (0..).zip(frames) {
+            for slot in 0..rest.bvh.len() as u32 {
+                let (triangle, facing) = rest.bvh.triangle(slot);
+                let patch = rest.patch(triangle);
+                let (lit, finish) = &self.emitters[patch.emitter as usize];
+                let Some(radiance) = finish
+                    .emission
+                    .as_ref()
+                    .filter(|_| matches!(lit, Lit::Reflecting(_)))
+                else {
+                    continue;
+                };
+                let area = area_light(self.scene, patch.object as usize);
+                elements.push(Element {
+                    frame,
+                    triangle,
+                    corners: rest.bvh.corners(slot),
+                    radiance: radiance.clone(),
+                    two_sided: facing == Facing::TwoSided && !patch.black_back,
+                    shadows: area.is_none_or(|(_, shadows)| shadows),
+                });
+            }
+        }
+        AreaLights::new(elements, received(self.scene.quantity, self.scene)).map(Box::new)
     }
 
     /// Loads the cubes that the plan lists and traces their capture cameras.
@@ -106,10 +154,12 @@ impl<'a> Builder<'a> {
         self,
         plan: &Plan,
         frames: &[RestFrame],
+        (shot, sky): (Event<World>, Option<&Arc<Sky>>),
         warnings: &mut Vec<String>,
         progress: &dyn Progress,
     ) -> Result<Light> {
         let scene = self.scene;
+        let (sun, areas) = (self.sun(), self.areas(frames));
         let base = BaseColours {
             colours: self.colours,
             textures: self.textures.decoded,
@@ -130,30 +180,39 @@ impl<'a> Builder<'a> {
             });
         }
         let pulses = scene.sources.iter().map(|source| match &source.kind {
-            SourceKind::Pulse(pulse) => Some((pulse.clone(), source.quantity)),
+            SourceKind::Pulse(pulse) => Some(Lamp::pulse(pulse, received(source.quantity, scene))),
             SourceKind::Cube(_) => None,
         });
-        let rgb_pulses = scene.sources.iter().any(|source| {
-            source.quantity == Quantity::Rgb && matches!(source.kind, SourceKind::Pulse(_))
+        let lights = scene.lights.iter().map(|light| match &light.kind {
+            LightKind::Lamp(lamp) => Some(Lamp::new(
+                lamp,
+                received(scene.quantity, scene),
+                light.shadows,
+                shot,
+            )),
+            LightKind::Area { .. } => None,
         });
-        let emitters = self.emitters.into_iter().map(|(lit, colour)| match lit {
+        let lamps: Vec<_> = pulses.chain(lights).chain([sun]).collect();
+        // The scene's lights, which light all that reflects.
+        let everywhere = || (scene.sources.len()..lamps.len()).filter(|k| lamps[*k].is_some());
+        let emitters = self.emitters.into_iter().map(|(lit, finish)| match lit {
             Lit::Base | Lit::Spectrum => {
-                let own = base.colours[colour].response.as_ref();
+                let own = base.colours[finish.colour].response.as_ref();
                 let response = own.unwrap_or(&base.response).clone();
-                (Emitter::Base(colour), response)
+                (Emitter::Base(finish.colour), response)
             }
-            Lit::Pulses(pulses) => {
-                let quantity = scene.sources[pulses[0]].quantity;
-                (
-                    Emitter::Pulses {
-                        albedo: colour,
-                        pulses,
-                    },
-                    response(quantity, scene),
-                )
+            Lit::Reflecting(pulses) => {
+                let first = pulses.first().map(|pulse| scene.sources[*pulse].quantity);
+                let emitter = Emitter::Lit {
+                    finish: Box::new(finish),
+                    lamps: pulses.into_iter().chain(everywhere()).collect(),
+                };
+                (emitter, response(first.unwrap_or(scene.quantity), scene))
             }
             Lit::Cube(source) => {
-                let emitter = sources[source].clone().unwrap_or(Emitter::Base(colour));
+                let emitter = sources[source]
+                    .clone()
+                    .unwrap_or(Emitter::Base(finish.colour));
                 (emitter, response(scene.sources[source].quantity, scene))
             }
         });
@@ -165,26 +224,89 @@ impl<'a> Builder<'a> {
             cubes: stores.cubes,
             cube_sources: stores.sources,
             captures: stores.captures,
-            pulses: pulses.collect(),
-            shift: rgb_pulses.then(|| RgbShift::of(scene.continuation)),
+            lamps,
+            areas,
+            sky: sky.and_then(|sky| super::sky::light(scene, sky, frames)),
             index: scene.medium_index,
         }))
     }
 }
 
 /// `textures`: by image of the file, its index among the decoded ones; empty where none are loaded.
-fn base_colour(material: &Material, textures: &[usize]) -> BaseColour {
-    let texture = material.base_colour_texture.as_ref();
-    let texture = texture.and_then(|t| Some((*textures.get(t.image)?, t.uv_set, t.wrap)));
+fn lookup(texture: &Option<TextureRef>, textures: &[usize]) -> Option<TextureLookup> {
+    let texture = texture.as_ref()?;
+    Some(TextureLookup {
+        texture: *textures.get(texture.image)?,
+        uv_set: texture.uv_set,
+        wrap: texture.wrap,
+    })
+}
+
+fn base_colour(material: &Material, textures: &[usize], vertex_colours: bool) -> BaseColour {
     BaseColour {
         factor: material.base_colour.map(f64::from),
-        texture,
+        texture: lookup(&material.base_colour_texture, textures),
+        vertex_colours,
         response: None,
     }
 }
 
+/// Metalness and roughness in a scene with lights; a rough dielectric is diffuse, and so is what pulses alone light.
+fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss> {
+    let is_matte = material.metallic == 0.0
+        && material.roughness == 1.0
+        && material.metallic_roughness_texture.is_none();
+    (scene.is_lit() && !is_matte).then(|| Gloss {
+        metallic: f64::from(material.metallic),
+        roughness: f64::from(material.roughness),
+        texture: lookup(&material.metallic_roughness_texture, textures),
+    })
+}
+
+/// The radiance of a surface's own in a scene with lights: its material's, or that of an area light.
+fn emission(
+    scene: &Scene,
+    object: usize,
+    material: &Material,
+    textures: &[usize],
+) -> Option<BaseColour> {
+    let area = area_light(scene, object).map(|(radiance, _)| BaseColour {
+        factor: radiance,
+        texture: None,
+        vertex_colours: false,
+        response: None,
+    });
+    let own = || BaseColour {
+        factor: material.emissive.map(f64::from),
+        texture: lookup(&material.emissive_texture, textures),
+        vertex_colours: false,
+        response: None,
+    };
+    let shines = scene.is_lit() && material.emissive != [0.0; 3];
+    area.or_else(|| shines.then(own))
+}
+
+/// The radiance that the area light gives an object which is one, and whether it casts shadows.
+fn area_light(scene: &Scene, object: usize) -> Option<([f64; 3], bool)> {
+    scene.lights.iter().find_map(|light| match light.kind {
+        LightKind::Area {
+            object: lit,
+            radiance,
+        } if lit == object => Some((radiance, light.shadows)),
+        _ => None,
+    })
+}
+
+/// What surfaces in `scene` receive of light that measures `quantity`.
+pub(super) fn received(quantity: Quantity, scene: &Scene) -> Received {
+    match quantity {
+        Quantity::Rgb => Received::Rgb(RgbShift::of(scene.continuation)),
+        quantity => Received::Scaled(quantity),
+    }
+}
+
 /// What an observer in `scene` makes of radiance of `quantity`.
-fn response(quantity: Quantity, scene: &Scene) -> Response {
+pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
     let Effects {
         doppler,
         searchlight,
@@ -233,6 +355,7 @@ fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
         (eye.colour(spectrum), response)
     };
     BaseColour {
+        vertex_colours: false,
         factor,
         texture: None,
         response: Some(response),

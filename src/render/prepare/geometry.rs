@@ -87,7 +87,18 @@ pub fn object_mesh(
             warnings.extend(imported.warnings.into_iter().map(named));
             (imported.mesh, imported.images)
         }
-        Geometry::Shape { shape, colour } => (shapes::mesh(*shape, *colour), Vec::new()),
+        Geometry::Shape {
+            shape,
+            colour,
+            metallic,
+            roughness,
+        } => {
+            let mut mesh = shapes::mesh(*shape, *colour);
+            for material in &mut mesh.materials {
+                (material.metallic, material.roughness) = (*metallic, *roughness);
+            }
+            (mesh, Vec::new())
+        }
         Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new()),
     };
     if !want.uvs {

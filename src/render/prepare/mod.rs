@@ -2,6 +2,7 @@
 
 mod emitters;
 mod geometry;
+mod sky;
 
 pub use emitters::Light;
 pub(crate) use emitters::scaling;
@@ -14,7 +15,7 @@ use crate::render::film::Layout;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
-use crate::render::trace::RestFrame;
+use crate::render::trace::{Background, RestFrame};
 use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
@@ -28,8 +29,8 @@ pub struct Prepared {
     pub light: Light,
     /// Refractive index that delays camera rays; 0 where retardation is turned off.
     pub ray_index: f64,
-    /// Observed radiance of rays that hit nothing.
-    pub background: [f64; 3],
+    /// What rays see that hit nothing.
+    pub background: Background,
     /// Where samples lie in a pixel.
     pub sampler: Sampler,
     /// The film.
@@ -65,7 +66,9 @@ impl Prepared {
             )?);
         }
         progress.check()?;
-        let light = light.finish(plan, &frames, &mut warnings, progress)?;
+        let sky = sky::load(scene, plan)?;
+        let around = (camera.shot.event, sky.as_ref());
+        let light = light.finish(plan, &frames, around, &mut warnings, progress)?;
         let ray_index = if scene.effects.retardation {
             scene.medium_index
         } else {
@@ -81,7 +84,7 @@ impl Prepared {
             frames,
             light,
             ray_index,
-            background: scene.background,
+            background: sky::background(scene, sky),
             sampler,
             layout: plan.film.clone(),
             method: Method {

@@ -6,12 +6,14 @@ use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, Projection, RayOrigin, View};
 use crate::render::film::Tile;
-use crate::render::sampler::{Sampler, pixel_key};
+use crate::render::sampler::{Sampler, pair, pixel_key};
 
 /// One camera ray for every pixel of a tile.
 #[derive(Debug, Default)]
 pub struct CameraRays {
     pixels: Vec<u64>,
+    /// Which sample of each.
+    index: u32,
     offsets: [Vec<f64>; 2],
     film: [Vec<f64>; 2],
     moments: Vec<f64>,
@@ -32,6 +34,26 @@ pub struct Rays<'a> {
     pub origins: Option<&'a [RayOrigin]>,
     /// How they are traced.
     pub method: Method,
+    /// What random numbers at their hits come from.
+    pub samples: Samples<'a>,
+}
+
+/// Which samples of which pixels the rays of a batch are.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Samples<'a> {
+    /// By ray, the key of its pixel; its own number stands for those that are not there.
+    pub pixels: &'a [u64],
+    /// The sample of each.
+    pub index: u32,
+}
+
+impl Samples<'_> {
+    /// Two numbers in [0, 1) of ray `ray`, the `index`-th for what `dimension` counts.
+    #[inline]
+    pub(super) fn pair(&self, ray: usize, index: u32, dimension: u32) -> [f64; 2] {
+        let pixel = self.pixels.get(ray).copied().unwrap_or(ray as u64);
+        pair(pixel, index, dimension)
+    }
 }
 
 impl Rays<'_> {
@@ -60,6 +82,10 @@ impl CameraRays {
             directions: &self.directions,
             origins: (!self.origins.is_empty()).then_some(&self.origins),
             method,
+            samples: Samples {
+                pixels: &self.pixels,
+                index: self.index,
+            },
         }
     }
 
@@ -117,6 +143,7 @@ impl RayGenerator for AnyView {
 impl<V: View> RayGenerator for V {
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
         rays.resize::<V>(tile.pixels());
+        rays.index = index;
         let [left, top] = tile.corner;
         let rows = rays.pixels.chunks_mut(tile.size[0].max(1) as usize);
         for (row, pixels) in (top..).zip(rows) {

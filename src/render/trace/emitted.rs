@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::occlusion::OcclusionQueries;
 use crate::accel::Segment;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
-use crate::light::pulse::{Incident, Irradiance};
+use crate::light::lamp::{Incident, Irradiance};
+use crate::light::reflection::Reflection;
 use crate::light::time_texture::{Coverage, Located, Lookups, Sampled};
 use crate::spacetime::Quantity;
 
@@ -122,10 +125,14 @@ pub struct Emitted {
     pub(super) queries: OcclusionQueries,
     pub(super) segments: Vec<Segment>,
     pub(super) blocked: Vec<bool>,
-    /// Of one pulse, by the point that it may fall on.
-    pub(super) arriving: Vec<(usize, Incident)>,
-    /// Of all pulses, by point.
+    /// Of one lamp, by the point that it may fall on, and the direction towards it in the rest frame.
+    pub(super) arriving: Vec<(usize, Incident, DVec3)>,
+    /// Of all lamps, by point.
     pub(super) incident: Vec<Irradiance>,
+    /// How points reflect, where they are not diffuse.
+    pub(super) reflections: Vec<Reflection>,
+    /// Radiance beside what diffuse surfaces reflect of all lamps, by point; empty where there is none.
+    pub(super) added: Vec<[f64; 3]>,
     /// Where points lie in the image of a capture camera.
     pub(super) located: Vec<Located>,
     /// Times of emission.
@@ -158,6 +165,8 @@ impl Default for Emitted {
             blocked: Vec::new(),
             arriving: Vec::new(),
             incident: Vec::new(),
+            reflections: Vec::new(),
+            added: Vec::new(),
             located: Vec::new(),
             times: Vec::new(),
         }

@@ -17,9 +17,10 @@ mod channels;
 mod cone;
 mod emitted;
 mod hits;
+mod lamps;
+mod lights;
 mod occlusion;
 mod point;
-mod pulses;
 mod radiance;
 mod rest_frame;
 mod run;
@@ -31,13 +32,18 @@ pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};
+pub use lights::{AreaLights, Element, SkyLight};
 pub(crate) use point::ObservedPoint;
 pub use point::SurfacePoint;
-pub use radiance::{BaseColour, BaseColours, EmissionClock, Emitter, Radiance, TimeResolved};
+pub use radiance::{
+    BaseColour, BaseColours, EmissionClock, Emitter, Finish, Gloss, Radiance, TextureLookup,
+    TimeResolved,
+};
 pub(crate) use rest_frame::SharedVertices;
 pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
 pub(crate) use run::TracedRays;
+pub use shading::Background;
 pub(crate) use shading::{RadianceSink, Shading};
 pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};

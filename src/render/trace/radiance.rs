@@ -4,20 +4,21 @@
 use std::fmt::Debug;
 
 use super::emitted::{Detail, Emission, Emitted, Response};
+use super::lamps;
+use super::lights::{AreaLights, SkyLight};
 use super::occlusion::{any_hit, shadow_ray};
 use super::point::SurfacePoint;
-use super::pulses;
+use super::rest_frame::{Patch, RestFrame};
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use crate::accel::{Hit, Segment};
-use crate::colour::RgbShift;
 use crate::io::image::Texture;
+use crate::light::lamp::Lamp;
+use crate::light::reflection::Reflection;
 use crate::light::time_texture::{
     BATCH, Capture, CaptureView, SurfacePoint as CapturePoint, TimeTexture,
 };
 use crate::mesh::Wrap;
-use crate::scene::model::Pulse;
-use crate::spacetime::Quantity;
 
 /// Radiance of surfaces, run by run.
 pub trait Radiance: Debug + Send + Sync {
@@ -34,15 +35,50 @@ pub trait Radiance: Debug + Send + Sync {
     }
 }
 
-/// Time-independent radiance: a factor and a texture.
+/// Time-independent radiance: a factor, a texture, colours of vertices.
 #[derive(Debug, Clone)]
 pub struct BaseColour {
     /// Linear RGB.
     pub factor: [f64; 3],
-    /// Texture, its coordinate set and wrap modes.
-    pub texture: Option<(usize, usize, [Wrap; 2])>,
+    /// Its texture.
+    pub texture: Option<TextureLookup>,
+    /// Whether the mesh's colours are a factor too.
+    pub vertex_colours: bool,
     /// What an observer makes of it, where that is not the common response.
     pub response: Option<Response>,
+}
+
+/// A texture, and how it is looked up.
+#[derive(Debug, Clone, Copy)]
+pub struct TextureLookup {
+    /// Index into [`BaseColours::textures`].
+    pub texture: usize,
+    /// The set of texture coordinates.
+    pub uv_set: usize,
+    /// What lies outside [0, 1] along u and v.
+    pub wrap: [Wrap; 2],
+}
+
+/// How a surface reflects and shines.
+#[derive(Debug, Clone)]
+pub struct Finish {
+    /// Index of its colour among the base colours.
+    pub colour: usize,
+    /// Metalness and roughness; none of a diffuse surface.
+    pub gloss: Option<Gloss>,
+    /// Radiance of its own.
+    pub emission: Option<BaseColour>,
+}
+
+/// Metalness and roughness.
+#[derive(Debug, Clone, Copy)]
+pub struct Gloss {
+    /// Factor on the metalness.
+    pub metallic: f64,
+    /// Factor on the perceptual roughness.
+    pub roughness: f64,
+    /// Roughness in its green channel, metalness in its blue one.
+    pub texture: Option<TextureLookup>,
 }
 
 /// Base colours of all patches.
@@ -61,7 +97,7 @@ pub struct BaseColours {
 pub struct TimeResolved {
     /// By emitter index.
     pub emitters: Vec<(Emitter, Response)>,
-    /// Base colours (also albedos of pulses).
+    /// Base colours (also albedos of what lamps light).
     pub base: BaseColours,
     /// Cubes with their time axes.
     pub cubes: Vec<TimeTexture>,
@@ -69,10 +105,12 @@ pub struct TimeResolved {
     pub cube_sources: Vec<usize>,
     /// Capture cameras and what they saw.
     pub captures: Vec<Capture>,
-    /// By source of the scene: pulses, each with its quantity.
-    pub pulses: Vec<Option<(Pulse, Quantity)>>,
-    /// What shifts the light of those whose quantity is RGB.
-    pub shift: Option<&'static RgbShift>,
+    /// By source of the scene: pulses; then the scene's lights without extent.
+    pub lamps: Vec<Option<Lamp>>,
+    /// Surfaces that shine.
+    pub areas: Option<Box<AreaLights>>,
+    /// The sky, where it lights.
+    pub sky: Option<SkyLight>,
     /// Refractive index of the medium.
     pub index: f64,
 }
@@ -100,12 +138,12 @@ pub enum Emitter {
         /// The clock before the delay to the capture camera.
         clock: EmissionClock,
     },
-    /// The light of pulses, reflected.
-    Pulses {
-        /// Index of the albedo among the base colours.
-        albedo: usize,
-        /// Which pulses.
-        pulses: Vec<usize>,
+    /// The light of lamps, reflected, and also that of shining surfaces and of the sky.
+    Lit {
+        /// How it is reflected.
+        finish: Box<Finish>,
+        /// Which lamps.
+        lamps: Vec<usize>,
     },
 }
 
@@ -131,24 +169,56 @@ impl EmissionClock {
 impl BaseColours {
     /// What colour `index` emits at `hit`.
     fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
-        let base = &self.colours[index];
-        let Some((texture, set, wrap)) = base.texture else {
-            return base.factor;
+        self.colour_at(&self.colours[index], run.rest, run.patch, hit)
+    }
+
+    /// What `base` is at a hit on `patch` of the frame `rest`.
+    pub(super) fn colour_at(
+        &self,
+        base: &BaseColour,
+        rest: &RestFrame,
+        patch: &Patch,
+        hit: &Hit,
+    ) -> [f64; 3] {
+        let mut colour = base.factor;
+        if let Some(lookup) = base.texture
+            && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
+        {
+            let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.wrap);
+            colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
+        }
+        if base.vertex_colours
+            && let Some(vertex) = rest.vertex_colour(patch, hit)
+        {
+            colour = std::array::from_fn(|c| colour[c] * vertex[c]);
+        }
+        colour
+    }
+
+    /// Metalness and roughness at a hit.
+    fn gloss(&self, gloss: &Gloss, run: &Run, hit: &Hit) -> [f64; 2] {
+        let both = [gloss.metallic, gloss.roughness];
+        let Some(lookup) = gloss.texture else {
+            return both;
         };
-        let Some(uv) = run.uv(set, hit) else {
-            return base.factor;
+        let Some(uv) = run.rest.uv(run.patch, lookup.uv_set, hit) else {
+            return both;
         };
-        let texel = self.textures[texture].sample(uv.to_array(), wrap);
-        std::array::from_fn(|c| base.factor[c] * texel[c])
+        let [_, roughness, metallic] =
+            self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.wrap);
+        [gloss.metallic * metallic, gloss.roughness * roughness]
     }
 
     /// What colour `index` emits at the points of `run`.
     fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
-        match self.colours[index].texture {
-            None => emitted
-                .radiance
-                .resize(run.count(), self.colours[index].factor),
-            Some(_) => {
+        match &self.colours[index] {
+            BaseColour {
+                texture: None,
+                vertex_colours: false,
+                factor,
+                ..
+            } => emitted.radiance.resize(run.count(), *factor),
+            _ => {
                 let hits = (0..run.count()).filter_map(|k| run.hit(k));
                 let radiance = hits.map(|hit| self.radiance(index, run, &hit));
                 emitted.radiance.extend(radiance);
@@ -181,7 +251,7 @@ impl Radiance for TimeResolved {
                 position: point.rest_event().x,
                 normal: point.facing_normal(),
             }),
-            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Pulses { .. } => None,
+            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Lit { .. } => None,
         }
     }
 
@@ -201,8 +271,8 @@ impl Radiance for TimeResolved {
                 let (texture, capture) = (&self.cubes[*cube], &self.captures[*capture]);
                 project(texture, capture, *clock, run, emitted, meter);
             }
-            Emitter::Pulses { albedo, pulses } => {
-                self.reflect(*albedo, pulses, run, emitted, meter);
+            Emitter::Lit { finish, lamps } => {
+                self.reflect(finish, lamps, run, emitted, meter);
             }
         }
     }
@@ -225,7 +295,8 @@ fn look_up(
             let Some(hit) = run.hit(begin + at) else {
                 continue;
             };
-            let uv = run.uv(set, &hit).unwrap_or(glam::DVec2::NAN);
+            let uv = run.rest.uv(run.patch, set, &hit);
+            let uv = uv.unwrap_or(glam::DVec2::NAN);
             lookups.u[at] = uv.x;
             lookups.v[at] = uv.y;
         }
@@ -294,31 +365,63 @@ fn project(
 }
 
 impl TimeResolved {
-    /// Reflects `pulses` at the points of `run`.
+    /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other.
     fn reflect(
         &self,
-        albedo: usize,
-        pulses: &[usize],
+        finish: &Finish,
+        lamps: &[usize],
         run: &Run,
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
-        emitted.incident.clear();
-        emitted.incident.resize(run.count(), Default::default());
-        for (pulse, quantity) in pulses.iter().filter_map(|k| self.pulses[*k].as_ref()) {
-            let shift = self.shift.filter(|_| *quantity == Quantity::Rgb);
-            pulses::illuminate(run, pulse, *quantity, shift, self.index, emitted, meter);
+        self.start(finish, run, emitted);
+        for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
+            lamps::illuminate(run, lamp, self.index, emitted, meter);
+        }
+        if let Some(areas) = &self.areas {
+            areas.illuminate(&self.base, run, self.index, emitted, meter);
+        }
+        if let Some(sky) = &self.sky {
+            sky.illuminate(run, self.index, emitted, meter);
         }
         for k in 0..run.count() {
             let Some(hit) = run.hit(k) else {
                 continue;
             };
             let irradiance = emitted.incident[k];
-            let albedo = self.base.radiance(albedo, run, &hit);
+            let mut radiance = match emitted.reflections.is_empty() {
+                true => irradiance.reflected(self.base.radiance(finish.colour, run, &hit)),
+                false => emitted.added[k],
+            };
+            if let Some(emission) = &finish.emission {
+                let own = self.base.colour_at(emission, run.rest, run.patch, &hit);
+                radiance = std::array::from_fn(|c| radiance[c] + own[c]);
+            }
             emitted.push(Emission {
                 wavelength_scale: irradiance.wavelength_scale(),
-                ..Emission::full(irradiance.reflected(albedo))
+                ..Emission::full(radiance)
             });
+        }
+    }
+
+    /// Forgets the light of the last run, and notes how the points of `run` reflect where they are not diffuse.
+    fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+        emitted.incident.clear();
+        emitted.incident.resize(run.count(), Default::default());
+        emitted.reflections.clear();
+        let Some(gloss) = &finish.gloss else {
+            return;
+        };
+        emitted.added.clear();
+        emitted.added.resize(run.count(), [0.0; 3]);
+        for point in run.points() {
+            let colour = self.base.radiance(finish.colour, run, &point.hit);
+            let [metallic, roughness] = self.base.gloss(gloss, run, &point.hit);
+            let view = -point.local.tangent.x.normalize_or_zero();
+            let normal = point.facing_normal();
+            emitted.reflections.push(Reflection::metallic_roughness(
+                normal, view, colour, metallic, roughness,
+            ));
         }
     }
 }

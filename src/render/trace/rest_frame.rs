@@ -126,4 +126,11 @@ impl RestFrame {
         let mesh = self.meshes.get(patch.mesh as usize)?;
         mesh.uv(set, hit.triangle - patch.object_first, [hit.u, hit.v])
     }
+
+    /// The colour of vertices at a hit on `patch`, linear RGBA, where the object has them.
+    #[inline]
+    pub(super) fn vertex_colour(&self, patch: &Patch, hit: &Hit) -> Option<[f64; 4]> {
+        let mesh = self.meshes.get(patch.mesh as usize)?;
+        mesh.colour(hit.triangle - patch.object_first, [hit.u, hit.v])
+    }
 }

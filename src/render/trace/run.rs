@@ -1,7 +1,5 @@
 //! Runs: points of one patch that consecutive rays of a batch have hit.
 
-use glam::DVec2;
-
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{ObservedPoint, SurfacePoint};
@@ -147,9 +145,24 @@ impl<'a> Run<'a> {
         surfaces.each_local(self.frame, members, rays, hits, each);
     }
 
-    /// Texture coordinates of set `set` at `hit`, where the object has them.
-    #[inline(always)]
-    pub(super) fn uv(&self, set: usize, hit: &Hit) -> Option<DVec2> {
-        self.rest.uv(self.patch, set, hit)
+    /// Two numbers in [0, 1) of member `k` for what `dimension` counts.
+    #[inline]
+    pub(super) fn random(&self, k: usize, dimension: u32) -> [f64; 2] {
+        self.one_random_of(k, dimension, 0, 1)
+    }
+
+    /// The same, one of `count` for each sample.
+    #[inline]
+    pub(super) fn one_random_of(
+        &self,
+        k: usize,
+        dimension: u32,
+        number: u32,
+        count: u32,
+    ) -> [f64; 2] {
+        let ray = self.members[k] as usize;
+        let samples = &self.traced.rays.samples;
+        let index = samples.index.wrapping_mul(count).wrapping_add(number);
+        samples.pair(ray, index, dimension)
     }
 }

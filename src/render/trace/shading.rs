@@ -1,12 +1,15 @@
 //! From the hits of a batch to the film: runs of points of one patch, their radiance, the observer's
 //! factor W⁻ᵖ and colours.
 
+use std::sync::Arc;
+
 use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::colour::{self, RgbShift};
+use crate::light::sky::Sky;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
 use crate::spacetime::Quantity;
@@ -44,9 +47,27 @@ impl RadianceSink for TileFilm {
     }
 }
 
+/// What rays see that meet nothing.
+#[derive(Debug, Clone)]
+pub enum Background {
+    /// This radiance, whatever moves: it is as observed.
+    Observed([f64; 3]),
+    /// A sky at rest in the world.
+    Sky {
+        /// The sky.
+        sky: Arc<Sky>,
+        /// What an observer makes of its radiance.
+        response: Response,
+        /// The angle between samples at rest in the camera's frame, radians.
+        angle: f64,
+    },
+}
+
 /// Buffers for shading one tile.
 #[derive(Debug, Default)]
 pub struct Shading {
+    /// Rays that meet nothing, where there is a sky.
+    escaped: Vec<u32>,
     /// Rays that hit a surface that shines.
     lit: Vec<u32>,
     /// Rays whose radiance is fully known without asking the surface: of the background, and black backs.
@@ -74,7 +95,7 @@ impl Shading {
         &mut self,
         radiance: &dyn Radiance,
         traced: &TracedRays,
-        background: [f64; 3],
+        background: &Background,
         ratios: &[f64],
         sink: &mut impl RadianceSink,
         meter: &mut Meter,
@@ -88,6 +109,7 @@ impl Shading {
         if has_gaps {
             sink.add_held(&self.plain);
         }
+        self.see_sky(traced, background, ratios, sink);
         meter.count(Counter::Hits, self.lit.len() as u64);
         meter.lap(Stage::Film);
         for at in 0..self.runs.len() {
@@ -124,18 +146,54 @@ impl Shading {
         }
     }
 
+    /// Adds the radiance of the sky to rays that meet nothing.
+    fn see_sky(
+        &mut self,
+        traced: &TracedRays,
+        background: &Background,
+        ratios: &[f64],
+        sink: &mut impl RadianceSink,
+    ) {
+        let Background::Sky {
+            sky,
+            response,
+            angle,
+        } = background
+        else {
+            return;
+        };
+        let escaped = &self.escaped;
+        self.emitted.start(response.clone());
+        self.ratios.clear();
+        self.ratios
+            .extend(escaped.iter().map(|ray| ratios[*ray as usize]));
+        // A pixel sees an angle of the world that is 1/W as wide.
+        let seen = escaped.iter().zip(&self.ratios);
+        let radiance =
+            seen.map(|(ray, w)| sky.radiance(traced.rays.directions[*ray as usize], angle / w));
+        self.emitted.radiance.extend(radiance);
+        weigh(&self.emitted.response, &self.ratios, &mut self.factors);
+        if let Some(origins) = traced.rays.origins {
+            for (factor, ray) in self.factors.iter_mut().zip(escaped) {
+                *factor *= origins[*ray as usize].weight;
+            }
+        }
+        add_colours(&self.emitted, &self.ratios, &self.factors, escaped, sink);
+    }
+
     /// Finds the runs, and adds the radiance of rays that hit nothing or the black back of something. `weight` says
     /// what a ray's radiance counts for; 0 for an element of the sensor that no light reaches.
     #[inline(always)]
     fn sort(
         &mut self,
         traced: &TracedRays,
-        background: [f64; 3],
+        background: &Background,
         weight: impl Fn(usize) -> f64,
         sink: &mut impl RadianceSink,
     ) {
         self.lit.clear();
         self.plain.clear();
+        self.escaped.clear();
         self.runs.clear();
         let mut unmet = 0;
         // The triangles of the patch that was hit last.
@@ -149,9 +207,11 @@ impl Shading {
                 unmet += 1;
                 continue;
             }
-            // The background has no motion and no quantity: it is taken as observed.
             let Some(hit) = hit else {
-                sink.add(ray, background.map(|c| c * weight));
+                match background {
+                    Background::Observed(radiance) => sink.add(ray, radiance.map(|c| c * weight)),
+                    Background::Sky { .. } => self.escaped.push(ray as u32),
+                }
                 self.plain.push(ray as u32);
                 unmet += 1;
                 continue;

@@ -9,6 +9,7 @@ use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
 use super::occlusion::{OcclusionQueries, OcclusionQuery, shadow_ray};
+use super::point::SurfacePoint;
 use super::rest_frame::RestFrame;
 use super::stats::{Meter, Stage};
 use crate::accel::{Method, Segment};
@@ -168,6 +169,22 @@ impl<'a> Surfaces<'a> {
             Frames::Still(_) => (Direction::from_unit(d.unit()), 1.0),
             Frames::One(only) => only.boost().direction(d),
             Frames::Many(frames, _) => frames[frame as usize].boost().direction(d),
+        }
+    }
+
+    /// The event of `point` in rest frame `frame`.
+    #[inline]
+    pub(super) fn event(&self, frame: u32, point: &SurfacePoint) -> Event<Rest> {
+        match &self.0 {
+            Frames::Many(frames, _) if frame != point.frame => {
+                let frame = &frames[frame as usize];
+                let d = Direction::from_unit(point.ray.tangent.x);
+                let index = frame.index * point.origin.delay;
+                let (tangent, _) = frame.boost().tangent_and_ratio(index, d);
+                let origin = frame.origin(Some(point.origin.displacement));
+                NullRay { origin, tangent }.at(point.hit.s)
+            }
+            _ => point.rest_event(),
         }
     }
 

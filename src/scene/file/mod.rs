@@ -4,11 +4,13 @@
 //! plain structs; which keys exclude each other is told apart in `resolve`.
 
 mod camera;
+mod light;
 mod motion;
 mod object;
 mod panel;
 mod radiance;
 mod sensor;
+mod sky;
 mod source;
 mod spectrum;
 
@@ -25,11 +27,13 @@ use crate::spacetime::units::{Percentage, Speed, Wavelength};
 
 pub(super) use camera::Camera;
 pub(crate) use camera::Velocity;
+pub(super) use light::{Emission, EmissionKnot, Light, LightType, PulseTrain};
 pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
 pub(super) use object::{Lattice, Object, Rotation, Shape, Sphere, Transform};
 pub(super) use panel::{Panel, Sheet};
 pub(super) use radiance::Radiance;
 pub(super) use sensor::{Sensor, SensorRotation};
+pub(super) use sky::{Sky, Stars, Sun};
 pub(super) use source::{Capture, Crop, Cube, Pulse, Source};
 pub(super) use spectrum::{Gaussian, SpectralLine, Spectrum};
 
@@ -57,9 +61,14 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// The things of the scene: at least one.
     #[serde(default)]
     pub object: Vec<At<Object>>,
+    /// Lights, which surfaces reflect.
+    #[serde(default)]
+    pub light: Vec<At<Light>>,
     /// Time-resolved radiance on the surfaces of objects.
     #[serde(default)]
     pub source: Vec<At<Source>>,
+    /// What shines from afar, in place of `display.background`.
+    pub sky: Option<At<Sky>>,
     /// What the radiance of base colours measures, and of sources that give none of their own.
     #[serde(default)]
     pub radiance: At<Radiance>,
@@ -254,7 +263,7 @@ pub(in crate::scene) struct Display {
     pub false_colour: Option<At<Wavelength>>,
     /// Bits per sample of a .png file: 8 or 16. Default: 8.
     pub bits: At<u32>,
-    /// Linear RGB radiance of rays that hit nothing. Default: [0, 0, 0].
+    /// Linear RGB radiance of rays that hit nothing, as observed. Excludes `sky`. Default: [0, 0, 0].
     pub background: At<Vector>,
     /// Which faces of a triangle are seen: "as_file" (glTF's doubleSided, or else culled),
     /// "two_sided", "black" (back faces are black and hide what is behind them) or "culled".

@@ -1,4 +1,4 @@
-//! `[camera.motion]`.
+//! `[camera.motion]`, and that of a light.
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -8,7 +8,8 @@ use crate::scene::at::At;
 use crate::scene::values::Vector;
 use crate::spacetime::units::{Acceleration, AngularRate, Time};
 
-/// How the pinhole moves on from `eye`, `velocity` and `clock_zero`, given in exactly one way. Without
+/// How a pinhole, or a light, moves on from `eye` (`position`), `velocity` and `clock_zero`, given in exactly
+/// one way. For a light read "light" for "camera" and "pinhole". Without
 /// this table: without acceleration.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

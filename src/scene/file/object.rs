@@ -37,6 +37,11 @@ pub(in crate::scene) struct Object {
     /// What it shines with, alike all over, in place of base colours and whatever [[source]] would give it.
     /// Excludes `colour`.
     pub spectrum: Option<At<Spectrum>>,
+    /// Metalness of the shape under lights and sky, 0 (dielectric) to 1 (metal). Default: 0.
+    pub metallic: Option<At<Number>>,
+    /// Perceptual roughness of the shape under lights and sky, 0 (mirror) to 1; glTF's model. With 1 and no
+    /// metalness it is diffuse. Default: 1.
+    pub roughness: Option<At<Number>>,
     /// Object coordinates from the file's (or shape's) coordinates. Default: the identity.
     pub transform: Option<At<Transform>>,
     /// Velocity in the world. Default: at rest.

@@ -1,7 +1,7 @@
 //! The camera.
 
 use super::context::Context;
-use super::motion::{self, Moving};
+use super::motion::{self, Mover, Moving};
 use super::{path, pose, sensor, stereo, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
@@ -17,14 +17,15 @@ const LARGEST_AREA: u64 = 1 << 28;
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
     let size = image_size(cx, &camera.size)?;
-    motion::only_one_way(cx, camera)?;
+    let mover = Mover::from(camera);
+    motion::only_one_way(cx, &mover)?;
     let pose = pose(cx, at)?;
     let Moving {
         origin,
         velocity,
         motion,
         line,
-    } = motion::resolve(cx, camera, pose.eye)?;
+    } = motion::resolve(cx, &mover, pose.eye)?;
     let interval = camera.frame_interval.as_ref();
     let interval = interval.map(|interval| cx.duration(interval, "`frame_interval`"));
     let model = CameraModel {
@@ -52,8 +53,9 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
 fn pose(cx: &Context, at: &At<Camera>) -> Result<Pose> {
     let camera = &at.value;
     let mut keys = pose::Keys::from(camera);
-    let start = match motion::keyframes(camera) {
-        Some(keyframes) => path::start(cx, camera, keyframes)?,
+    let mover = Mover::from(camera);
+    let start = match mover.keyframes() {
+        Some(keyframes) => path::start(cx, &mover, keyframes)?,
         None => None,
     };
     if camera.gltf.is_none() && start.is_some() {

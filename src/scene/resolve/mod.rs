@@ -6,6 +6,7 @@ mod camera;
 mod context;
 mod equations;
 mod kinematics;
+mod light;
 mod motion;
 mod object;
 mod panel;
@@ -15,6 +16,7 @@ mod radiance;
 mod sensor;
 mod settings;
 mod shape;
+mod sky;
 mod source;
 mod spectrum;
 mod stereo;
@@ -44,11 +46,19 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let continuation = radiance::continuation(&file.radiance);
     let objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
+    let around = light::Around {
+        objects: &objects,
+        index: medium_index,
+        quantity,
+        continuation,
+    };
+    let lights = light::resolve_all(&cx, &file.light, &around)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     let scene = Scene {
         speed_of_light: cx.speed_of_light,
         medium_index,
         camera,
+        lights,
         objects,
         sources,
         quantity,
@@ -56,6 +66,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         equations: file.model.value,
         effects: settings::effects(&file.effects),
         outside: settings::outside(&file.outside),
+        sky: sky::resolve(&cx, &file.sky)?,
         back_faces: file.display.value.back_faces,
         background: cx.colour(&file.display.value.background)?,
         bits: settings::bits(&cx, &file.display)?,
@@ -68,8 +79,21 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         name: cx.report.name.clone(),
         folder: (!cx.inputs.allow_outside).then(|| cx.inputs.base.clone()),
     };
+    refuse_two_backgrounds(&cx, file)?;
+    sky::check(&cx, file, &scene)?;
     equations::check(&cx, file, &scene)?;
     Ok(scene)
+}
+
+/// A sky takes the place of the background.
+fn refuse_two_backgrounds(cx: &Context, file: &file::Scene) -> Result<()> {
+    let background = &file.display.value.background;
+    match &file.sky {
+        Some(sky) if background.is_given() => {
+            Err(cx.refuse_both((sky, "sky"), (background, "background")))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn without_camera(cx: &Context, file: &file::Scene) -> Error {

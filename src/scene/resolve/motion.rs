@@ -1,4 +1,6 @@
-//! How the pinhole moves: the state when the camera's clock shows 0, and what becomes of it.
+//! How a camera's pinhole or a light moves: the state when its clock shows 0, and what becomes of it.
+
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -8,15 +10,50 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::Motion;
+use crate::scene::values::Vector;
+use crate::spacetime::units::Time;
 use crate::spacetime::worldline::{Segment, WorldLine};
 use crate::spacetime::{Event, Velocity, World};
 
 const HELP: &str =
     "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes` or `circle`";
 
+/// The keys of something that moves.
+pub(super) struct Mover<'a> {
+    /// What it is, for messages.
+    pub noun: &'static str,
+    /// Where it is when its clock shows 0, and the key that says so.
+    pub position: (&'a Option<At<Vector>>, &'static str),
+    pub velocity: &'a Option<At<file::Velocity>>,
+    pub clock_zero: &'a At<Time>,
+    pub motion: &'a Option<At<file::Motion>>,
+    /// What messages point at where it is not the motion.
+    pub span: &'a Range<usize>,
+}
+
+impl<'a> From<&'a file::Camera> for Mover<'a> {
+    fn from(camera: &'a file::Camera) -> Self {
+        Mover {
+            noun: "camera",
+            position: (&camera.eye, "eye"),
+            velocity: &camera.velocity,
+            clock_zero: &camera.clock_zero,
+            motion: &camera.motion,
+            span: &camera.time.span,
+        }
+    }
+}
+
+impl Mover<'_> {
+    /// The keyframes, where it moves by them.
+    pub fn keyframes(&self) -> Option<&At<Vec<At<file::Keyframe>>>> {
+        self.motion.as_ref()?.value.keyframes.as_ref()
+    }
+}
+
 /// A world line as the file gives it.
 pub(super) struct Moving {
-    /// The pinhole when the camera's clock shows 0.
+    /// Where it is when its clock shows 0.
     pub origin: Event<World>,
     /// Its velocity then.
     pub velocity: Velocity,
@@ -26,16 +63,16 @@ pub(super) struct Moving {
     pub line: WorldLine,
 }
 
-/// The motion of `camera`, given in one way; its pose has the pinhole at `eye`.
-pub(super) fn resolve(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Moving> {
-    let motion = motion(cx, camera, eye)?;
-    let velocity = velocity::resolve(cx, &camera.velocity)?;
+/// The motion of `mover`, given in one way, which is at `position` when its clock shows 0.
+pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Moving> {
+    let motion = motion(cx, mover, position)?;
+    let velocity = velocity::resolve(cx, mover.velocity)?;
     let origin = match &motion {
         Motion::Keyframes(events) => events.first().copied().unwrap_or(Event::ORIGIN),
-        _ => Event::new(cx.time(&camera.clock_zero)?, eye),
+        _ => Event::new(cx.time(mover.clock_zero)?, position),
     };
     let line = motion.world_line(velocity, origin);
-    let line = line.map_err(|error| worldline::refusal(cx, camera, &error))?;
+    let line = line.map_err(|error| worldline::refusal(cx, mover, &error))?;
     Ok(Moving {
         origin,
         velocity: line.state(0.0).map_or(velocity, |state| state.velocity),
@@ -44,8 +81,8 @@ pub(super) fn resolve(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result
     })
 }
 
-fn motion(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Motion> {
-    let Some(at) = &camera.motion else {
+fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
+    let Some(at) = mover.motion else {
         return Ok(Motion::Inertial);
     };
     let motion = &at.value;
@@ -54,24 +91,19 @@ fn motion(cx: &Context, camera: &file::Camera, eye: DVec3) -> Result<Motion> {
     } else if let Some(segments) = &motion.segments {
         self::segments(cx, segments)
     } else if let Some(profile) = &motion.profile {
-        self::profile(cx, profile)
+        self::profile(cx, mover, profile)
     } else if let Some(keyframes) = &motion.keyframes {
-        path::keyframes(cx, keyframes)
+        path::keyframes(cx, mover.noun, keyframes)
     } else if let Some(circle) = &motion.circle {
-        path::circle(cx, camera, circle, eye)
+        path::circle(cx, mover, circle, position)
     } else {
         Err(cx.refuse(at, "no motion is given", HELP))
     }
 }
 
-/// The keyframes of a camera that moves by them.
-pub(super) fn keyframes(camera: &file::Camera) -> Option<&At<Vec<At<file::Keyframe>>>> {
-    camera.motion.as_ref()?.value.keyframes.as_ref()
-}
-
 /// Refuses more than one way to give a motion.
-pub(super) fn only_one_way(cx: &Context, camera: &file::Camera) -> Result<()> {
-    let Some(motion) = camera.motion.as_ref().map(|at| &at.value) else {
+pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
+    let Some(motion) = mover.motion.as_ref().map(|at| &at.value) else {
         return Ok(());
     };
     let ways = [
@@ -140,7 +172,7 @@ fn segment(cx: &Context, at: &At<file::MotionSegment>, last: bool) -> Result<Seg
     })
 }
 
-fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> {
+fn profile(cx: &Context, mover: &Mover, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> {
     cx.bounded(at, 2, "times of a profile")?;
     let knot = |knot: &At<file::ProfileKnot>| {
         let time = cx.time(&knot.value.time)?;
@@ -152,8 +184,11 @@ fn profile(cx: &Context, at: &At<Vec<At<file::ProfileKnot>>>) -> Result<Motion> 
     if let (Some(&first), Some(&last)) = (times.first(), times.last())
         && (first > 0.0 || last < 0.0)
     {
-        let what = format!("this profile, from {first} m to {last} m, leaves out camera time 0");
-        let help = "`eye` and `velocity` are those at camera time 0: let the profile begin there, or before";
+        let (noun, position) = (mover.noun, mover.position.1);
+        let what = format!("this profile, from {first} m to {last} m, leaves out {noun} time 0");
+        let help = format!(
+            "`{position}` and `velocity` are those at {noun} time 0: let the profile begin there, or before"
+        );
         return Err(cx.refuse(at, what, help));
     }
     Ok(Motion::Profile(knots))

@@ -11,6 +11,7 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{Geometry, Object};
 use crate::scene::names;
+use crate::scene::values::Number;
 use crate::spacetime::Event;
 use crate::spacetime::units::quoted;
 
@@ -119,6 +120,8 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;
     if let Some(gltf) = &object.gltf {
         cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
+        cx.exclusive((&object.gltf, "gltf"), (&object.metallic, "metallic"))?;
+        cx.exclusive((&object.gltf, "gltf"), (&object.roughness, "roughness"))?;
         if let Some(mesh) = cx.in_memory(gltf, |name| cx.inputs.memory.mesh(name))? {
             cx.exclusive((&object.gltf, "mesh"), (&object.node, "node"))?;
             return Ok(Geometry::Mesh(mesh));
@@ -138,7 +141,23 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     Ok(Geometry::Shape {
         shape: shape::resolve(cx, shape)?,
         colour: colour(cx, object)?,
+        metallic: part(cx, &object.metallic, "metallic", 0.0)?,
+        roughness: part(cx, &object.roughness, "roughness", 1.0)?,
     })
+}
+
+/// A number from 0 to 1.
+fn part(cx: &Context, at: &Option<At<Number>>, key: &str, default: f32) -> Result<f32> {
+    let Some(at) = at else {
+        return Ok(default);
+    };
+    match at.value.0 {
+        part if (0.0..=1.0).contains(&part) => Ok(part as f32),
+        part => {
+            let what = format!("`{key}` is {part}, which is not from 0 to 1");
+            Err(cx.refuse(at, what, format!("give `{key}` from 0 to 1, like 0.3")))
+        }
+    }
 }
 
 fn colour(cx: &Context, object: &file::Object) -> Result<[f32; 3]> {

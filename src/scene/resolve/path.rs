@@ -5,9 +5,10 @@
 use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
+use super::motion::Mover;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
-use crate::scene::file::{Camera, Circle, Keyframe};
+use crate::scene::file::{Circle, Keyframe};
 use crate::scene::model::Motion;
 use crate::scene::values::Vector;
 use crate::spacetime::{Event, World};
@@ -15,24 +16,22 @@ use crate::spacetime::{Event, World};
 /// The smallest distance from the axis, in parts of the distances that it is the difference of.
 const ON_AXIS: f64 = 1e-12;
 
-const SLOWER: &str = "give more time or less way between keyframes: a camera is slower than light";
-
-/// The position of the first keyframe, in place of `eye`: beside keyframes nothing else gives where the
-/// camera is or how fast.
+/// The position of the first keyframe, in place of that of `mover`: beside keyframes nothing else gives where it
+/// is or how fast.
 pub(super) fn start(
     cx: &Context,
-    camera: &Camera,
+    mover: &Mover,
     at: &At<Vec<At<Keyframe>>>,
 ) -> Result<Option<At<Vector>>> {
     let key = (at, "keyframes");
-    if let Some(eye) = &camera.eye {
-        return Err(cx.refuse_both(key, (eye, "eye")));
+    if let (Some(position), name) = mover.position {
+        return Err(cx.refuse_both(key, (position, name)));
     }
-    if let Some(velocity) = &camera.velocity {
+    if let Some(velocity) = mover.velocity {
         return Err(cx.refuse_both(key, (velocity, "velocity")));
     }
-    if camera.clock_zero.is_given() {
-        return Err(cx.refuse_both(key, (&camera.clock_zero, "clock_zero")));
+    if mover.clock_zero.is_given() {
+        return Err(cx.refuse_both(key, (mover.clock_zero, "clock_zero")));
     }
     cx.bounded(at, 2, "keyframes")?;
     let first = at.value.first();
@@ -40,7 +39,7 @@ pub(super) fn start(
 }
 
 /// A motion by keyframes.
-pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Motion> {
+pub(super) fn keyframes(cx: &Context, noun: &str, at: &At<Vec<At<Keyframe>>>) -> Result<Motion> {
     let event = |key: &At<Keyframe>| {
         let Keyframe { time, position } = &key.value;
         Ok(Event::new(cx.time(time)?, position.value.vec()))
@@ -48,13 +47,14 @@ pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Moti
     let events: Vec<Event<World>> = at.value.iter().map(event).collect::<Result<_>>()?;
     let times: Vec<f64> = events.iter().map(|event| event.ct).collect();
     cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
-    slower_than_light(cx, at, &events)?;
+    slower_than_light(cx, noun, at, &events)?;
     Ok(Motion::Keyframes(events))
 }
 
 /// Refuses keyframes that nothing slower than light connects, not even on a straight line.
 fn slower_than_light(
     cx: &Context,
+    noun: &str,
     at: &At<Vec<At<Keyframe>>>,
     events: &[Event<World>],
 ) -> Result<()> {
@@ -71,14 +71,21 @@ fn slower_than_light(
         );
         let other = (&first.value.position.span, "the one before");
         let span = &second.value.position.span;
-        return Err(cx.report.refuse_two(span, other, what, SLOWER));
+        let help =
+            format!("give more time or less way between keyframes: a {noun} is slower than light");
+        return Err(cx.report.refuse_two(span, other, what, help));
     }
     Ok(())
 }
 
-/// A circle through `eye`.
-pub(super) fn circle(cx: &Context, camera: &Camera, at: &At<Circle>, eye: DVec3) -> Result<Motion> {
-    if let Some(velocity) = &camera.velocity {
+/// A circle through `position`.
+pub(super) fn circle(
+    cx: &Context,
+    mover: &Mover,
+    at: &At<Circle>,
+    position: DVec3,
+) -> Result<Motion> {
+    if let Some(velocity) = mover.velocity {
         return Err(cx.refuse_both((at, "circle"), (velocity, "velocity")));
     }
     let circle = &at.value;
@@ -88,7 +95,7 @@ pub(super) fn circle(cx: &Context, camera: &Camera, at: &At<Circle>, eye: DVec3)
         "give an axis like [0, 1, 0]",
     )?;
     let centre = circle.centre.value.vec();
-    let radius = radius(cx, at, eye, axis)?.length();
+    let radius = radius(cx, mover, at, position, axis)?.length();
     let rate = rate(cx, at)?;
     match rate.abs() * radius {
         beta if beta >= 1.0 => Err(too_fast(cx, at, radius, beta)),
@@ -96,17 +103,25 @@ pub(super) fn circle(cx: &Context, camera: &Camera, at: &At<Circle>, eye: DVec3)
     }
 }
 
-/// From the axis to the eye, across the axis.
-fn radius(cx: &Context, at: &At<Circle>, eye: DVec3, axis: DVec3) -> Result<DVec3> {
+/// From the axis to the position, across the axis.
+fn radius(
+    cx: &Context,
+    mover: &Mover,
+    at: &At<Circle>,
+    position: DVec3,
+    axis: DVec3,
+) -> Result<DVec3> {
     let centre = &at.value.centre;
-    let from_centre = eye - centre.value.vec();
+    let from_centre = position - centre.value.vec();
     let across = from_centre - axis * from_centre.dot(axis);
-    let largest = eye.length().max(centre.value.vec().length());
+    let largest = position.length().max(centre.value.vec().length());
     if across.length() > ON_AXIS * largest {
         return Ok(across);
     }
-    let what = "the axis of the circle goes through `eye`: the camera would stay where it is";
-    let help = "move the centre or `eye`, so that `eye` is on the circle";
+    let (noun, key) = (mover.noun, mover.position.1);
+    let what =
+        format!("the axis of the circle goes through `{key}`: the {noun} would stay where it is");
+    let help = format!("move the centre or `{key}`, so that `{key}` is on the circle");
     Err(cx.refuse(centre, what, help))
 }
 

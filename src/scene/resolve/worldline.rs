@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::context::Context;
+use super::motion::Mover;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -13,19 +14,20 @@ use crate::spacetime::worldline::{WorldLine, WorldLineError};
 const WEAKER: &str = "make it weaker or shorter";
 
 /// The refusal of a motion that is no world line.
-pub(super) fn refusal(cx: &Context, camera: &file::Camera, error: &WorldLineError) -> Error {
-    let span = |index| camera.motion.as_ref().and_then(|at| entry(at, index));
-    let here = span(error.index()).unwrap_or(&camera.time.span);
+pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Error {
+    let noun = mover.noun;
+    let span = |index| mover.motion.as_ref().and_then(|at| entry(at, index));
+    let here = span(error.index()).unwrap_or(mover.span);
     match *error {
         WorldLineError::TooFast { proper_time, .. } => {
             let what = format!(
-                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {proper_time} m of the camera's time"
+                "this acceleration leads beyond rapidity {MAX_RAPIDITY} near {proper_time} m of the {noun}'s time"
             );
             cx.report.refuse(here, what, WEAKER)
         }
         WorldLineError::TooLong { proper_time, .. } => {
             let what = format!(
-                "this acceleration is too strong to be followed beyond {proper_time} m of the camera's time"
+                "this acceleration is too strong to be followed beyond {proper_time} m of the {noun}'s time"
             );
             cx.report.refuse(here, what, WEAKER)
         }
@@ -33,7 +35,9 @@ pub(super) fn refusal(cx: &Context, camera: &file::Camera, error: &WorldLineErro
             let what = format!(
                 "the curve from the keyframe before to this one moves at |β| = {speed} at world time {ct} m"
             );
-            let help = "give more time or less way between them, or gentler turns: a camera is slower than light";
+            let help = format!(
+                "give more time or less way between them, or gentler turns: a {noun} is slower than light"
+            );
             let there = span(Some(index + 1)).unwrap_or(here);
             cx.report
                 .refuse_two(there, (here, "the one before"), what, help)

@@ -128,7 +128,7 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
         Lit::Base => ("base_colour", Vec::new()),
         Lit::Spectrum => ("spectrum", Vec::new()),
         Lit::Cube(source) => ("cube", vec![source]),
-        Lit::Pulses(sources) => ("pulses", sources),
+        Lit::Reflecting(sources) => ("pulses", sources),
     };
     PartEntry {
         first_triangle: run.first,

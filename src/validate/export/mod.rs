@@ -88,6 +88,16 @@ pub struct Exported {
     pub warnings: Vec<String>,
 }
 
+/// Bundles describe base colours, cubes and pulses.
+fn refuse_lights(scene: &Scene) -> Result<()> {
+    if scene.lights.is_empty() && scene.sky.is_none() {
+        return Ok(());
+    }
+    let what = "bundles do not describe [[light]] and [sky] yet";
+    let help = "leave them out of the scene: a pulse of a [[source]] is exported";
+    Err(Error::unsupported(&scene.name, "", what, help))
+}
+
 /// What [`export`] will do; for progress.
 ///
 /// # Errors
@@ -128,6 +138,7 @@ pub fn export(
             "leave [camera.stereo] out, and export each eye by its own `eye`",
         ));
     }
+    refuse_lights(scene)?;
     let plan = plan(scene, options)?;
     let folder = Folder::create(target, options.overwrite)?;
     let mut files = Files {

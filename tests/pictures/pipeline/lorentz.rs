@@ -1,7 +1,8 @@
 //! The textbook's Lorentz transformation as 4×4 matrices on (ct, x, y, z), apart from the program's own.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
-use nullray::scene::model::Scene;
+use nullray::scene::model::{Beam, LightKind, Scene};
+use nullray::spacetime::worldline::WorldLine;
 use nullray::spacetime::{Event, Velocity, World};
 
 /// (ct, x).
@@ -57,6 +58,18 @@ pub fn boosted(scene: &Scene, v: DVec3) -> Scene {
     camera.velocity = Velocity::from_rapidity(w).unwrap();
     camera.axes = camera.axes.map(|a| (turn * a).normalize());
     camera.origin = event(camera.origin);
+    for light in &mut moved.lights {
+        let LightKind::Lamp(lamp) = &mut light.kind else {
+            continue;
+        };
+        let (w, turn) = compose(lambda, lamp.velocity.rapidity());
+        lamp.velocity = Velocity::from_rapidity(w).unwrap();
+        lamp.origin = event(lamp.origin);
+        lamp.line = WorldLine::inertial(lamp.velocity, lamp.origin);
+        if let Beam::Spot { axis, .. } = &mut lamp.beam {
+            *axis = turn * *axis;
+        }
+    }
     for object in &mut moved.objects {
         let (w, turn) = compose(lambda, object.velocity.rapidity());
         object.velocity = Velocity::from_rapidity(w).unwrap();

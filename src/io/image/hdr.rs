@@ -1,0 +1,206 @@
+//! Radiance HDR files (`.hdr`, RGBE): linear, read only.
+//!
+//! A text header that ends with an empty line, a line `-Y height +X width`, then scan lines of four bytes per pixel,
+//! run-length encoded by component or by pixel, or not at all. A pixel is (m + ½) 2^(e − 136) per mantissa m, and 0 where
+//! e is 0. Source: Ward, "Real Pixels", Graphics Gems II, 1991, and the reference decoder color.c of Radiance.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+
+/// The longest side, pixels, and the longest header, bytes.
+const MAX_SIDE: usize = 32_768;
+const MAX_HEADER: usize = 1 << 16;
+/// The most pixels.
+const MAX_PIXELS: usize = 1 << 28;
+
+/// Width, height and linear RGB by rows from the top of the file in `bytes`, with memory of `budget`; `path` is for
+/// messages.
+///
+/// # Errors
+/// What is no RGBE file, or a broken one; XYZE and other orientations; sides above 32768 pixels.
+pub fn read(bytes: &[u8], path: &Path, budget: &Budget) -> Result<([usize; 2], Vec<[f32; 3]>)> {
+    let help = "a Radiance picture (.hdr) in RGBE, rows from the top";
+    let refuse = |what| Error::invalid(path, "", what, help);
+    let mut rest = bytes;
+    let (size, exposure) = header(&mut rest).map_err(refuse)?;
+    budget.take((size[0] * size[1]) as u64 * 12, path)?;
+    let pixels = decode(rest, size, exposure);
+    let missing = || refuse("it has not all its pixels".into());
+    Ok((size, pixels.ok_or_else(missing)?))
+}
+
+/// Width and height, and what the pixels are multiples of.
+fn header(rest: &mut &[u8]) -> Result<([usize; 2], f32), String> {
+    let first = line(rest).unwrap_or_default();
+    if !first.starts_with("#?") {
+        return Err("not a Radiance HDR file: it does not begin with #?".into());
+    }
+    let mut exposure = 1.0;
+    loop {
+        match line(rest).ok_or("its header has no end")? {
+            "" => break,
+            "FORMAT=32-bit_rle_xyze" => return Err("its pixels are XYZE".into()),
+            // Values in the file are those of the scene times all of these.
+            text => {
+                let factor = text
+                    .strip_prefix("EXPOSURE=")
+                    .and_then(|x| x.trim().parse::<f32>().ok());
+                exposure *= factor.filter(|x| x.is_finite() && *x > 0.0).unwrap_or(1.0);
+            }
+        }
+    }
+    let size = line(rest).ok_or("its size is missing")?;
+    let words: Vec<&str> = size.split_whitespace().collect();
+    let ["-Y", height, "+X", width] = words[..] else {
+        return Err(format!("its rows are ordered by {size:?}"));
+    };
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
+    let (Some(width), Some(height)) = (side(width), side(height)) else {
+        return Err(format!("its size is {size:?}"));
+    };
+    // A run of four bytes gives at most 255 pixels: what cannot be in the file is not allocated.
+    if width * height > MAX_PIXELS || width * height / 256 > rest.len() {
+        return Err("it has not all its pixels".into());
+    }
+    Ok(([width, height], exposure))
+}
+
+fn decode(mut rest: &[u8], [width, height]: [usize; 2], exposure: f32) -> Option<Vec<[f32; 3]>> {
+    let mut pixels = Vec::with_capacity(width * height);
+    let mut row = vec![[0u8; 4]; width];
+    for _ in 0..height {
+        scan_line(&mut rest, &mut row)?;
+        pixels.extend(row.iter().map(|rgbe| linear(*rgbe, exposure)));
+    }
+    Some(pixels)
+}
+
+/// The next line, without its end.
+fn line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
+    let end = rest.iter().take(MAX_HEADER).position(|b| *b == b'\n')?;
+    let text = std::str::from_utf8(&rest[..end]).ok()?;
+    *rest = &rest[end + 1..];
+    Some(text.trim_end_matches('\r'))
+}
+
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
+    let (taken, left) = rest.split_at_checked(count)?;
+    *rest = left;
+    Some(taken)
+}
+
+fn scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
+    let width = row.len();
+    match rest.get(..4)? {
+        &[2, 2, high, low] if high < 128 => {
+            *rest = &rest[4..];
+            let said = usize::from(high) << 8 | usize::from(low);
+            if said != width {
+                return None;
+            }
+            (0..4).try_for_each(|component| run_lengths(rest, row, component))
+        }
+        _ => old_scan_line(rest, row),
+    }
+}
+
+/// One component of a row, in runs (a count above 128 and a value) and stretches (a count and as many values).
+fn run_lengths(rest: &mut &[u8], row: &mut [[u8; 4]], component: usize) -> Option<()> {
+    let mut at = 0;
+    while at < row.len() {
+        let count = usize::from(take(rest, 1)?[0]);
+        let is_run = count > 128;
+        let count = if is_run { count - 128 } else { count };
+        let values = take(rest, if is_run { 1 } else { count })?;
+        let pixels = row.get_mut(at..at + count).filter(|_| count > 0)?;
+        for (k, pixel) in pixels.iter_mut().enumerate() {
+            pixel[component] = values[if is_run { 0 } else { k }];
+        }
+        at += count;
+    }
+    Some(())
+}
+
+/// Pixels one by one; (1, 1, 1, n) repeats the one before n times, and 256 n times after another such.
+fn old_scan_line(rest: &mut &[u8], row: &mut [[u8; 4]]) -> Option<()> {
+    let (mut at, mut shift) = (0, 0);
+    while at < row.len() {
+        let pixel: [u8; 4] = take(rest, 4)?.try_into().ok()?;
+        if let [1, 1, 1, count] = pixel {
+            let count = usize::from(count).checked_shl(shift)?;
+            let before = row[at.checked_sub(1)?];
+            row.get_mut(at..at.checked_add(count)?)?.fill(before);
+            at += count;
+            shift += 8;
+            // A count of 0 would go on for as long as there are bytes; that is an end too.
+            if shift > 24 {
+                return None;
+            }
+        } else {
+            row[at] = pixel;
+            at += 1;
+            shift = 0;
+        }
+    }
+    Some(())
+}
+
+fn linear([r, g, b, e]: [u8; 4], exposure: f32) -> [f32; 3] {
+    if e == 0 {
+        return [0.0; 3];
+    }
+    let scale = libm::exp2f(f32::from(e) - 136.0) / exposure;
+    [r, g, b].map(|m| (f32::from(m) + 0.5) * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(size: &str, pixels: &[u8]) -> Vec<u8> {
+        let header = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n");
+        [header.as_bytes(), pixels].concat()
+    }
+
+    fn all(bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>)> {
+        read(bytes, "a.hdr".as_ref(), &Budget::default())
+    }
+
+    #[test]
+    fn pixels_are_read_in_each_way_of_writing_them() {
+        // 2^(129 − 136) = 1/128: (128 + ½)/128 is red.
+        let expected = [1.003_906_3, 0.503_906_25, 0.003_906_25];
+        let flat = [[128, 64, 0, 129]; 2].concat();
+        let old = [[128, 64, 0, 129], [1, 1, 1, 1]].concat();
+        for pixels in [flat, old] {
+            let ([w, h], read) = all(&file("-Y 1 +X 2", &pixels)).unwrap();
+            assert_eq!(([w, h], read), ([2, 1], vec![expected; 2]));
+        }
+        // By component: runs of 7 and 1, or 8 values.
+        let mut new = vec![2, 2, 0, 8];
+        new.extend([128 + 7, 128, 128 + 1, 128]);
+        new.extend([8, 64, 64, 64, 64, 64, 64, 64, 64]);
+        new.extend([128 + 8, 0, 128 + 8, 129]);
+        let (_, read) = all(&file("-Y 1 +X 8", &new)).unwrap();
+        assert_eq!(read, vec![expected; 8]);
+    }
+
+    #[test]
+    fn broken_files_are_refused() {
+        for (size, pixels) in [
+            ("-Y 1 +X 2", &[0u8; 7][..]),
+            ("-Y 1 +X 2", &[1, 1, 1, 2]),
+            ("-Y 1 +X 8", &[2, 2, 0, 8, 0]),
+            ("-Y 1 +X 8", &[2, 2, 0, 9, 128 + 9, 0]),
+            ("+X 1 -Y 2", &[0; 8]),
+            ("-Y 30000 +X 30000", &[0; 8]),
+            ("-Y 0 +X 1", &[]),
+        ] {
+            assert!(all(&file(size, pixels)).is_err(), "{size} {pixels:?}");
+        }
+        assert!(all(b"#?RADIANCE\n").is_err());
+        assert!(all(b"P6").is_err());
+    }
+}

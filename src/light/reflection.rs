@@ -1,0 +1,230 @@
+//! How surfaces reflect: diffuse, and the metallic-roughness model of glTF 2.0 (Appendix B).
+//!
+//! All directions are unit vectors of the surface's rest frame, away from it: n the normal on the side of the
+//! observer, v to the observer, l to the light, h = (v + l)/|v + l|. With the base colour c, metalness m, perceptual
+//! roughness r and α = r²,
+//!
+//! ```text
+//! f = (1 − F) c (1 − m)/π + F D V,        F = f₀ + (1 − f₀)(1 − v·h)⁵,     f₀ = 0.04 (1 − m) + c m,
+//! D = α²/(π ((n·h)² (α² − 1) + 1)²),      V = ½/(n·l √(α² + (1 − α²)(n·v)²) + n·v √(α² + (1 − α²)(n·l)²)).
+//! ```
+//!
+//! D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals visible
+//! from v are drawn as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is
+//! taken as diffuse altogether: f = c/π.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+/// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
+const SMOOTHEST: f64 = 1e-3;
+
+/// The reflection of a point of a surface towards the observer.
+#[derive(Debug, Clone, Copy)]
+pub struct Reflection {
+    normal: DVec3,
+    view: DVec3,
+    /// n·v.
+    facing: f64,
+    /// c (1 − m).
+    diffuse: [f64; 3],
+    /// f₀, or none of a diffuse surface.
+    specular: Option<[f64; 3]>,
+    alpha: f64,
+}
+
+impl Reflection {
+    /// Of a diffuse surface of albedo `colour`.
+    pub fn diffuse(normal: DVec3, colour: [f64; 3]) -> Self {
+        Reflection {
+            normal,
+            view: normal,
+            facing: 1.0,
+            diffuse: colour,
+            specular: None,
+            alpha: 1.0,
+        }
+    }
+
+    /// Of a surface of base colour `colour`.
+    pub fn metallic_roughness(
+        normal: DVec3,
+        view: DVec3,
+        colour: [f64; 3],
+        metallic: f64,
+        roughness: f64,
+    ) -> Self {
+        Reflection {
+            normal,
+            view,
+            // Grazing views may round to the other side.
+            facing: normal.dot(view).max(1e-9),
+            diffuse: colour.map(|c| c * (1.0 - metallic)),
+            specular: Some(colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic)),
+            alpha: (roughness * roughness).max(SMOOTHEST),
+        }
+    }
+
+    /// The normal on the side of the observer.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// f for light from `l`, which is on the observer's side.
+    #[inline]
+    pub fn value(&self, l: DVec3) -> [f64; 3] {
+        let Some(f0) = self.specular else {
+            return self.diffuse.map(|c| c / PI);
+        };
+        let h = (self.view + l).normalize_or(self.normal);
+        let gloss = self.distribution(self.normal.dot(h)) * self.visibility(self.normal.dot(l));
+        let weight = schlick(self.view.dot(h));
+        std::array::from_fn(|c| {
+            let f = f0[c] + (1.0 - f0[c]) * weight;
+            (1.0 - f) * self.diffuse[c] / PI + f * gloss
+        })
+    }
+
+    /// The diffuse part of f for light from `l`.
+    #[inline]
+    pub fn diffuse_value(&self, l: DVec3) -> [f64; 3] {
+        let Some(f0) = self.specular else {
+            return self.diffuse.map(|c| c / PI);
+        };
+        let h = (self.view + l).normalize_or(self.normal);
+        let weight = schlick(self.view.dot(h));
+        std::array::from_fn(|c| (1.0 - f0[c]) * (1.0 - weight) * self.diffuse[c] / PI)
+    }
+
+    /// What stands for the diffuse part of f alike for all l: that of l along v mirrored, with F by n·v.
+    #[inline]
+    pub fn mean_diffuse_value(&self) -> [f64; 3] {
+        let Some(f0) = self.specular else {
+            return self.diffuse.map(|c| c / PI);
+        };
+        let weight = schlick(self.facing);
+        std::array::from_fn(|c| (1.0 - f0[c]) * (1.0 - weight) * self.diffuse[c] / PI)
+    }
+
+    /// A direction drawn for the specular part by two numbers in [0, 1), and that part of f (n·l)/pdf; none where it
+    /// goes into the surface, or there is none.
+    #[inline]
+    pub fn sample_specular(&self, [x, y]: [f64; 2]) -> Option<(DVec3, [f64; 3])> {
+        let f0 = self.specular?;
+        let (tangent, bitangent) = self.normal.any_orthonormal_pair();
+        let local = |v: DVec3| DVec3::new(v.dot(tangent), v.dot(bitangent), v.dot(self.normal));
+        // The view, stretched to the hemisphere of α = 1.
+        let v = local(self.view);
+        let stretched = DVec3::new(self.alpha * v.x, self.alpha * v.y, v.z.max(1e-9)).normalize();
+        // A point of the disc that it sees of the hemisphere.
+        let across = DVec3::new(-stretched.y, stretched.x, 0.0).try_normalize();
+        let t1 = across.unwrap_or(DVec3::X);
+        let t2 = stretched.cross(t1);
+        let (radius, angle) = (x.sqrt(), TAU * y);
+        let p1 = radius * libm::cos(angle);
+        let lift = 0.5 * (1.0 + stretched.z);
+        let p2 = (1.0 - lift) * (1.0 - p1 * p1).max(0.0).sqrt() + lift * radius * libm::sin(angle);
+        let rest = (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
+        let n = t1 * p1 + t2 * p2 + stretched * rest;
+        // Back to the roughness that it has.
+        let h = DVec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(0.0)).normalize_or(DVec3::Z);
+        let h = tangent * h.x + bitangent * h.y + self.normal * h.z;
+        let along = self.view.dot(h);
+        let l = h * (2.0 * along) - self.view;
+        let cosine = self.normal.dot(l);
+        if cosine <= 0.0 {
+            return None;
+        }
+        // G₂/G₁ = 4 (n·l)(n·v) V / G₁(v), G₁ = 2 n·v/(n·v + √(α² + (1 − α²)(n·v)²)).
+        let root = self.root(self.facing);
+        let ratio = 2.0 * cosine * self.visibility(cosine) * (self.facing + root);
+        let weight = schlick(along);
+        Some((l, f0.map(|f| (f + (1.0 - f) * weight) * ratio)))
+    }
+
+    /// D.
+    #[inline]
+    fn distribution(&self, cosine: f64) -> f64 {
+        let square = self.alpha * self.alpha;
+        // (n·h)² (α² − 1) + 1, whose terms cancel at the peak of a smooth surface only as far as α² is small.
+        let spread = cosine * cosine * (square - 1.0) + 1.0;
+        square / (PI * spread * spread)
+    }
+
+    /// V for n·l.
+    #[inline]
+    fn visibility(&self, cosine: f64) -> f64 {
+        0.5 / (cosine * self.root(self.facing) + self.facing * self.root(cosine))
+    }
+
+    /// √(α² + (1 − α²) c²).
+    #[inline]
+    fn root(&self, cosine: f64) -> f64 {
+        let square = self.alpha * self.alpha;
+        (square + (1.0 - square) * cosine * cosine).sqrt()
+    }
+}
+
+/// (1 − c)⁵.
+#[inline]
+fn schlick(cosine: f64) -> f64 {
+    let x = (1.0 - cosine).clamp(0.0, 1.0);
+    let square = x * x;
+    square * square * x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a grid of n × n points in the unit square.
+    fn grid(n: usize) -> impl Iterator<Item = [f64; 2]> {
+        let at = move |k: usize| (k as f64 + 0.5) / n as f64;
+        (0..n * n).map(move |k| [at(k % n), at(k / n)])
+    }
+
+    fn view(cosine: f64) -> DVec3 {
+        DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
+    }
+
+    #[test]
+    fn drawn_directions_give_the_integral_of_the_specular_part() {
+        // ∫ f (n·l) dω of white metal over the hemisphere: by z = n·l and azimuth, and by drawing.
+        for (roughness, cosine) in [(0.5, 0.9), (0.7, 0.3), (1.0, 0.6)] {
+            let r =
+                Reflection::metallic_roughness(DVec3::Z, view(cosine), [1.0; 3], 1.0, roughness);
+            let n = 400;
+            let uniform = grid(n).map(|[x, y]| {
+                let (z, phi) = (x, TAU * y);
+                let s = (1.0 - z * z).sqrt();
+                r.value(DVec3::new(s * libm::cos(phi), s * libm::sin(phi), z))[0] * z * TAU
+            });
+            let uniform = uniform.sum::<f64>() / (n * n) as f64;
+            let drawn = grid(n).filter_map(|u| Some(r.sample_specular(u)?.1[0]));
+            let drawn = drawn.sum::<f64>() / (n * n) as f64;
+            assert!(
+                (uniform - drawn).abs() < 2e-3,
+                "{roughness} {cosine}: {uniform} {drawn}"
+            );
+            assert!(drawn < 1.0 + 1e-9);
+        }
+    }
+
+    #[test]
+    fn reflection_is_reciprocal() {
+        let (a, b) = (view(0.8), DVec3::new(-0.3, 0.4, 0.75f64.sqrt()));
+        let of = |v| Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.5, 0.1], 0.3, 0.4);
+        for (x, y) in of(a).value(b).into_iter().zip(of(b).value(a)) {
+            assert!((x - y).abs() < 1e-13 * x, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn the_value_at_normal_incidence_is_that_of_the_formula() {
+        // n = v = l = h: D = 1/(π α²), V = ¼, F = f₀; α = 0.25, c = 0.5, m = 0: f₀ = 0.04.
+        let r = Reflection::metallic_roughness(DVec3::Z, DVec3::Z, [0.5; 3], 0.0, 0.5);
+        let expected = 0.96 * 0.5 / PI + 0.04 / (PI * 0.0625) / 4.0;
+        assert!((r.value(DVec3::Z)[1] - expected).abs() < 1e-15);
+    }
+}

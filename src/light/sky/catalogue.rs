@@ -1,0 +1,191 @@
+//! Catalogues of stars: tables, and random ones by a law.
+//!
+//! A star of magnitude m has the luminance E = scale · 10^(−0.4 m) and the colour of a blackbody of its temperature.
+//! Random ones fill space evenly with stars of one luminosity: those within r are r³, and E ∝ r⁻², so that
+//! N(<m) ∝ 10^(0.6 m) (Seeliger 1898); the sky that is seen by eye comes near to it.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::Star;
+use crate::colour::{colour_matching, rgb_from_xyz};
+use crate::error::{Error, Result};
+use crate::scene::model::{Catalogue, Stars};
+
+/// The most stars of a table.
+const MOST: usize = 1_000_000;
+
+/// The stars of a catalogue; `text` is that of its table, where it has one.
+///
+/// # Errors
+/// Lines of a table that are no stars.
+pub fn stars(stars: &Stars, text: &str) -> Result<Vec<Star>> {
+    let colours = Colours::new();
+    match &stars.catalogue {
+        Catalogue::Random {
+            count,
+            seed,
+            faintest,
+        } => Ok((0..u64::from(*count))
+            .map(|k| random(stars.scale, &colours, u64::from(*seed) << 32 | k, *faintest))
+            .collect()),
+        Catalogue::File(path) => table(stars.scale, &colours, text, path),
+    }
+}
+
+fn star(scale: f64, colours: &Colours, d: DVec3, magnitude: f64, temperature: f64) -> Star {
+    let luminance = scale * libm::pow(10.0, -0.4 * magnitude);
+    Star {
+        direction: d,
+        irradiance: colours.of(temperature).map(|c| c * luminance),
+    }
+}
+
+fn random(scale: f64, colours: &Colours, key: u64, faintest: f64) -> Star {
+    let number = |k: u64| {
+        // SplitMix64.
+        let x = (key.wrapping_mul(8).wrapping_add(k)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((x ^ (x >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    };
+    let height = 2.0 * number(0) - 1.0;
+    let (sine, cosine) = libm::sincos(std::f64::consts::TAU * number(1));
+    let across = (1.0 - height * height).sqrt();
+    let d = DVec3::new(sine * across, height, cosine * across);
+    // N(<m)/N = 10^(0.6 (m − faintest)) = u.
+    let magnitude = faintest + libm::log10(number(2)) / 0.6;
+    let u = number(3);
+    star(scale, colours, d, magnitude, 3000.0 * libm::pow(4.0, u * u))
+}
+
+fn table(scale: f64, colours: &Colours, text: &str, path: &Path) -> Result<Vec<Star>> {
+    let mut stars = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.trim();
+        // A header begins with a letter.
+        let is_header = number == 1 && line.starts_with(|c: char| c.is_alphabetic());
+        if line.is_empty() || line.starts_with('#') || is_header {
+            continue;
+        }
+        let refuse = |what: &str| {
+            let help = "lines are x,y,z,magnitude,temperature: a direction, a magnitude from -30 to 30, \
+                        1000 to 100000 K";
+            Error::invalid(path, format!("line {number}"), what, help)
+        };
+        let numbers: Option<Vec<f64>> = line.split(',').map(|n| n.trim().parse().ok()).collect();
+        let numbers = numbers.ok_or_else(|| refuse("not numbers between commas"))?;
+        let [x, y, z, magnitude, temperature] = numbers[..] else {
+            return Err(refuse("not five numbers"));
+        };
+        let d = DVec3::new(x, y, z).try_normalize();
+        let d = d.ok_or_else(|| refuse("its direction has no length"))?;
+        if !(magnitude.abs() <= 30.0 && (1e3..=1e5).contains(&temperature)) {
+            return Err(refuse("its magnitude or temperature is out of range"));
+        }
+        if stars.len() == MOST {
+            return Err(refuse("more than 1000000 stars"));
+        }
+        stars.push(star(scale, colours, d, magnitude, temperature));
+    }
+    Ok(stars)
+}
+
+/// Linear RGB of blackbodies, of luminance 1, by temperature.
+struct Colours(Vec<[f64; 3]>);
+
+/// Steps of the logarithm from 1000 to 100000 K.
+const TEMPERATURES: usize = 256;
+
+impl Colours {
+    fn new() -> Colours {
+        let colour = |k| blackbody(1000.0 * libm::pow(100.0, k as f64 / TEMPERATURES as f64));
+        Colours((0..=TEMPERATURES).map(colour).collect())
+    }
+
+    fn of(&self, temperature: f64) -> [f64; 3] {
+        let place = libm::log(temperature / 1000.0) / libm::log(100.0);
+        let place = (place * TEMPERATURES as f64).clamp(0.0, TEMPERATURES as f64 - 1e-9);
+        let (a, b) = (self.0[place as usize], self.0[place as usize + 1]);
+        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * place.fract())
+    }
+}
+
+/// Planck's law against the observer, by steps of 5 nm; what lies outside sRGB is cut off.
+fn blackbody(temperature: f64) -> [f64; 3] {
+    /// hc/k, metre kelvins.
+    const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
+    let mut xyz = [0.0; 3];
+    for k in 0..=94 {
+        let wavelength = 360e-9 + 5e-9 * f64::from(k);
+        let exponent = SECOND_RADIATION_CONSTANT / (wavelength * temperature);
+        let power = libm::pow(wavelength * 1e9, -5.0) / libm::expm1(exponent);
+        for (sum, response) in xyz.iter_mut().zip(colour_matching(wavelength)) {
+            *sum += response * power;
+        }
+    }
+    let luminance = xyz[1];
+    rgb_from_xyz(xyz.map(|x| x / luminance)).map(|c| c.max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn catalogue(catalogue: Catalogue) -> Stars {
+        Stars {
+            catalogue,
+            scale: 1.0,
+            radius: 1e-3,
+        }
+    }
+
+    #[test]
+    fn random_stars_follow_their_law() {
+        let all = Catalogue::Random {
+            count: 20_000,
+            seed: 3,
+            faintest: 6.0,
+        };
+        let stars = stars(&catalogue(all), "").unwrap();
+        let luminance = |s: &Star| {
+            0.2126 * s.irradiance[0] + 0.7152 * s.irradiance[1] + 0.0722 * s.irradiance[2]
+        };
+        // A magnitude brighter: 10^−0.6 = 0.2512 of all, ± √(20000 · 0.25 · 0.75) = 61.
+        let brighter = |m: f64| {
+            stars
+                .iter()
+                .filter(|s| luminance(s) > libm::pow(10.0, -0.4 * m))
+                .count()
+        };
+        assert!(brighter(5.0).abs_diff(5024) < 250, "{}", brighter(5.0));
+        let up = stars.iter().filter(|s| s.direction.y > 0.5).count();
+        assert!(up.abs_diff(5000) < 250, "{up}");
+    }
+
+    #[test]
+    fn tables_are_read_and_their_faults_named_by_line() {
+        let file = catalogue(Catalogue::File("a.csv".into()));
+        let read = stars(
+            &file,
+            "x,y,z,magnitude,temperature\n0,0,-2,0,6500\n\n1, 0, 0, 5, 3000\n",
+        )
+        .unwrap();
+        assert_eq!(read.len(), 2);
+        assert_eq!(read[0].direction, DVec3::NEG_Z);
+        // Five magnitudes are a factor of 100, and 3000 K is red.
+        let [r, g, b] = read[1].irradiance;
+        assert!(r > g && g > b && (0.2126 * r + 0.7152 * g + 0.0722 * b - 0.01).abs() < 1e-4);
+        for bad in [
+            "1,2,3",
+            "0,0,0,1,5000",
+            "1,0,0,1,0",
+            "1,0,0,nan,5000",
+            "a\nb",
+        ] {
+            let error = stars(&file, bad).unwrap_err().to_string();
+            assert!(error.contains("line "), "{error}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The sky: its picture and its stars, as far as a scene has them.
+
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::emitters::{received, response};
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::files;
+use crate::io::image::{exr, hdr};
+use crate::light::sky::{BoostedSky, Panorama, Sky, stars};
+use crate::render::plan::Plan;
+use crate::render::trace::{Background, RestFrame, SkyLight};
+use crate::scene::model::{self, Catalogue, Scene, SkyRadiance};
+
+/// The scene's sky.
+pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
+    let Some(sky) = &scene.sky else {
+        return Ok(None);
+    };
+    let left = plan.memory_limit.saturating_sub(plan.memory.total());
+    let budget = Budget::new(left);
+    let panorama = match &sky.background {
+        SkyRadiance::Image {
+            path,
+            scale,
+            rotation,
+        } => {
+            let (texels, width) = picture(path, &budget)?;
+            Some(Panorama::new(texels, width, *scale, *rotation))
+        }
+        SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } => None,
+    };
+    let stars = match &sky.stars {
+        Some(catalogue) => stars(catalogue, &table(catalogue, &budget)?)?,
+        None => Vec::new(),
+    };
+    Ok(Some(Arc::new(Sky::new(sky, panorama, stars))))
+}
+
+/// What rays see that meet nothing.
+pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
+    let Some(sky) = sky else {
+        return Background::Observed(scene.background);
+    };
+    let camera = &scene.camera;
+    let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
+    Background::Sky {
+        sky,
+        response: response(scene.quantity, scene),
+        angle: camera.horizontal_fov / across,
+    }
+}
+
+/// The sky as a light of the surfaces of `frames`.
+pub(super) fn light(scene: &Scene, sky: &Arc<Sky>, frames: &[RestFrame]) -> Option<SkyLight> {
+    let model = scene.sky.as_ref().filter(|sky| sky.lights)?;
+    let boosted = |rest: &RestFrame| {
+        BoostedSky::new(
+            sky,
+            rest.frame.frame_from_world(),
+            received(scene.quantity, scene),
+        )
+    };
+    Some(SkyLight {
+        sky: sky.clone(),
+        frames: frames.iter().map(boosted).collect(),
+        shadows: model.shadows,
+    })
+}
+
+/// The text of a catalogue's table.
+fn table(stars: &model::Stars, budget: &Budget) -> Result<String> {
+    let Catalogue::File(path) = &stars.catalogue else {
+        return Ok(String::new());
+    };
+    String::from_utf8(contents(path, budget)?)
+        .map_err(|_| Error::invalid(path, "", "not UTF-8 text", "a CSV table of stars"))
+}
+
+/// All bytes of a file, taken from `budget`.
+fn contents(path: &Path, budget: &Budget) -> Result<Vec<u8>> {
+    let (file, length) = files::open(path).map_err(Error::io(path, "cannot read"))?;
+    budget.take(length, path)?;
+    let mut bytes = Vec::new();
+    let read = file.take(length).read_to_end(&mut bytes);
+    read.map_err(Error::io(path, "cannot read"))?;
+    Ok(bytes)
+}
+
+/// The texels of an equirectangular picture, and its width.
+fn picture(path: &Path, budget: &Budget) -> Result<(Vec<[f32; 3]>, usize)> {
+    let is_hdr = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("hdr"));
+    let ([width, height], texels) = if is_hdr {
+        hdr::read(&contents(path, budget)?, path, budget)?
+    } else {
+        let layers = exr::read(path, budget)?;
+        let help = "an EXR image with the channels R, G and B";
+        let missing = || Error::invalid(path, "", "it has no R, G and B", help);
+        let radiance = layers.radiance().ok_or_else(missing)?;
+        let texels = radiance.into_iter().map(|rgb| rgb.map(|c| c as f32));
+        let size = [layers.width as usize, layers.height as usize];
+        (size, texels.collect::<Vec<_>>())
+    };
+    // All smaller sizes together are a third of the largest.
+    budget.take(texels.len() as u64 * 16, path)?;
+    if width != 2 * height {
+        let what = format!("{width} by {height} pixels are not 2:1");
+        let help = "a sky is an equirectangular picture, twice as wide as high";
+        return Err(Error::invalid(path, "", what, help));
+    }
+    let is_bad = |c: &f32| !(*c >= 0.0 && c.is_finite());
+    if let Some(at) = texels.iter().position(|t| t.iter().any(is_bad)) {
+        let place = format!("pixel ({}, {})", at % width, at / width);
+        let what = "a radiance below 0, infinite or not a number";
+        return Err(Error::invalid(path, place, what, "radiances of at least 0"));
+    }
+    Ok((texels, width))
+}

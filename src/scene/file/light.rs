@@ -1,0 +1,162 @@
+//! `[[light]]`.
+
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::camera::Velocity;
+use super::motion::Motion;
+use super::spectrum::Spectrum;
+use crate::scene::at::At;
+use crate::scene::values::{Number, NumberOrVector, Vector};
+use crate::spacetime::units::{Angle, Time};
+
+/// A light: a lamp on a world line of its own, or an object that shines. Where a scene has any, or a sky that
+/// lights, the base colours of surfaces are no radiance but what they reflect.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { position = [0, 3, 0], intensity = 10 }"
+)]
+pub(in crate::scene) struct Light {
+    /// A name of its own, for messages and `--set`. Default: its type, numbered where it is taken.
+    pub name: Option<At<String>>,
+    /// "point" (alike in all directions), "spot" (a cone), "directional" (parallel light, as of a sun) or
+    /// "area" (the surface of an object). Default: "point".
+    #[serde(default, rename = "type")]
+    pub kind: At<LightType>,
+    /// World position of a point or spot light when its clock shows 0, metres.
+    pub position: Option<At<Vector>>,
+    /// Where a spot or directional light shines to, in its own frame, whose axes are the world's, boosted
+    /// without rotation; of any length but 0.
+    pub direction: Option<At<Vector>>,
+    /// A spot light has its full intensity within this angle of its direction. Default: "0 deg".
+    pub inner: Option<At<Angle>>,
+    /// A spot light has none beyond this angle, above `inner` and at most 90 deg. Default: "45 deg".
+    pub outer: Option<At<Angle>>,
+    /// Radiant intensity of a point or spot light, power per solid angle in its own frame, at least 0: one
+    /// number, or linear RGB. Excludes `power`. Default: 1.
+    pub intensity: Option<At<NumberOrVector>>,
+    /// All power of a point or spot light in its own frame, at least 0: one number, or linear RGB.
+    pub power: Option<At<NumberOrVector>>,
+    /// What a directional light sends through a surface across it, power per area in its own frame, at
+    /// least 0: one number, or linear RGB. Default: 1.
+    pub irradiance: Option<At<NumberOrVector>>,
+    /// Radiance of an area light's surface in its own frame, alike in all directions, at least 0: one
+    /// number, or linear RGB. Default: 1.
+    pub radiance: Option<At<NumberOrVector>>,
+    /// The spectrum of a point, spot or directional light at rest with it; what says how bright it is, is a factor
+    /// on it. Needs quantity = "rgb" in `radiance`. Default: that of the RGB of `intensity` and the like.
+    pub spectrum: Option<At<Spectrum>>,
+    /// The object whose surface an area light is.
+    pub object: Option<At<String>>,
+    /// World time (ct) at which the light's clock shows 0 and it is at `position`. Default: "0 m".
+    #[serde(default = "Light::clock_zero")]
+    pub clock_zero: At<Time>,
+    /// Velocity in the world when the light's clock shows 0. Default: at rest.
+    pub velocity: Option<At<Velocity>>,
+    /// How a point or spot light moves on from there. Default: without acceleration.
+    pub motion: Option<At<Motion>>,
+    /// How bright it is at its own times. Default: steady.
+    pub emission: Option<At<Emission>>,
+    /// Whether surfaces shadow it. Default: true.
+    #[serde(default = "Light::shadows")]
+    pub shadows: bool,
+}
+
+impl Light {
+    fn clock_zero() -> At<Time> {
+        At::nowhere(Time::customary(0.0))
+    }
+
+    fn shadows() -> bool {
+        true
+    }
+}
+
+/// What kind of light.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", schemars(inline))]
+pub(in crate::scene) enum LightType {
+    #[default]
+    Point,
+    Spot,
+    Directional,
+    Area,
+}
+
+impl LightType {
+    /// As it stands in a file.
+    pub fn name(self) -> &'static str {
+        match self {
+            LightType::Point => "point",
+            LightType::Spot => "spot",
+            LightType::Directional => "directional",
+            LightType::Area => "area",
+        }
+    }
+}
+
+/// A factor on a light's intensity at each of its own (proper) times, given in exactly one way.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { gaussian = { sigma = \"5 cm\" } }"
+)]
+pub(in crate::scene) struct Emission {
+    /// A Gaussian pulse, 1 at its centre.
+    pub gaussian: Option<At<GaussianPulse>>,
+    /// Gaussian pulses one after the other.
+    pub train: Option<At<PulseTrain>>,
+    /// Factors at ascending times, linear between them and 0 before and after; 2 to 100000 entries.
+    pub table: Option<At<Vec<At<EmissionKnot>>>>,
+}
+
+/// A Gaussian pulse.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields, expecting = "a table like { sigma = \"5 cm\" }")]
+pub(in crate::scene) struct GaussianPulse {
+    /// The light's own time of the centre. Default: "0 m".
+    #[serde(default = "Light::clock_zero")]
+    pub time: At<Time>,
+    /// Standard deviation, above 0.
+    pub sigma: At<Time>,
+}
+
+/// Gaussian pulses at equal times after each other.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { sigma = \"5 cm\", period = \"1 m\" }"
+)]
+pub(in crate::scene) struct PulseTrain {
+    /// The light's own time of the centre of the first. Default: "0 m".
+    #[serde(default = "Light::clock_zero")]
+    pub time: At<Time>,
+    /// Standard deviation of each, above 0.
+    pub sigma: At<Time>,
+    /// From one to the next, at least `sigma`.
+    pub period: At<Time>,
+    /// How many. Default: without end, before the first too.
+    pub count: Option<At<u32>>,
+}
+
+/// A factor at a proper time.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { time = \"2 m\", factor = 0.5 }"
+)]
+pub(in crate::scene) struct EmissionKnot {
+    /// The light's own time, above that of the entry before.
+    pub time: At<Time>,
+    /// At least 0.
+    pub factor: At<Number>,
+}

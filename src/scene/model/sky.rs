@@ -1,0 +1,114 @@
+//! The sky: light from all directions, from afar, at rest in the world.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+/// What shines from afar; its parts add.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Sky {
+    /// Radiance of all directions.
+    pub background: SkyRadiance,
+    /// A sun.
+    pub sun: Option<Sun>,
+    /// Stars.
+    pub stars: Option<Stars>,
+    /// Whether it lights surfaces.
+    pub lights: bool,
+    /// Whether surfaces shadow it.
+    pub shadows: bool,
+    /// A byte range of the scene text to point at in messages.
+    pub span: std::ops::Range<usize>,
+}
+
+/// Radiance of all directions, by channel.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SkyRadiance {
+    /// The same everywhere.
+    Uniform([f64; 3]),
+    /// horizon + (zenith − horizon) (1 − (1 − h)⁴) at h = sin of the elevation above 0, ground below.
+    Gradient {
+        /// Straight up.
+        zenith: [f64; 3],
+        /// At elevation 0.
+        horizon: [f64; 3],
+        /// Below.
+        ground: [f64; 3],
+    },
+    /// An equirectangular picture: row 0 is up, its middle is −Z, and +X is to the right of that.
+    Image {
+        /// `.exr` or `.hdr`, relative paths already resolved against the scene file.
+        path: PathBuf,
+        /// Factor on its radiance, by channel.
+        scale: [f64; 3],
+        /// Radians by which it is turned about +Y, right-handed.
+        rotation: f64,
+    },
+}
+
+/// A disc of uniform radiance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Unit vector towards its middle.
+    pub direction: DVec3,
+    /// What it sends through a surface across, at rest in the world, by channel.
+    pub irradiance: [f64; 3],
+    /// Angular radius, radians.
+    pub radius: f64,
+}
+
+/// Stars: discs of uniform radiance, of the colours of blackbodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stars {
+    /// Which.
+    pub catalogue: Catalogue,
+    /// Irradiance (luminance of the linear RGB) of a star of magnitude 0.
+    pub scale: f64,
+    /// Angular radius of each disc, radians.
+    pub radius: f64,
+}
+
+/// Where stars come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Catalogue {
+    /// A table `x,y,z,magnitude,temperature` (CSV), relative paths already resolved against the scene file.
+    File(PathBuf),
+    /// Random ones: alike in all directions, as many to each magnitude m as in a space that is evenly
+    /// filled, N(<m) ∝ 10^(0.6 m), and temperatures 3000 K · 4^(u²) with u uniform in [0, 1).
+    Random {
+        /// How many.
+        count: u32,
+        /// Of the random numbers.
+        seed: u32,
+        /// The magnitude of the faintest.
+        faintest: f64,
+    },
+}
+
+impl Sky {
+    /// The files that it names.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        let image = match &self.background {
+            SkyRadiance::Image { path, .. } => Some(path),
+            SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } => None,
+        };
+        let table = self
+            .stars
+            .as_ref()
+            .and_then(|stars| match &stars.catalogue {
+                Catalogue::File(path) => Some(path),
+                Catalogue::Random { .. } => None,
+            });
+        image.into_iter().chain(table)
+    }
+}
+
+impl Sun {
+    /// Its radiance: E/(π sin² ρ).
+    pub fn radiance(&self) -> [f64; 3] {
+        let sine = libm::sin(self.radius);
+        self.irradiance
+            .map(|e| e / (std::f64::consts::PI * sine * sine))
+    }
+}

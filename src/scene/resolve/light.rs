@@ -1,0 +1,359 @@
+//! Lights.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::context::Context;
+use super::motion::{self, Mover, Moving};
+use super::{object, path, spectrum};
+use crate::colour::{Continuation, Spectrum};
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file::{self, LightType};
+use crate::scene::model::{Beam, EmissionProfile, Lamp, Light, LightKind, Motion, Object};
+use crate::scene::names;
+use crate::scene::suggest::did_you_mean;
+use crate::scene::values::NumberOrVector;
+use crate::spacetime::Quantity;
+use crate::spacetime::units::quoted;
+
+const ALL_IN_VACUUM: &str = "light that a moving lamp sends into a medium is not computed: leave index = 1, or let the lamp rest";
+
+/// The most lights: each may be asked for at every hit.
+const MOST: usize = 10_000;
+
+/// What lights need to know of the rest of the scene.
+pub(super) struct Around<'a> {
+    pub objects: &'a [Object],
+    /// Index of the medium.
+    pub index: f64,
+    pub quantity: Quantity,
+    pub continuation: Continuation,
+}
+
+/// All lights.
+pub(super) fn resolve_all(
+    cx: &Context,
+    lights: &[At<file::Light>],
+    around: &Around,
+) -> Result<Vec<Light>> {
+    if let Some(at) = lights.get(MOST) {
+        let what = format!("{} lights are too many", lights.len());
+        return Err(cx.refuse(at, what, format!("give at most {MOST}")));
+    }
+    let explicit = lights.iter().filter_map(|at| at.value.name.as_ref());
+    object::refuse_duplicates(cx, explicit, "light")?;
+    let entry = |at: &At<file::Light>| {
+        let name = at.value.name.as_ref().map(|name| name.value.clone());
+        (name, at.value.kind.value.name().to_string())
+    };
+    let names = names::unique(lights.iter().map(entry).collect());
+    let named = lights.iter().zip(names);
+    named
+        .map(|(at, name)| {
+            Ok(Light {
+                name,
+                kind: kind(cx, at, around)?,
+                shadows: at.value.shadows,
+                span: span(at),
+            })
+        })
+        .collect()
+}
+
+fn span(at: &At<file::Light>) -> Range<usize> {
+    let name = at.value.name.as_ref();
+    name.map_or_else(|| at.span.clone(), |name| name.span.clone())
+}
+
+fn kind(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind> {
+    only_keys_of_its_type(cx, at)?;
+    if at.value.kind.value == LightType::Area {
+        return area(cx, at, around.objects);
+    }
+    let lamp = lamp(cx, at, around)?;
+    let index = around.index;
+    let moves = !lamp.velocity.is_rest() || lamp.motion != Motion::Inertial;
+    if index != 1.0 && moves {
+        let what = format!("this lamp moves in a medium of index {index}");
+        return Err(cx.report.refuse(&span(at), what, ALL_IN_VACUUM));
+    }
+    Ok(LightKind::Lamp(Box::new(lamp)))
+}
+
+/// Refuses keys that lights of this type do not have.
+fn only_keys_of_its_type(cx: &Context, at: &At<file::Light>) -> Result<()> {
+    use LightType::{Area, Directional, Point, Spot};
+    let light = &at.value;
+    let clock = Some(&light.clock_zero.span).filter(|_| light.clock_zero.is_given());
+    type Key<'a> = (&'a str, Option<&'a Range<usize>>, &'a [LightType]);
+    let keys: [Key; 14] = [
+        ("position", At::span_of(&light.position), &[Point, Spot]),
+        (
+            "direction",
+            At::span_of(&light.direction),
+            &[Spot, Directional],
+        ),
+        ("inner", At::span_of(&light.inner), &[Spot]),
+        ("outer", At::span_of(&light.outer), &[Spot]),
+        ("intensity", At::span_of(&light.intensity), &[Point, Spot]),
+        ("power", At::span_of(&light.power), &[Point, Spot]),
+        ("irradiance", At::span_of(&light.irradiance), &[Directional]),
+        ("radiance", At::span_of(&light.radiance), &[Area]),
+        (
+            "spectrum",
+            At::span_of(&light.spectrum),
+            &[Point, Spot, Directional],
+        ),
+        ("object", At::span_of(&light.object), &[Area]),
+        ("clock_zero", clock, &[Point, Spot, Directional]),
+        (
+            "velocity",
+            At::span_of(&light.velocity),
+            &[Point, Spot, Directional],
+        ),
+        ("motion", At::span_of(&light.motion), &[Point, Spot]),
+        (
+            "emission",
+            At::span_of(&light.emission),
+            &[Point, Spot, Directional],
+        ),
+    ];
+    let own = light.kind.value;
+    let wrong = keys.iter().find_map(|(key, span, types)| {
+        let span = span.filter(|_| !types.contains(&own))?;
+        Some((key, span, types))
+    });
+    let Some((key, span, types)) = wrong else {
+        return Ok(());
+    };
+    let types: Vec<_> = types.iter().map(|t| format!("\"{}\"", t.name())).collect();
+    let what = format!("a light of type \"{}\" has no `{key}`", own.name());
+    let help = format!("leave it out, or set type = {}", types.join(" or "));
+    Err(cx.report.refuse(span, what, help))
+}
+
+fn area(cx: &Context, at: &At<file::Light>, objects: &[Object]) -> Result<LightKind> {
+    let Some(name) = &at.value.object else {
+        let help = "add object = \"…\": the object whose surface shines";
+        return Err(cx.refuse(at, "this area light has no object", help));
+    };
+    let Some(object) = objects.iter().position(|o| o.name == name.value) else {
+        let names = objects.iter().map(|object| object.name.as_str());
+        let meant = did_you_mean(&name.value, names.clone(), quoted);
+        let known: Vec<String> = names.take(12).map(quoted).collect();
+        let what = format!("no object is called {}", quoted(&name.value));
+        let help = format!("{meant}the objects are: {}", known.join(", "));
+        return Err(cx.refuse(name, what, help));
+    };
+    Ok(LightKind::Area {
+        object,
+        radiance: channels(cx, &at.value.radiance)?,
+    })
+}
+
+/// The spectrum of a lamp in a scene whose radiance is RGB.
+fn spectrum(cx: &Context, light: &file::Light, around: &Around) -> Result<Option<Spectrum>> {
+    let Some(at) = &light.spectrum else {
+        return Ok(None);
+    };
+    if around.quantity != Quantity::Rgb {
+        let what = "a lamp has a spectrum where the radiance of surfaces has one";
+        let help = "set quantity = \"rgb\" in [radiance], or leave `spectrum` out";
+        return Err(cx.refuse(at, what, help));
+    }
+    spectrum::resolve(cx, at, around.continuation).map(Some)
+}
+
+fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
+    let light = &at.value;
+    let beam = beam(cx, at)?;
+    let mover = Mover {
+        noun: "light",
+        position: (&light.position, "position"),
+        velocity: &light.velocity,
+        clock_zero: &light.clock_zero,
+        motion: &light.motion,
+        span: &light.clock_zero.span,
+    };
+    motion::only_one_way(cx, &mover)?;
+    let start = match mover.keyframes() {
+        Some(keyframes) => path::start(cx, &mover, keyframes)?,
+        None => None,
+    };
+    let position = start.as_ref().or(light.position.as_ref());
+    let position = match (position, beam) {
+        (Some(position), _) => position.value.vec(),
+        (None, Beam::Parallel(_)) => DVec3::ZERO,
+        (None, _) => {
+            let help = "add position = [0, 3, 0], or set type = \"directional\"";
+            return Err(cx.refuse(at, "this light has no position", help));
+        }
+    };
+    let Moving {
+        origin,
+        velocity,
+        motion,
+        line,
+    } = motion::resolve(cx, &mover, position)?;
+    Ok(Lamp {
+        intensity: intensity(cx, light, beam)?,
+        spectrum: spectrum(cx, light, around)?,
+        emission: emission(cx, &light.emission)?,
+        beam,
+        origin,
+        velocity,
+        motion,
+        line,
+    })
+}
+
+fn beam(cx: &Context, at: &At<file::Light>) -> Result<Beam> {
+    let light = &at.value;
+    let direction = || {
+        let Some(direction) = &light.direction else {
+            let what = format!("a {} light needs a direction", light.kind.value.name());
+            return Err(cx.refuse(at, what, "add direction = [0, -1, 0]: where it shines to"));
+        };
+        cx.unit(
+            direction,
+            "the direction of a light",
+            "give one like [0, -1, 0]",
+        )
+    };
+    match light.kind.value {
+        LightType::Point | LightType::Area => Ok(Beam::Point),
+        LightType::Directional => direction().map(Beam::Parallel),
+        LightType::Spot => {
+            let inner = light.inner.as_ref().map_or(0.0, |at| at.value.radians());
+            let outer = light.outer.as_ref();
+            let outer_angle = outer.map_or(FRAC_PI_2 / 2.0, |at| at.value.radians());
+            // 90° may be rounded.
+            if !(0.0 <= inner && inner < outer_angle && outer_angle <= FRAC_PI_2 * (1.0 + 1e-12)) {
+                let at_span = outer
+                    .or(light.inner.as_ref())
+                    .map_or(&at.span, |at| &at.span);
+                let what = "this is no cone: `inner` is not below `outer`, or `outer` above 90 deg";
+                let help =
+                    "0 deg ≤ inner < outer ≤ 90 deg, like inner = \"20 deg\", outer = \"30 deg\"";
+                return Err(cx.report.refuse(at_span, what, help));
+            }
+            Ok(Beam::Spot {
+                axis: direction()?,
+                inner,
+                outer: outer_angle,
+            })
+        }
+    }
+}
+
+/// By channel, from whichever key the file has.
+fn intensity(cx: &Context, light: &file::Light, beam: Beam) -> Result<[f64; 3]> {
+    let (intensity, power) = (&light.intensity, &light.power);
+    cx.exclusive((intensity, "intensity"), (power, "power"))?;
+    match (beam, power) {
+        (Beam::Parallel(_), _) => channels(cx, &light.irradiance),
+        (_, None) => channels(cx, intensity),
+        (beam, Some(_)) => {
+            let solid_angle = beam.solid_angle();
+            Ok(channels(cx, power)?.map(|power| power / solid_angle))
+        }
+    }
+}
+
+impl Beam {
+    /// The solid angle that would have all of the power at the intensity on the axis: 4π of a point; of a spot
+    /// ∫ a dω = 2π ((1 − c_i) + (c_i − c_o)/3), with a = ((c − c_o)/(c_i − c_o))² between the cosines.
+    fn solid_angle(self) -> f64 {
+        match self {
+            Beam::Point | Beam::Parallel(_) => 4.0 * PI,
+            Beam::Spot { inner, outer, .. } => {
+                let (inner, outer) = (libm::cos(inner), libm::cos(outer));
+                TAU * ((1.0 - inner) + (inner - outer) / 3.0)
+            }
+        }
+    }
+}
+
+/// One number for all channels, or each its own, none below 0. Default: 1.
+pub(super) fn channels(cx: &Context, at: &Option<At<NumberOrVector>>) -> Result<[f64; 3]> {
+    let Some(at) = at else {
+        return Ok([1.0; 3]);
+    };
+    let channels = match at.value {
+        NumberOrVector::Number(all) => [all; 3],
+        NumberOrVector::Vector(rgb) => rgb,
+    };
+    if channels.iter().any(|&c| c < 0.0) {
+        let help = "light is at least 0: one number, or [r, g, b]";
+        return Err(cx.refuse(at, "there is light below 0", help));
+    }
+    Ok(channels)
+}
+
+fn emission(cx: &Context, at: &Option<At<file::Emission>>) -> Result<EmissionProfile> {
+    let Some(at) = at else {
+        return Ok(EmissionProfile::Steady);
+    };
+    let file::Emission {
+        gaussian,
+        train,
+        table,
+    } = &at.value;
+    let ways = [
+        ("gaussian", At::span_of(gaussian)),
+        ("train", At::span_of(train)),
+        ("table", At::span_of(table)),
+    ];
+    let help = "give it in exactly one way: `gaussian`, `train` or `table`";
+    cx.only_one("the emission", ways, help)?;
+    if let Some(gaussian) = gaussian {
+        Ok(EmissionProfile::Gaussian {
+            centre: cx.time(&gaussian.value.time)?,
+            sigma: cx.duration(&gaussian.value.sigma, "`sigma`")?,
+        })
+    } else if let Some(train) = train {
+        self::train(cx, &train.value)
+    } else if let Some(table) = table {
+        self::table(cx, table)
+    } else {
+        Err(cx.refuse(at, "no emission is given", help))
+    }
+}
+
+fn train(cx: &Context, train: &file::PulseTrain) -> Result<EmissionProfile> {
+    let sigma = cx.duration(&train.sigma, "`sigma`")?;
+    let period = cx.duration(&train.period, "`period`")?;
+    if period < sigma {
+        let what =
+            format!("a period of {period} m is below σ = {sigma} m: the pulses run together");
+        return Err(cx.refuse(
+            &train.period,
+            what,
+            "a period is at least σ; or leave `emission` out",
+        ));
+    }
+    Ok(EmissionProfile::Train {
+        centre: cx.time(&train.time)?,
+        sigma,
+        period,
+        count: train.count.as_ref().map(|count| count.value),
+    })
+}
+
+fn table(cx: &Context, at: &At<Vec<At<file::EmissionKnot>>>) -> Result<EmissionProfile> {
+    cx.bounded(at, 2, "times of an emission")?;
+    let knot = |knot: &At<file::EmissionKnot>| {
+        let file::EmissionKnot { time, factor } = &knot.value;
+        if factor.value.0 < 0.0 {
+            return Err(cx.refuse(factor, "a factor is below 0", "light is at least 0"));
+        }
+        Ok([cx.time(time)?, factor.value.0])
+    };
+    let knots: Vec<[f64; 2]> = at.value.iter().map(knot).collect::<Result<_>>()?;
+    let times: Vec<f64> = knots.iter().map(|[time, _]| *time).collect();
+    cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
+    Ok(EmissionProfile::Table(knots))
+}

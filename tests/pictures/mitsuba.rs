@@ -1,0 +1,77 @@
+//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, even sky, diffuse surfaces, GGX.
+
+use std::path::Path;
+
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::scene::{self, Overrides};
+
+/// The scene of generate.py. Roughness ½ is α = ¼; white metal has F = 1.
+const SCENE: &str = "
+[camera]
+eye = [0.5, 2.2, 5]
+look_at = [0, 0.6, 0]
+hfov = \"50 deg\"
+size = [40, 30]
+[[object]]
+shape = { plane = { size = [12, 12] } }
+colour = [0.6, 0.5, 0.4]
+[[object]]
+shape = { box = { size = [1, 1, 1] } }
+transform = { translate = [1.1, 0.5, -0.2] }
+colour = [0.3, 0.7, 0.4]
+[[object]]
+shape = { sphere = { radius = 0.8, subdivisions = 6 } }
+transform = { translate = [-0.9, 0.8, 0.2] }
+colour = [1, 1, 1]
+metallic = 1
+roughness = 0.5
+[[object]]
+name = \"panel\"
+shape = { plane = { size = [1.2, 0.8] } }
+transform = { translate = [0, 3, 0.5], rotate = { axis = [1, 0, 0], angle = \"180 deg\" } }
+colour = [0, 0, 0]
+[[light]]
+type = \"area\"
+object = \"panel\"
+radiance = [9, 7, 5]
+[sky]
+radiance = [0.3, 0.4, 0.6]
+[display]
+samples_per_pixel = 256
+";
+
+#[test]
+fn direct_light_at_rest_is_that_of_mitsuba() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba/direct.npy");
+    let expected = reference(&file);
+    let scene = scene::parse(SCENE, "mitsuba", ".".as_ref(), &Overrides::default()).unwrap();
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+    let got = film.radiance();
+    assert_eq!(got.len(), expected.len());
+    // The mean of the picture, whose noise is below 0.1 % of it in both.
+    for c in 0..3 {
+        let mean =
+            |image: &[[f64; 3]]| image.iter().map(|p| p[c]).sum::<f64>() / image.len() as f64;
+        let (a, b) = (mean(got), mean(&expected));
+        assert!((a - b).abs() < 0.004 * b, "channel {c}: {a} {b}");
+    }
+    // Pixels: the noise of 256 samples, and of edges; masking and shadowing of GGX are correlated here and not there.
+    let off = |k: &usize| {
+        (0..3).any(|c| (got[*k][c] - expected[*k][c]).abs() > 0.06 * expected[*k][c] + 0.004)
+    };
+    let off = (0..got.len()).filter(off).count();
+    assert!(off < got.len() / 20, "{off} of {} pixels", got.len());
+}
+
+fn reference(file: &Path) -> Vec<[f64; 3]> {
+    let bytes = std::fs::read(file).unwrap();
+    // NumPy's header ends at a multiple of 64 bytes with a line feed; the rest is f32, little-endian.
+    let data = &bytes[bytes.len() - 30 * 40 * 3 * 4..];
+    let value = |b: &[u8]| f64::from(f32::from_le_bytes(b.try_into().unwrap()));
+    let values: Vec<f64> = data.chunks_exact(4).map(value).collect();
+    values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect()
+}

@@ -1,0 +1,315 @@
+//! Lamps and shining surfaces, against closed forms.
+//!
+//! A lamp of intensity I that passes at the velocity β gives a floor at rest, at the event (t, x), the irradiance
+//! I W⁻² cos θ/r_G² with r = t − t′ to where it was at the retarded time t′, r_G = γ (r − β·R), R = x − x′, W = r_G/r and
+//! cos θ = h/r at the height h. t′ is the smaller root of (t − t′)² = |x − x₀ − β t′|².
+
+use glam::DVec3;
+use nullray::scene::model::Scene;
+
+use crate::pipeline::lorentz;
+use crate::pipeline::stage::{self, assert_relative};
+
+const PI: f64 = std::f64::consts::PI;
+
+/// A floor under lights.
+fn floor(lights: &str) -> Scene {
+    stage::scene(&format!(
+        "
+[camera]
+eye = [1, 3, 4]
+look_at = [0, 0, 0]
+hfov = \"60 deg\"
+size = [40, 30]
+clock_zero = \"7 m\"
+[[object]]
+name = \"floor\"
+shape = {{ plane = {{ size = [8, 8] }} }}
+colour = [0.5, 0.25, 0.75]
+{lights}"
+    ))
+}
+
+/// The irradiance of a lamp of intensity 1 at (0, h, 0) + β (t − 2) x̂, at time t at the place x of the floor.
+fn passing(beta: f64, h: f64, t: f64, x: DVec3) -> f64 {
+    let (t, x0) = (t - 2.0, x - DVec3::Y * h);
+    let b = DVec3::X * beta;
+    // (1 − β²) t′² − 2 (t − β·x) t′ + t² − x² = 0.
+    let (a, half, c) = (
+        1.0 - beta * beta,
+        t - b.dot(x0),
+        t * t - x0.length_squared(),
+    );
+    let left = (half - (half * half - a * c).sqrt()) / a;
+    let from = x0 - b * left;
+    let r = t - left;
+    assert!((from.length() - r).abs() < 1e-9 * r);
+    let in_lamp = (r - b.dot(from)) / a.sqrt();
+    let w = in_lamp / r;
+    h / r / (w * w * in_lamp * in_lamp)
+}
+
+#[test]
+fn a_lamp_that_passes_overhead_lights_the_floor_by_the_closed_form() {
+    for beta in [0.0, 0.5, -0.9, 0.99] {
+        let scene = floor(&format!(
+            "[[light]]\nposition = [0, 1.7, 0]\nclock_zero = \"2 m\"\nintensity = [2, 1, 0.5]\n\
+             velocity = {{ beta = [{beta}, 0, 0] }}"
+        ));
+        let film = stage::film(&scene);
+        let met = stage::met(&film);
+        assert!(met.len() > 500);
+        for i in met {
+            let (t, x) = stage::event(&film, i);
+            let expected = passing(beta, 1.7, t, x);
+            let parts = film.radiance()[i].into_iter().zip([1.0, 0.25, 0.375]);
+            for (got, factor) in parts {
+                let what = format!("pixel {i} at {beta}");
+                assert_relative(got, factor / PI * expected, 1e-9, what);
+            }
+        }
+    }
+}
+
+#[test]
+fn power_and_cone_of_a_spot_are_those_of_gltf() {
+    // Over the point below: on the axis 10 W / (2π ((1 − cᵢ) + (cᵢ − cₒ)/3)); nothing outside of 30°.
+    let scene = floor(
+        "[[light]]\ntype = \"spot\"\nposition = [0, 2, 0]\ndirection = [0, -1, 0]\npower = 10\n\
+         inner = \"10 deg\"\nouter = \"30 deg\"",
+    );
+    let film = stage::film(&scene);
+    let (inner, outer) = (10f64.to_radians().cos(), 30f64.to_radians().cos());
+    let intensity = 10.0 / (2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0));
+    for i in stage::met(&film) {
+        let (_, x) = stage::event(&film, i);
+        let r = x.distance(DVec3::Y * 2.0);
+        let cosine = 2.0 / r;
+        let part = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
+        let expected = 0.5 / PI * intensity * part * part * cosine / (r * r);
+        assert!((film.radiance()[i][0] - expected).abs() < 1e-9 * intensity);
+    }
+}
+
+#[test]
+fn a_pulsed_lamp_is_the_pulse_of_a_source() {
+    // The peak of the lamp is 1, and the energy of the pulse 1 per solid angle: I/(σ √2π).
+    let lamp = floor(
+        "[[light]]\nposition = [0.7, 1.9, -0.4]\nclock_zero = \"0.3 m\"\nintensity = 2.5\n\
+         emission = { gaussian = { sigma = \"0.4 m\" } }",
+    );
+    let pulse = floor(
+        "[[source]]\npulse = { position = [0.7, 1.9, -0.4], time = \"0.3 m\", sigma = \"0.4 m\", intensity = 1 }",
+    );
+    let factor = 2.5 * 0.4 * (2.0 * PI).sqrt();
+    let (lamp, pulse) = (stage::film(&lamp), stage::film(&pulse));
+    for (a, b) in lamp.radiance().iter().zip(pulse.radiance()) {
+        assert!((a[1] - factor * b[1]).abs() <= 1e-12 * a[1]);
+    }
+    assert!(lamp.radiance().iter().any(|rgb| rgb[0] > 1e-3));
+}
+
+#[test]
+fn parallel_light_falls_with_the_cosine_and_casts_shadows() {
+    let scene = floor(
+        "[[object]]\nname = \"lid\"\nshape = { box = { size = [1, 0.1, 1] } }\ntransform = { translate = [0, 1, 0] }\n\
+         [[light]]\ntype = \"directional\"\ndirection = [0.6, -0.8, 0]\nirradiance = 3",
+    );
+    let film = stage::film(&scene);
+    let (mut lit, mut dark) = (0, 0);
+    for i in stage::met(&film) {
+        let (_, x) = stage::event(&film, i);
+        if x.y > 1e-9 {
+            continue;
+        }
+        // Under the lid along (−0.6, 0.8): x is ¾ of its height further.
+        let shadow = |at: f64| (at - 0.75).abs() < 0.45 && x.z.abs() < 0.45;
+        let clear = x.x < 0.1 || x.x > 1.4 || x.z.abs() > 0.6;
+        if shadow(x.x) {
+            assert_eq!(film.radiance()[i], [0.0; 3]);
+            dark += 1;
+        } else if clear {
+            assert_relative(film.radiance()[i][0], 0.5 / PI * 3.0 * 0.8, 1e-12, i);
+            lit += 1;
+        }
+    }
+    assert!(lit > 300 && dark > 10, "{lit} {dark}");
+}
+
+#[test]
+fn a_small_shining_panel_is_a_lamp_of_its_area() {
+    // From 2 m, a panel of 4 cm is a point to (0.02/2)² = 10⁻⁴: E = L A cos² θ/r².
+    for beta in [0.0, 0.6] {
+        let area = floor(&format!(
+            "[[object]]\nname = \"panel\"\nshape = {{ plane = {{ size = [0.04, 0.04] }} }}\n\
+             transform = {{ translate = [0, 2, 0], rotate = {{ axis = [1, 0, 0], angle = \"180 deg\" }} }}\n\
+             velocity = {{ beta = [{beta}, 0, 0] }}\norigin = {{ time = \"2 m\" }}\n\
+             [[light]]\ntype = \"area\"\nobject = \"panel\"\nradiance = [2, 1, 0.5]"
+        ));
+        let film = stage::film(&area);
+        let mut count = 0;
+        for i in stage::met(&film) {
+            let (t, x) = stage::event(&film, i);
+            if stage::value(&film, nullray::render::aov::Aov::Object, i) != 0.0 {
+                continue;
+            }
+            // In the panel's frame its light goes with the cosine to the vertical, h/r_G.
+            let e = passing(beta, 2.0, t, x);
+            let in_lamp = distance_in_lamp(beta, 2.0, t, x);
+            let expected = 0.5 / PI * 2.0 * 0.0016 * e * (2.0 / in_lamp);
+            assert_relative(film.radiance()[i][0], expected, 0.06, format!("{i} {beta}"));
+            count += 1;
+        }
+        assert!(count > 500);
+    }
+}
+
+/// r_G of [`passing`].
+fn distance_in_lamp(beta: f64, h: f64, t: f64, x: DVec3) -> f64 {
+    let gamma = 1.0 / (1.0 - beta * beta).sqrt();
+    let along = gamma * (x.x - beta * (t - 2.0));
+    DVec3::new(along, x.y - h, x.z).length()
+}
+
+/// A ball and a box in motion, and three lamps of which two move.
+const MOVING: &str = "
+[camera]
+eye = [0, 1, 5]
+look_at = [0, 0.3, 0]
+hfov = \"50 deg\"
+size = [32, 24]
+velocity = { beta = [0.3, 0.1, -0.2] }
+[[object]]
+name = \"ball\"
+shape = { sphere = { radius = 0.7, subdivisions = 2 } }
+metallic = 0.6
+roughness = 0.4
+velocity = { beta = [0.5, 0, 0.1] }
+origin = { position = [-2, 0, 0], time = \"-5 m\" }
+[[object]]
+name = \"box\"
+shape = { box = { size = [1, 1, 1] } }
+transform = { translate = [1, 0, 0] }
+[[light]]
+position = [2, 3, 2]
+intensity = 9
+[[light]]
+position = [-2, 2, 1]
+clock_zero = \"-4 m\"
+velocity = { beta = [0, 0.2, 0.7] }
+intensity = [8, 4, 2]
+[[light]]
+type = \"spot\"
+position = [1, 4, 1]
+direction = [-0.2, -1, -0.2]
+outer = \"40 deg\"
+velocity = { beta = [-0.4, 0, 0] }
+intensity = 12
+";
+
+#[test]
+fn boosting_lamps_bodies_and_camera_together_changes_nothing_but_rounding() {
+    let scene = stage::scene(MOVING);
+    let film = stage::film(&scene);
+    let lit = film.radiance().iter().filter(|rgb| rgb[0] > 0.0).count();
+    assert!(lit > 30, "{lit}");
+    for v in [DVec3::new(0.4, 0.0, 0.0), DVec3::new(-0.5, 0.8, 0.3)] {
+        let moved = stage::film(&lorentz::boosted(&scene, v));
+        let mut differ = 0;
+        for (a, b) in film.radiance().iter().zip(moved.radiance()) {
+            // On edges of bodies and shadows a ray may fall on the other side.
+            let same = (0..3).all(|c| (a[c] - b[c]).abs() <= 1e-8 * a[c].max(1e-6));
+            differ += usize::from(!same);
+        }
+        assert!(differ <= 4, "{differ} pixels differ at {v}");
+    }
+}
+
+#[test]
+fn a_lamp_of_the_spectrum_of_white_is_a_white_lamp() {
+    let lamp = |more: &str| {
+        floor(&format!(
+            "[radiance]\nquantity = \"rgb\"\n[[light]]\nposition = [0, 1.7, 0]\nclock_zero = \"2 m\"\nintensity = 3\n\
+             velocity = {{ beta = [0.4, 0, 0] }}\n{more}"
+        ))
+    };
+    let plain = stage::film(&lamp(""));
+    let spectrum = stage::film(&lamp("spectrum = { rgb = [1, 1, 1] }"));
+    for (a, b) in plain.radiance().iter().zip(spectrum.radiance()) {
+        // Both tables are right to 10⁻⁴.
+        for (a, b) in a.iter().zip(b) {
+            assert!((a - b).abs() <= 5e-4 * a.abs(), "{a} {b}");
+        }
+    }
+    assert!(plain.radiance().iter().any(|rgb| rgb[2] > 0.01));
+}
+
+#[test]
+fn what_no_light_can_be_is_refused_in_words() {
+    let refused = |light: &str| {
+        let text = format!(
+            "camera = {{ eye = [0, 1, 5], look_at = [0, 0, 0] }}\nobject = [{{ shape = {{ plane = {{ size = [1, 1] }} }} }}]\n{light}"
+        );
+        let read = nullray::scene::parse(&text, "test", ".".as_ref(), &Default::default());
+        read.unwrap_err().to_string()
+    };
+    for (light, words) in [
+        ("[[light]]", "has no position"),
+        ("[[light]]\nposition = [0, 1, 0]\nintensity = -1", "below 0"),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nintensity = 1\npower = 1",
+            "exclude each other",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nvelocity = { beta = [1, 0, 0] }",
+            "not below 1",
+        ),
+        (
+            "[[light]]\ntype = \"spot\"\nposition = [0, 1, 0]",
+            "needs a direction",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\ndirection = [0, 1, 0]",
+            "has no `direction`",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plan\"",
+            "no object is called",
+        ),
+        (
+            "[[light]]\ntype = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 1, 0]\nouter = \"95 deg\"",
+            "no cone",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nemission = { train = { sigma = \"1 m\", period = \"0.5 m\" } }",
+            "run together",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nemission.table = [{ time = \"1 m\", factor = 1 }, { time = \"0 m\", factor = 1 }]",
+            "not after",
+        ),
+        (
+            "medium.index = 1.5\n[[light]]\nposition = [0, 1, 0]\nvelocity = { beta = [0.1, 0, 0] }",
+            "moves in a medium",
+        ),
+        (
+            "[[light]]\nposition = [0, 1, 0]\nspectrum = { blackbody = \"3000 K\" }",
+            "set quantity",
+        ),
+        ("[sky]\nradiance = 1\ngradient = {}", "given twice"),
+        ("[sky]\nimage = { file = \"nowhere.exr\" }", "cannot find"),
+        ("[sky]\nsun = { direction = [0, 0, 0] }", "zero vector"),
+        ("[sky]\nstars = { count = 2000000 }", "too many"),
+        (
+            "[sky]\n[display]\nbackground = [1, 1, 1]",
+            "exclude each other",
+        ),
+        (
+            "[sky]\n[radiance]\nquantity = \"line\"\nwavelength = \"532 nm\"",
+            "no one wavelength",
+        ),
+    ] {
+        let error = refused(light);
+        assert!(error.contains(words), "{light}: {error}");
+    }
+}

@@ -374,9 +374,14 @@ pub struct CompareArguments {
     /// The picture to test against it.
     #[arg(value_name = "CANDIDATE")]
     pub candidate: PathBuf,
-    /// Channels, or groups of channels, to compare: "radiance,event". Default: all.
+    /// Channels, or groups of channels, to compare, which both pictures must have: "radiance,event". Default: those
+    /// that both have.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub channels: Vec<String>,
+    /// The scene of which the reference is. Default: the one that its metadata hold, as far as that goes without meshes
+    /// and cubes. Geometric errors are those of this scene then, and diagnoses render it where they need to.
+    #[arg(long, value_name = "FILE.toml")]
+    pub scene: Option<PathBuf>,
     /// A picture of the same size; only pixels where it is bright are compared.
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
@@ -386,9 +391,13 @@ pub struct CompareArguments {
     /// The encoding of a .png: "srgb" or "linear". Default: srgb.
     #[arg(long, value_name = "NAME", value_parser = values::transfer)]
     pub transfer: Option<Encoding>,
-    /// How to treat radiance that is NaN or infinite: "refuse", "ignore", "count-as=VALUE". Default: refuse.
+    /// How to treat radiance that is NaN or infinite: "refuse", "ignore" (its pixels do not count), "count-as=VALUE".
+    /// Default: refuse.
     #[arg(long, value_name = "POLICY", value_parser = values::nan)]
     pub nan: Option<NotFinite>,
+    /// What `object` and `primitive` hold where nothing is met, beside −1 and the largest number of an unsigned type.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub no_hit: Option<i64>,
     /// Width of a time bin, with its unit: "5 mm" or "16 ps". Errors of emission times are then reported in bins too.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub bin_width: Option<Time>,
@@ -401,7 +410,7 @@ pub struct CompareArguments {
     /// Compare even if the metadata say that the reference is the approximation.
     #[arg(long)]
     pub allow_swapped: bool,
-    /// A limit; if it is exceeded the exit code is 1. Repeatable.
+    /// A limit; if it is exceeded, or the metric cannot be computed, the exit code is 1. Repeatable.
     #[arg(long, value_name = "METRIC=VALUE")]
     pub tolerance: Vec<Tolerance>,
     /// Memory limit. Default: three quarters of the machine's.
@@ -510,6 +519,10 @@ pub struct ExportArguments {
     /// Copy stored cubes, or only refer to them by path and SHA-256.
     #[arg(long, value_name = "WHAT", default_value = "copy")]
     pub cubes: CubesArgument,
+    /// Write test vectors too: vertices, and in which event, where on the film and with which wavelength ratio they are
+    /// seen, as JSON for unit tests in any language.
+    #[arg(long)]
+    pub vectors: bool,
     /// Replace an export of this name.
     #[arg(long)]
     pub overwrite: bool,

@@ -1,15 +1,18 @@
 //! `nullray compare`.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use nullray::Result;
 use nullray::figures::drawing::{self, png};
 use nullray::io::budget::Budget;
 use nullray::io::image::{self, exr};
-use nullray::scene::model::SPEED_OF_LIGHT;
+use nullray::scene::Overrides;
+use nullray::scene::model::{SPEED_OF_LIGHT, Scene};
 use nullray::validate::compare::{
-    CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip, report,
+    Breach, CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip, report,
 };
+use serde::Serialize;
 
 use super::args::CompareArguments;
 use super::check::Names;
@@ -23,20 +26,26 @@ const COMPARED: u64 = 96;
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments)?;
-    let png = arguments.transfer.unwrap_or(Encoding::Srgb);
     let budget = Budget::new(memory::limit(arguments.max_memory));
-    let reference = Picture::read(&arguments.reference, png, &budget)?;
-    let candidate = Picture::read(&arguments.candidate, png, &budget)?;
+    let reference = picture(&arguments.reference, arguments, &budget)?;
+    let candidate = picture(&arguments.candidate, arguments, &budget)?;
     let pixels = u64::from(reference.layers.width) * u64::from(reference.layers.height);
     budget.take(pixels.saturating_mul(COMPARED), &arguments.reference)?;
     interrupt::check()?;
-    let comparison = compare(&reference, &candidate, &options(arguments, &budget)?)?;
+    let options = CompareOptions {
+        scene: scene(arguments, &reference)?,
+        ..options(arguments, &budget)?
+    };
+    let comparison = compare(&reference, &candidate, &options)?;
     let breaches = comparison.breaches(&arguments.tolerance)?;
     match arguments.json {
-        true => print_json(&comparison)?,
+        true => print_json(&Found {
+            comparison: &comparison,
+            breaches: &breaches,
+        })?,
         false => print(&report::table(&comparison))?,
     }
-    write(arguments, &comparison, &reference, &candidate)?;
+    write(arguments, &comparison, &breaches, [&reference, &candidate])?;
     for breach in &breaches {
         super::complain(&format!("not within tolerance: {breach}\n"));
     }
@@ -44,6 +53,39 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
         true => Done::Well,
         false => Done::OutOfBounds,
     })
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Found<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// Limits that are exceeded.
+    breaches: &'a [Breach],
+}
+
+/// The scene that is named, as the reference shows it.
+fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc<Scene>>> {
+    let Some(path) = &arguments.scene else {
+        return Ok(None);
+    };
+    let time = reference.metadata("camera_time");
+    let overrides = Overrides {
+        size: Some([reference.layers.width, reference.layers.height]),
+        time: time.map(|metres| format!("{metres} m")),
+        ..Overrides::default()
+    };
+    Ok(Some(Arc::new(nullray::scene::load(path, &overrides)?)))
+}
+
+/// A picture, as the options say how to read it.
+fn picture(path: &Path, arguments: &CompareArguments, budget: &Budget) -> Result<Picture> {
+    let png = arguments.transfer.unwrap_or(Encoding::Srgb);
+    let mut picture = Picture::read(path, png, budget)?;
+    if let Some(no_hit) = arguments.no_hit {
+        picture.set_no_hit(no_hit);
+    }
+    Ok(picture)
 }
 
 fn options(arguments: &CompareArguments, budget: &Budget) -> Result<CompareOptions> {
@@ -60,6 +102,7 @@ fn options(arguments: &CompareArguments, budget: &Budget) -> Result<CompareOptio
         },
         not_finite: arguments.nan.unwrap_or(NotFinite::Refuse),
         channels: arguments.channels.clone(),
+        scene: None,
         bin_width: arguments.bin_width.map(|time| time.metres(SPEED_OF_LIGHT)),
         pixels_per_degree: (!arguments.no_flip)
             .then_some(arguments.ppd.unwrap_or(flip::PIXELS_PER_DEGREE)),
@@ -71,8 +114,8 @@ fn options(arguments: &CompareArguments, budget: &Budget) -> Result<CompareOptio
 fn write(
     arguments: &CompareArguments,
     comparison: &Comparison,
-    reference: &Picture,
-    candidate: &Picture,
+    breaches: &[Breach],
+    [reference, candidate]: [&Picture; 2],
 ) -> Result<()> {
     if arguments.outputs().next().is_none() {
         return Ok(());
@@ -94,7 +137,8 @@ fn write(
             .map(|errors| report::ErrorMap::new("geometric error (pixels)", comparison, errors));
         let mut maps = vec![map];
         maps.extend(geometric.filter(|geometric| *geometric != maps[0]));
-        drawing::save(path, report::page(comparison, reference, candidate, &maps)?)?;
+        let pair = [reference, candidate];
+        drawing::save(path, report::page(comparison, breaches, pair, &maps)?)?;
     }
     Ok(())
 }

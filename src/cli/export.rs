@@ -18,6 +18,7 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
             CubesArgument::Copy => Cubes::Copied,
             CubesArgument::Reference => Cubes::Referenced,
         },
+        vectors: arguments.vectors,
         overwrite: arguments.overwrite,
         memory_limit: memory::limit(arguments.scene.changes.max_memory),
     };

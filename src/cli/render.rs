@@ -22,6 +22,13 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
     let file = file(arguments, &overrides)?;
     let scene = file.scene(&overrides)?;
+    if arguments.changes.pixel_centers && scene.camera.shutter.is_some() {
+        return Err(refused(
+            "--pixel-centers",
+            "takes one ray per pixel at one instant, and the shutter of this scene's camera is open for a while",
+            "leave out --pixel-centers, or take the shutter away",
+        ));
+    }
     if arguments.print_scene {
         return print(&scene.text);
     }

@@ -190,6 +190,12 @@ fn group(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
+/// The channels of the group of this name, in order; a channel that has no dot is a group of its own.
+pub fn group_of(name: &str) -> Vec<Aov> {
+    let all = Aov::ALL.iter().copied();
+    all.filter(|aov| group(aov.name()) == name).collect()
+}
+
 /// The names of all groups, in order.
 pub fn groups() -> Vec<&'static str> {
     let mut groups: Vec<_> = Aov::ALL.iter().map(|aov| group(aov.name())).collect();

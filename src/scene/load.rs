@@ -143,6 +143,25 @@ fn read_spectrum(inputs: &mut Inputs, seen: &Seen, spectrum: &Option<At<file::Sp
     }
 }
 
+/// What the text of a scene called `name` says of where things are and how they are seen. No mesh and no cube is
+/// looked for.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn kinematics(
+    text: &str,
+    name: &str,
+    base: &Path,
+    overrides: &Overrides,
+) -> Result<Kinematics> {
+    let report = report(text, name, overrides)?;
+    let file: file::Scene = report.read()?;
+    let seen = SceneFile::of_text(text, name, base).seen;
+    let mut inputs = Inputs::new(base.to_path_buf(), Memory::default());
+    camera(&mut inputs, &seen, &file);
+    Kinematics::new(&Context::new(report, inputs, &file.speed_of_light)?, &file)
+}
+
 fn camera<D>(inputs: &mut Inputs, seen: &Seen, file: &file::Scene<D>) {
     if let Some(camera) = &file.camera {
         read_pose(inputs, seen, &camera.value.gltf, &camera.value.node);

@@ -144,7 +144,7 @@ pub use schema::schema;
 // For `[diagram]`, which `figures` reads from the same file.
 pub(crate) use at::At;
 pub(crate) use file::Velocity as VelocityTable;
-pub(crate) use load::{base, parse_diagram, text_of};
+pub(crate) use load::{base, kinematics, parse_diagram, text_of};
 pub(crate) use resolve::{
     CameraMotion, Context, Kinematics, ObjectMotion, refuse_duplicates, velocity,
 };

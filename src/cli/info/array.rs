@@ -1,4 +1,4 @@
-//! What a file of arrays holds, from its headers, and whether it can be used as a cube.
+//! What a file of arrays holds, from its headers, and whether it can be used as a cube; or that it is a picture.
 
 use std::path::Path;
 
@@ -13,29 +13,39 @@ use super::Info;
 
 pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
     let headers = (format.arrays)(path)?;
+    let is_picture = is_picture(&headers);
     let title = match headers.as_slice() {
+        headers if is_picture => format!("picture of {} arrays", headers.len()),
         [one] if one.name.is_none() => format.name.into(),
         [_] => format!("{} of 1 array", format.name),
         headers => format!("{} of {} arrays", format.name, headers.len()),
     };
     let mut info = Info::new("numpy", &title);
     let arrays = headers.iter().map(|header| {
-        let wanted = Wanted {
-            array: header.name.as_deref(),
-            axes: None,
-        };
-        let cube =
-            cube::inspect(path, wanted).and_then(|info| Ok((samples(path, wanted, &info)?, info)));
-        describe(&mut info, header, &cube);
-        data(header, &cube)
+        let cube = (!is_picture).then(|| inspected(path, header));
+        describe(&mut info, header, cube.as_ref());
+        data(header, cube.as_ref())
     });
     let arrays: Vec<Value> = arrays.collect();
+    if is_picture {
+        info.row("usable", "yes: `nullray compare` reads its channels");
+    }
     info.data("arrays", arrays);
     Ok(info)
 }
 
 /// What is known of a cube: what looks wrong about its samples (none where they were not read), and its header.
 type Cube = Result<(Option<Vec<String>>, CubeInfo)>;
+
+/// The array as a cube.
+fn inspected(path: &Path, header: &Header) -> Cube {
+    let wanted = Wanted {
+        array: header.name.as_deref(),
+        axes: None,
+    };
+    let info = cube::inspect(path, wanted)?;
+    Ok((samples(path, wanted, &info)?, info))
+}
 
 /// Samples that take more memory than this are not read, bytes.
 const MOST_READ: u64 = 1 << 30;
@@ -49,7 +59,21 @@ fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<St
     Ok(Some(survey::of_samples(&cube, info.assumed)))
 }
 
-fn describe(info: &mut Info, header: &Header, cube: &Cube) {
+/// Whether these are the arrays of a picture, as `render` writes one: channels, and a text of metadata.
+fn is_picture(headers: &[Header]) -> bool {
+    let is_text = |header: &Header| match &header.dtype {
+        Dtype::Other(descr) => descr.starts_with("<U"),
+        Dtype::F16 | Dtype::F32 | Dtype::F64 => false,
+    };
+    let named = |header: &Header| header.name.as_deref() == Some("metadata");
+    headers.len() > 1
+        && headers
+            .iter()
+            .any(|header| named(header) && is_text(header))
+}
+
+/// The array's rows, and whether it is a cube where that is asked.
+fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     if let Some(name) = &header.name {
         info.row("array", name);
     }
@@ -62,7 +86,8 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
         format!("{} ({precision}), {order} order, {size}", descr(header)),
     );
     match cube {
-        Ok((remarks, cube)) => {
+        None => {}
+        Some(Ok((remarks, cube))) => {
             let [h, w, t, c] = cube.shape;
             let colours = if c == 1 { "grey" } else { "red, green, blue" };
             info.row(
@@ -82,7 +107,7 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
                 info.row("remark", remark);
             }
         }
-        Err(error) => {
+        Some(Err(error)) => {
             let (why, help) = why(error);
             info.row("usable", format!("no: {why}"));
             if !help.is_empty() {
@@ -92,15 +117,18 @@ fn describe(info: &mut Info, header: &Header, cube: &Cube) {
     }
 }
 
-fn data(header: &Header, cube: &Cube) -> Value {
-    let usable = cube.as_ref().ok().map(|(remarks, cube)| {
-        let [h, w, t, c] = cube.shape;
-        json!({
-            "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
-            "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "remarks": remarks,
-        })
-    });
-    let problem = cube.as_ref().err().map(|error| why(error).0);
+fn data(header: &Header, cube: Option<&Cube>) -> Value {
+    let usable = cube
+        .and_then(|cube| cube.as_ref().ok())
+        .map(|(remarks, cube)| {
+            let [h, w, t, c] = cube.shape;
+            json!({
+                "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
+                "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "remarks": remarks,
+            })
+        });
+    let problem = cube.and_then(|cube| cube.as_ref().err());
+    let problem = problem.map(|error| why(error).0);
     json!({
         "name": header.name,
         "shape": header.shape,

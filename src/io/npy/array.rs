@@ -13,10 +13,13 @@ use crate::{Error, Result};
 /// The most samples that are read.
 const MOST: usize = 1 << 32;
 
+/// The largest integer up to which f64 holds all.
+const LARGEST_EXACT: i128 = 1 << 53;
+
 /// An array of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plain {
-    /// Sizes, the slowest first.
+    /// Sizes, the slowest first whatever the order in the file.
     pub shape: Vec<usize>,
     /// All samples; single precision where they are stored in it, or in half.
     pub samples: Numbers,
@@ -29,9 +32,9 @@ pub enum Numbers {
     F32(Vec<f32>),
     /// `f8`.
     F64(Vec<f64>),
-    /// `i1`, `i2`, `i4`.
+    /// `i1`, `i2`, `i4`; `i8` where all are in their range.
     I32(Vec<i32>),
-    /// `b1`, `u1`, `u2`, `u4`.
+    /// `b1`, `u1`, `u2`, `u4`; `u8` where all but its largest number, which becomes that of `u4`, are in their range.
     U32(Vec<u32>),
 }
 
@@ -39,6 +42,7 @@ pub enum Numbers {
 pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<Plain> {
     let mut array = Array::open(stored, file, budget)?;
     let samples = array.numbers()?;
+    let samples = array.in_c_order(samples)?;
     Ok(Plain {
         shape: array.header.shape,
         samples,
@@ -59,6 +63,47 @@ pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<
     let characters = array.samples(|c| char::from_u32(u32::from_le_bytes(c)))?;
     let text: Option<String> = characters.into_iter().collect();
     Ok(text.unwrap_or_default().trim_end_matches('\0').to_string())
+}
+
+/// Samples of an array of this shape whose first index varies fastest, in the order in which the last one does.
+fn transposed<T: Copy>(samples: &[T], shape: &[usize]) -> Vec<T> {
+    let mut index = vec![0; shape.len()];
+    let mut ordered = Vec::with_capacity(samples.len());
+    for _ in 0..samples.len() {
+        let place = index
+            .iter()
+            .zip(shape)
+            .rev()
+            .fold(0, |place, (i, n)| place * n + i);
+        ordered.push(samples[place]);
+        // The next index, the last one fastest.
+        for (i, n) in index.iter_mut().zip(shape).rev() {
+            *i += 1;
+            if *i < *n {
+                break;
+            }
+            *i = 0;
+        }
+    }
+    ordered
+}
+
+/// The refusal of samples of a type that is no number of at most 64 bits.
+fn no_numbers(place: &Place, descr: &str) -> Error {
+    let kind = match descr
+        .trim_start_matches(['<', '>', '|', '='])
+        .chars()
+        .next()
+    {
+        Some('c') => "complex numbers",
+        Some('f') => "numbers of more than 64 bits",
+        Some('O') => "Python objects",
+        Some('S' | 'U' | 'a') => "texts",
+        Some('M' | 'm') => "dates",
+        Some('[' | 'V') => "records of several fields",
+        _ => "samples of a type that is not known",
+    };
+    unsupported(place, &format!("holds {kind} ({descr})"))
 }
 
 fn unsupported(place: &Place, what: &str) -> Error {
@@ -83,9 +128,6 @@ struct Array<'a, 'b> {
 impl<'a, 'b> Array<'a, 'b> {
     fn open(stored: &'a mut Stored<'b>, file: &'a Path, budget: &'a Budget) -> Result<Self> {
         let (header, header_bytes) = header::read(stored.reader, &stored.place)?;
-        if header.fortran_order && header.shape.len() > 1 {
-            return Err(unsupported(&stored.place, "is in Fortran order"));
-        }
         let mut sizes = header.shape.iter();
         let count = sizes.try_fold(1usize, |product, n| product.checked_mul(*n));
         Ok(Array {
@@ -107,16 +149,74 @@ impl<'a, 'b> Array<'a, 'b> {
             Dtype::F32 => Numbers::F32(self.samples(f32::from_le_bytes)?),
             Dtype::F64 if big => Numbers::F64(self.samples(f64::from_be_bytes)?),
             Dtype::F64 => Numbers::F64(self.samples(f64::from_le_bytes)?),
-            Dtype::Other(descr) => match descr.as_str() {
-                "|b1" | "|u1" => Numbers::U32(self.samples(|[b]| b.into())?),
-                "|i1" => Numbers::I32(self.samples(|b| i8::from_le_bytes(b).into())?),
-                "<u2" => Numbers::U32(self.samples(|b| u16::from_le_bytes(b).into())?),
-                "<i2" => Numbers::I32(self.samples(|b| i16::from_le_bytes(b).into())?),
-                "<u4" => Numbers::U32(self.samples(u32::from_le_bytes)?),
-                "<i4" => Numbers::I32(self.samples(i32::from_le_bytes)?),
-                _ => return Err(unsupported(&self.stored.place, "does not hold numbers")),
-            },
+            Dtype::Other(descr) => self.integers(&descr)?,
         })
+    }
+
+    fn integers(&mut self, descr: &str) -> Result<Numbers> {
+        let big = self.header.big_endian;
+        Ok(match descr.trim_start_matches(['<', '>', '|', '=']) {
+            "b1" | "u1" => Numbers::U32(self.samples(|[b]| b.into())?),
+            "i1" => Numbers::I32(self.samples(|b| i8::from_le_bytes(b).into())?),
+            "u2" if big => Numbers::U32(self.samples(|b| u16::from_be_bytes(b).into())?),
+            "u2" => Numbers::U32(self.samples(|b| u16::from_le_bytes(b).into())?),
+            "i2" if big => Numbers::I32(self.samples(|b| i16::from_be_bytes(b).into())?),
+            "i2" => Numbers::I32(self.samples(|b| i16::from_le_bytes(b).into())?),
+            "u4" if big => Numbers::U32(self.samples(u32::from_be_bytes)?),
+            "u4" => Numbers::U32(self.samples(u32::from_le_bytes)?),
+            "i4" if big => Numbers::I32(self.samples(i32::from_be_bytes)?),
+            "i4" => Numbers::I32(self.samples(i32::from_le_bytes)?),
+            "u8" if big => self.narrow(u64::from_be_bytes)?,
+            "u8" => self.narrow(u64::from_le_bytes)?,
+            "i8" if big => self.narrow(i64::from_be_bytes)?,
+            "i8" => self.narrow(i64::from_le_bytes)?,
+            _ => return Err(no_numbers(&self.stored.place, descr)),
+        })
+    }
+
+    /// Integers of 64 bits as those of 32, or else as f64, which holds them up to 2⁵³.
+    fn narrow<T: Copy + Into<i128>>(&mut self, sample: impl Fn([u8; 8]) -> T) -> Result<Numbers> {
+        let samples = self.samples(|bytes| match sample(bytes).into() {
+            // −1 as numpy turns it into an unsigned integer.
+            n if n == i128::from(u64::MAX) => i128::from(u32::MAX),
+            n => n,
+        })?;
+        self.take_copy()?;
+        let within = |low: i128, high: i128| samples.iter().all(|n| (low..=high).contains(n));
+        if within(0, u32::MAX.into()) {
+            return Ok(Numbers::U32(samples.iter().map(|n| *n as u32).collect()));
+        }
+        if within(i32::MIN.into(), i32::MAX.into()) {
+            return Ok(Numbers::I32(samples.iter().map(|n| *n as i32).collect()));
+        }
+        if within(-LARGEST_EXACT, LARGEST_EXACT) {
+            return Ok(Numbers::F64(samples.iter().map(|n| *n as f64).collect()));
+        }
+        Err(unsupported(
+            &self.stored.place,
+            "holds integers beyond 2^53, which double precision does not tell apart",
+        ))
+    }
+
+    /// The samples in C order.
+    fn in_c_order(&self, samples: Numbers) -> Result<Numbers> {
+        let shape = &self.header.shape;
+        if !self.header.fortran_order || shape.len() < 2 {
+            return Ok(samples);
+        }
+        self.take_copy()?;
+        Ok(match samples {
+            Numbers::F32(v) => Numbers::F32(transposed(&v, shape)),
+            Numbers::F64(v) => Numbers::F64(transposed(&v, shape)),
+            Numbers::I32(v) => Numbers::I32(transposed(&v, shape)),
+            Numbers::U32(v) => Numbers::U32(transposed(&v, shape)),
+        })
+    }
+
+    /// Takes the memory of a second copy of all samples.
+    fn take_copy(&self) -> Result<()> {
+        let bytes = (self.count as u64).saturating_mul(size_of::<f64>() as u64);
+        self.budget.take(bytes, self.file)
     }
 
     /// All samples, after a check that the file is as long as they take.

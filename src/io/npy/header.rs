@@ -24,6 +24,21 @@ pub enum Dtype {
     Other(String),
 }
 
+impl Dtype {
+    /// The largest number of an unsigned type, as it is read: `u8` in the range of `u4`.
+    pub fn largest_unsigned(&self) -> Option<f64> {
+        let Dtype::Other(descr) = self else {
+            return None;
+        };
+        match descr.trim_start_matches(['<', '>', '|', '=']) {
+            "u1" => Some(u8::MAX.into()),
+            "u2" => Some(u16::MAX.into()),
+            "u4" | "u8" => Some(u32::MAX.into()),
+            _ => None,
+        }
+    }
+}
+
 /// The header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Header {

@@ -38,8 +38,8 @@ pub fn inspect(path: &Path, array: Option<&str>) -> Result<Vec<Header>> {
 /// archive holds one array only).
 ///
 /// # Errors
-/// The file cannot be read; it is truncated or longer than its header says; the array is in Fortran order or
-/// does not hold numbers of at most 32 bits, or f8; it needs more memory than `budget` has.
+/// The file cannot be read; it is truncated or longer than its header says; the array does not hold numbers of at
+/// most 64 bits, or holds integers beyond 2⁵³; it needs more memory than `budget` has.
 pub fn load_plain(path: &Path, array: Option<&str>, budget: &Budget) -> Result<Plain> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::read(stored, path, budget);

@@ -27,11 +27,14 @@ pub(in crate::scene) struct Camera {
     /// without rotation, at any time. For a moving camera it is a direction, not a point that is seen in the middle: aberration
     /// moves what is seen there.
     pub look_at: Option<At<Vector>>,
+    /// The forward axis itself, of any length, in place of `look_at`: far from the origin, look_at − eye loses the
+    /// digits that the two have in common.
+    pub forward: Option<At<Vector>>,
     /// A direction of the camera frame that is up in the picture; only its part across the forward axis
     /// counts. Default: [0, 1, 0].
     pub up: Option<At<Vector>>,
     /// Takes the pose (and the field of view, unless `hfov` is given) from a camera of this glTF file,
-    /// in place of `eye`, `look_at` and `up`. The path is relative to the scene file.
+    /// in place of `eye`, `look_at` (or `forward`) and `up`. The path is relative to the scene file.
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
@@ -74,6 +77,7 @@ impl Default for Camera {
         Camera {
             eye: None,
             look_at: None,
+            forward: None,
             up: None,
             gltf: None,
             node: None,

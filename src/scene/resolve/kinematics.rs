@@ -3,11 +3,11 @@
 use glam::DVec3;
 
 use super::context::Context;
-use super::{camera, object, velocity};
+use super::{camera, object, settings, velocity};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::CameraModel;
+use crate::scene::model::{CameraModel, Effects, Equations};
 use crate::scene::names;
 use crate::spacetime::worldline::WorldLine;
 use crate::spacetime::{Event, Velocity, World};
@@ -20,6 +20,12 @@ pub(crate) struct Kinematics {
     pub objects: Vec<ObjectMotion>,
     /// Emissions of pulses, by name.
     pub pulses: Vec<(String, Event<World>)>,
+    /// Refractive index of the medium.
+    pub medium_index: f64,
+    /// Which effects are on.
+    pub effects: Effects,
+    /// Whose equations.
+    pub equations: Equations,
 }
 
 /// The camera, and the world line of its pinhole.
@@ -42,6 +48,9 @@ impl Kinematics {
             camera: camera_motion(cx, &file.camera)?,
             objects: object_motions(cx, &file.object)?,
             pulses: pulses(cx, &file.source)?,
+            medium_index: settings::medium_index(cx, &file.medium)?,
+            effects: settings::effects(&file.effects),
+            equations: file.model.value,
         })
     }
 

@@ -1,11 +1,11 @@
 //! The pose of a pinhole camera: from eye, look_at and up, or from a glTF file.
 //!
-//! forward f = (look_at − eye) normalised, right r = f × up normalised, up = r × f.
+//! forward f = look_at − eye, or the key `forward`, normalised; right r = f × up normalised, up = r × f.
 
 use glam::DVec3;
 
 use super::context::Context;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file::{Camera, Capture};
 use crate::scene::inputs::Pose;
@@ -21,6 +21,7 @@ const PARALLEL: f64 = 1e-9;
 pub(super) struct Keys<'a> {
     pub eye: &'a Option<At<Vector>>,
     pub look_at: &'a Option<At<Vector>>,
+    pub forward: &'a Option<At<Vector>>,
     pub up: &'a Option<At<Vector>>,
     pub gltf: &'a Option<At<String>>,
     pub node: &'a Option<At<String>>,
@@ -31,6 +32,7 @@ impl<'a> From<&'a Camera> for Keys<'a> {
         Keys {
             eye: &camera.eye,
             look_at: &camera.look_at,
+            forward: &camera.forward,
             up: &camera.up,
             gltf: &camera.gltf,
             node: &camera.node,
@@ -43,6 +45,7 @@ impl<'a> From<&'a Capture> for Keys<'a> {
         Keys {
             eye: &capture.eye,
             look_at: &capture.look_at,
+            forward: &None,
             up: &capture.up,
             gltf: &capture.gltf,
             node: &capture.node,
@@ -62,6 +65,7 @@ fn from_gltf(cx: &Context, gltf: &At<String>, keys: &Keys) -> Result<Pose> {
     for (key, name) in [
         (keys.eye, "eye"),
         (keys.look_at, "look_at"),
+        (keys.forward, "forward"),
         (keys.up, "up"),
     ] {
         if let Some(key) = key {
@@ -83,37 +87,62 @@ fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
     }
     let needed = |key: &'static str| {
         let what = format!("the key `{key}` is missing");
-        cx.refuse(at, what, "give eye and look_at, or gltf = \"file.glb\"")
+        cx.refuse(
+            at,
+            what,
+            "give eye and look_at (or forward), or gltf = \"file.glb\"",
+        )
     };
     let eye = keys.eye.as_ref().ok_or_else(|| needed("eye"))?;
-    let look_at = keys.look_at.as_ref().ok_or_else(|| needed("look_at"))?;
+    cx.exclusive((keys.look_at, "look_at"), (keys.forward, "forward"))?;
+    let (at, forward) = match (keys.forward, keys.look_at) {
+        (Some(axis), _) => (axis, along(cx, axis)?),
+        (None, Some(look_at)) => (look_at, towards(cx, eye, look_at)?),
+        (None, None) => return Err(needed("look_at")),
+    };
     Ok(Pose {
         eye: eye.value.vec(),
-        axes: axes(cx, eye, look_at, keys.up)?,
+        axes: axes(cx, at, forward, keys.up)?,
         gltf_fov: None,
+    })
+}
+
+/// The forward axis that is given.
+fn along(cx: &Context, axis: &At<Vector>) -> Result<DVec3> {
+    unit(axis.value.vec()).ok_or_else(|| {
+        let what = "`forward` has no direction";
+        cx.refuse(
+            axis,
+            what,
+            "give a vector that is not zero, like [0, 0, -1]",
+        )
+    })
+}
+
+/// The forward axis from the eye to a point.
+fn towards(cx: &Context, eye: &At<Vector>, look_at: &At<Vector>) -> Result<DVec3> {
+    unit(look_at.value.vec() - eye.value.vec()).ok_or_else(|| {
+        let (what, help) = (
+            "`eye` and `look_at` are the same point",
+            "look at another point, or give the axis itself: forward = [0, 0, -1]",
+        );
+        let other = (&eye.span, "the same point");
+        cx.report.refuse_two(&look_at.span, other, what, help)
     })
 }
 
 fn axes(
     cx: &Context,
-    eye: &At<Vector>,
-    look_at: &At<Vector>,
+    at: &At<Vector>,
+    forward: DVec3,
     up: &Option<At<Vector>>,
 ) -> Result<[DVec3; 3]> {
-    let forward = unit(look_at.value.vec() - eye.value.vec()).ok_or_else(|| {
-        let (what, help) = (
-            "`eye` and `look_at` are the same point",
-            "look at another point",
-        );
-        let other = (&eye.span, "the same point");
-        cx.report.refuse_two(&look_at.span, other, what, help)
-    })?;
     let up_vector = up.as_ref().map_or(Camera::UP, |up| up.value).vec();
     frame(forward, up_vector).ok_or_else(|| {
-        let what = "the forward axis look_at − eye has no direction across `up`: they are parallel";
+        let what = "the forward axis has no direction across `up`: they are parallel";
         let help =
             "give an `up` that is not zero and not along the line of sight, like up = [0, 0, 1]";
-        let span = up.as_ref().map_or(&look_at.span, |up| &up.span);
+        let span = up.as_ref().map_or(&at.span, |up| &up.span);
         cx.report.refuse(span, what, help)
     })
 }
@@ -148,6 +177,9 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) ->
     if is_fov(radians) {
         return Ok(radians);
     }
+    if radians > 0.0 && radians < std::f64::consts::PI {
+        return Err(extreme(cx, hfov));
+    }
     let what = format!(
         "a field of view of {} is not between 0 and 180 degrees",
         hfov.value
@@ -159,11 +191,24 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) ->
     ))
 }
 
+/// The refusal of a field of view that is possible, and beyond what double precision tells apart.
+fn extreme(cx: &Context, hfov: &At<Angle>) -> Error {
+    let what = format!(
+        "a field of view of {} is within a billionth of a radian of 0 or 180 degrees, where neighbouring pixels look the \
+         same way in double precision",
+        hfov.value
+    );
+    cx.refuse(hfov, what, "give at least 1e-9 rad, and at most pi − 1e-9")
+}
+
 /// A field of view in radians, in (0, π] or (0, 2π].
 fn wide_fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Result<f64> {
     let (radians, widest) = (hfov.value.radians(), projection.widest());
     if radians > 1e-9 && radians <= widest.to_radians() {
         return Ok(radians);
+    }
+    if radians > 0.0 && radians <= 1e-9 {
+        return Err(extreme(cx, hfov));
     }
     let what = format!(
         "a field of view of {} is not between 0 and {widest} degrees",

@@ -6,11 +6,13 @@ use serde::Serialize;
 use super::diagnose::{self, Diagnosis};
 use super::errors::{Errors, Sums};
 use super::flip::{self, Flip};
+use super::geometry::{Field, Points};
+use super::known::KnownScene;
 use super::options::{CompareOptions, Region};
 use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light};
 use super::surface::{self, SurfaceErrors};
 use super::{matching, ssim};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::io::image::Layers;
 
 /// What a comparison has found.
@@ -32,6 +34,8 @@ pub struct Comparison {
     pub channels: Vec<ChannelErrors>,
     /// What explains most of the errors.
     pub diagnoses: Vec<Diagnosis>,
+    /// Channels that one of the pictures has alone.
+    pub uncompared: Uncompared,
     /// What a reader should know of the pictures.
     pub notes: Vec<String>,
     /// Geometric error of each pixel, NaN where there is none; where it was asked for.
@@ -48,16 +52,25 @@ pub struct ChannelErrors {
     pub only_candidate: u64,
     /// Samples that are no finite number in the candidate alone.
     pub only_reference: u64,
-    /// Errors of the others.
+    /// Errors of the others; none where there are none.
     #[serde(flatten)]
-    pub errors: Errors,
+    pub errors: Option<Errors>,
+}
+
+/// Channels that are in one of the pictures and not compared.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Uncompared {
+    /// What the candidate lacks.
+    pub only_reference: Vec<String>,
+    /// What the reference lacks.
+    pub only_candidate: Vec<String>,
 }
 
 /// Compares a candidate with its reference.
 ///
 /// # Errors
 /// Pictures that do not belong together: other sizes, channels, encodings, quantities; swapped ones;
-/// a region that is not theirs; samples that are refused by [`CompareOptions::not_finite`].
+/// a region that is not theirs; a scene that is not the reference's; samples that are refused by [`CompareOptions::not_finite`].
 pub fn compare(
     reference: &Picture,
     candidate: &Picture,
@@ -66,7 +79,7 @@ pub fn compare(
     let matched = matching::matched(reference, candidate, options)?;
     let [r, c] = matched.layers();
     let size = [r.width as usize, r.height as usize];
-    let region = &options.region;
+    let region = &matched.region;
     let sums = sums([r, c], &matched.names, region);
     let group = Group::of(&matched.names, &sums, reference.encoding);
     let channels = (matched.names.iter().zip(&sums))
@@ -78,13 +91,31 @@ pub fn compare(
             candidate: Plane::group(c, RADIANCE)?,
             size,
             region,
-            high_range: reference.encoding == Encoding::Linear,
+            high_range: reference.is_high_range() || candidate.is_high_range(),
             encoded: reference.encoding == Encoding::Srgb,
             pixels_per_degree,
             map: options.maps,
         }))
     });
-    let (surface, geometric_map) = surface::compare([r, c], region, options.bin_width);
+    let pair = [reference, candidate];
+    let points = pair.map(|picture| Points::new(&picture.layers));
+    let known = known(reference, &points[0], options)?;
+    let mut notes = matched.notes.clone();
+    let field = Field::new(&points, known.as_ref());
+    if let Some(Field::Search(_)) = &field {
+        notes.push("the reference does not say of which scene it is: geometric errors are searched on the surfaces that it shows (--scene tells)".into());
+    }
+    let (surface, geometric_map) =
+        surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
+    let case = diagnose::Case {
+        pair,
+        points,
+        region,
+        bin_width: options.bin_width,
+        known: known.as_ref(),
+        field: field.as_ref(),
+        scene: options.scene.as_deref(),
+    };
     Ok(Comparison {
         size: [r.width, r.height],
         pixels: region.pixels(size).count() as u64,
@@ -93,10 +124,39 @@ pub fn compare(
         flip,
         surface,
         channels,
-        diagnoses: diagnose::diagnose([reference, candidate], region, options.bin_width),
-        notes: matched.notes,
+        diagnoses: diagnose::diagnose(&case),
+        uncompared: matched.uncompared.clone(),
+        notes,
         geometric_map: geometric_map.filter(|_| options.maps),
     })
+}
+
+/// The scene of the reference: the one that is given, or that of its metadata where the reference's points are seen
+/// where this says.
+fn known(
+    reference: &Picture,
+    points: &Points,
+    options: &CompareOptions,
+) -> Result<Option<KnownScene>> {
+    let has_points = points.material.is_some() || points.world.is_some();
+    let Some(scene) = &options.scene else {
+        let known = has_points
+            .then(|| KnownScene::of_picture(reference))
+            .flatten();
+        return Ok(known.filter(|known| known.is_that_of(points)));
+    };
+    let known = KnownScene::of(scene);
+    match &known {
+        Some(known) if has_points && !known.is_that_of(points) => {
+            let what = format!(
+                "it is not a picture of {}: its points are not seen where that scene says",
+                scene.name
+            );
+            let help = "name the scene of which the reference is, at the time of the shot";
+            Err(Error::invalid(&reference.name, "scene", what, help))
+        }
+        _ => Ok(known),
+    }
 }
 
 /// Sums of the errors of all channels, with the numbers of samples that only one picture has.
@@ -113,11 +173,9 @@ fn sums(pair: [&Layers; 2], names: &[String], region: &Region) -> Vec<(Sums, [u6
             r.row(y, &mut row_r);
             c.row(y, &mut row_c);
             let chosen = (!region.is_all()).then(|| region.row(y, width));
-            let before = sums.count();
-            sums.add_row(y, &row_r, &row_c, chosen.as_deref());
-            let whole = sums.count() - before == width as u64;
+            let counted = sums.add_row(y, &row_r, &row_c, chosen.as_deref());
             let pairs = row_r.iter().zip(&row_c).enumerate();
-            for (x, (r, c)) in pairs.filter(|_| !whole) {
+            for (x, (r, c)) in pairs.filter(|_| counted < width as u64) {
                 let (r, c) = (r.is_finite(), c.is_finite());
                 if r != c && chosen.as_ref().is_none_or(|chosen| chosen[x]) {
                     alone[usize::from(r)] += 1;
@@ -181,8 +239,10 @@ impl Group {
         let mut all = light.next()?.1.0.clone();
         light.for_each(|(_, (sums, _))| all.add(sums));
         let similar = channels.iter().filter(|channel| is_light(&channel.name));
-        let similar: Option<Vec<f64>> = similar.map(|channel| channel.errors.ssim).collect();
+        let similar: Option<Vec<f64>> = similar
+            .map(|channel| channel.errors.as_ref()?.ssim)
+            .collect();
         let ssim = similar.map(|s| s.iter().sum::<f64>() / s.len() as f64);
-        Some(all.errors(self.range.unwrap_or(0.0), ssim))
+        all.errors(self.range.unwrap_or(0.0), ssim)
     }
 }

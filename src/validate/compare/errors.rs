@@ -1,7 +1,7 @@
 //! Errors of one channel, or of several together.
 //!
 //! With r the reference, c the candidate, e = c − r, over the n samples of the region that are numbers in
-//! both pictures:
+//! both pictures (without such a sample there are no errors at all, rather than errors of 0):
 //!
 //! | metric | definition | also known as |
 //! |---|---|---|
@@ -9,7 +9,7 @@
 //! | mae | Σ\|e\| / n | `oiiotool --diff` "Mean error", `imgtool diff --metric MAE` |
 //! | rmse | √(Σe² / n) | `oiiotool --diff` "RMS error"; its square is `imgtool`'s MSE |
 //! | relrmse | √(Σe² / Σr²); 0 where both sums are 0, none where only Σr² is | |
-//! | mrse | Σ e²/(r + 0.01)² / n, a term that is infinite left out | `imgtool diff --metric MRSE` of pbrt-v4 |
+//! | mrse | Σ e²/(\|r\| + 0.01)² / n: the floor 0.01 keeps it finite where r is near 0, or below | `imgtool diff --metric MRSE` of pbrt-v4 where r ≥ 0 |
 //! | max | the largest \|e\|, and where (first in reading order) | `oiiotool --diff` "Max error" |
 //! | psnr | 20 log₁₀(range / rmse), dB; infinite where rmse is 0 | `skimage.metrics.peak_signal_noise_ratio` |
 //! | p50 … p99.9 | nearest-rank percentiles of \|e\| | |
@@ -25,8 +25,8 @@ use serde::Serialize;
 const DROPPED: u32 = 13;
 /// Bins for all single-precision numbers that are not below 0.
 const BINS: usize = (0x7f80_0000 >> DROPPED) + 1;
-/// The constant of mrse.
-const MRSE_OFFSET: f64 = 0.01;
+/// What mrse adds to |r|, so that it is finite.
+const MRSE_FLOOR: f64 = 0.01;
 
 /// Errors, in the unit of the channel unless a ratio.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -108,7 +108,9 @@ impl Sums {
     }
 
     /// Adds row `y`; samples that are no finite numbers in either row, and those outside of `chosen`, do not count.
-    pub fn add_row(&mut self, y: usize, r: &[f64], c: &[f64], chosen: Option<&[bool]>) {
+    /// Gives the number of those that do.
+    pub fn add_row(&mut self, y: usize, r: &[f64], c: &[f64], chosen: Option<&[bool]>) -> u64 {
+        let before = self.count;
         // Sums of this row alone, added to the total at its end: the order does not depend on the strips.
         let mut row = [0.0f64; 5];
         for x in 0..r.len().min(c.len()) {
@@ -118,17 +120,13 @@ impl Sums {
                 continue;
             }
             let absolute = e.abs();
-            let relative = e / (r + MRSE_OFFSET);
+            let relative = e / (r.abs() + MRSE_FLOOR);
             self.count += 1;
             row[0] += e;
             row[1] += absolute;
             row[2] += e * e;
             row[3] += r * r;
-            row[4] += if relative.is_finite() {
-                relative * relative
-            } else {
-                0.0
-            };
+            row[4] += relative * relative;
             self.largest = self.largest.max(r.abs());
             if absolute > self.max {
                 self.max = absolute;
@@ -141,6 +139,7 @@ impl Sums {
         self.square += row[2];
         self.reference += row[3];
         self.relative += row[4];
+        self.count - before
     }
 
     /// Adds sums of another channel over the same rows.
@@ -160,19 +159,18 @@ impl Sums {
         }
     }
 
-    /// How many samples were compared.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
     /// The largest |r|.
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// The errors, psnr relative to `range`.
-    pub fn errors(&self, range: f64, ssim: Option<f64>) -> Errors {
-        let n = self.count.max(1) as f64;
+    /// The errors, psnr relative to `range`; none where no sample was compared.
+    pub fn errors(&self, range: f64, ssim: Option<f64>) -> Option<Errors> {
+        (self.count > 0).then(|| self.of_samples(range, ssim))
+    }
+
+    fn of_samples(&self, range: f64, ssim: Option<f64>) -> Errors {
+        let n = self.count as f64;
         let rmse = (self.square / n).sqrt();
         let percentile = |p| self.percentile(p);
         Errors {

@@ -2,12 +2,16 @@
 
 use glam::{DVec2, DVec3};
 
+use super::known::KnownScene;
 use super::picture::Plane;
 use crate::io::image::Layers;
+use crate::render::aov::Aov;
 
-const OBJECT_POINT: [&str; 3] = ["object_event.x", "object_event.y", "object_event.z"];
-const BARYCENTRIC: [&str; 3] = ["barycentric.u", "barycentric.v", "barycentric.v"];
-const WORLD_POINT: [&str; 3] = ["event.x", "event.y", "event.z"];
+pub(super) const OBJECT_POINT: [Aov; 3] = [Aov::ObjectEventX, Aov::ObjectEventY, Aov::ObjectEventZ];
+pub(super) const WORLD_POINT: [Aov; 3] = [Aov::EventX, Aov::EventY, Aov::EventZ];
+pub(super) const DIRECTION: [Aov; 3] = [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ];
+/// The third coordinate adds nothing.
+const BARYCENTRIC: [Aov; 3] = [Aov::BarycentricU, Aov::BarycentricV, Aov::BarycentricV];
 
 /// Channels of surface points.
 #[derive(Debug, Clone, Copy)]
@@ -17,27 +21,31 @@ pub(super) struct Points<'a> {
     pub object: Option<Plane<'a>>,
     pub primitive: Option<Plane<'a>>,
     /// Places in the object's own frame.
-    material: Option<[Plane<'a>; 3]>,
+    pub material: Option<[Plane<'a>; 3]>,
     /// Places in the world.
-    world: Option<[Plane<'a>; 3]>,
-    /// Places on the triangle; the third coordinate adds nothing.
-    pub barycentric: Option<[Plane<'a>; 3]>,
+    pub world: Option<[Plane<'a>; 3]>,
+    /// Places on the triangle.
+    barycentric: Option<[Plane<'a>; 3]>,
+    /// Look directions in the world.
+    pub direction: Option<[Plane<'a>; 3]>,
+    /// Emission times in the world, or else in the object's frame.
     pub time: Option<Plane<'a>>,
 }
 
 impl<'a> Points<'a> {
     /// The channels that there are.
     pub fn new(layers: &'a Layers) -> Self {
-        let plane = |name| Plane::find(layers, name);
+        let plane = |aov| Plane::aov(layers, aov);
         Points {
             width: layers.width as usize,
             height: layers.height as usize,
-            object: plane("object"),
-            primitive: plane("primitive"),
-            material: Plane::group(layers, OBJECT_POINT),
-            world: Plane::group(layers, WORLD_POINT),
-            barycentric: Plane::group(layers, BARYCENTRIC),
-            time: plane("event.ct").or_else(|| plane("object_event.ct")),
+            object: plane(Aov::Object),
+            primitive: plane(Aov::Primitive),
+            material: Plane::aovs(layers, OBJECT_POINT),
+            world: Plane::aovs(layers, WORLD_POINT),
+            barycentric: Plane::aovs(layers, BARYCENTRIC),
+            direction: Plane::aovs(layers, DIRECTION),
+            time: plane(Aov::EventCt).or_else(|| plane(Aov::ObjectEventCt)),
         }
     }
 
@@ -69,6 +77,16 @@ impl<'a> Points<'a> {
         Some(self.primitive?.at(index))
     }
 
+    /// The point that a pixel shows in its object's frame, where there are such channels.
+    pub fn own_point(&self, index: usize) -> Option<DVec3> {
+        Some(place(&self.material?, index))
+    }
+
+    /// The place in the world that a pixel shows, where there are such channels.
+    pub fn world_point(&self, index: usize) -> Option<DVec3> {
+        Some(place(&self.world?, index))
+    }
+
     /// Whether both pictures show one object at this pixel; where neither has the channel, always.
     pub fn same_object(&self, other: &Points, index: usize) -> bool {
         match (self.object_at(index), other.object_at(index)) {
@@ -78,60 +96,40 @@ impl<'a> Points<'a> {
     }
 }
 
-/// A place; NaN where nothing is met.
-#[inline]
+/// The three coordinates at a pixel.
 pub(super) fn place(planes: &[Plane; 3], index: usize) -> DVec3 {
-    DVec3::new(
-        planes[0].at(index),
-        planes[1].at(index),
-        planes[2].at(index),
-    )
+    let [x, y, z] = planes.map(|plane| plane.at(index));
+    DVec3::new(x, y, z)
 }
 
-/// Newton's steps.
-const MOST_STEPS: usize = 12;
-/// One-sided differences agree when they differ by at most this part of the longer one.
-const SMOOTH: f64 = 0.25;
-/// A surface seen edge-on: the least sine of the angle between the columns of J.
-const EDGE_ON: f64 = 1e-4;
-
-/// The geometric error of every pixel, NaN where there is none; none where channels are missing.
-pub(super) fn map(pair: &[Points; 2]) -> Option<Vec<f32>> {
-    let field = Field::new(pair)?;
-    let [width, height] = pair[0].size();
+/// The geometric error of every pixel, NaN where there is none.
+pub(super) fn map(field: &Field) -> Vec<f32> {
     let error = |i: usize| {
-        field
-            .displacement(i)
-            .map_or(f32::NAN, |d| d.length() as f32)
+        let displacement = field.displacement(i);
+        displacement.map_or(f32::NAN, |d| d.length() as f32)
     };
-    Some((0..width * height).map(error).collect())
+    (0..field.width() * field.height()).map(error).collect()
 }
 
-/// Where the candidate's surface points are seen and where they belong.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Field<'a> {
-    reference: [Plane<'a>; 3],
-    candidate: [Plane<'a>; 3],
-    points: [Points<'a>; 2],
-    /// Whether places are those on a triangle, and mean nothing on another one.
-    on_triangles: bool,
-    width: usize,
-    height: usize,
+/// How far points belong from where the candidate shows them.
+#[derive(Debug)]
+pub(super) enum Field<'a> {
+    /// By the scene.
+    Known(&'a KnownScene, [Points<'a>; 2]),
+    /// By a search on the surface that the reference shows.
+    Search(Search<'a>),
 }
 
 impl<'a> Field<'a> {
     /// The field of a reference and a candidate of one size; none where channels of places are missing.
-    pub fn new(pair: &[Points<'a>; 2]) -> Option<Self> {
-        let [reference, candidate] = Points::places(pair)?;
-        let [width, height] = pair[0].size();
-        Some(Field {
-            reference,
-            candidate,
-            points: *pair,
-            on_triangles: false,
-            width,
-            height,
-        })
+    pub fn new(pair: &[Points<'a>; 2], known: Option<&'a KnownScene>) -> Option<Self> {
+        let [_, candidate] = pair;
+        match known {
+            Some(known) if candidate.material.is_some() || candidate.world.is_some() => {
+                Some(Field::Known(known, *pair))
+            }
+            _ => Some(Field::Search(Search::new(pair)?)),
+        }
     }
 
     /// The same by places on triangles, for pictures of one triangulation: points that slide along their surface
@@ -139,22 +137,117 @@ impl<'a> Field<'a> {
     pub fn on_triangles(pair: &[Points<'a>; 2]) -> Option<Self> {
         let [r, c] = pair;
         (r.primitive.is_some() && c.primitive.is_some()).then_some(())?;
-        let [width, height] = r.size();
-        Some(Field {
-            reference: r.barycentric?,
-            candidate: c.barycentric?,
-            points: *pair,
-            on_triangles: true,
-            width,
-            height,
-        })
+        let planes = [r.barycentric?, c.barycentric?];
+        Some(Field::Search(Search::on(pair, planes, Surface::Triangles)))
+    }
+
+    /// The same by look directions, which do not depend on what is met.
+    pub fn of_directions(pair: &[Points<'a>; 2]) -> Option<Self> {
+        let planes = [pair[0].direction?, pair[1].direction?];
+        Some(Field::Search(Search::on(pair, planes, Surface::Sky)))
+    }
+
+    fn width(&self) -> usize {
+        self.points().width
+    }
+
+    fn height(&self) -> usize {
+        self.points().height
+    }
+
+    fn points(&self) -> &Points<'a> {
+        match self {
+            Field::Known(_, points) => &points[0],
+            Field::Search(search) => &search.points[0],
+        }
     }
 
     /// How far, in pixels to the right and down, the candidate's point at pixel `index` belongs from there.
     pub fn displacement(&self, index: usize) -> Option<DVec2> {
+        match self {
+            Field::Known(known, [r, c]) => {
+                if !r.same_object(c, index) {
+                    return None;
+                }
+                let shown = known.place(c, index)?;
+                let pixel = DVec2::new((index % r.width) as f64, (index / r.width) as f64);
+                let right = known.place(r, index).unwrap_or(pixel + 0.5);
+                Some(shown - right)
+            }
+            Field::Search(search) => search.displacement(index),
+        }
+    }
+}
+
+/// Where the candidate's surface points are seen and where they belong, by the reference's alone.
+#[derive(Debug)]
+pub(super) struct Search<'a> {
+    reference: [Plane<'a>; 3],
+    candidate: [Plane<'a>; 3],
+    points: [Points<'a>; 2],
+    surface: Surface,
+    /// By pixel, which connected part of a surface the reference shows.
+    part: Vec<u32>,
+}
+
+/// What places are on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Surface {
+    /// Surfaces of objects.
+    Objects,
+    /// Single triangles: they mean nothing on another one.
+    Triangles,
+    /// The sphere of look directions.
+    Sky,
+}
+
+/// Steps of Newton's method at most.
+const MOST_STEPS: usize = 8;
+/// sin of the angle between the two columns of J below which they do not tell two directions apart.
+const EDGE_ON: f64 = 1e-6;
+/// One-sided differences nearly agree when they differ by less than this part of the longer one.
+const SMOOTH: f64 = 0.5;
+/// A surface is connected from a pixel to the next where the step is no longer than this many times the longer of the
+/// two steps beside it: on a sphere, where steps grow the most towards the silhouette, it is at most
+/// 1/(√2 − 1) = 2.4 times.
+const CONNECTED: f64 = 3.0;
+/// What may be left between a point and where it is found, in pixels: the rest is off the surface.
+const OFF_SURFACE: f64 = 0.5;
+/// The last step, in pixels along an axis, that may lead beyond the last pixel of a surface.
+const BEYOND: f64 = 1.5;
+
+impl<'a> Search<'a> {
+    fn new(pair: &[Points<'a>; 2]) -> Option<Self> {
+        Some(Search::on(pair, Points::places(pair)?, Surface::Objects))
+    }
+
+    fn on(
+        pair: &[Points<'a>; 2],
+        [reference, candidate]: [[Plane<'a>; 3]; 2],
+        surface: Surface,
+    ) -> Self {
+        let mut search = Search {
+            reference,
+            candidate,
+            points: *pair,
+            surface,
+            part: Vec::new(),
+        };
+        search.part = search.parts();
+        search
+    }
+
+    /// How far the candidate's point at pixel `index` belongs from there.
+    fn displacement(&self, index: usize) -> Option<DVec2> {
         let [r, c] = &self.points;
-        let other_triangle = self.on_triangles && r.primitive_at(index) != c.primitive_at(index);
-        if !r.same_object(c, index) || other_triangle {
+        let other = match self.surface {
+            Surface::Sky => false,
+            Surface::Objects => !r.same_object(c, index),
+            Surface::Triangles => {
+                !r.same_object(c, index) || r.primitive_at(index) != c.primitive_at(index)
+            }
+        };
+        if other {
             return None;
         }
         let wanted = place(&self.candidate, index);
@@ -162,41 +255,52 @@ impl<'a> Field<'a> {
         if found == wanted {
             return Some(DVec2::ZERO);
         }
-        if !wanted.is_finite() || !found.is_finite() {
+        if !wanted.is_finite() {
             return None;
         }
-        self.newton(index, wanted)
+        if let Some(found) = self.newton(index, index, wanted) {
+            return Some(found);
+        }
+        // At a silhouette the point may be on the part of the surface that the next pixels show.
+        let around = self
+            .around(index)
+            .filter(|j| self.part[*j] != self.part[index]);
+        let found = around.filter_map(|j| self.newton(index, j, wanted));
+        found.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
     }
 
-    fn newton(&self, start: usize, wanted: DVec3) -> Option<DVec2> {
-        let origin = self.pixel(start);
+    /// From pixel `origin` to where the part of the surface that pixel `start` shows has the place `wanted`.
+    fn newton(&self, origin: usize, start: usize, wanted: DVec3) -> Option<DVec2> {
         let mut at = start;
-        let mut found = None;
         for _ in 0..MOST_STEPS {
-            let Some(step) = self.step(at, wanted) else {
-                break;
-            };
+            let step = self.step(at, wanted)?;
             let target = self.pixel(at) + step;
-            found = Some(target - origin);
-            let next = self.index(target).filter(|next| self.same(start, *next));
+            let next = self
+                .index(target)
+                .filter(|j| self.part[*j] == self.part[start]);
             match next {
                 Some(next) if next != at => at = next,
-                _ => break,
+                // It is in this pixel, or just beyond the last one of this part.
+                _ => {
+                    let near = step.abs().max_element() <= BEYOND;
+                    return near.then(|| target - self.pixel(origin));
+                }
             }
         }
-        found
+        None
     }
 
-    /// From the pixel `at` to where the reference shows `wanted`, to first order.
+    /// From the pixel `at` to where the reference shows `wanted`, to first order; none where it is off the surface.
     fn step(&self, at: usize, wanted: DVec3) -> Option<DVec2> {
-        let (x, y) = (at % self.width, at / self.width);
+        let (x, y) = (at % self.points[0].width, at / self.points[0].width);
+        let [width, height] = self.points[0].size();
         let u = self.difference(
             at,
-            (x + 1 < self.width).then_some(at + 1),
+            (x + 1 < width).then_some(at + 1),
             x.checked_sub(1).map(|_| at - 1),
         )?;
-        let below = (y + 1 < self.height).then_some(at + self.width);
-        let v = self.difference(at, below, y.checked_sub(1).map(|_| at - self.width))?;
+        let below = (y + 1 < height).then_some(at + width);
+        let v = self.difference(at, below, y.checked_sub(1).map(|_| at - width))?;
         // δ = (JᵀJ)⁻¹ Jᵀ d by Cramer's rule; det JᵀJ = |u × v|².
         let d = wanted - place(&self.reference, at);
         let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
@@ -206,58 +310,139 @@ impl<'a> Field<'a> {
             return None;
         }
         let step = DVec2::new(vv * ud - uv * vd, uu * vd - uv * ud) / determinant;
-        step.is_finite().then_some(step)
+        // A surface that curves leaves its tangent plane with the square of the step.
+        let rest = (d - u * step.x - v * step.y).length();
+        let pixel = u.length().max(v.length());
+        let off_surface = rest > OFF_SURFACE * pixel * step.length().max(1.0);
+        (step.is_finite() && !off_surface).then_some(step)
     }
 
     /// Change of the surface point per pixel along one axis.
     fn difference(&self, at: usize, after: Option<usize>, before: Option<usize>) -> Option<DVec3> {
         let here = place(&self.reference, at);
         let towards = |other: Option<usize>| {
-            let other = other.filter(|other| self.same(at, *other))?;
+            let other = other.filter(|other| self.part[*other] == self.part[at])?;
             let there = place(&self.reference, other);
-            there
-                .is_finite()
-                .then_some((there - here, self.same_triangle(at, other)))
+            let flat = self.same_triangle(at, other);
+            there.is_finite().then_some((there - here, flat))
         };
+        let has_triangles = self.points[0].primitive.is_some() && self.surface != Surface::Sky;
         match (towards(after), towards(before)) {
             (Some((f, flat)), Some((b, flat_too))) => {
                 let b = -b;
                 let close = (f - b).length() <= SMOOTH * f.length().max(b.length());
-                Some(match (flat, flat_too) {
-                    (true, true) => 0.5 * (f + b),
-                    (true, false) => f,
-                    (false, true) => b,
-                    _ if close => 0.5 * (f + b),
-                    _ if f.length() <= b.length() => f,
-                    _ => b,
-                })
+                match (flat, flat_too) {
+                    (true, true) => Some(0.5 * (f + b)),
+                    (true, false) => Some(f),
+                    (false, true) => Some(b),
+                    _ if close => Some(0.5 * (f + b)),
+                    // Both neighbours lie on other triangles, across creases.
+                    _ if has_triangles => None,
+                    _ if f.length() <= b.length() => Some(f),
+                    _ => Some(b),
+                }
             }
-            (Some((f, _)), None) => Some(f),
-            (None, Some((b, _))) => Some(-b),
+            (Some((f, flat)), None) => (flat || !has_triangles).then_some(f),
+            (None, Some((b, flat))) => (flat || !has_triangles).then_some(-b),
             (None, None) => None,
         }
+    }
+
+    /// Which connected part of a surface each pixel of the reference shows: by union of neighbours.
+    fn parts(&self) -> Vec<u32> {
+        let [width, height] = self.points[0].size();
+        let mut parents: Vec<u32> = (0..(width * height) as u32).collect();
+        for i in 0..width * height {
+            let (x, y) = (i % width, i / width);
+            if x + 1 < width && self.connected(i, i + 1, (x > 0, x + 2 < width), 1) {
+                unite(&mut parents, i, i + 1);
+            }
+            if y + 1 < height && self.connected(i, i + width, (y > 0, y + 2 < height), width) {
+                unite(&mut parents, i, i + width);
+            }
+        }
+        (0..parents.len()).map(|i| root(&mut parents, i)).collect()
+    }
+
+    /// Whether the surface goes on from pixel `a` to the next one `b`, `stride` further.
+    fn connected(
+        &self,
+        a: usize,
+        b: usize,
+        (has_before, has_after): (bool, bool),
+        stride: usize,
+    ) -> bool {
+        if self.surface == Surface::Sky {
+            return true;
+        }
+        if !self.same(a, b) {
+            return false;
+        }
+        if self.same_triangle(a, b) {
+            return true;
+        }
+        let length = |a: usize, b: usize| {
+            let step = place(&self.reference, b) - place(&self.reference, a);
+            Some(step.length()).filter(|_| self.same(a, b))
+        };
+        let before = has_before.then(|| length(a - stride, a)).flatten();
+        let after = has_after.then(|| length(b, b + stride)).flatten();
+        let beside = match (before, after) {
+            (Some(a), Some(b)) => a.max(b),
+            (Some(a), None) | (None, Some(a)) => a,
+            // Two pixels of an object: nothing says.
+            (None, None) => return true,
+        };
+        length(a, b).is_some_and(|length| length <= CONNECTED * beside)
     }
 
     /// Whether the reference shows the same object at both pixels.
     fn same(&self, a: usize, b: usize) -> bool {
         let objects = self.points[0].object_at(a) == self.points[0].object_at(b);
-        objects && (!self.on_triangles || self.same_triangle(a, b))
+        objects && (self.surface != Surface::Triangles || self.same_triangle(a, b))
     }
 
-    /// Whether the reference is known to show the same triangle at both pixels.
+    /// Whether the reference is known to show the same triangle of the same object at both pixels.
     fn same_triangle(&self, a: usize, b: usize) -> bool {
-        let [a, b] = [a, b].map(|i| self.points[0].primitive_at(i));
-        a.is_some() && a == b
+        let [p, q] = [a, b].map(|i| self.points[0].primitive_at(i));
+        p.is_some() && p == q && self.points[0].object_at(a) == self.points[0].object_at(b)
+    }
+
+    /// The pixels beside and diagonally beside a pixel.
+    fn around(&self, index: usize) -> impl Iterator<Item = usize> + '_ {
+        let centre = self.pixel(index);
+        let steps = (-1..=1).flat_map(|y| (-1..=1).map(move |x| [x, y]));
+        let steps = steps.filter(|step| *step != [0, 0]);
+        steps
+            .filter_map(move |[x, y]: [i32; 2]| self.index(centre + DVec2::new(x.into(), y.into())))
     }
 
     fn pixel(&self, index: usize) -> DVec2 {
-        DVec2::new((index % self.width) as f64, (index / self.width) as f64)
+        let width = self.points[0].width;
+        DVec2::new((index % width) as f64, (index / width) as f64)
     }
 
     fn index(&self, pixel: DVec2) -> Option<usize> {
+        let [width, height] = self.points[0].size();
         let rounded = pixel.round();
         let inside = |x: f64, size: usize| (0.0..size as f64).contains(&x);
-        let is_inside = inside(rounded.x, self.width) && inside(rounded.y, self.height);
-        is_inside.then(|| rounded.y as usize * self.width + rounded.x as usize)
+        let is_inside = inside(rounded.x, width) && inside(rounded.y, height);
+        is_inside.then(|| rounded.y as usize * width + rounded.x as usize)
     }
+}
+
+/// The first pixel of the part that pixel `i` belongs to, with shorter ways for the next time.
+fn root(parents: &mut [u32], i: usize) -> u32 {
+    let mut at = i;
+    while parents[at] as usize != at {
+        parents[at] = parents[parents[at] as usize];
+        at = parents[at] as usize;
+    }
+    at as u32
+}
+
+/// Joins the parts of two pixels; the earlier first pixel stands for both.
+fn unite(parents: &mut [u32], a: usize, b: usize) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
 }

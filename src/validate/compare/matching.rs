@@ -1,14 +1,18 @@
 //! Whether two pictures belong together.
 //!
-//! Channels are matched by name. What cannot be compared is refused with what would be right; what should be known
-//! becomes a note.
+//! Channels are matched by name: those that both pictures have are compared, what one has alone is listed, and channels
+//! that were asked for have to be there. What cannot be compared is refused with what would be right; what should be
+//! known becomes a note.
 
 use std::borrow::Cow;
 
-use super::options::{CompareOptions, NotFinite};
-use super::picture::{Encoding, Picture, Plane, is_auxiliary, is_identity};
+use super::comparison::Uncompared;
+use super::geometry::{OBJECT_POINT, WORLD_POINT};
+use super::options::{CompareOptions, NotFinite, Region};
+use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity};
 use crate::error::{Error, Result};
 use crate::io::image::{Channel, Layers, Samples};
+use crate::render::aov::Aov;
 
 /// Metadata that have to agree, and what they are.
 const SAME: [(&str, &str); 3] = [
@@ -37,6 +41,9 @@ pub(super) struct Matched<'a> {
     candidate: Cow<'a, Layers>,
     /// Channels that hold quantities, in the order of the reference.
     pub names: Vec<String>,
+    pub uncompared: Uncompared,
+    /// The pixels that are compared.
+    pub region: Region,
     pub notes: Vec<String>,
 }
 
@@ -60,14 +67,19 @@ pub(super) fn matched<'a>(
     encodings(pair)?;
     swapped(pair, options)?;
     let mut notes = metadata(pair)?;
+    demanded(pair, &options.channels)?;
     let chosen = pair.map(|picture| chosen(picture, &options.channels));
     let chosen = alpha(pair, chosen, &mut notes)?;
-    channels(pair, &chosen, options)?;
+    let (chosen, uncompared) = common(pair, chosen)?;
     let names: Vec<String> = chosen[0]
         .iter()
         .filter(|channel| !is_identity(channel))
         .map(|channel| channel.name.clone())
         .collect();
+    let mut region = options.region.clone();
+    if options.not_finite == NotFinite::Ignore {
+        region = usable(pair, &chosen, region, &mut notes)?;
+    }
     let layers =
         |picture: &'a Picture, chosen: &[&Channel]| finite(picture, chosen, options, &mut notes);
     let [reference, candidate] = two(pair, &chosen, layers)?;
@@ -75,6 +87,8 @@ pub(super) fn matched<'a>(
         reference,
         candidate,
         names,
+        uncompared,
+        region,
         notes,
     })
 }
@@ -177,6 +191,12 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
             "the reference is itself an approximation (method = {method})"
         ));
     }
+    if [r, c].iter().any(|p| p.is_high_range())
+        && [r, c].iter().any(|p| !p.is_high_range())
+        && r.encoding == Encoding::Linear
+    {
+        notes.push("one picture is a .png of linear values, which ends at 1: FLIP is that of high dynamic range".into());
+    }
     let samples = |p: &Picture| {
         p.metadata("samples_per_pixel")
             .and_then(|n| n.parse::<u64>().ok())
@@ -189,11 +209,10 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
         ));
     }
     let mixed = |p: &&Picture| p.metadata("pixel_centers") == Some("false");
-    let has_places = r
-        .layers
-        .channels
+    let has = |aov: Aov| r.layers.channel(aov.name()).is_some();
+    let has_places = [OBJECT_POINT, WORLD_POINT]
         .iter()
-        .any(|c| c.name == "event.x" || c.name == "object_event.x");
+        .any(|point| has(point[0]));
     if has_places && [r, c].iter().any(mixed) {
         notes.push("auxiliary channels are means over pixels, which mix surfaces at silhouettes: geometric errors are those of pictures of pixel centres (--pixel-centers)".into());
     }
@@ -236,75 +255,77 @@ fn alpha<'a>(
             "it has an alpha channel with transparent pixels, and {} has none",
             pair[other].name
         );
-        let help = "light is compared as it is stored, which is premultiplied by alpha: compose both over the same \
-                    background, or leave alpha out with --channels radiance";
+        let stored = match pair[one].alpha {
+            Alpha::Premultiplied => {
+                "light is compared as it is stored, which is premultiplied by alpha"
+            }
+            Alpha::Straight => {
+                "colours of a .png are compared as they are stored, which is not multiplied by alpha"
+            }
+            Alpha::Unknown => "light is compared as it is stored",
+        };
+        let help = format!(
+            "{stored}: compose both over the same background, or leave alpha out with --channels radiance"
+        );
         return refuse(pair[one], "alpha", what, help);
     }
     Ok(chosen)
 }
 
-fn channels(
-    [r, c]: [&Picture; 2],
-    [a, b]: &[Vec<&Channel>; 2],
-    options: &CompareOptions,
-) -> Result<()> {
-    for name in &options.channels {
-        let has = |channels: &[&Channel]| {
-            channels
-                .iter()
-                .any(|c| c.name == *name || c.name.starts_with(&format!("{name}.")))
+/// Refuses pictures without the channels that were asked for.
+fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
+    for name in names {
+        let of_group = format!("{name}.");
+        let is_meant =
+            |channel: &&Channel| channel.name == *name || channel.name.starts_with(&of_group);
+        let named = |picture: &Picture| -> Vec<String> {
+            let channels = picture.layers.channels.iter().filter(is_meant);
+            channels.map(|c| c.name.clone()).collect()
         };
-        if let Some(picture) = [(r, a), (c, b)]
-            .iter()
-            .find(|(_, channels)| !has(channels))
-            .map(|x| x.0)
-        {
-            let names: Vec<_> = picture
-                .layers
-                .channels
-                .iter()
-                .map(|c| c.name.as_str())
-                .collect();
-            return refuse(
-                picture,
-                "channels",
-                format!("there is no {name}"),
-                format!("it holds {}", list(&names)),
-            );
+        for (one, other) in [(0, 1), (1, 0)] {
+            let (there, wanted) = (named(pair[one]), named(pair[other]));
+            let lacks = wanted.iter().find(|name| !there.contains(name));
+            let lacks = lacks.or((there.is_empty() && wanted.is_empty()).then_some(name));
+            if let Some(lacks) = lacks {
+                let what = format!("there is no {lacks}, which --channels demands");
+                let help = format!("it holds {}", list(&names_of(pair[one])));
+                return refuse(pair[one], "channels", what, help);
+            }
         }
     }
+    Ok(())
+}
+
+fn names_of(picture: &Picture) -> Vec<&str> {
+    let channels = picture.layers.channels.iter();
+    channels.map(|c| c.name.as_str()).collect()
+}
+
+/// The channels that both have, and the names of the others.
+fn common<'a>(
+    [r, c]: [&Picture; 2],
+    [mut a, mut b]: [Vec<&'a Channel>; 2],
+) -> Result<([Vec<&'a Channel>; 2], Uncompared)> {
     let without = |a: &[&Channel], b: &[&Channel]| -> Vec<String> {
-        let missing = a.iter().filter(|x| !b.iter().any(|y| y.name == x.name));
-        missing.map(|x| x.name.clone()).collect()
+        let alone = a.iter().filter(|x| !b.iter().any(|y| y.name == x.name));
+        alone.map(|x| x.name.clone()).collect()
     };
-    let (missing, added) = (without(a, b), without(b, a));
-    if a.is_empty() || !missing.is_empty() || !added.is_empty() {
-        let parts = [("lacks", &missing), ("has also", &added)];
-        let parts: Vec<String> = (parts.iter().filter(|(_, names)| !names.is_empty()))
-            .map(|(verb, names)| {
-                format!(
-                    "{verb} {}",
-                    list(&names.iter().map(String::as_str).collect::<Vec<_>>())
-                )
-            })
-            .collect();
+    let uncompared = Uncompared {
+        only_reference: without(&a, &b),
+        only_candidate: without(&b, &a),
+    };
+    a.retain(|x| b.iter().any(|y| y.name == x.name));
+    b.retain(|x| a.iter().any(|y| y.name == x.name));
+    if a.is_empty() {
         let what = format!(
-            "its channels are not those of {}: it {}",
+            "it has no channel in common with {}, which holds {}",
             r.name,
-            parts.join(", and ")
+            list(&names_of(r))
         );
-        let common: Vec<&str> = a
-            .iter()
-            .filter(|x| b.iter().any(|y| y.name == x.name))
-            .map(|x| x.name.as_str())
-            .collect();
-        let help = match common.as_slice() {
-            [] => "pictures with channels of the same names".into(),
-            common => format!("compare what both have: --channels {}", groups(common)),
-        };
+        let help = format!("name its channels so; it holds {}", list(&names_of(c)));
         return refuse(c, "channels", what, help);
     }
-    Ok(())
+    Ok(([a, b], uncompared))
 }
 
 fn list(names: &[&str]) -> String {
@@ -316,14 +337,49 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// Channels by their groups, for the option.
-fn groups(names: &[&str]) -> String {
-    let mut groups: Vec<&str> = names
-        .iter()
-        .map(|name| name.split('.').next().unwrap_or(name))
+/// The pixels of the region whose light is finite in both pictures.
+fn usable(
+    pair: [&Picture; 2],
+    chosen: &[Vec<&Channel>; 2],
+    region: Region,
+    notes: &mut Vec<String>,
+) -> Result<Region> {
+    let [width, height] = [pair[0].layers.width, pair[0].layers.height].map(|n| n as usize);
+    let light = [0, 1].map(|k| {
+        let light = chosen[k].iter().filter(|c| !is_auxiliary(&c.name));
+        light.map(move |c| Plane::new(&pair[k].layers, c))
+    });
+    let planes: Vec<Plane> = light
+        .into_iter()
+        .flatten()
+        .filter(|p| !p.is_finite())
         .collect();
-    groups.dedup();
-    groups.join(",")
+    if planes.is_empty() {
+        return Ok(region);
+    }
+    let mut mask = vec![false; width * height];
+    let mut dropped = 0;
+    for i in region.pixels([width, height]) {
+        mask[i] = planes.iter().all(|plane| plane.at(i).is_finite());
+        dropped += u64::from(!mask[i]);
+    }
+    if !mask.contains(&true) {
+        let what = "light is a finite number at no pixel".to_string();
+        return refuse(
+            pair[1],
+            "pixels",
+            what,
+            "--nan count-as=0 counts what is not as a value",
+        );
+    }
+    if dropped > 0 {
+        notes.push(format!("{dropped} pixels do not count, in any channel: their light is not finite in one of the pictures"));
+    }
+    let crop = None;
+    Ok(Region {
+        crop,
+        mask: Some(mask),
+    })
 }
 
 /// The layers, with samples of light that are not finite dealt with.
@@ -340,14 +396,14 @@ fn finite<'a>(
         };
         let treatment = match options.not_finite {
             NotFinite::Refuse => return Err(found.refusal(picture, channel)),
-            NotFinite::Ignore => "their pixels do not count".into(),
+            NotFinite::Ignore => continue,
             NotFinite::CountAs(value) => {
                 replace(layers.to_mut(), &channel.name, value);
-                format!("they count as {value}")
+                value
             }
         };
         notes.push(format!(
-            "{} of {}: {}; {treatment}",
+            "{} of {}: {}; they count as {treatment}",
             channel.name,
             picture.name,
             found.words()

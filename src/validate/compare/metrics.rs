@@ -2,10 +2,13 @@
 //!
 //! A further metric is a field with its evaluator (of [`Errors`], [`SurfaceErrors`] or [`Comparison`]; JSON has it with the
 //! field) and a row here. A limit holds as far as the metric is no worse: at most the value, or at least it where
-//! larger is better. The bias counts by its size.
+//! larger is better. The bias counts by its size. A metric of nothing has no value, and exceeds every limit.
 
-use super::comparison::Comparison;
+use serde::Serialize;
+
+use super::comparison::{Comparison, Uncompared};
 use super::errors::Errors;
+use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors};
 use crate::error::{Error, Result};
 use crate::scene::model::SPEED_OF_LIGHT;
@@ -22,6 +25,8 @@ pub struct Metric {
     pub better: Better,
     /// Its heading in tables; none where they leave it out.
     pub heading: Option<&'static str>,
+    /// What both pictures have to hold for it.
+    needs: &'static str,
     of: Of,
 }
 
@@ -37,7 +42,7 @@ pub enum Better {
 /// What a metric is a number of, and its evaluator.
 #[derive(Debug, Clone, Copy)]
 enum Of {
-    /// The light, and each channel; NaN where it is undefined.
+    /// The light, and each channel.
     Channel(fn(&Errors) -> Option<f64>),
     /// The whole picture; and the words for it in tables.
     Picture(
@@ -52,19 +57,23 @@ enum Of {
     ),
 }
 
-/// The mean of values with their signs, and the distribution of their sizes.
+/// The mean of values with their signs where they have some, and the distribution of their sizes.
 type Values<'a> = (Option<f64>, &'a Distribution);
 
 const PS_PER_METRE: f64 = 1e12 / SPEED_OF_LIGHT;
 
+/// What geometric errors need.
+const PLACES: &str = "the channels object_event.x, .y, .z (or event.x, .y, .z)";
+/// What errors of emission times need.
+const TIMES: &str = "the channel event.ct (or object_event.ct)";
+
 /// All metrics, in the order in which they are shown.
-pub const METRICS: [Metric; 22] = [
+pub const METRICS: [Metric; 24] = [
+    channel("count", "samples", None, |e| Some(e.count as f64)).better_when_large(),
     channel("bias", "", Some("bias"), |e| Some(e.bias)),
     channel("mae", "", Some("MAE"), |e| Some(e.mae)),
     channel("rmse", "", Some("RMSE"), |e| Some(e.rmse)),
-    channel("relrmse", "ratio", Some("relRMSE"), |e| {
-        Some(e.relrmse.unwrap_or(f64::NAN))
-    }),
+    channel("relrmse", "ratio", Some("relRMSE"), |e| e.relrmse),
     channel("mrse", "ratio", Some("MRSE"), |e| Some(e.mrse)),
     channel("max", "", Some("max"), |e| Some(e.max)),
     channel("p50", "", Some("p50"), |e| Some(e.p50)),
@@ -76,83 +85,102 @@ pub const METRICS: [Metric; 22] = [
     })
     .better_when_large(),
     channel("ssim", "ratio", Some("SSIM"), |e| e.ssim).better_when_large(),
-    picture("flip", "ratio", None, |c| Some(c.flip.as_ref()?.mean)),
-    picture("flip.max", "ratio", None, |c| Some(c.flip.as_ref()?.max)),
-    picture("wrong_object", "pixels", Some("wrong object"), |c| {
-        Some(c.surface.as_ref()?.wrong_object?.pixels as f64)
+    picture("flip", "ratio", None, "the light", |c| {
+        Some(c.flip.as_ref()?.mean)
+    }),
+    picture("flip.max", "ratio", None, "the light", |c| {
+        Some(c.flip.as_ref()?.max)
+    }),
+    picture(
+        "wrong_objects",
+        "pixels",
+        Some("wrong objects"),
+        OBJECTS,
+        |c| Some(c.surface.as_ref()?.wrong_objects?.pixels as f64),
+    )
+    .in_words(wrong_objects),
+    picture("coverage", "ratio", Some("coverage"), OBJECTS, |c| {
+        c.surface.as_ref()?.coverage?.part()
     })
-    .in_words(wrong_object),
-    picture("silhouette", "pixels", Some("silhouette"), |c| {
+    .better_when_large()
+    .in_words(coverage),
+    picture("silhouette", "pixels", Some("silhouette"), OBJECTS, |c| {
         Some(c.surface.as_ref()?.silhouette?.mean)
     })
     .in_words(silhouette),
-    picture("silhouette.max", "pixels", None, |c| {
+    picture("silhouette.max", "pixels", None, OBJECTS, |c| {
         c.surface.as_ref()?.silhouette?.largest
     }),
     pixels(
-        "geometric",
-        "pixels",
-        "geometric error",
+        ["geometric", "pixels", "geometric error", PLACES],
         &[("px", 1.0)],
         |s| Some((None, s.geometric.as_ref()?)),
     ),
     pixels(
-        "time",
-        "m",
-        "emission time",
+        ["time", "m", "emission time", TIMES],
         &[("m", 1.0), ("ps", PS_PER_METRE)],
         |s| {
-            s.emission_time
-                .as_ref()
-                .map(|t| (Some(t.bias), &t.absolute))
+            let t = s.emission_time.as_ref()?;
+            Some((t.bias, &t.absolute))
         },
     )
     .signed(),
     pixels(
-        "time_bins",
-        "bins",
-        "emission time",
+        [
+            "time_bins",
+            "bins",
+            "emission time",
+            "a width of the bins (--bin-width) and the channel event.ct",
+        ],
         &[("bins", 1.0)],
         |s| Some((None, s.emission_time_bins.as_ref()?)),
     ),
-    pixels("w", "ratio", "wavelength ratio", &[("%", 100.0)], |s| {
-        let w = s.wavelength_ratio.as_ref()?;
-        Some((Some(w.bias), &w.absolute))
-    })
+    pixels(
+        [
+            "w",
+            "ratio",
+            "wavelength ratio",
+            "the channel wavelength_ratio",
+        ],
+        &[("%", 100.0)],
+        |s| {
+            let w = s.wavelength_ratio.as_ref()?;
+            Some((w.bias, &w.absolute))
+        },
+    )
     .signed(),
-    pixels("w_ulp", "ulp", "wavelength ratio", &[("ulp", 1.0)], |s| {
-        Some((None, s.wavelength_ratio_ulp.as_ref()?))
-    }),
+    pixels(
+        [
+            "w_ulp",
+            "ulp",
+            "wavelength ratio",
+            "the channel wavelength_ratio",
+        ],
+        &[("ulp", 1.0)],
+        |s| Some((None, s.wavelength_ratio_ulp.as_ref()?)),
+    ),
 ];
 
-/// A name and a number of a distribution.
-type Part = (&'static str, fn(&Distribution) -> f64);
+/// What errors of objects need.
+const OBJECTS: &str = "the channel object";
+
+/// A number of a distribution: its name, which values are better, the number.
+type Part = (&'static str, Better, fn(&Distribution) -> Option<f64>);
 
 /// The numbers of a distribution.
-const PARTS: [Part; 6] = [
-    ("mean", |d| d.mean),
-    ("rms", |d| d.rms),
-    ("p50", |d| d.p50),
-    ("p90", |d| d.p90),
-    ("p99", |d| d.p99),
-    ("max", |d| d.max),
+const PARTS: [Part; 8] = [
+    ("mean", Better::Smaller, |d| Some(d.summary?.mean)),
+    ("rms", Better::Smaller, |d| Some(d.summary?.rms)),
+    ("p50", Better::Smaller, |d| Some(d.summary?.p50)),
+    ("p90", Better::Smaller, |d| Some(d.summary?.p90)),
+    ("p99", Better::Smaller, |d| Some(d.summary?.p99)),
+    ("max", Better::Smaller, |d| Some(d.summary?.max)),
+    ("count", Better::Larger, |d| Some(d.count as f64)),
+    ("unmeasured", Better::Smaller, |d| Some(d.unmeasured as f64)),
 ];
 
-const fn row(
-    name: &'static str,
-    unit: &'static str,
-    heading: Option<&'static str>,
-    of: Of,
-) -> Metric {
-    let better = Better::Smaller;
-    Metric {
-        name,
-        unit,
-        better,
-        heading,
-        of,
-    }
-}
+/// The name of the mean of values with a sign.
+const BIAS: &str = "bias";
 
 const fn channel(
     name: &'static str,
@@ -160,26 +188,46 @@ const fn channel(
     heading: Option<&'static str>,
     value: fn(&Errors) -> Option<f64>,
 ) -> Metric {
-    row(name, unit, heading, Of::Channel(value))
+    Metric {
+        name,
+        unit,
+        better: Better::Smaller,
+        heading,
+        needs: "the light",
+        of: Of::Channel(value),
+    }
 }
 
 const fn picture(
     name: &'static str,
     unit: &'static str,
     heading: Option<&'static str>,
+    needs: &'static str,
     value: fn(&Comparison) -> Option<f64>,
 ) -> Metric {
-    row(name, unit, heading, Of::Picture(value, |_| None))
+    Metric {
+        name,
+        unit,
+        better: Better::Smaller,
+        heading,
+        needs,
+        of: Of::Picture(value, |_| None),
+    }
 }
 
 const fn pixels(
-    name: &'static str,
-    unit: &'static str,
-    heading: &'static str,
+    [name, unit, heading, needs]: [&'static str; 4],
     units: &'static [(&'static str, f64)],
     values: fn(&SurfaceErrors) -> Option<Values<'_>>,
 ) -> Metric {
-    row(name, unit, Some(heading), Of::Pixels(values, false, units))
+    Metric {
+        name,
+        unit,
+        better: Better::Smaller,
+        heading: Some(heading),
+        needs,
+        of: Of::Pixels(values, false, units),
+    }
 }
 
 impl Metric {
@@ -205,11 +253,12 @@ impl Metric {
     }
 
     /// Its column of a table: the heading, and the value for these errors.
-    pub(super) fn cell(&self, errors: &Errors) -> Option<(&'static str, String)> {
+    pub(super) fn cell(&self, errors: Option<&Errors>) -> Option<(&'static str, String)> {
         let Of::Channel(value) = self.of else {
             return None;
         };
-        Some((self.heading?, number(value(errors).unwrap_or(f64::NAN))))
+        let value = errors.and_then(value);
+        Some((self.heading?, value.map_or_else(|| NONE.into(), number)))
     }
 
     /// Its lines below the table: what is measured, and what was found.
@@ -234,23 +283,38 @@ impl Metric {
     }
 }
 
-fn wrong_object(comparison: &Comparison) -> Option<String> {
-    let share = comparison.surface.as_ref()?.wrong_object?;
+fn wrong_objects(comparison: &Comparison) -> Option<String> {
+    let share = comparison.surface.as_ref()?.wrong_objects?;
     let percent = 100.0 * share.pixels as f64 / share.of.max(1) as f64;
     Some(format!("{} pixels ({} %)", share.pixels, number(percent)))
+}
+
+fn coverage(comparison: &Comparison) -> Option<String> {
+    let share = comparison.surface.as_ref()?.coverage?;
+    let percent = share
+        .part()
+        .map_or(NONE.into(), |part| number(100.0 * part));
+    Some(format!(
+        "the same object at {} of the reference's {} pixels with surfaces ({percent} %)",
+        share.pixels, share.of
+    ))
 }
 
 fn silhouette(comparison: &Comparison) -> Option<String> {
     let silhouette = comparison.surface.as_ref()?.silhouette?;
     let [mean, length] = [silhouette.mean, silhouette.length].map(number);
-    let largest = number(silhouette.largest.unwrap_or(f64::NAN));
+    let largest = silhouette.largest.map_or(NONE.into(), number);
     Some(format!(
         "mean {mean} px, largest {largest} px, over {length} px"
     ))
 }
 
 fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
-    let [mean, p50, p99, max] = [d.mean, d.p50, d.p99, d.max].map(|x| number(scale * x));
+    let Some(summary) = &d.summary else {
+        return format!("none: {}", nothing(d));
+    };
+    let values = [summary.mean, summary.p50, summary.p99, summary.max];
+    let [mean, p50, p99, max] = values.map(|x| number(scale * x));
     let bias = bias.map_or(String::new(), |b| {
         format!("bias {} {unit}, ", number(scale * b))
     });
@@ -260,6 +324,17 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
     };
     format!("{bias}mean {mean}, p50 {p50}, p99 {p99}, max {max} {unit}{unmeasured}")
 }
+
+/// Why a distribution is empty.
+fn nothing(d: &Distribution) -> String {
+    match d.unmeasured {
+        0 => "no pixel shows the same object in both pictures".into(),
+        n => format!("at none of the {n} pixels of the same object can it be measured"),
+    }
+}
+
+/// What stands for a value that there is not.
+const NONE: &str = "none";
 
 /// A number in four significant digits, whatever its magnitude.
 pub(super) fn number(x: f64) -> String {
@@ -290,14 +365,17 @@ pub fn help() -> String {
             Of::Picture(..) => of_picture.push(name),
             Of::Pixels(_, has_sign, _) => {
                 of_pixels.push(name);
-                signed.extend(has_sign.then(|| format!("{}.bias", metric.name)));
+                signed.extend(has_sign.then(|| format!("{}.{BIAS}", metric.name)));
             }
         }
     }
-    let parts = PARTS.map(|(name, _)| format!(".{name}"));
+    let parts = PARTS.map(|(name, better, _)| match better {
+        Better::Smaller => format!(".{name}"),
+        Better::Larger => format!(".{name} (at least)"),
+    });
     format!(
         "  of the light, or of one channel (radiance.R:max): {}\n  of the picture: {}\n  of surfaces, with {}: {}; \
-         and {}",
+         and {}\n  A metric that cannot be computed exceeds its limit.",
         of_light.join(", "),
         of_picture.join(", "),
         parts.join(", "),
@@ -307,7 +385,7 @@ pub fn help() -> String {
 }
 
 /// A limit of one metric.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tolerance {
     /// The metric's name: `rmse`, `flip`, `geometric.p99`, `radiance.R:max`.
     pub metric: String,
@@ -316,12 +394,23 @@ pub struct Tolerance {
 }
 
 /// A limit that is exceeded.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Breach {
     /// The limit.
+    #[serde(flatten)]
     pub tolerance: Tolerance,
     /// What the metric is.
-    pub found: f64,
+    pub found: Found,
+}
+
+/// What a metric is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Found {
+    /// A number.
+    Value(f64),
+    /// It could not be computed, for this reason.
+    Nothing(String),
 }
 
 impl std::str::FromStr for Tolerance {
@@ -339,106 +428,185 @@ impl std::str::FromStr for Tolerance {
     }
 }
 
-impl Tolerance {
-    fn better(&self) -> Better {
-        let name = self.metric.rsplit(':').next().unwrap_or(&self.metric);
-        let row = METRICS.iter().find(|metric| metric.name == name);
-        row.map_or(Better::Smaller, |metric| metric.better)
-    }
-
-    fn allows(&self, found: f64) -> bool {
-        match self.better() {
-            Better::Larger => found >= self.value,
-            Better::Smaller => found.abs() <= self.value,
+impl std::fmt::Display for Breach {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Tolerance { metric, value } = &self.tolerance;
+        let limit = match Name::of(metric).map(|name| name.better()) {
+            Some(Better::Larger) => "least",
+            _ => "most",
+        };
+        match &self.found {
+            Found::Value(found) => {
+                write!(f, "{metric} is {found}, and may be at {limit} {value}")
+            }
+            Found::Nothing(why) => {
+                write!(
+                    f,
+                    "{metric} may be at {limit} {value}, and could not be computed: {why}"
+                )
+            }
         }
     }
 }
 
-impl std::fmt::Display for Breach {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Tolerance { metric, value } = &self.tolerance;
-        let limit = match self.tolerance.better() {
-            Better::Larger => "least",
-            Better::Smaller => "most",
+/// What the name of a metric means.
+#[derive(Debug, Clone, Copy)]
+struct Name<'a> {
+    /// The channel, of a metric that is of one.
+    channel: Option<&'a str>,
+    row: &'static Metric,
+    /// The number of a distribution; none where the metric is one number, or it is the bias.
+    part: Option<Part>,
+}
+
+impl<'a> Name<'a> {
+    fn of(name: &'a str) -> Option<Name<'a>> {
+        let (channel, name) = match name.rsplit_once(':') {
+            Some((channel, name)) => (Some(channel), name),
+            None => (None, name),
         };
-        write!(
-            f,
-            "{metric} is {}, and may be at {limit} {value}",
-            self.found
-        )
+        let is_meant = |row: &&Metric| match row.of {
+            Of::Channel(_) => row.name == name,
+            Of::Picture(..) => row.name == name && channel.is_none(),
+            Of::Pixels(..) => false,
+        };
+        if let Some(row) = METRICS.iter().find(is_meant) {
+            let part = None;
+            return Some(Name { channel, row, part });
+        }
+        let (name, part) = name.rsplit_once('.')?;
+        let is_meant = |row: &&Metric| match row.of {
+            Of::Pixels(_, has_sign, _) => row.name == name && (has_sign || part != BIAS),
+            Of::Channel(_) | Of::Picture(..) => false,
+        };
+        let row = METRICS
+            .iter()
+            .find(is_meant)
+            .filter(|_| channel.is_none())?;
+        let part = match part {
+            BIAS => None,
+            part => Some(*PARTS.iter().find(|(name, ..)| *name == part)?),
+        };
+        Some(Name { channel, row, part })
+    }
+
+    fn better(&self) -> Better {
+        self.part.map_or(self.row.better, |(_, better, _)| better)
+    }
+
+    fn allows(&self, limit: f64, found: f64) -> bool {
+        match self.better() {
+            Better::Larger => found >= limit,
+            Better::Smaller => found.abs() <= limit,
+        }
+    }
+
+    /// The metric of `comparison`; none where that has no channel of this name, and neither has a picture.
+    fn found(&self, comparison: &Comparison) -> Option<Found> {
+        let needs = || format!("it needs {} in both pictures", self.row.needs);
+        Some(match self.row.of {
+            Of::Channel(value) => match self.errors(comparison)? {
+                Ok(errors) => settled(value(errors), || {
+                    "it is not defined for these values, or for so few".into()
+                }),
+                Err(why) => Found::Nothing(why),
+            },
+            Of::Picture(value, _) => settled(value(comparison), needs),
+            Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
+                None => Found::Nothing(needs()),
+                Some((bias, d)) => settled(
+                    match self.part {
+                        Some((_, _, of)) => of(d),
+                        None => bias,
+                    },
+                    || nothing(d),
+                ),
+            },
+        })
+    }
+
+    /// The errors that a metric of the light or of a channel is of, or why there are none.
+    fn errors<'c>(&self, comparison: &'c Comparison) -> Option<Result<&'c Errors, String>> {
+        let empty = || "no sample is a number in both pictures".to_string();
+        let Some(name) = self.channel else {
+            let light = comparison.radiance.as_ref();
+            let missing = || match comparison.channels.iter().any(|c| is_light(&c.name)) {
+                true => empty(),
+                false => format!("it needs {} in both pictures", self.row.needs),
+            };
+            return Some(light.ok_or_else(missing));
+        };
+        if let Some(channel) = comparison.channels.iter().find(|c| c.name == name) {
+            return Some(channel.errors.as_ref().ok_or_else(empty));
+        }
+        let Uncompared {
+            only_reference,
+            only_candidate,
+        } = &comparison.uncompared;
+        let lacks = |names: &[String], who: &str| {
+            let is_there = names.iter().any(|n| n == name);
+            is_there.then(|| Err(format!("the {who} has no channel {name}")))
+        };
+        lacks(only_reference, "candidate").or_else(|| lacks(only_candidate, "reference"))
+    }
+}
+
+fn settled(value: Option<f64>, why: impl FnOnce() -> String) -> Found {
+    match value.filter(|value| !value.is_nan()) {
+        Some(value) => Found::Value(value),
+        None => Found::Nothing(why()),
     }
 }
 
 impl Comparison {
-    /// All metrics by name; infinite where one is undefined.
-    pub fn metrics(&self) -> Vec<(String, f64)> {
-        let mut metrics = Vec::new();
-        let of_channel = |prefix: &str, errors: &Errors| {
-            let row = |metric: &Metric| match metric.of {
-                Of::Channel(value) => Some((format!("{prefix}{}", metric.name), value(errors)?)),
-                Of::Picture(..) | Of::Pixels(..) => None,
-            };
-            METRICS.iter().filter_map(row).collect::<Vec<_>>()
-        };
-        metrics.extend(
-            self.radiance
-                .iter()
-                .flat_map(|errors| of_channel("", errors)),
-        );
-        for metric in &METRICS {
-            match metric.of {
-                Of::Channel(_) => {}
-                Of::Picture(value, _) => {
-                    metrics.extend(value(self).map(|value| (metric.name.into(), value)));
-                }
-                Of::Pixels(values, ..) => {
-                    let Some((bias, d)) = self.surface.as_ref().and_then(values) else {
-                        continue;
-                    };
-                    let bias = bias.map(|bias| ("bias", bias));
-                    let parts = PARTS.map(|(part, of)| (part, of(d)));
-                    let named = bias.into_iter().chain(parts);
-                    metrics.extend(named.map(|(part, x)| (format!("{}.{part}", metric.name), x)));
-                }
-            }
+    /// The metric of this name; none where there is no such metric, or it could not be computed.
+    pub fn metric(&self, name: &str) -> Option<f64> {
+        match Name::of(name)?.found(self)? {
+            Found::Value(value) => Some(value),
+            Found::Nothing(_) => None,
         }
-        for channel in &self.channels {
-            metrics.extend(of_channel(&format!("{}:", channel.name), &channel.errors));
-        }
-        for (_, value) in metrics.iter_mut().filter(|(_, value)| value.is_nan()) {
-            *value = f64::INFINITY;
-        }
-        metrics
     }
 
-    /// The limits that are exceeded, in their order.
+    /// The limits that are exceeded, in their order; those of metrics that could not be computed are.
     ///
     /// # Errors
-    /// A metric that this comparison does not have.
+    /// A metric that there is not.
     pub fn breaches(&self, tolerances: &[Tolerance]) -> Result<Vec<Breach>> {
-        let metrics = self.metrics();
         let mut breaches = Vec::new();
         for tolerance in tolerances {
-            let found = metrics.iter().find(|(name, _)| *name == tolerance.metric);
-            let Some(&(_, found)) = found else {
-                return Err(unknown(&tolerance.metric, &metrics));
-            };
-            if !tolerance.allows(found) {
+            let name = Name::of(&tolerance.metric);
+            let found = name.and_then(|name| Some((name, name.found(self)?)));
+            let (name, found) = found.ok_or_else(|| self.unknown(&tolerance.metric))?;
+            let holds = matches!(&found, Found::Value(v) if name.allows(tolerance.value, *v));
+            if !holds {
                 let tolerance = tolerance.clone();
                 breaches.push(Breach { tolerance, found });
             }
         }
         Ok(breaches)
     }
-}
 
-fn unknown(metric: &str, metrics: &[(String, f64)]) -> Error {
-    let names = metrics.iter().map(|(name, _)| name.as_str());
-    let plain: Vec<&str> = names.filter(|name| !name.contains(':')).collect();
-    let what = "the comparison of these pictures has no such metric";
-    let help = format!(
-        "there are {}, and CHANNEL:METRIC for each channel",
-        plain.join(", ")
-    );
-    Error::invalid("command line", format!("--tolerance {metric}"), what, help)
+    fn unknown(&self, metric: &str) -> Error {
+        let place = format!("--tolerance {metric}");
+        if let Some((channel, _)) = metric
+            .rsplit_once(':')
+            .filter(|_| Name::of(metric).is_some())
+        {
+            let what = format!("neither picture has a channel {channel} with numbers");
+            let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
+            let help = format!("compared are {}", names.join(", "));
+            return Error::invalid("command line", place, what, help);
+        }
+        let names = METRICS.iter().map(|metric| match metric.of {
+            Of::Channel(_) | Of::Picture(..) => metric.name.to_string(),
+            Of::Pixels(..) => format!("{}.mean", metric.name),
+        });
+        let names: Vec<String> = names.collect();
+        let parts = PARTS.map(|(name, ..)| name).join(", ");
+        let help = format!(
+            "there are {}, and CHANNEL:METRIC for each channel; in place of .mean also {parts}",
+            names.join(", ")
+        );
+        Error::invalid("command line", place, "there is no such metric", help)
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! two pictures → matched → errors per channel, structural similarity, ꟻLIP, errors of surfaces
-//!                [matching]  [errors]           [ssim]                 [flip]  [surface]
+//!                [matching]  [errors]           [ssim]                 [flip]  [surface, geometry, known]
 //!              → diagnoses → tolerances, tables, maps, reports
 //!                [diagnose]  [metrics, report]
 //! ```
@@ -31,6 +31,7 @@ pub mod diagnose;
 mod errors;
 pub mod flip;
 mod geometry;
+mod known;
 mod matching;
 mod metrics;
 mod options;
@@ -39,11 +40,11 @@ pub mod report;
 mod ssim;
 pub mod surface;
 
-pub use comparison::{ChannelErrors, Comparison, compare};
+pub use comparison::{ChannelErrors, Comparison, Uncompared, compare};
 pub use diagnose::{Diagnosis, Kind};
 pub use errors::{Errors, Histogram};
 pub use flip::Flip;
-pub use metrics::{Better, Breach, METRICS, Metric, Tolerance, help};
+pub use metrics::{Better, Breach, Found, METRICS, Metric, Tolerance, help};
 pub use options::{CompareOptions, NotFinite, Region};
-pub use picture::{Encoding, Picture};
+pub use picture::{Alpha, Encoding, Picture};
 pub use surface::SurfaceErrors;

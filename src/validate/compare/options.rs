@@ -1,13 +1,16 @@
 //! What of two pictures is compared, and how.
 
+use std::sync::Arc;
+
 use crate::error::{Error, Result};
 use crate::io::image::Layers;
+use crate::scene::model::Scene;
 
 /// Pixels per degree of visual angle on a 3840-pixel display of 0.7 m seen from 0.7 m: 3840 π/180.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643;
 
 /// How pictures are compared.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct CompareOptions {
     /// Which pixels.
     pub region: Region,
@@ -15,6 +18,8 @@ pub struct CompareOptions {
     pub not_finite: NotFinite,
     /// Channels and groups of them ("event") that are compared; all where it is empty.
     pub channels: Vec<String>,
+    /// The scene of the reference, with the pictures' size; the text in the reference's metadata where there is none.
+    pub scene: Option<Arc<Scene>>,
     /// Width of a time bin, metres of light path, to which emission times relate.
     pub bin_width: Option<f64>,
     /// Pixels per degree of visual angle, for ꟻLIP; none to leave ꟻLIP out.
@@ -32,6 +37,7 @@ impl Default for CompareOptions {
             region: Region::default(),
             not_finite: NotFinite::Refuse,
             channels: Vec::new(),
+            scene: None,
             bin_width: None,
             pixels_per_degree: Some(PIXELS_PER_DEGREE),
             allow_swapped: false,

@@ -7,8 +7,8 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::image::{Channel, Layers, Samples, exr, png};
-use crate::io::npy::{self, Numbers, Plain};
-use crate::render::aov::Aov;
+use crate::io::npy::{self, Header, Numbers, Plain};
+use crate::render::aov::{self, Aov};
 
 /// The channels of light, in this order.
 pub(super) const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
@@ -49,6 +49,21 @@ pub struct Picture {
     pub layers: Layers,
     /// Channels that the file holds in half precision, which ends at 65504.
     pub half: Vec<String>,
+    /// Whether its light is multiplied by alpha.
+    pub alpha: Alpha,
+    /// Whether its values end at 1, as those of a `.png` do.
+    pub ends_at_one: bool,
+}
+
+/// Whether light is multiplied by alpha.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alpha {
+    /// It is, as OpenEXR demands.
+    Premultiplied,
+    /// It is not, as PNG demands.
+    Straight,
+    /// Nothing says.
+    Unknown,
 }
 
 /// Who made a picture, by its metadata.
@@ -64,7 +79,14 @@ impl Picture {
             encoding: Encoding::Linear,
             layers,
             half: Vec::new(),
+            alpha: Alpha::Unknown,
+            ends_at_one: false,
         }
+    }
+
+    /// Whether its values are light of any range, and not what a display shows.
+    pub(super) fn is_high_range(&self) -> bool {
+        self.encoding == Encoding::Linear && !self.ends_at_one
     }
 
     /// The value of a metadata entry.
@@ -104,6 +126,18 @@ impl<'a> Plane<'a> {
             samples: &channel.samples,
             width: layers.width as usize,
         }
+    }
+
+    /// The auxiliary channel, where there is one.
+    pub fn aov(layers: &'a Layers, aov: Aov) -> Option<Self> {
+        Plane::find(layers, aov.name())
+    }
+
+    /// Several auxiliary channels, where there are all of them.
+    pub fn aovs<const N: usize>(layers: &'a Layers, aovs: [Aov; N]) -> Option<[Self; N]> {
+        let planes = aovs.map(|aov| Plane::aov(layers, aov));
+        let all = planes.iter().all(Option::is_some);
+        all.then(|| planes.map(|plane| plane.expect("all are there")))
     }
 
     /// The channel of this name, where there is one.
@@ -175,8 +209,11 @@ fn fill<T: Copy>(row: &mut [f32], samples: &[T], convert: impl Fn(T) -> f32) {
 impl Picture {
     /// Reads a picture. `png` says what the codes of a PNG file are; other files hold linear light.
     ///
-    /// An array of shape (H, W, 3) named `radiance`, or alone in its file, is `radiance.R`, `.G`, `.B`; one of shape
-    /// (H, W) is a channel of its own name, `value` in a `.npy` file.
+    /// Arrays have the shape (H, W), or (H, W, n). One of n = 3 or 4 named `radiance`, or alone in its file, is
+    /// `radiance.R`, `.G`, `.B` and `A`; one named like a group of auxiliary channels is these, in their order (`event` of
+    /// shape (H, W, 4) is `event.ct`, `.x`, `.y`, `.z`); one of n = 1 counts as (H, W), and is a channel of its own
+    /// name, `value` in a `.npy` file. Of channels of identities in unsigned integers, the largest number of
+    /// the type means that nothing is met (255 in uint8), like −1 in others.
     ///
     /// # Errors
     /// What the readers of images and arrays refuse; more than `budget` has memory for; names that do not end in .exr, .png, .npz or .npy; arrays of other shapes.
@@ -185,24 +222,43 @@ impl Picture {
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase());
         let name = path.display().to_string();
-        match extension.as_deref() {
-            Some("exr") => Ok(Picture {
+        Ok(match extension.as_deref() {
+            Some("exr") => Picture {
                 half: exr::half_channels(path)?,
+                alpha: Alpha::Premultiplied,
                 ..Picture::linear(name, exr::read(path, budget)?)
-            }),
-            Some("png") => Ok(Picture {
+            },
+            Some("png") => Picture {
                 encoding: png,
+                alpha: Alpha::Straight,
+                ends_at_one: true,
                 ..Picture::linear(name, png::read(path, budget)?)
-            }),
-            Some("npz" | "npy") => Ok(Picture::linear(name, arrays(path, budget)?)),
-            _ => Err(Error::unsupported(
-                path,
-                "",
-                "the name does not say which kind of picture this is",
-                "a name that ends in .exr, .png, .npz or .npy",
-            )),
+            },
+            Some("npz" | "npy") => Picture::linear(name, arrays(path, budget)?),
+            _ => {
+                return Err(Error::unsupported(
+                    path,
+                    "",
+                    "the name does not say which kind of picture this is",
+                    "a name that ends in .exr, .png, .npz or .npy",
+                ));
+            }
+        })
+    }
+
+    /// Takes `no_hit` in channels of identities to mean that nothing is met.
+    pub fn set_no_hit(&mut self, no_hit: i64) {
+        let channels = self.layers.channels.iter_mut();
+        for channel in channels.filter(|channel| is_identity(channel)) {
+            channel.samples = where_nothing_is_met(&channel.samples, no_hit as f64);
         }
     }
+}
+
+/// Identities with −1 in place of `no_hit`.
+fn where_nothing_is_met(samples: &Samples, no_hit: f64) -> Samples {
+    let id = |id: f64| if id == no_hit { -1.0 } else { id };
+    Samples::F64(samples.to_f64().into_iter().map(id).collect())
 }
 
 fn arrays(path: &Path, budget: &Budget) -> Result<Layers> {
@@ -213,11 +269,20 @@ fn arrays(path: &Path, budget: &Budget) -> Result<Layers> {
         let name = header.name.as_deref();
         match name {
             Some("metadata") => metadata = entries(&npy::load_text(path, "metadata", budget)?),
-            _ => parts.push(channels(path, name, npy::load_plain(path, name, budget)?)?),
+            _ => parts.push(channels(
+                path,
+                header,
+                npy::load_plain(path, name, budget)?,
+            )?),
         }
     }
     let Some([height, width]) = parts.first().map(|part| part.0) else {
-        return Err(Error::invalid(path, "", "it holds no array of numbers", ""));
+        return Err(Error::invalid(
+            path,
+            "",
+            "it holds no array of numbers",
+            "arrays of shape (H, W), and (H, W, 3) for the array \"radiance\"",
+        ));
     };
     if let Some((other, channels)) = parts.iter().find(|part| part.0 != [height, width]) {
         let what = format!(
@@ -248,49 +313,65 @@ fn entries(json: &str) -> Vec<(String, String)> {
 }
 
 /// The channels that an array is, with its rows and columns.
-fn channels(path: &Path, name: Option<&str>, array: Plain) -> Result<([usize; 2], Vec<Channel>)> {
+fn channels(path: &Path, header: &Header, array: Plain) -> Result<([usize; 2], Vec<Channel>)> {
+    let name = header.name.as_deref();
     let samples = match array.samples {
         Numbers::F32(v) => Samples::F32(v),
         Numbers::F64(v) => Samples::F64(v),
         Numbers::I32(v) => Samples::I32(v),
         Numbers::U32(v) => Samples::U32(v),
     };
-    match (array.shape.as_slice(), name) {
-        (&[height, width], name) => Ok((
-            [height, width],
-            vec![Channel {
-                name: name.unwrap_or("value").into(),
-                samples,
-            }],
-        )),
-        (&[height, width, 3], None | Some("radiance")) => {
-            let channel = |k: usize| Channel {
-                name: RADIANCE[k].into(),
-                samples: every_third(&samples, k),
-            };
-            Ok(([height, width], (0..3).map(channel).collect()))
+    let (size, depth) = match *array.shape.as_slice() {
+        [height, width] => ([height, width], 1),
+        [height, width, depth] => ([height, width], depth),
+        _ => return Err(no_picture(path, name, &array.shape)),
+    };
+    let names = names(name, depth).ok_or_else(|| no_picture(path, name, &array.shape))?;
+    let channel = |(k, name): (usize, String)| {
+        let mut channel = Channel {
+            name,
+            samples: every(&samples, depth, k),
+        };
+        // In unsigned integers −1 is the largest number of the type.
+        if let (true, Some(largest)) = (is_identity(&channel), header.dtype.largest_unsigned()) {
+            channel.samples = where_nothing_is_met(&channel.samples, largest);
         }
-        (shape, name) => {
-            let place = name.map_or(String::new(), |name| format!("array {name:?}"));
-            let what = format!("an array of shape {shape:?} is no picture");
-            Err(Error::unsupported(
-                path,
-                place,
-                what,
-                "(H, W), or (H, W, 3) for the array \"radiance\"",
-            ))
+        channel
+    };
+    Ok((size, names.into_iter().enumerate().map(channel).collect()))
+}
+
+/// The names of the channels that the array `name` of so many numbers per pixel holds.
+fn names(name: Option<&str>, depth: usize) -> Option<Vec<String>> {
+    let light = matches!(name, None | Some("radiance" | "arr_0"));
+    let group = aov::group_of(name.unwrap_or(""));
+    match depth {
+        1 => Some(vec![name.unwrap_or("value").to_string()]),
+        3 | 4 if light => {
+            let names = RADIANCE.into_iter().chain(["A"]).take(depth);
+            Some(names.map(String::from).collect())
         }
+        _ if group.len() == depth => Some(group.iter().map(|aov| aov.name().into()).collect()),
+        _ => None,
     }
 }
 
-fn every_third(samples: &Samples, first: usize) -> Samples {
-    fn part<T: Copy>(v: &[T], first: usize) -> Vec<T> {
-        v.iter().skip(first).step_by(3).copied().collect()
+fn no_picture(path: &Path, name: Option<&str>, shape: &[usize]) -> Error {
+    let place = name.map_or(String::new(), |name| format!("array {name:?}"));
+    let what = format!("an array of shape {shape:?} is no picture");
+    let help = "(H, W) or (H, W, 1) for one channel; (H, W, 3) or (H, W, 4) for the array \"radiance\"; (H, W, n) for an \
+                array that is named like a group of n channels, like (H, W, 4) for \"event\"";
+    Error::unsupported(path, place, what, help)
+}
+
+fn every(samples: &Samples, depth: usize, first: usize) -> Samples {
+    fn part<T: Copy>(v: &[T], depth: usize, first: usize) -> Vec<T> {
+        v.iter().skip(first).step_by(depth).copied().collect()
     }
     match samples {
-        Samples::F32(v) => Samples::F32(part(v, first)),
-        Samples::F64(v) => Samples::F64(part(v, first)),
-        Samples::U32(v) => Samples::U32(part(v, first)),
-        Samples::I32(v) => Samples::I32(part(v, first)),
+        Samples::F32(v) => Samples::F32(part(v, depth, first)),
+        Samples::F64(v) => Samples::F64(part(v, depth, first)),
+        Samples::U32(v) => Samples::U32(part(v, depth, first)),
+        Samples::I32(v) => Samples::I32(part(v, depth, first)),
     }
 }

@@ -3,9 +3,10 @@
 //! | error | from | definition |
 //! |---|---|---|
 //! | wrong object | `object` | pixels that show another object, or none where there is one |
+//! | coverage | `object` | of the reference's pixels with surfaces, those at which the candidate shows the same object: the part over which the errors below are measured |
 //! | silhouette, mean | `object` | wrong-object pixels / length of the boundaries between objects in the reference: the area that a boundary sweeps when it moves by d is d times its length. The length is π/4 times the pixel edges that it crosses (Cauchy and Crofton; exact for boundaries of all directions alike) |
 //! | silhouette, largest | `object` | Hausdorff distance of the boundary pixels, to a pixel |
-//! | geometric | `object_event`, or `event` | how far a point of a surface is from where it should be, see below |
+//! | geometric | `object_event`, or `event`; `object` | how far a point of a surface is from where it should be, see below |
 //! | emission time | `event.ct`, or `object_event.ct` | candidate − reference at pixels of the same object |
 //! | wavelength ratio | `wavelength_ratio` | candidate / reference − 1, and steps of the coarser of the two precisions (ulp) |
 //!
@@ -14,37 +15,50 @@
 //!
 //! # Geometric error
 //!
-//! The reference says which point X(p) of the surface pixel p shows, in coordinates that move with the
-//! object. The candidate shows the point Y there. It belongs at p + δ with X(p + δ) = Y, and with the Jacobian
-//! J = ∂X/∂p (metres per pixel, 3 × 2) of the reference
+//! Where the scene is known (by the metadata of the reference, or named) the map π from points of objects to the film is
+//! known, too (`known`), and the candidate's point Y at a pixel where the reference shows X is misplaced by
+//!
+//! ```text
+//! δ = π(Y) − π(X).
+//! ```
+//!
+//! Otherwise the reference alone says which point X(p) of the surface pixel p shows, in coordinates that move with the
+//! object. The candidate's Y belongs at p + δ with X(p + δ) = Y, and with the Jacobian J = ∂X/∂p (metres per pixel,
+//! 3 × 2) of the reference
 //!
 //! ```text
 //! δ = (JᵀJ)⁻¹ Jᵀ (Y − X(p))          the least squares solution: what is off the surface does not count
 //! ```
 //!
 //! which is Newton's step: where it leads out of the pixel it is repeated from the pixel it leads to, as
-//! long as that shows the same object. The error is |δ|; the point is seen displaced by −δ.
+//! long as that shows the same connected part of the surface. Where Y is not found on the part that the pixel shows, the
+//! parts that the pixels around it show are searched, for a point near a silhouette may be in front of another part of
+//! its object. A Y that is more than half a pixel off the surface that is searched is not on it. The error is |δ|; the
+//! point is seen displaced by −δ.
 //!
-//! J comes from differences of neighbours on the same object: central ones, exact to second order, where both
-//! neighbours lie on the centre's triangle or the two one-sided differences nearly agree; otherwise that on the centre's
-//! triangle, or the shorter one, so that creases and one part of an object in front of another do
-//! not pollute it. A pixel without a neighbour on its object in a direction has no error unless Y = X(p).
+//! J comes from differences of neighbours on the same part: central ones, exact to second order, where both
+//! neighbours lie on the centre's triangle or the two one-sided differences nearly agree; otherwise the one on the
+//! centre's triangle, so that creases and one part of an object in front of another do not pollute it. Without
+//! triangles the shorter difference stands in. A pixel without such neighbours has no error unless Y = X(p).
 
 use std::f64::consts::FRAC_PI_4;
 
 use serde::Serialize;
 
 use super::errors::{Histogram, Sums};
-use super::geometry::{self, Points};
+use super::geometry::{self, Field, Points};
 use super::options::Region;
 use super::picture::Plane;
 use crate::io::image::Layers;
+use crate::render::aov::Aov;
 
 /// Errors of what surfaces are seen where. Each is none where a channel that it needs is missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct SurfaceErrors {
     /// Pixels whose objects differ.
-    pub wrong_object: Option<Share>,
+    pub wrong_objects: Option<Share>,
+    /// Of the pixels at which the reference shows a surface, those at which the candidate shows the same object.
+    pub coverage: Option<Share>,
     /// How far boundaries between objects are off.
     pub silhouette: Option<Silhouette>,
     /// Distance in pixels from where a surface point is seen to where it should be.
@@ -68,6 +82,13 @@ pub struct Share {
     pub of: u64,
 }
 
+impl Share {
+    /// As a number from 0 to 1; none of no pixels.
+    pub fn part(&self) -> Option<f64> {
+        (self.of > 0).then(|| self.pixels as f64 / self.of as f64)
+    }
+}
+
 /// How far boundaries between objects are off, pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Silhouette {
@@ -86,6 +107,17 @@ pub struct Distribution {
     pub count: u64,
     /// Pixels that have an object in both pictures, and no value.
     pub unmeasured: u64,
+    /// Their size; none where there are no values.
+    #[serde(flatten)]
+    pub summary: Option<Summary>,
+    /// Distribution.
+    #[serde(skip)]
+    pub histogram: Histogram,
+}
+
+/// The size of values that are not below 0, of which there is one at least.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Summary {
     /// Mean.
     pub mean: f64,
     /// Root mean square.
@@ -100,16 +132,13 @@ pub struct Distribution {
     pub max: f64,
     /// Column and row of the largest; none where all are 0.
     pub max_at: Option<[u32; 2]>,
-    /// Distribution.
-    #[serde(skip)]
-    pub histogram: Histogram,
 }
 
 /// Of values of both signs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Signed {
-    /// Mean.
-    pub bias: f64,
+    /// Mean; none where there are no values.
+    pub bias: Option<f64>,
     /// Of the absolute values.
     #[serde(flatten)]
     pub absolute: Distribution,
@@ -118,33 +147,35 @@ pub struct Signed {
 /// Surface errors and, for pictures of them, the map of the geometric error.
 pub(super) fn compare(
     pair: [&Layers; 2],
+    points: &[Points; 2],
+    field: Option<&Field>,
     region: &Region,
     bin_width: Option<f64>,
 ) -> (Option<SurfaceErrors>, Option<Vec<f32>>) {
-    let points = pair.map(Points::new);
     let size = points[0].size();
-    let map = geometry::map(&points);
+    let map = field.map(geometry::map);
     let errors = SurfaceErrors {
-        wrong_object: wrong_object(&points, region),
-        silhouette: silhouette(&points, region),
+        wrong_objects: wrong_objects(points, region),
+        coverage: coverage(points, region),
+        silhouette: silhouette(points, region),
         geometric: map
             .as_ref()
-            .map(|map| distribution(size, region, &points, |_, i| map[i].into())),
-        emission_time: time(&points).map(|of| signed(size, region, &points, of)),
-        emission_time_bins: time(&points).zip(bin_width).map(|(of, width)| {
-            distribution(size, region, &points, move |_, i| of(i).abs() / width)
-        }),
+            .map(|map| distribution(size, region, points, |_, i| map[i].into())),
+        emission_time: time(points).map(|of| signed(size, region, points, of)),
+        emission_time_bins: time(points)
+            .zip(bin_width)
+            .map(|(of, width)| distribution(size, region, points, move |_, i| of(i).abs() / width)),
         wavelength_ratio: ratio(pair)
-            .map(|[r, c]| signed(size, region, &points, move |i| c.at(i) / r.at(i) - 1.0)),
+            .map(|[r, c]| signed(size, region, points, move |i| c.at(i) / r.at(i) - 1.0)),
         wavelength_ratio_ulp: ratio(pair)
-            .map(|[r, c]| distribution(size, region, &points, move |_, i| steps(&r, &c, i))),
+            .map(|[r, c]| distribution(size, region, points, move |_, i| steps(&r, &c, i))),
     };
     let some = errors != SurfaceErrors::default();
     (some.then_some(errors), map)
 }
 
 fn ratio<'a>(pair: [&'a Layers; 2]) -> Option<[Plane<'a>; 2]> {
-    let [r, c] = pair.map(|layers| Plane::find(layers, "wavelength_ratio"));
+    let [r, c] = pair.map(|layers| Plane::aov(layers, Aov::WavelengthRatio));
     Some([r?, c?])
 }
 
@@ -199,7 +230,7 @@ fn signed(
         value.abs()
     });
     Signed {
-        bias: sum / count.max(1) as f64,
+        bias: (count > 0).then(|| sum / count as f64),
         absolute,
     }
 }
@@ -228,16 +259,18 @@ fn distribution(
     }
     let errors = sums.errors(1.0, None);
     Distribution {
-        count: errors.count,
+        count: errors.as_ref().map_or(0, |e| e.count),
         unmeasured,
-        mean: errors.mae,
-        rms: errors.rmse,
-        p50: errors.p50,
-        p90: errors.p90,
-        p99: errors.p99,
-        max: errors.max,
-        max_at: errors.max_at,
-        histogram: errors.histogram,
+        summary: errors.as_ref().map(|e| Summary {
+            mean: e.mae,
+            rms: e.rmse,
+            p50: e.p50,
+            p90: e.p90,
+            p99: e.p99,
+            max: e.max,
+            max_at: e.max_at,
+        }),
+        histogram: errors.map(|e| e.histogram).unwrap_or_default(),
     }
 }
 
@@ -245,7 +278,7 @@ fn distribution(
 const FAR: u32 = u32::MAX / 2;
 
 /// Pixels of the region that show another object.
-fn wrong_object(pair: &[Points; 2], region: &Region) -> Option<Share> {
+fn wrong_objects(pair: &[Points; 2], region: &Region) -> Option<Share> {
     let [r, c] = pair;
     (r.object.is_some() && c.object.is_some()).then_some(())?;
     let mut share = Share { pixels: 0, of: 0 };
@@ -256,9 +289,21 @@ fn wrong_object(pair: &[Points; 2], region: &Region) -> Option<Share> {
     Some(share)
 }
 
+/// Surfaces of the reference that the candidate shows, too.
+fn coverage(pair: &[Points; 2], region: &Region) -> Option<Share> {
+    let [r, c] = pair;
+    (r.object.is_some() && c.object.is_some()).then_some(())?;
+    let mut share = Share { pixels: 0, of: 0 };
+    for i in region.pixels(r.size()) {
+        share.of += u64::from(r.object_at(i).is_some_and(|object| object >= 0.0));
+        share.pixels += u64::from(r.same_object(c, i));
+    }
+    Some(share)
+}
+
 /// How far the boundaries between objects are off.
 fn silhouette(pair: &[Points; 2], region: &Region) -> Option<Silhouette> {
-    let wrong = wrong_object(pair, region)?;
+    let wrong = wrong_objects(pair, region)?;
     let length = FRAC_PI_4 * crossings(&pair[0], region) as f64;
     let mean = match (wrong.pixels, length) {
         (0, _) => 0.0,

@@ -39,6 +39,8 @@ pub struct Bundle {
     pub channels: Vec<ChannelEntry>,
     /// The reference pictures; null where they were left out.
     pub reference: Option<ReferenceEntry>,
+    /// Test vectors: vertices, and where they are seen; null where they were left out.
+    pub vectors: Option<&'static str>,
     /// Every other file of the bundle.
     pub files: Vec<FileEntry>,
 }

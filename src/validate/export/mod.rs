@@ -13,6 +13,7 @@ mod folder;
 mod glb;
 mod reference;
 mod sources;
+mod vectors;
 
 use std::fs;
 use std::io::Write;
@@ -20,6 +21,7 @@ use std::path::Path;
 
 pub use bundle::*;
 pub use reference::channels as reference_channels;
+pub use vectors::{ObjectVectors, Tolerances, VECTORS_FORMAT, Vector, Vectors};
 
 use crate::accel::Precision;
 use crate::camera::Camera;
@@ -45,6 +47,7 @@ const DESCRIPTION: &str = "bundle.json";
 #[cfg(feature = "schema")]
 const SCHEMA: &str = "bundle.schema.json";
 const TEXT: &str = "scene.toml";
+const VECTORS: &str = "vectors.json";
 
 /// What is exported, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +56,8 @@ pub struct ExportOptions {
     pub reference: bool,
     /// What becomes of stored cubes. Default: they are copied.
     pub cubes: Cubes,
+    /// Whether test vectors are written (`vectors.json`). Default: false.
+    pub vectors: bool,
     /// Whether an export that is there is replaced. Default: false.
     pub overwrite: bool,
     /// The most memory that the scene may take, bytes. Default: 16 GiB.
@@ -73,6 +78,7 @@ impl Default for ExportOptions {
         ExportOptions {
             reference: true,
             cubes: Cubes::Copied,
+            vectors: false,
             overwrite: false,
             memory_limit: Request::default().memory_limit,
         }
@@ -146,7 +152,23 @@ pub fn export(
         entries: Vec::new(),
     };
     let mut warnings = Vec::new();
-    let objects = objects(scene, &mut files, &mut warnings, progress)?;
+    let shot = Camera::new(scene)?;
+    let camera = describe::camera(scene, &shot);
+    if options.vectors && !vectors::fits(&camera) {
+        let what = "test vectors are of cameras all of whose rays leave one event, before a plane";
+        let help = "leave out --vectors, or the sensor, the shutter and the projection";
+        return Err(Error::unsupported(&scene.name, "camera", what, help));
+    }
+    let seen = options.vectors.then_some((&shot, &camera));
+    let (objects, tested) = objects(scene, seen, &mut files, &mut warnings, progress)?;
+    if options.vectors {
+        let vectors = Vectors {
+            format: VECTORS_FORMAT,
+            version: VERSION,
+            objects: tested,
+        };
+        files.text(VECTORS, &json(&vectors)?)?;
+    }
     let sources = sources::write(scene, &plan, options.cubes, &mut files, progress)?;
     let (reference, rendered) = match options.reference {
         true => (
@@ -165,11 +187,12 @@ pub fn export(
         version: VERSION,
         software: format!("nullray {}", env!("CARGO_PKG_VERSION")),
         scene: describe::scene(scene, TEXT),
-        camera: describe::camera(scene, &Camera::new(scene)?),
+        camera,
         objects,
         sources,
         channels: describe::channels(&rendered),
         reference,
+        vectors: options.vectors.then_some(VECTORS),
         files: files.entries.clone(),
     };
     files.text(DESCRIPTION, &json(&bundle)?)?;
@@ -179,12 +202,14 @@ pub fn export(
 
 fn objects(
     scene: &Scene,
+    seen: Option<(&Camera, &CameraEntry)>,
     files: &mut Files,
     warnings: &mut Vec<String>,
     progress: &dyn Progress,
-) -> Result<Vec<ObjectEntry>> {
+) -> Result<(Vec<ObjectEntry>, Vec<ObjectVectors>)> {
     files.folder.subfolder("geometry")?;
     let mut entries = Vec::with_capacity(scene.objects.len());
+    let mut tested = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         stop_if_cancelled(progress)?;
         let all = Want {
@@ -205,9 +230,19 @@ fn objects(
             files.written(name, |path| npz::write_vectors(path, &rows))?;
         }
         let names = [Some(name), positions];
-        entries.push(describe::object(scene, index, &mesh, &runs, names));
+        let entry = describe::object(scene, index, &mesh, &runs, names);
+        if let Some((shot, camera)) = seen {
+            tested.push(vectors::of_object(
+                scene,
+                shot,
+                index,
+                &mesh,
+                (camera, &entry),
+            )?);
+        }
+        entries.push(entry);
     }
-    Ok(entries)
+    Ok((entries, tested))
 }
 
 fn unfit(scene: &Scene, object: &str, what: &str) -> Error {

@@ -116,18 +116,9 @@ impl RadianceError {
             ..CompareOptions::default()
         };
         let found = compare(reference, &picture("picture", film)?, &options)?;
-        let metrics = found.metrics();
-        let value = |name: &str| {
-            let row = metrics.iter().find(|(metric, _)| metric == name);
-            row.map_or(f64::NAN, |(_, value)| *value)
-        };
-        let is_relative = value("relrmse").is_finite();
+        let value = |name: &str| found.metric(name).unwrap_or(f64::NAN);
         Ok(RadianceError {
-            relrmse: if is_relative {
-                value("relrmse")
-            } else {
-                f64::NAN
-            },
+            relrmse: value("relrmse"),
             mrse: value("mrse"),
             flip: value("flip"),
         })

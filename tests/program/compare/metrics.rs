@@ -4,9 +4,11 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use nullray::validate::compare::{CompareOptions, Comparison, Errors, Picture, Region, compare};
+use nullray::validate::compare::{
+    Breach, CompareOptions, Comparison, Errors, Picture, Region, Tolerance, compare,
+};
 
-use crate::compare::pictures::{codes, light};
+use crate::compare::pictures::{codes, layers, light};
 
 /// Expected values of one picture by metric.
 fn expected(picture: &str, width: u32) -> HashMap<String, f64> {
@@ -203,4 +205,62 @@ fn any_number_of_threads_gives_the_same_bits() {
         pool.install(|| compare(&r, &c, &options).unwrap())
     };
     assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn limits_on_what_could_not_be_computed_are_exceeded_and_say_why() {
+    let n = 16;
+    let picture = |object: f64| {
+        let event = ["event.ct", "event.x", "event.y", "event.z"].map(|name| (name, vec![0.5; n]));
+        let channels = [("object", vec![object; n])].into_iter().chain(event);
+        Picture::linear("ids", layers(4, 4, &channels.collect::<Vec<_>>()))
+    };
+    // All objects are wrong: no place can be compared.
+    let found = compare(&picture(0.0), &picture(1.0), &CompareOptions::default()).unwrap();
+    let breached = |limits: &[&str]| {
+        let limits: Vec<Tolerance> = limits.iter().map(|limit| limit.parse().unwrap()).collect();
+        let breaches = found.breaches(&limits).map_err(|error| error.to_string())?;
+        Ok::<_, String>(breaches.iter().map(Breach::to_string).collect::<Vec<_>>())
+    };
+    for (limit, words) in [
+        ("geometric.max=1e9", "no pixel shows the same object"),
+        ("time.bias=1e9", "no pixel shows the same object"),
+        ("w.max=1e9", "needs the channel wavelength_ratio"),
+        ("rmse=1e9", "needs the light"),
+        ("time_bins.p99=1", "--bin-width"),
+        ("wrong_objects=15", "wrong_objects is 16"),
+        ("coverage=0.01", "coverage is 0, and may be at least 0.01"),
+        ("geometric.count=1", "geometric.count is 0"),
+        ("event.ct:count=17", "event.ct:count is 16"),
+    ] {
+        let breaches = breached(&[limit]).unwrap();
+        assert!(
+            breaches.len() == 1 && breaches[0].contains(words),
+            "{limit}: {breaches:?}"
+        );
+    }
+    let kept = [
+        "wrong_objects=16",
+        "coverage=0",
+        "geometric.unmeasured=0",
+        "event.x:max=0",
+    ];
+    assert_eq!(breached(&kept), Ok(vec![]));
+    for unknown in [
+        "geometric=1",
+        "geometric.bias=1",
+        "radiance.Q:max=1",
+        "object:max=1",
+        "flop=1",
+    ] {
+        assert!(breached(&[unknown]).is_err(), "{unknown}");
+    }
+}
+
+#[test]
+fn mrse_is_finite_where_the_reference_is_near_0_or_below() {
+    // r = −0.01 is where the usual r + 0.01 vanishes: with the floor on |r| the term is (0.02/0.02)² = 1.
+    let one = |value: f64| Picture::linear("one", layers(1, 1, &[("v", vec![value])]));
+    let found = compare(&one(-0.01), &one(0.01), &CompareOptions::default()).unwrap();
+    assert!((found.metric("v:mrse").unwrap() - 1.0).abs() < 1e-12);
 }

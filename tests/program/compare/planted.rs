@@ -20,6 +20,7 @@ fn text(camera: f64, [left, right]: [f64; 2]) -> String {
         [[object]]
         name = "floor"
         shape = {{ plane = {{ size = [12, 12] }} }}
+        colour = [0.2, 0.5, 0.8]
         [[object]]
         name = "left"
         shape = {{ box = {{ size = [1.2, 1.2, 1.2] }} }}

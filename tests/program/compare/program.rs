@@ -161,7 +161,8 @@ fn all_pictures_and_the_report_are_written() {
         );
     }
     let html = fs::read_to_string(folder.path().join("report.html")).unwrap();
-    assert_eq!(html.matches("data:image/png;base64,").count(), 3);
+    // Two pictures, a map, and its colour bar.
+    assert_eq!(html.matches("data:image/png;base64,").count(), 4);
     assert!(
         html.contains("<svg") && !html.contains("http"),
         "a page that needs no network"

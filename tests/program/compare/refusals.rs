@@ -1,7 +1,7 @@
 //! Pictures that cannot be compared, and why.
 
 use nullray::io::image::{Channel, Samples};
-use nullray::validate::compare::{CompareOptions, Encoding, NotFinite, Picture, compare};
+use nullray::validate::compare::{Alpha, CompareOptions, Encoding, NotFinite, Picture, compare};
 
 use crate::compare::pictures::light;
 
@@ -36,11 +36,47 @@ fn other_sizes_are_refused() {
 }
 
 #[test]
-fn other_channels_are_refused_by_name() {
+fn channels_of_one_picture_alone_are_listed_and_the_others_compared() {
+    let [mut r, mut c] = light(8, 8);
+    r.layers.channels.remove(2);
+    c.layers.channels.remove(1);
+    let compared = compare(&r, &c, &CompareOptions::default()).unwrap();
+    let names: Vec<_> = compared.channels.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["radiance.R"]);
+    assert_eq!(compared.uncompared.only_reference, ["radiance.G"]);
+    assert_eq!(compared.uncompared.only_candidate, ["radiance.B"]);
+}
+
+#[test]
+fn channels_that_are_demanded_have_to_be_there() {
     let [r, mut c] = light(8, 8);
     c.layers.channels.remove(1);
-    says(&r, &c, &["lacks radiance.G"]);
-    says(&c, &r, &["has also radiance.G"]);
+    let demand = |names: &[&str]| {
+        let options = CompareOptions {
+            channels: names.iter().map(|name| name.to_string()).collect(),
+            ..CompareOptions::default()
+        };
+        compare(&r, &c, &options).map_err(|error| error.to_string())
+    };
+    assert!(demand(&["radiance.R"]).is_ok());
+    for (names, lacks) in [
+        (["radiance"].as_slice(), "no radiance.G"),
+        (&["radiance.R", "event"], "no event"),
+    ] {
+        let message = demand(names).unwrap_err();
+        assert!(
+            message.contains(lacks) && message.contains("--channels"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn pictures_without_a_common_channel_are_refused() {
+    let [mut r, mut c] = light(8, 8);
+    r.layers.channels.truncate(1);
+    c.layers.channels.remove(0);
+    says(&r, &c, &["no channel in common", "radiance.R"]);
 }
 
 #[test]
@@ -94,12 +130,21 @@ fn samples_that_are_no_numbers_can_be_left_out_or_counted() {
         };
         compare(&r, &c, &options).unwrap()
     };
+    // The pixel counts in no channel, whichever of them is no number there.
     let ignored = with(NotFinite::Ignore);
-    assert_eq!(ignored.channels[0].errors.count, 63);
-    assert_eq!(ignored.channels[0].only_reference, 1);
+    assert_eq!(ignored.pixels, 63);
+    for channel in &ignored.channels {
+        assert_eq!(
+            channel.errors.as_ref().unwrap().count,
+            63,
+            "{}",
+            channel.name
+        );
+    }
     let counted = with(NotFinite::CountAs(100.0));
-    assert_eq!(counted.channels[0].errors.count, 64);
-    assert!(counted.channels[0].errors.max > 90.0);
+    let counted = counted.channels[0].errors.as_ref().unwrap();
+    assert_eq!(counted.count, 64);
+    assert!(counted.max > 90.0);
 }
 
 #[test]
@@ -122,6 +167,13 @@ fn alpha_that_one_picture_has_alone_counts_where_it_is_not_opaque() {
     assert!(compared.notes[0].contains("opaque"), "{:?}", compared.notes);
     c.layers.channels[3].samples = Samples::F32(vec![0.5; 64]);
     says(&r, &c, &["alpha", "transparent"]);
+    let help = |alpha: Alpha| {
+        let c = Picture { alpha, ..c.clone() };
+        let error = compare(&r, &c, &CompareOptions::default()).unwrap_err();
+        error.help().to_string()
+    };
+    assert!(help(Alpha::Premultiplied).contains("is premultiplied by alpha"));
+    assert!(help(Alpha::Straight).contains("is not multiplied by alpha"));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Errors in pixels, metres and ulp, of surfaces that are known.
 
 use nullray::io::image::Layers;
+use nullray::validate::compare::surface::{Distribution, Summary};
 use nullray::validate::compare::{CompareOptions, Picture, SurfaceErrors, compare};
 
 use crate::compare::pictures::{field, layers};
@@ -43,6 +44,11 @@ fn sphere(shift: [f64; 2]) -> Layers {
     )
 }
 
+/// The summary of a distribution that has values.
+fn of(distribution: &Option<Distribution>) -> Summary {
+    distribution.as_ref().unwrap().summary.unwrap()
+}
+
 fn surface(r: Layers, c: Layers) -> SurfaceErrors {
     let [r, c] = [r, c].map(|layers| Picture::linear("surfaces", layers));
     compare(&r, &c, &CompareOptions::default())
@@ -58,9 +64,7 @@ fn a_shift_below_a_pixel_is_measured() {
         ([0.0, -0.5], 0.02),
         ([0.01, 0.02], 1e-3),
     ] {
-        let found = surface(sphere([0.0, 0.0]), sphere(shift))
-            .geometric
-            .unwrap();
+        let found = of(&surface(sphere([0.0, 0.0]), sphere(shift)).geometric);
         let exact = f64::hypot(shift[0], shift[1]);
         assert!(
             (found.p50 - exact).abs() < tolerance * exact,
@@ -77,9 +81,7 @@ fn a_shift_below_a_pixel_is_measured() {
 
 #[test]
 fn a_shift_of_several_pixels_is_measured() {
-    let found = surface(sphere([0.0, 0.0]), sphere([5.2, -2.5]))
-        .geometric
-        .unwrap();
+    let found = of(&surface(sphere([0.0, 0.0]), sphere([5.2, -2.5])).geometric);
     let exact = f64::hypot(5.2, 2.5);
     assert!(
         (found.p50 - exact).abs() < 0.02 * exact,
@@ -109,7 +111,7 @@ fn a_crease_does_not_pollute_the_error() {
             ],
         )
     };
-    let found = surface(roof(0.0), roof(0.25)).geometric.unwrap();
+    let found = of(&surface(roof(0.0), roof(0.25)).geometric);
     assert!(
         (found.mean - 0.25).abs() < 1e-6 && (found.max - 0.25).abs() < 1e-6,
         "{found:?}"
@@ -156,7 +158,7 @@ fn wrong_objects_are_counted() {
             &[("object", field(8, 8, |x, _| f64::from(x >= edge)))],
         )
     };
-    let wrong = surface(ids(3.0), ids(5.0)).wrong_object.unwrap();
+    let wrong = surface(ids(3.0), ids(5.0)).wrong_objects.unwrap();
     assert_eq!((wrong.pixels, wrong.of), (16, 64));
 }
 
@@ -176,12 +178,12 @@ fn emission_times_and_wavelength_ratios_have_their_errors() {
     };
     let next = f64::from_bits(0.5f64.to_bits() + 3);
     let found = surface(with(-2.0, 0.5), with(-2.25, next));
-    assert_eq!(found.emission_time.unwrap().bias, -0.25);
-    assert_eq!(found.wavelength_ratio_ulp.unwrap().max, 3.0);
+    assert_eq!(found.emission_time.unwrap().bias, Some(-0.25));
+    assert_eq!(of(&found.wavelength_ratio_ulp).max, 3.0);
     let percent = surface(with(0.0, 0.5), with(0.0, 0.51))
         .wavelength_ratio
         .unwrap();
-    assert!((percent.bias - 0.02).abs() < 1e-12);
+    assert!((percent.bias.unwrap() - 0.02).abs() < 1e-12);
 }
 
 #[test]
@@ -199,7 +201,30 @@ fn where_one_picture_meets_nothing_there_is_no_geometric_error_but_a_wrong_objec
         }
     }
     let found = surface(r, c);
-    assert_eq!(found.wrong_object.unwrap().pixels, 1);
+    assert_eq!(found.wrong_objects.unwrap().pixels, 1);
+    assert_eq!(of(&found.geometric).max, 0.0);
+    assert_eq!(found.geometric.unwrap().unmeasured, 0);
+}
+
+#[test]
+fn a_distribution_of_nothing_is_none_and_not_0() {
+    // Every pixel shows another object: there is no error of places, and none is claimed.
+    let all = |object: f64| {
+        let n = 16;
+        let names = [
+            "object_event.x",
+            "object_event.y",
+            "object_event.z",
+            "event.ct",
+        ];
+        let places = names.map(|name| (name, vec![0.5; n]));
+        let object = [("object", vec![object; n])];
+        layers(4, 4, &object.into_iter().chain(places).collect::<Vec<_>>())
+    };
+    let found = surface(all(0.0), all(1.0));
+    assert_eq!(found.wrong_objects.unwrap().pixels, 16);
+    assert_eq!(found.coverage.unwrap().part(), Some(0.0));
     let geometric = found.geometric.unwrap();
-    assert_eq!((geometric.max, geometric.unmeasured), (0.0, 0));
+    assert_eq!((geometric.count, geometric.summary), (0, None));
+    assert_eq!(found.emission_time.unwrap().bias, None);
 }

@@ -3,6 +3,7 @@
 mod apparent;
 mod contents;
 mod reader;
+mod snippets;
 mod targets;
 
 use std::path::{Path, PathBuf};

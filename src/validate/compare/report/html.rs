@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
-use super::pictures::{ErrorMap, displays};
-use super::table::{lines, rows};
+use super::pictures::{ErrorMap, bar_across, displays};
+use super::table::{lines, notes, rows};
 use crate::error::Result;
 use crate::figures::drawing::png::{self, Raster};
 use crate::figures::drawing::push_base64;
 use crate::io::image::RgbImage;
 use crate::validate::compare::comparison::Comparison;
 use crate::validate::compare::errors::Histogram;
-use crate::validate::compare::metrics::{METRICS, number};
+use crate::validate::compare::metrics::{Breach, METRICS, number};
 use crate::validate::compare::picture::Picture;
 
 /// Pictures with longer sides are reduced by a whole factor.
@@ -19,18 +19,19 @@ const LONGEST: u32 = 1600;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The report as HTML.
+/// The report as HTML: exceeded limits and diagnoses first.
 ///
 /// # Errors
 /// Pictures that cannot be drawn.
 pub fn page(
     comparison: &Comparison,
-    reference: &Picture,
-    candidate: &Picture,
+    breaches: &[Breach],
+    [reference, candidate]: [&Picture; 2],
     maps: &[ErrorMap],
 ) -> Result<String> {
     let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n<style>{STYLE}</style></head><body>\n",
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\"><title>{}</title>\n<style>{STYLE}</style></head><body>\n",
         escaped(&format!("{} against {}", candidate.name, reference.name))
     );
     let _ = writeln!(
@@ -42,12 +43,24 @@ pub fn page(
         comparison.size[0],
         comparison.size[1]
     );
+    limits(&mut html, breaches);
     findings(&mut html, comparison);
     pictures(&mut html, reference, candidate, maps)?;
     errors(&mut html, comparison);
     histograms(&mut html, comparison);
     let _ = writeln!(html, "<script>{SCRIPT}</script></body></html>");
     Ok(html)
+}
+
+fn limits(html: &mut String, breaches: &[Breach]) {
+    if breaches.is_empty() {
+        return;
+    }
+    html.push_str("<div class=\"breaches\"><b>Not within tolerance</b><ul>");
+    for breach in breaches {
+        let _ = write!(html, "<li>{}</li>", escaped(&breach.to_string()));
+    }
+    html.push_str("</ul></div>\n");
 }
 
 fn findings(html: &mut String, comparison: &Comparison) {
@@ -62,8 +75,8 @@ fn findings(html: &mut String, comparison: &Comparison) {
         }
         html.push_str("</ul></div>\n");
     }
-    for note in &comparison.notes {
-        let _ = writeln!(html, "<p class=\"note\">{}</p>", escaped(note));
+    for note in notes(comparison) {
+        let _ = writeln!(html, "<p class=\"note\">{}</p>", escaped(&note));
     }
 }
 
@@ -75,17 +88,44 @@ fn pictures(
 ) -> Result<()> {
     let [expected, actual] = displays(reference, candidate)?;
     html.push_str("<h2>Pictures</h2><p>Wheel: zoom; drag: move; double click: all of it. All pictures move together.</p><div class=\"pictures\">\n");
-    figure(html, "expected", &reduced(&expected))?;
-    figure(html, "actual", &reduced(&actual))?;
+    figure(html, "expected", &reduced(&expected), "")?;
+    figure(html, "actual", &reduced(&actual), "")?;
     for map in maps {
-        let caption = format!("{}: dark 0, bright {}", map.title, number(map.most));
-        figure(html, &caption, &largest(map).image())?;
+        figure(html, &map.title, &largest(map).image(), &colour_bar(map)?)?;
     }
     html.push_str("</div>\n");
     Ok(())
 }
 
-fn figure(html: &mut String, caption: &str, image: &RgbImage) -> Result<()> {
+/// The colours of a map with the values at their ends and in their middle.
+fn colour_bar(map: &ErrorMap) -> Result<String> {
+    let mut html = String::from("<img class=\"bar\" alt=\"\" src=\"");
+    push_image(&mut html, &bar_across())?;
+    let [middle, most] = [0.5 * map.most, map.most].map(number);
+    let _ = write!(
+        html,
+        "\"><div class=\"axis\"><span>0</span><span>{middle}</span><span>{most}</span></div>"
+    );
+    Ok(html)
+}
+
+/// The picture and its caption, with `below` between them.
+fn figure(html: &mut String, caption: &str, image: &RgbImage, below: &str) -> Result<()> {
+    let caption = escaped(caption);
+    let _ = write!(
+        html,
+        "<figure><div class=\"view\"><img alt=\"{caption}\" src=\""
+    );
+    push_image(html, image)?;
+    let _ = writeln!(
+        html,
+        "\"></div>{below}<figcaption>{caption}</figcaption></figure>"
+    );
+    Ok(())
+}
+
+/// The picture as the address of an `img`.
+fn push_image(html: &mut String, image: &RgbImage) -> Result<()> {
     let raster = Raster {
         width: image.width,
         height: image.height,
@@ -99,13 +139,8 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage) -> Result<()> {
         scale: 1.0,
         origin: Vec::new(),
     };
-    let caption = escaped(caption);
-    let _ = write!(
-        html,
-        "<figure><div class=\"view\"><img alt=\"{caption}\" src=\"data:image/png;base64,"
-    );
+    html.push_str("data:image/png;base64,");
     push_base64(html, &png::write(&raster)?);
-    let _ = writeln!(html, "\"></div><figcaption>{caption}</figcaption></figure>");
     Ok(())
 }
 
@@ -162,12 +197,12 @@ fn block([x, y]: [u32; 2], k: u32, [width, height]: [u32; 2]) -> impl Iterator<I
 }
 
 fn errors(html: &mut String, comparison: &Comparison) {
-    html.push_str("<h2>Errors</h2>\n<table><tr><th></th>");
+    html.push_str("<h2>Errors</h2>\n<div class=\"wide\"><table><tr><th></th>");
     let rows = rows(comparison);
     let first = rows.first();
     for (heading, _) in first
         .into_iter()
-        .flat_map(|(_, e)| METRICS.iter().filter_map(|m| m.cell(e)))
+        .flat_map(|(_, e)| METRICS.iter().filter_map(|m| m.cell(*e)))
     {
         let _ = write!(html, "<th>{heading}</th>");
     }
@@ -179,7 +214,7 @@ fn errors(html: &mut String, comparison: &Comparison) {
         }
         html.push_str("</tr>\n");
     }
-    html.push_str("</table>\n<table class=\"words\">");
+    html.push_str("</table></div>\n<table class=\"words\">");
     if let Some(flip) = &comparison.flip {
         let _ = write!(
             html,
@@ -202,7 +237,7 @@ fn histograms(html: &mut String, comparison: &Comparison) {
         .map(|d| ("geometric error (pixels)", &d.histogram));
     let errors = rows(comparison)
         .into_iter()
-        .map(|(name, errors)| (name, &errors.histogram));
+        .filter_map(|(name, errors)| Some((name, &errors?.histogram)));
     for (name, histogram) in geometric.into_iter().chain(errors) {
         bars(html, name, histogram);
     }
@@ -228,7 +263,7 @@ fn bars(html: &mut String, name: &str, histogram: &Histogram) {
         .unwrap_or(1)
         .max(1) as f64;
     let width = 300.0 / histogram.bins.len() as f64;
-    html.push_str("<figure><svg viewBox=\"0 0 300 100\" width=\"300\" height=\"100\">");
+    html.push_str("<figure><svg viewBox=\"0 0 300 100\" preserveAspectRatio=\"none\">");
     for (i, (_, count)) in histogram.bins.iter().enumerate() {
         let height = 100.0 * *count as f64 / most;
         let _ = write!(

@@ -3,8 +3,8 @@ const views = [...document.querySelectorAll('.view')];
 let scale = 1, x = 0, y = 0, grip = null;
 const apply = () => views.forEach(v => { v.firstElementChild.style.transform = `translate(${x}px,${y}px) scale(${scale})`; });
 const fit = () => {
-  const i = views[0].firstElementChild;
-  scale = Math.min(370 / i.naturalWidth, 300 / i.naturalHeight); x = y = 0; apply();
+  const v = views[0], i = v.firstElementChild;
+  scale = Math.min(v.clientWidth / i.naturalWidth, v.clientHeight / i.naturalHeight); x = y = 0; apply();
 };
 views.forEach(v => {
   v.addEventListener('wheel', e => {
@@ -20,3 +20,4 @@ views.forEach(v => {
   v.addEventListener('dblclick', fit);
 });
 addEventListener('load', fit);
+addEventListener('resize', fit);

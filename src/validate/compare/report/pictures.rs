@@ -165,6 +165,24 @@ fn bar() -> RgbImage {
     }
 }
 
+/// The same from small (left) to large.
+pub(super) fn bar_across() -> RgbImage {
+    let bar = bar();
+    RgbImage {
+        width: bar.height,
+        height: bar.width,
+        rgb: bar
+            .rgb
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .rev()
+            .flatten()
+            .copied()
+            .collect(),
+    }
+}
+
 fn text(words: &str, at: [f64; 2], size: f64, x: AnchorX, y: AnchorY) -> Result<Item> {
     Ok(Item::Text(Text {
         anchor: Anchor { x, y },

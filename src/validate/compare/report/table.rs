@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::validate::compare::comparison::Comparison;
+use crate::validate::compare::comparison::{Comparison, Uncompared};
 use crate::validate::compare::errors::Errors;
 use crate::validate::compare::metrics::{METRICS, number};
 use crate::validate::compare::picture::Encoding;
@@ -44,18 +44,32 @@ pub fn table(comparison: &Comparison) -> String {
             let _ = writeln!(text, "  {name}: {}", number(*value));
         }
     }
-    for note in &comparison.notes {
+    for note in notes(comparison) {
         let _ = writeln!(text, "\nnote: {note}");
     }
     text
 }
 
+/// What a reader should know, channels that were not compared first.
+pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
+    let Uncompared {
+        only_reference,
+        only_candidate,
+    } = &comparison.uncompared;
+    let sides = [("candidate", only_reference), ("reference", only_candidate)];
+    let lacking = sides.iter().filter(|(_, names)| !names.is_empty());
+    lacking
+        .map(|(who, names)| format!("not compared, as the {who} lacks it: {}", names.join(", ")))
+        .chain(comparison.notes.iter().cloned())
+        .collect()
+}
+
 /// Names of channels, "radiance" for all of the light, and their errors.
-pub(super) fn rows(comparison: &Comparison) -> Vec<(&str, &Errors)> {
-    let light = comparison.radiance.iter().map(|e| ("radiance", e));
+pub(super) fn rows(comparison: &Comparison) -> Vec<(&str, Option<&Errors>)> {
+    let light = comparison.radiance.iter().map(|e| ("radiance", Some(e)));
     let channels = comparison.channels.iter();
     light
-        .chain(channels.map(|c| (c.name.as_str(), &c.errors)))
+        .chain(channels.map(|c| (c.name.as_str(), c.errors.as_ref())))
         .collect()
 }
 
@@ -72,7 +86,7 @@ fn errors(text: &mut String, comparison: &Comparison) {
     let names = rows.iter().map(|(name, _)| name.chars().count());
     let width = names.max().unwrap_or(0);
     let _ = write!(text, "\n{:width$}", "");
-    for (heading, _) in METRICS.iter().filter_map(|m| m.cell(first)) {
+    for (heading, _) in METRICS.iter().filter_map(|m| m.cell(*first)) {
         let _ = write!(text, " {heading:>10}");
     }
     text.push('\n');

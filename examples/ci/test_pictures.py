@@ -1,0 +1,33 @@
+"""Fails when a picture drifts from its reference; for pytest.
+
+    REFERENCES=references CANDIDATES=pictures pytest test_pictures.py
+
+compares every picture of the first folder with the one of the same name in the second. $NULLRAY is the program; by
+default it is found in the path.
+"""
+import json
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+REFERENCES = pathlib.Path(os.environ.get("REFERENCES", "references"))
+CANDIDATES = pathlib.Path(os.environ.get("CANDIDATES", "pictures"))
+LIMITS = {"geometric.p99": 0.1, "coverage": 0.99, "relrmse": 0.05}
+PICTURES = sorted(path.name for path in REFERENCES.glob("*.*") if path.suffix in {".exr", ".npz", ".npy", ".png"})
+
+
+def test_there_are_references():
+    assert PICTURES, f"{REFERENCES} holds no picture"
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_picture(name):
+    limits = [word for metric, value in LIMITS.items() for word in ("--tolerance", f"{metric}={value}")]
+    command = [os.environ.get("NULLRAY", "nullray"), "compare", REFERENCES / name, CANDIDATES / name, "--json", *limits]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode in (0, 1), done.stderr
+    found = json.loads(done.stdout)
+    named = [diagnosis["what"] for diagnosis in found["diagnoses"]]
+    assert not found["breaches"], f"{found['breaches']}; {named}"

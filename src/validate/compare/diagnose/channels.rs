@@ -1,0 +1,428 @@
+//! Mistakes of single channels: indices, axes, units, texture coordinates, wavelength ratios.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
+use super::super::geometry::place;
+use super::super::picture::Plane;
+use super::motion::camera_velocity;
+use super::{Case, Diagnosis, Kind, Tally, median, time};
+use crate::render::aov::Aov;
+use crate::scene::model::SPEED_OF_LIGHT;
+
+/// The part of an object's pixels at which a candidate that names it otherwise does so.
+const ALMOST_ALL: f64 = 0.95;
+
+/// Indices of objects, or of triangles, that count from 1, or are those of others.
+pub(super) fn identities(case: &Case) -> Option<Diagnosis> {
+    let names = ["objects", "triangles"];
+    let planes = [
+        [case.points[0].object, case.points[1].object],
+        [case.points[0].primitive, case.points[1].primitive],
+    ];
+    let found = |(name, planes): (&'static str, [Option<Plane>; 2])| renamed(case, name, planes);
+    names.into_iter().zip(planes).find_map(found)
+}
+
+fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Option<Diagnosis> {
+    let (r, c) = (r?, c?);
+    let id = |plane: &Plane, i: usize| match plane.at(i) {
+        id if id.is_nan() || id >= 4_294_967_295.0 => -1,
+        id => id as i64,
+    };
+    let mut names: BTreeMap<i64, BTreeMap<i64, u64>> = BTreeMap::new();
+    for i in case.region.pixels(case.points[0].size()) {
+        *names
+            .entry(id(&r, i))
+            .or_default()
+            .entry(id(&c, i))
+            .or_default() += 1;
+    }
+    let nothing = names.remove(&-1);
+    let total: u64 = names.values().flat_map(BTreeMap::values).sum();
+    let count = |of: &dyn Fn(i64) -> i64| -> f64 {
+        let counts = names
+            .iter()
+            .map(|(r, c)| c.get(&of(*r)).copied().unwrap_or(0));
+        counts.sum::<u64>() as f64 / total.max(1) as f64
+    };
+    let right = count(&|r| r);
+    if total < super::FEWEST as u64 || right >= ALMOST_ALL {
+        return None;
+    }
+    let one_based = count(&|r| r + 1);
+    if one_based >= ALMOST_ALL {
+        let zero = nothing.is_some_and(|c| c.contains_key(&0));
+        let at = if zero {
+            ", and 0 stands where nothing is met"
+        } else {
+            ""
+        };
+        return Some(Diagnosis {
+            kind: Kind::IdentitiesOneBased,
+            what: format!("indices of {name} count from 1 and should from 0{at}"),
+            evidence: vec![("part of the pixels with surfaces", one_based)],
+        });
+    }
+    // Each name stands for one other, and no two for the same.
+    let most = |c: &BTreeMap<i64, u64>| c.iter().max_by_key(|(_, n)| **n).map(|(id, _)| *id);
+    let map: BTreeMap<i64, i64> = names
+        .iter()
+        .filter_map(|(r, c)| Some((*r, most(c)?)))
+        .collect();
+    let mut targets: Vec<i64> = map.values().copied().collect();
+    targets.sort_unstable();
+    targets.dedup();
+    let changes: Vec<(i64, i64)> = map
+        .iter()
+        .filter(|(r, c)| r != c)
+        .map(|(r, c)| (*r, *c))
+        .collect();
+    // Almost all pixels of each.
+    let agrees = |(r, c): &(i64, i64)| {
+        let all: u64 = names[r].values().sum();
+        names[r][c] as f64 >= ALMOST_ALL * all as f64
+    };
+    let unique = targets.len() == map.len() && !targets.contains(&-1);
+    let is_exchange = unique && changes.len() > 1 && changes.iter().all(agrees);
+    let words = changes.iter().take(6).map(|(r, c)| format!("{c} for {r}"));
+    (is_exchange && name == "objects").then(|| Diagnosis {
+        kind: Kind::IdentitiesSwapped,
+        what: format!(
+            "indices of {name} are exchanged: {}",
+            words.collect::<Vec<_>>().join(", ")
+        ),
+        evidence: vec![("part of the pixels with surfaces", count(&|r| map[&r]))],
+    })
+}
+
+/// Coordinates: axes, directions, units.
+pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
+    let mut found: Vec<Diagnosis> = Vec::new();
+    for (name, planes) in vectors(case) {
+        let [Some(r), Some(c)] = planes else { continue };
+        let is_length = name != "direction" && name != "normal";
+        let scaled = is_length.then(|| scale(case, name, &r, &c)).flatten();
+        found.extend(scaled.or_else(|| axes(case, name, &r, &c)));
+    }
+    found.extend(scale_of(case, Aov::Distance));
+    // Times that hardly vary are shifted and scaled alike: a shift goes first.
+    if time::shifted(case).is_none() {
+        found.extend(scale_of(case, Aov::EventCt));
+        found.extend(scale_of(case, Aov::ObjectEventCt));
+    }
+    found
+}
+
+type Planes<'a> = Option<[Plane<'a>; 3]>;
+
+fn vectors<'a>(case: &Case<'a>) -> [(&'static str, [Planes<'a>; 2]); 4] {
+    let normal = [Aov::NormalX, Aov::NormalY, Aov::NormalZ];
+    [
+        ("event", case.points.map(|p| p.world)),
+        ("object_event", case.points.map(|p| p.material)),
+        ("direction", case.points.map(|p| p.direction)),
+        ("normal", case.pair.map(|p| Plane::aovs(&p.layers, normal))),
+    ]
+}
+
+/// The pixels at which a vector of this name is compared.
+fn pixels_of(case: &Case, name: &str) -> Vec<usize> {
+    match name {
+        "direction" => case.region.pixels(case.points[0].size()).collect(),
+        _ => case.pixels(),
+    }
+}
+
+/// The six orders of x, y and z.
+const ORDERS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [0, 2, 1],
+    [1, 0, 2],
+    [1, 2, 0],
+    [2, 0, 1],
+    [2, 1, 0],
+];
+
+/// The candidate's coordinates are others of the reference's, or their opposites.
+fn axes(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
+    let pixels = pixels_of(case, name);
+    let scale = median(
+        pixels
+            .iter()
+            .map(|i| place(r, *i).length())
+            .filter(|l| l.is_finite())
+            .collect(),
+    )?;
+    let error = Tally::of(
+        pixels
+            .iter()
+            .map(|&i| [(place(c, i) - place(r, i)).length(), 0.0]),
+    )
+    .error();
+    if error <= 0.05 * scale {
+        return None;
+    }
+    let mut best: Option<([usize; 3], DVec3, Tally)> = None;
+    for order in ORDERS {
+        for signs in 0..8u32 {
+            let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+            let signs = DVec3::new(sign(0), sign(1), sign(2));
+            let tally = Tally::of(pixels.iter().map(|&i| {
+                let (r, c) = (place(r, i), place(c, i));
+                let turned = DVec3::from(order.map(|axis| r[axis])) * signs;
+                [(c - r).length(), (c - turned).length()]
+            }));
+            let better = best
+                .as_ref()
+                .is_none_or(|(.., found)| tally.rest() < found.rest());
+            if tally.explains(0.05 * scale) && better {
+                best = Some((order, signs, tally));
+            }
+        }
+    }
+    let (order, signs, tally) = best?;
+    let letters = ["x", "y", "z"];
+    let words: Vec<String> = (0..3)
+        .map(|k| {
+            format!(
+                "{}{}",
+                if signs[k] < 0.0 { "−" } else { "" },
+                letters[order[k]]
+            )
+        })
+        .collect();
+    let reversed = order == ORDERS[0] && signs == DVec3::NEG_ONE && name == "direction";
+    let (kind, what) = match reversed {
+        true => (
+            Kind::DirectionsReversed,
+            "look directions are reversed: they point along the light and should point out of the camera".into(),
+        ),
+        false => (
+            Kind::AxesExchanged,
+            format!("axes of {name} are exchanged: (x, y, z) holds ({})", words.join(", ")),
+        ),
+    };
+    Some(Diagnosis {
+        kind,
+        what,
+        evidence: vec![
+            ("vectors differ from the reference by (rms)", tally.error()),
+            ("and from the hypothesis by (rms)", tally.rest()),
+        ],
+    })
+}
+
+/// Units of length and of light path, by how many of them a metre is.
+const UNITS: [(f64, &str); 9] = [
+    (1e3, "in millimetres"),
+    (1e2, "in centimetres"),
+    (1e6, "in micrometres"),
+    (1e-3, "in kilometres"),
+    (1.0 / 0.3048, "in feet"),
+    (1.0 / SPEED_OF_LIGHT, "in seconds"),
+    (1e9 / SPEED_OF_LIGHT, "in nanoseconds"),
+    (1e12 / SPEED_OF_LIGHT, "in picoseconds"),
+    (1e15 / SPEED_OF_LIGHT, "in femtoseconds"),
+];
+/// Factors nearer to 1 than this are none.
+const NOTABLE_FACTOR: f64 = 0.02;
+
+fn scale(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Option<Diagnosis> {
+    let pixels = case.pixels();
+    let ratios = pixels
+        .iter()
+        .map(|&i| place(c, i).length() / place(r, i).length());
+    let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
+    let tally = Tally::of(pixels.iter().map(|&i| {
+        let (r, c) = (place(r, i), place(c, i));
+        [(c - r).length(), (c - r * factor).length()]
+    }));
+    describe_scale(name, factor, &tally)
+}
+
+fn scale_of(case: &Case, aov: Aov) -> Option<Diagnosis> {
+    let [r, c] = case.pair.map(|picture| Plane::aov(&picture.layers, aov));
+    let (r, c) = (r?, c?);
+    let pixels = case.pixels();
+    let ratios = pixels.iter().map(|&i| c.at(i) / r.at(i));
+    let factor = median(ratios.filter(|x| x.is_finite()).collect())?;
+    let tally = Tally::of(pixels.iter().map(|&i| {
+        let (r, c) = (r.at(i), c.at(i));
+        [(c - r).abs(), (c - r * factor).abs()]
+    }));
+    describe_scale(aov.name(), factor, &tally)
+}
+
+fn describe_scale(name: &'static str, factor: f64, tally: &Tally) -> Option<Diagnosis> {
+    let notable = factor > 0.0 && (factor - 1.0).abs() > NOTABLE_FACTOR;
+    if !notable || !tally.explains(0.0) {
+        return None;
+    }
+    let unit = UNITS
+        .iter()
+        .find(|(unit, _)| (factor / unit - 1.0).abs() < 0.005);
+    let what = match unit {
+        Some((_, words)) => {
+            format!("{name} is {words} and should be in metres (of light path, for times)")
+        }
+        None => format!("{name} is {factor:.6} times what it should be"),
+    };
+    let evidence = vec![
+        ("factor", factor),
+        ("part of the pixels with it", tally.share()),
+    ];
+    Some(Diagnosis {
+        kind: Kind::Units,
+        what,
+        evidence,
+    })
+}
+
+/// Texture coordinates that run the other way.
+pub(super) fn texture(case: &Case) -> Option<Diagnosis> {
+    let [Some(r), Some(c)] = case
+        .pair
+        .map(|p| Plane::aovs(&p.layers, [Aov::UvU, Aov::UvV]))
+    else {
+        return None;
+    };
+    type Turn = fn(f64, f64) -> [f64; 2];
+    let turns: [(&str, Turn); 5] = [
+        (
+            "v is flipped: it holds 1 − v, and v = 0 is the top row",
+            |u, v| [u, 1.0 - v],
+        ),
+        ("u is flipped: it holds 1 − u", |u, v| [1.0 - u, v]),
+        ("u and v are flipped", |u, v| [1.0 - u, 1.0 - v]),
+        ("u and v are exchanged", |u, v| [v, u]),
+        ("u and v are exchanged, and v is flipped", |u, v| {
+            [1.0 - v, u]
+        }),
+    ];
+    let pixels = case.pixels();
+    turns.into_iter().find_map(|(words, turn)| {
+        let tally = Tally::of(pixels.iter().map(|&i| {
+            let ([u, v], [a, b]) = (r.map(|p| p.at(i)), c.map(|p| p.at(i)));
+            let [x, y] = turn(u, v);
+            [libm::hypot(a - u, b - v), libm::hypot(a - x, b - y)]
+        }));
+        tally.explains(0.05).then(|| Diagnosis {
+            kind: Kind::TextureFlipped,
+            what: format!("texture coordinate {words}"),
+            evidence: vec![
+                ("texture coordinates differ by (rms)", tally.error()),
+                ("and from the hypothesis by (rms)", tally.rest()),
+            ],
+        })
+    })
+}
+
+/// The relative error of W that is notable.
+const NOTABLE_RATIO: f64 = 0.005;
+
+/// The logarithms of W in the reference and in the candidate, by pixel.
+fn logarithms(case: &Case) -> Option<Vec<(usize, [f64; 2])>> {
+    let [r, c] = case
+        .pair
+        .map(|p| Plane::aov(&p.layers, Aov::WavelengthRatio));
+    let (r, c) = (r?, c?);
+    let logs = case
+        .pixels()
+        .into_iter()
+        .map(|i| (i, [libm::log(r.at(i)), libm::log(c.at(i))]));
+    Some(
+        logs.filter(|(_, logs)| logs.iter().all(|l| l.is_finite()))
+            .collect(),
+    )
+}
+
+/// Wavelength ratios that are inverted.
+pub(super) fn inverted(case: &Case) -> Option<Diagnosis> {
+    let logs = logarithms(case)?;
+    let tally = Tally::of(
+        logs.iter()
+            .map(|(_, [r, c])| [(c - r).abs(), (c + r).abs()]),
+    );
+    tally.explains(NOTABLE_RATIO).then(|| Diagnosis {
+        kind: Kind::RatioInverted,
+        what: "wavelength ratios are inverted: W is observed / emitted wavelength, below 1 for a blueshift".into(),
+        evidence: vec![("ln W differs by (rms)", tally.error()), ("and ln 1/W by", tally.rest())],
+    })
+}
+
+/// Wavelength ratios that are wrong by a factor.
+pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
+    let logs = logarithms(case)?;
+    // One factor for each object.
+    let mut by_object: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
+    for &(i, [r, c]) in &logs {
+        let object = case.points[0].object_at(i).unwrap_or(0.0) as i64;
+        by_object.entry(object).or_default().push(c - r);
+    }
+    let factors: BTreeMap<i64, f64> = (by_object.into_iter())
+        .filter_map(|(object, logs)| Some((object, median(logs)?)))
+        .collect();
+    let object_at = |i: usize| case.points[0].object_at(i).unwrap_or(0.0) as i64;
+    let factor = |i: usize| factors.get(&object_at(i)).copied().unwrap_or(0.0);
+    let by_factor = Tally::of(
+        logs.iter()
+            .map(|&(i, [r, c])| [(c - r).abs(), (c - r - factor(i)).abs()]),
+    );
+    by_factor
+        .explains(NOTABLE_RATIO)
+        .then(|| describe_factors(case, &factors, &by_factor))
+}
+
+fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) -> Diagnosis {
+    let near = |factor: f64, gamma: f64| {
+        (factor - libm::log(gamma)).abs() < 0.1 * libm::log(gamma).abs().max(0.01)
+    };
+    let camera = case
+        .known
+        .map(|known| known.camera_velocity())
+        .or_else(|| camera_velocity(case.pair[0]));
+    let camera = camera.map_or(1.0, |velocity| velocity.gamma());
+    let gammas: Vec<f64> = case.known.map_or(Vec::new(), |known| {
+        known.velocities().map(|v| v.gamma()).collect()
+    });
+    let gamma = |k: i64| gammas.get(k as usize).copied().unwrap_or(1.0);
+    let all = |of: &dyn Fn(i64) -> f64| factors.iter().all(|(k, factor)| near(*factor, of(*k)));
+    let what = if all(&|_| camera) {
+        format!(
+            "wavelength ratios lack the camera's γ = {camera:.4}: they are γ times what they should be"
+        )
+    } else if all(&|_| 1.0 / camera) {
+        format!(
+            "wavelength ratios have the camera's γ = {camera:.4} once too often: they are 1/γ of what they should be"
+        )
+    } else if all(&|k| 1.0 / gamma(k)) {
+        "wavelength ratios lack the objects' γ: they are 1/γ of what they should be".into()
+    } else if all(&gamma) {
+        "wavelength ratios have the objects' γ once too often".into()
+    } else {
+        let words = factors
+            .iter()
+            .take(6)
+            .map(|(k, factor)| format!("{:.4} (object {k})", libm::exp(*factor)));
+        format!(
+            "wavelength ratios are wrong by a factor: {}",
+            words.collect::<Vec<_>>().join(", ")
+        )
+    };
+    let largest = factors
+        .values()
+        .copied()
+        .fold(0.0f64, |a, b| if b.abs() > a.abs() { b } else { a });
+    Diagnosis {
+        kind: Kind::RatioFactor,
+        what,
+        evidence: vec![
+            ("factor on W", libm::exp(largest)),
+            ("ln W differs by (rms)", tally.error()),
+            ("and from the hypothesis by", tally.rest()),
+            ("part of the pixels with it", tally.share()),
+        ],
+    }
+}

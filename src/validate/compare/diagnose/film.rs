@@ -1,0 +1,286 @@
+//! Pictures that are mirrored, moved or scaled as a whole.
+//!
+//! # Mirrors and whole pixels
+//!
+//! The candidate is turned around, or moved, and compared anew: by its objects, its places and its light, whichever are
+//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth.
+//!
+//! # Other films
+//!
+//! A point that the candidate shows at p belongs at p′ = p + δ(p). Two pinhole cameras of one pose see a direction q
+//! (components across the axis over that along it) at p = c + f q, so that about the film's centre
+//!
+//! ```text
+//! p′ = a + k p,      k = f_reference / f_candidate = tan(½ fov_candidate) / tan(½ fov_reference)
+//! ```
+//!
+//! along each axis: a ≠ 0 is a shift, k_x = k_y ≠ 1 another field of view, k_x ≠ k_y another aspect. Four numbers are fitted by
+//! least squares, twice, the second time without the tenth of the pixels that fit worst.
+
+use glam::DVec2;
+
+use super::super::geometry::{Field, place};
+use super::super::picture::{Plane, RADIANCE};
+use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally};
+
+/// A picture, turned or moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Turn {
+    LeftRight,
+    UpDown,
+    Both,
+    Diagonal,
+    Moved([i64; 2]),
+}
+
+impl Turn {
+    /// Where the candidate has what belongs at column x and row y.
+    fn source(self, [x, y]: [i64; 2], [width, height]: [i64; 2]) -> Option<usize> {
+        let [x, y] = match self {
+            Turn::LeftRight => [width - 1 - x, y],
+            Turn::UpDown => [x, height - 1 - y],
+            Turn::Both => [width - 1 - x, height - 1 - y],
+            Turn::Diagonal => [y, x],
+            Turn::Moved([dx, dy]) => [x + dx, y + dy],
+        };
+        let inside = (0..width).contains(&x) && (0..height).contains(&y);
+        inside.then(|| (y * width + x) as usize)
+    }
+
+    fn describe(self, before: f64, after: f64) -> Diagnosis {
+        let (kind, what) = match self {
+            Turn::LeftRight => (
+                Kind::Mirrored,
+                "the picture is mirrored left to right".into(),
+            ),
+            Turn::UpDown => (
+                Kind::Mirrored,
+                "the picture is upside down: row 0 is the top row".into(),
+            ),
+            Turn::Both => (
+                Kind::Mirrored,
+                "the picture is turned by 180 degrees".into(),
+            ),
+            Turn::Diagonal => (
+                Kind::Mirrored,
+                "rows and columns of the picture are exchanged".into(),
+            ),
+            Turn::Moved([dx, dy]) => (
+                Kind::FilmShifted,
+                format!("the picture is moved by ({dx:+}, {dy:+}) pixels to the right and down"),
+            ),
+        };
+        let evidence = vec![
+            ("part of the pixels that differ", before),
+            ("the same after undoing it", after),
+        ];
+        Diagnosis {
+            kind,
+            what,
+            evidence,
+        }
+    }
+}
+
+/// Pictures that differ at fewer pixels than this part are alike.
+const ALIKE: f64 = 0.02;
+/// Values that differ by less than this part of the larger one are the same.
+const SAME: f64 = 0.01;
+/// The largest shift that is tried, pixels.
+const FARTHEST: i64 = 2;
+
+/// A candidate that is mirrored, turned, or moved by whole pixels.
+pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
+    let before = differing(case, Turn::Moved([0, 0]));
+    if before <= ALIKE {
+        return None;
+    }
+    let [width, height] = case.points[0].size();
+    let mirrors = [Turn::LeftRight, Turn::UpDown, Turn::Both];
+    let diagonal = (width == height).then_some(Turn::Diagonal);
+    let steps = -FARTHEST..=FARTHEST;
+    let moves = steps
+        .clone()
+        .flat_map(|dy| steps.clone().map(move |dx| [dx, dy]));
+    let moves = moves.filter(|step| *step != [0, 0]).map(Turn::Moved);
+    let turns = mirrors.into_iter().chain(diagonal).chain(moves);
+    let tried = turns.map(|turn| (turn, differing(case, turn)));
+    let (turn, after) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (after <= NEAR * before).then(|| turn.describe(before, after))
+}
+
+/// The part of the pixels that differ once the candidate is turned back: the largest of objects, places and light.
+fn differing(case: &Case, turn: Turn) -> f64 {
+    let [r, c] = &case.points;
+    let size = r.size().map(|n| n as i64);
+    let pixels: Vec<[usize; 2]> = (case.region.pixels(r.size()))
+        .filter_map(|i| {
+            let at = [i as i64 % size[0], i as i64 / size[0]];
+            Some([i, turn.source(at, size)?])
+        })
+        .collect();
+    let part = |differs: &dyn Fn(usize, usize) -> bool| {
+        let count = pixels.iter().filter(|[i, j]| differs(*i, *j)).count();
+        count as f64 / pixels.len().max(1) as f64
+    };
+    let mut worst: f64 = 0.0;
+    if r.object.is_some() && c.object.is_some() {
+        worst = part(&|i, j| r.object_at(i) != c.object_at(j));
+    }
+    for planes in [
+        [r.material, c.material],
+        [r.world, c.world],
+        [light(case, 0), light(case, 1)],
+    ] {
+        if let [Some(r), Some(c)] = planes {
+            worst = worst.max(part(&|i, j| differ(&r, i, &c, j)));
+        }
+    }
+    worst
+}
+
+fn light<'a>(case: &Case<'a>, which: usize) -> Option<[Plane<'a>; 3]> {
+    Plane::group(&case.pair[which].layers, RADIANCE)
+}
+
+/// Whether three values differ by more than rounding and a little noise.
+fn differ(r: &[Plane; 3], i: usize, c: &[Plane; 3], j: usize) -> bool {
+    let (r, c) = (place(r, i), place(c, j));
+    match (r.is_finite(), c.is_finite()) {
+        (true, true) => (c - r).length() > SAME * r.length().max(c.length()),
+        (a, b) => a != b,
+    }
+}
+
+/// Displacements that are notable, pixels, rms.
+const NOTABLE: f64 = 0.1;
+
+/// A candidate whose film is moved or scaled.
+pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
+    let by_points = case.field.and_then(|field| of_field(case, field, false));
+    by_points.or_else(|| of_field(case, &Field::of_directions(&case.points)?, true))
+}
+
+/// a + k p along both axes.
+#[derive(Debug, Clone, Copy)]
+struct Film {
+    a: DVec2,
+    k: DVec2,
+}
+
+impl Film {
+    /// That which fits best to pairs of p and p′.
+    fn fit(pairs: &[[DVec2; 2]]) -> Option<Film> {
+        let n = pairs.len() as f64;
+        let mean = |which: usize| pairs.iter().map(|pair| pair[which]).sum::<DVec2>() / n;
+        let (p, q) = (mean(0), mean(1));
+        let (mut pp, mut pq) = (DVec2::ZERO, DVec2::ZERO);
+        for pair in pairs {
+            pp += (pair[0] - p) * (pair[0] - p);
+            pq += (pair[0] - p) * (pair[1] - q);
+        }
+        let k = pq / pp;
+        k.is_finite().then(|| Film { a: q - k * p, k })
+    }
+
+    fn of(&self, p: DVec2) -> DVec2 {
+        self.a + self.k * p
+    }
+}
+
+fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
+    let [width, height] = case.points[0].size();
+    let half = 0.5 * DVec2::new(width as f64, height as f64);
+    let pixels = match everywhere {
+        true => case.region.pixels([width, height]).collect(),
+        false => case.pixels(),
+    };
+    let pair = |i: usize| {
+        let p = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) - half;
+        Some([p, p + field.displacement(i)?])
+    };
+    let mut pairs: Vec<[DVec2; 2]> = pixels.into_iter().filter_map(pair).collect();
+    if pairs.len() < super::FEWEST {
+        return None;
+    }
+    let first = Film::fit(&pairs)?;
+    let off = |film: &Film, [p, q]: &[DVec2; 2]| (*q - film.of(*p)).length();
+    let all = pairs.clone();
+    pairs.sort_by(|a, b| off(&first, a).total_cmp(&off(&first, b)));
+    pairs.truncate((MOST * pairs.len() as f64).ceil() as usize);
+    let film = Film::fit(&pairs)?;
+    let tally = Tally::of(
+        all.iter()
+            .map(|pair| [(pair[1] - pair[0]).length(), off(&film, pair)]),
+    );
+    tally
+        .explains(NOTABLE)
+        .then(|| describe(case, &film, half, &tally))
+}
+
+fn describe(case: &Case, film: &Film, half: DVec2, tally: &Tally) -> Diagnosis {
+    let Film { a, k } = *film;
+    // What the scale does at the film's edges, against what the shift does.
+    let scale = (k - 1.0).abs() * half;
+    let mut evidence = vec![
+        ("points are displaced by (pixels, rms)", tally.error()),
+        ("and from the hypothesis by (pixels, rms)", tally.rest()),
+    ];
+    if scale.max_element() <= 2.0 * NEAR * a.abs().max_element() {
+        // A point that belongs to the right is seen displaced to the left.
+        let [x, y] = [-a.x, -a.y];
+        evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
+        let is_half = |v: f64| (v.abs() - 0.5).abs() < 0.05 || v.abs() < 0.05;
+        let words = match is_half(x) && is_half(y) && a.abs().max_element() > 0.25 {
+            true => "by half a pixel, ",
+            false => "by ",
+        };
+        return Diagnosis {
+            kind: Kind::FilmShifted,
+            what: format!(
+                "the picture is moved {words}({x:+.2}, {y:+.2}) pixels to the right and down"
+            ),
+            evidence,
+        };
+    }
+    let alike = (k.x - k.y).abs() <= NEAR * (k - 1.0).abs().max_element();
+    evidence.extend([
+        ("tan(fov/2) across over the reference's", k.x),
+        ("tan(fov/2) down over the reference's", k.y),
+    ]);
+    if !alike {
+        return Diagnosis {
+            kind: Kind::Aspect,
+            what: format!(
+                "the aspect is another: tan(fov/2) is {:.4} times the reference's across and {:.4} times down",
+                k.x, k.y
+            ),
+            evidence,
+        };
+    }
+    let fov = case.known.map(|known| {
+        let fov = known.horizontal_fov();
+        let found = 2.0 * libm::atan(k.x * libm::tan(0.5 * fov));
+        format!(
+            ": {:.3} degrees across for {:.3}",
+            found.to_degrees(),
+            fov.to_degrees()
+        )
+    });
+    let aspect = half.x / half.y;
+    let vertical = (k.x - aspect).abs() < 0.02 * aspect && (aspect - 1.0).abs() > 0.05;
+    let why = match vertical {
+        true => "; that is the horizontal field of view taken for the vertical one",
+        false => "",
+    };
+    Diagnosis {
+        kind: Kind::FieldOfView,
+        what: format!(
+            "the field of view is another: tan(fov/2) is {:.4} times the reference's, the focal length {:.4} times{}{why}",
+            0.5 * (k.x + k.y),
+            2.0 / (k.x + k.y),
+            fov.unwrap_or_default()
+        ),
+        evidence,
+    }
+}

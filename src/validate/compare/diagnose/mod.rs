@@ -1,0 +1,230 @@
+//! Why a candidate is wrong: hypotheses that explain most of an error, with their evidence.
+//!
+//! A hypothesis h(r) of what a picture holds instead of the reference's r explains the error where |c − h(r)| is below a
+//! tenth of |c − r|, or of that error's root mean square, at nine tenths of the pixels at which either is not small. Those without free numbers are
+//! asked first, the others only where these do not explain it.
+//!
+//! | diagnosis | hypothesis |
+//! |---|---|
+//! | picture mirrored | the candidate turned around is the reference: left to right, top to bottom, both, or across its diagonal |
+//! | picture moved by whole pixels | the same for a shift by one or two pixels |
+//! | identities wrong | the objects' (or triangles') indices count from 1; or are those of other objects |
+//! | aberration reversed, or missing | look directions, or places of a known scene, are those for −β, or for 0 |
+//! | retardation missing | all emission times are the same; or points of a known scene are where they are at the time of the shot |
+//! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by places of a known scene (`motion`) |
+//! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect |
+//! | axes exchanged | x, y, z of events, normals, directions are others of these, or their opposites |
+//! | directions reversed | d is −d |
+//! | units | lengths, or times, are multiplied by one factor: mm, cm, km, s, ns |
+//! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
+//! | W inverted | W is 1/W |
+//! | W by a factor | W is multiplied by γ of the camera or the object, or by 1/γ, or by another factor |
+//! | emission time shifted | the time differs by a constant |
+//! | time lookup shifted | the light is that of the scene with its cubes half a bin, or one, earlier or later; needs the scene |
+//! | colours exchanged | R, G, B are others of these |
+//! | gamma | light is encoded once more than it should be, or once less |
+//! | exponent of W wrong | ln(c/r) = a + k ln W |
+//! | exposure | light is multiplied by one factor |
+//! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
+//!
+//! A hypothesis without the channels that it needs is not asked. What follows from a wrong film or a wrong velocity (time,
+//! brightness, places) is not diagnosed again.
+
+mod channels;
+mod film;
+mod light;
+mod motion;
+mod part;
+mod time;
+
+use serde::Serialize;
+
+use super::geometry::{Field, Points};
+use super::known::KnownScene;
+use super::options::Region;
+use super::picture::Picture;
+use crate::scene::model::Scene;
+
+/// The part of an error that a hypothesis has to explain, and of the pixels at which it does.
+const MOST: f64 = 0.9;
+/// A hypothesis has to bring values nearer than this part of their error.
+const NEAR: f64 = 0.1;
+
+/// What is wrong with a candidate, and how one sees it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// Which hypothesis.
+    pub kind: Kind,
+    /// What is wrong, as a sentence.
+    pub what: String,
+    /// Names and values of the evidence.
+    pub evidence: Vec<(&'static str, f64)>,
+}
+
+/// What can be diagnosed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The picture is mirrored or turned.
+    Mirrored,
+    /// The picture is shifted, by whole pixels or parts of them.
+    FilmShifted,
+    /// The field of view, or the focal length, is another.
+    FieldOfView,
+    /// Width and height of pixels are not alike.
+    Aspect,
+    /// Indices count from 1.
+    IdentitiesOneBased,
+    /// Objects have each other's indices.
+    IdentitiesSwapped,
+    /// Look directions are boosted with the opposite velocity.
+    AberrationReversed,
+    /// Look directions are those of the camera's frame.
+    AberrationMissing,
+    /// Light takes no time.
+    RetardationMissing,
+    /// Two objects have each other's velocity.
+    VelocitiesSwapped,
+    /// An object has another velocity.
+    VelocityWrong,
+    /// An object rests that should move.
+    VelocityMissing,
+    /// Coordinates are exchanged, or have the opposite sign.
+    AxesExchanged,
+    /// Look directions point into the camera.
+    DirectionsReversed,
+    /// Lengths or times have another unit.
+    Units,
+    /// Texture coordinates run the other way.
+    TextureFlipped,
+    /// Wavelength ratios are their inverses.
+    RatioInverted,
+    /// Wavelength ratios are wrong by a factor.
+    RatioFactor,
+    /// Emission times are shifted by a constant.
+    TimeShifted,
+    /// Light is looked up at shifted times.
+    LookupShifted,
+    /// Red, green and blue are exchanged.
+    ColoursExchanged,
+    /// Light is encoded for a display once more, or once less, than it should be.
+    Gamma,
+    /// The radiance factor has another exponent.
+    ExponentWrong,
+    /// Light is multiplied by a factor.
+    Exposure,
+    /// One triangle is displaced.
+    TriangleDisplaced,
+    /// One object is displaced.
+    ObjectDisplaced,
+}
+
+/// What the hypotheses are asked of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Case<'a> {
+    pub pair: [&'a Picture; 2],
+    pub points: [Points<'a>; 2],
+    pub region: &'a Region,
+    /// Width of a time bin, metres of light path.
+    pub bin_width: Option<f64>,
+    pub known: Option<&'a KnownScene>,
+    pub field: Option<&'a Field<'a>>,
+    /// The scene with all its files.
+    pub scene: Option<&'a Scene>,
+}
+
+/// All diagnoses of a candidate.
+pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 8] = [
+        |case| film::turned(case).into_iter().collect(),
+        |case| channels::identities(case).into_iter().collect(),
+        channels::coordinates,
+        |case| channels::inverted(case).into_iter().collect(),
+        |case| motion::aberration(case).into_iter().collect(),
+        motion::velocities,
+        motion::changes,
+        |case| film::scaled(case).into_iter().collect(),
+    ];
+    if let Some(found) = causes
+        .iter()
+        .map(|cause| cause(case))
+        .find(|found| !found.is_empty())
+    {
+        return found;
+    }
+    let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
+    found.extend(channels::ratio(case));
+    found.extend(time::instant(case).or_else(|| time::shifted(case)));
+    found.extend(light::light(case));
+    if found.is_empty() {
+        found.extend(part::displaced(case));
+    }
+    found
+}
+
+impl Case<'_> {
+    /// Pixels of the region at which both pictures show the same object.
+    fn pixels(&self) -> Vec<usize> {
+        let [r, c] = &self.points;
+        let pixels = self.region.pixels(r.size());
+        pixels.filter(|i| r.same_object(c, *i)).collect()
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    let inside = middle < values.len();
+    inside.then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Distances from the reference and from a hypothesis, pixel by pixel.
+#[derive(Debug)]
+struct Tally {
+    /// |c − r|, and |c − h(r)|.
+    distances: Vec<[f64; 2]>,
+}
+
+/// A hypothesis needs so many pixels.
+const FEWEST: usize = 24;
+
+impl Tally {
+    /// Of pairs, those that are numbers, without the pixels at which neither is a tenth of the error: where nothing is
+    /// wrong, and the hypothesis changes nothing, it explains nothing.
+    fn of(distances: impl Iterator<Item = [f64; 2]>) -> Tally {
+        let are_numbers = |[a, b]: &[f64; 2]| a.is_finite() && b.is_finite();
+        let mut tally = Tally {
+            distances: distances.filter(are_numbers).collect(),
+        };
+        let error = tally.error();
+        tally.distances.retain(|[a, b]| a.max(*b) > NEAR * error);
+        tally
+    }
+
+    /// The rms distance from the reference.
+    fn error(&self) -> f64 {
+        let sum: f64 = self.distances.iter().map(|d| d[0] * d[0]).sum();
+        (sum / self.distances.len().max(1) as f64).sqrt()
+    }
+
+    /// The rms distance from the hypothesis, without the tenth of the pixels at which it is largest.
+    fn rest(&self) -> f64 {
+        let mut rests: Vec<f64> = self.distances.iter().map(|d| d[1]).collect();
+        rests.sort_unstable_by(f64::total_cmp);
+        let kept = (MOST * rests.len() as f64).ceil() as usize;
+        let sum: f64 = rests[..kept].iter().map(|x| x * x).sum();
+        (sum / kept.max(1) as f64).sqrt()
+    }
+
+    /// The part of the pixels that the hypothesis explains.
+    fn share(&self) -> f64 {
+        let error = self.error();
+        let explained = |d: &&[f64; 2]| d[1] <= NEAR * d[0].max(error);
+        let count = self.distances.iter().filter(explained).count();
+        count as f64 / self.distances.len().max(1) as f64
+    }
+
+    /// Whether the hypothesis explains an error of at least `notable`, rms.
+    fn explains(&self, notable: f64) -> bool {
+        self.distances.len() >= FEWEST && self.error() > notable && self.share() >= MOST
+    }
+}

@@ -1,0 +1,406 @@
+//! Wrong velocities: of the camera by look directions, of objects by wavelength ratios, of both by where points of a
+//! known scene are shown.
+//!
+//! # By wavelength ratios
+//!
+//! For an object with four-velocity γ(1, β) seen by a camera with γc(1, βc) along the world's look direction d,
+//!
+//! ```text
+//! W = ω_emitted / ω_observed = γ(1 + β·d) / (γc(1 + βc·d))
+//! ```
+//!
+//! so that W γc(1 + βc·d) is linear in d: a least squares fit over the object's pixels gives (γ, γβ). It is a
+//! four-velocity only where γ² − |γβ|² = 1: a W that is wrong by a factor gives no velocity. An
+//! object that takes up little of the view determines them badly; so hypotheses are compared by how well they
+//! reproduce W where the object is seen, not by the fitted numbers.
+//!
+//! # By places
+//!
+//! In a known scene the map π from points of objects to the film is known for any velocity of the camera and of the
+//! objects, and for light that takes no time. The candidate's points are seen where it shows them under the
+//! change that it has made.
+
+use std::collections::BTreeMap;
+
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
+
+use super::super::geometry::place;
+use super::super::known::{Change, KnownScene};
+use super::super::picture::{Picture, Plane};
+use super::{Case, Diagnosis, Kind, NEAR, Tally};
+use crate::render::aov::Aov;
+use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
+
+/// Errors of directions that storage in single precision makes, radians.
+const DIRECTION_ROUNDING: f64 = 1e-5;
+
+/// Look directions with the camera's velocity reversed, or left out.
+pub(super) fn aberration(case: &Case) -> Option<Diagnosis> {
+    let [r, c] = case.points.map(|points| points.direction);
+    let (r, c, velocity) = (r?, c?, camera_velocity(case.pair[0])?);
+    let mut sums = [0.0; 3];
+    let mut count = 0.0;
+    for i in case.region.pixels(case.points[0].size()) {
+        let [r, c] = [place(&r, i), place(&c, i)];
+        let Some(d) = Direction::new(r) else {
+            continue;
+        };
+        let [reversed, missing] = wrong_directions(d, velocity);
+        for (sum, expected) in sums.iter_mut().zip([r, reversed, missing]) {
+            *sum += (c - expected).length_squared();
+        }
+        count += 1.0;
+    }
+    let [error, reversed, missing] = sums.map(|sum: f64| (sum / f64::max(count, 1.0)).sqrt());
+    let (kind, rest) = match reversed <= missing {
+        true => (Kind::AberrationReversed, reversed),
+        false => (Kind::AberrationMissing, missing),
+    };
+    let explains = error > DIRECTION_ROUNDING && rest <= NEAR * error;
+    explains.then(|| describe_aberration(kind, error, rest, velocity))
+}
+
+fn describe_aberration(kind: Kind, error: f64, rest: f64, velocity: Velocity) -> Diagnosis {
+    let how = match kind {
+        Kind::AberrationReversed => {
+            "aberration is reversed: look directions are those of a camera that moves the opposite way (−β for β)"
+        }
+        _ => "aberration is missing: look directions are those of the camera's own frame",
+    };
+    Diagnosis {
+        kind,
+        what: how.into(),
+        evidence: vec![
+            ("directions differ from the reference by (rad, rms)", error),
+            ("and from the hypothesis by (rad, rms)", rest),
+            ("beta of the camera", velocity.beta().length()),
+        ],
+    }
+}
+
+/// The world's look directions with the opposite boost, and without one, where the right one gives `d`.
+fn wrong_directions(d: Direction<World>, velocity: Velocity) -> [DVec3; 2] {
+    let camera_from_world = Boost::<Camera, World>::new(-velocity);
+    let (own, _) = camera_from_world.direction(d);
+    let (reversed, _) = Boost::<World, Camera>::new(-velocity).direction(own);
+    [reversed.unit(), own.unit()]
+}
+
+/// The velocity of a camera that moves without acceleration and does not turn, by the picture's metadata.
+pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
+    let turns = ["camera_motion", "rotation_axis", "sensor_focal_length"];
+    if turns.iter().any(|key| picture.metadata(key).is_some()) {
+        return None;
+    }
+    let numbers = picture.metadata("camera_rapidity")?.split_whitespace();
+    let numbers: Vec<f64> = numbers
+        .map(|word| word.parse().ok())
+        .collect::<Option<_>>()?;
+    let [x, y, z] = numbers.try_into().ok()?;
+    Velocity::from_rapidity(DVec3::new(x, y, z)).ok()
+}
+
+/// An object has to have so many pixels.
+const FEWEST: usize = 24;
+/// The rms of W's relative error that a fit may leave.
+const FITS: f64 = 1e-4;
+/// W's relative errors below this are none.
+const NOTABLE_RATIO: f64 = 1e-3;
+
+/// Whether (γ, γβ) is a four-velocity: γ² − |γβ|² = 1, to a twentieth of its terms.
+fn is_velocity(u: DVec4) -> bool {
+    let spatial = u.yzw().length_squared();
+    u.x > 0.0 && (u.x * u.x - spatial - 1.0).abs() <= 0.05 * (1.0 + spatial)
+}
+
+/// An object's pixels in a picture.
+#[derive(Debug, Clone, Default)]
+struct Seen {
+    /// (1, d), and W γc(1 + βc·d).
+    rows: Vec<(DVec4, f64)>,
+}
+
+impl Seen {
+    /// (γ, γβ); none where the pixels do not determine it.
+    fn velocity(&self) -> Option<DVec4> {
+        if self.rows.len() < FEWEST {
+            return None;
+        }
+        let (mut normal, mut right) = (DMat4::ZERO, DVec4::ZERO);
+        for (row, value) in &self.rows {
+            let outer = DMat4::from_cols(*row * row.x, *row * row.y, *row * row.z, *row * row.w);
+            normal += outer;
+            right += *row * *value;
+        }
+        let scale = normal.col(0).x;
+        let (normal, right) = (normal * (1.0 / scale), right / scale);
+        // Tikhonov's term picks the shortest of the velocities that fit equally well.
+        let damped = normal + DMat4::from_diagonal(DVec4::splat(1e-12));
+        let u = damped.inverse() * right;
+        u.is_finite().then_some(u)
+    }
+
+    /// The rms of the relative error with which a four-velocity reproduces W.
+    fn misfit(&self, u: DVec4) -> f64 {
+        let square = |(row, value): &(DVec4, f64)| {
+            let e = row.dot(u) / value - 1.0;
+            e * e
+        };
+        let sum: f64 = self.rows.iter().map(square).sum();
+        (sum / self.rows.len().max(1) as f64).sqrt()
+    }
+}
+
+/// Objects whose wavelength ratios are those of another velocity.
+pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
+    let [Some(r), Some(c)] = [0, 1].map(|which| seen(case, which)) else {
+        return Vec::new();
+    };
+    let moved: Vec<Moved> = (r.iter())
+        .filter_map(|(object, r)| Moved::of(*object, r, c.get(object)?))
+        .collect();
+    let mut swapped = Vec::new();
+    for (i, a) in moved.iter().enumerate() {
+        for b in &moved[i + 1..] {
+            swapped.extend(a.swapped_with(b));
+        }
+    }
+    if !swapped.is_empty() {
+        return swapped;
+    }
+    moved.iter().map(Moved::wrong).collect()
+}
+
+/// An object whose velocity differs between the pictures.
+struct Moved {
+    object: i64,
+    candidate: Seen,
+    /// Four-velocities in the reference and in the candidate.
+    velocities: [DVec4; 2],
+    /// How well the reference's reproduces W in the candidate.
+    error: f64,
+}
+
+impl Moved {
+    fn of(object: i64, r: &Seen, c: &Seen) -> Option<Moved> {
+        let velocities = [r.velocity()?, c.velocity()?];
+        let fits = r.misfit(velocities[0]) <= FITS && c.misfit(velocities[1]) <= FITS;
+        let error = c.misfit(velocities[0]);
+        (fits && is_velocity(velocities[1]) && error > NOTABLE_RATIO).then(|| Moved {
+            object,
+            candidate: c.clone(),
+            velocities,
+            error,
+        })
+    }
+
+    fn swapped_with(&self, other: &Moved) -> Option<Diagnosis> {
+        let rest = [
+            self.candidate.misfit(other.velocities[0]),
+            other.candidate.misfit(self.velocities[0]),
+        ];
+        let explains = rest[0] <= NEAR * self.error && rest[1] <= NEAR * other.error;
+        explains.then(|| Diagnosis {
+            kind: Kind::VelocitiesSwapped,
+            what: format!(
+                "the velocities of objects {} and {} are swapped",
+                self.object, other.object
+            ),
+            evidence: vec![
+                ("W differs by (relative, rms)", self.error.max(other.error)),
+                ("with swapped velocities by", rest[0].max(rest[1])),
+            ],
+        })
+    }
+
+    fn wrong(&self) -> Diagnosis {
+        let beta = |u: DVec4| u.yzw() / u.x;
+        let [r, c] = self.velocities.map(beta);
+        let text = |b: DVec3| format!("({:.4}, {:.4}, {:.4})", b.x, b.y, b.z);
+        let at_rest = self.candidate.misfit(DVec4::X);
+        let is_at_rest = at_rest <= NEAR * self.error;
+        let object = self.object;
+        Diagnosis {
+            kind: match is_at_rest {
+                true => Kind::VelocityMissing,
+                false => Kind::VelocityWrong,
+            },
+            what: match is_at_rest {
+                true => format!(
+                    "the velocity of object {object} is missing: its wavelength ratios are those of rest, and should be those of β = {}",
+                    text(r)
+                ),
+                false => format!(
+                    "object {object} moves at another velocity: its wavelength ratios are those of β = {}, and should be those of {}",
+                    text(c),
+                    text(r)
+                ),
+            },
+            evidence: vec![
+                ("W differs by (relative, rms)", self.error),
+                (
+                    "with the other velocity by",
+                    self.candidate.misfit(self.velocities[1]).min(at_rest),
+                ),
+            ],
+        }
+    }
+}
+
+/// The pixels of each object in a picture; none where it lacks channels or metadata.
+fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
+    let layers = &case.pair[which].layers;
+    let ratio = Plane::aov(layers, Aov::WavelengthRatio)?;
+    let direction = case.points[which].direction?;
+    let velocity = camera_velocity(case.pair[which]).or_else(|| camera_velocity(case.pair[0]))?;
+    let (gamma, beta) = (velocity.gamma(), velocity.beta());
+    let mut objects: BTreeMap<i64, Seen> = BTreeMap::new();
+    for i in case.pixels() {
+        let d = place(&direction, i);
+        let value = ratio.at(i) * gamma * (1.0 + beta.dot(d));
+        if value.is_finite() && value > 0.0 {
+            let object = case.points[which].object_at(i).unwrap_or(0.0) as i64;
+            let row = DVec4::new(1.0, d.x, d.y, d.z);
+            objects.entry(object).or_default().rows.push((row, value));
+        }
+    }
+    Some(objects)
+}
+
+/// Displacements that are notable, pixels, rms.
+const NOTABLE_DISPLACEMENT: f64 = 0.1;
+
+/// Changes of a known scene that explain where the candidate shows points.
+pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
+    let Some(known) = case.known else {
+        return Vec::new();
+    };
+    let global = [
+        Change::Instant,
+        Change::CameraReversed,
+        Change::CameraAtRest,
+    ];
+    if let Some(found) = best(case, known, None, &global) {
+        return vec![found];
+    }
+    let moving: Vec<usize> = (known.velocities().enumerate())
+        .filter(|(_, velocity)| !velocity.is_rest())
+        .map(|(k, _)| k)
+        .filter(|k| displaced(case, known, known, Some(*k)).error() > NOTABLE_DISPLACEMENT)
+        .take(MOST_OBJECTS)
+        .collect();
+    let mut found = Vec::new();
+    for (n, &j) in moving.iter().enumerate() {
+        let pairs = moving[n + 1..].iter().map(|&k| Change::Swapped(j, k));
+        found.extend(pairs.filter_map(|change| best(case, known, Some(j), &[change])));
+    }
+    if !found.is_empty() {
+        return found;
+    }
+    let of_object = |&k: &usize| {
+        best(
+            case,
+            known,
+            Some(k),
+            &[Change::AtRest(k), Change::Reversed(k)],
+        )
+    };
+    moving.iter().filter_map(of_object).collect()
+}
+
+/// No more moving objects are asked about.
+const MOST_OBJECTS: usize = 32;
+
+/// The change that explains best where the candidate shows points (of one object), if one explains most of it.
+fn best(
+    case: &Case,
+    known: &KnownScene,
+    object: Option<usize>,
+    changes: &[Change],
+) -> Option<Diagnosis> {
+    let tallies = changes.iter().filter_map(|change| {
+        let tally = displaced(case, known, &known.changed(*change)?, object);
+        tally
+            .explains(NOTABLE_DISPLACEMENT)
+            .then_some((*change, tally))
+    });
+    let (change, tally) = tallies.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
+    // Of a velocity that two objects have exchanged, both are seen so.
+    if let Change::Swapped(_, k) = change {
+        let other = displaced(case, known, &known.changed(change)?, Some(k));
+        other.explains(NOTABLE_DISPLACEMENT).then_some(())?;
+    }
+    Some(describe_change(known, change, &tally))
+}
+
+/// Distances of the candidate's points from where they are seen, in the scene and in the changed one.
+fn displaced(
+    case: &Case,
+    known: &KnownScene,
+    changed: &KnownScene,
+    object: Option<usize>,
+) -> Tally {
+    let points = &case.points[1];
+    let [width, _] = points.size();
+    let pixels = case.region.pixels(points.size());
+    let off = pixels.filter_map(|i| {
+        if let Some(object) = object
+            && points.object_at(i).is_some_and(|id| id != object as f64)
+        {
+            return None;
+        }
+        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let shown = changed.place(points, i)?;
+        let (k, p) = known.point(points, i)?;
+        let right = known.film_point(k, p);
+        // A point that is seen nowhere is as far away as the picture is wide.
+        let off = right.map_or(width as f64, |right| (right - centre).length());
+        Some([off, (shown - centre).length()])
+    });
+    Tally::of(off)
+}
+
+fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnosis {
+    let beta = |k: usize| known.velocities().nth(k).map_or(0.0, |v| v.beta().length());
+    let (kind, what, beta) = match change {
+        Change::Instant => (
+            Kind::RetardationMissing,
+            "retardation is missing: points are shown where they are at the time of the shot, and not where their light left them".into(),
+            known.velocities().map(|v| v.beta().length()).fold(0.0, f64::max),
+        ),
+        Change::CameraReversed => (
+            Kind::AberrationReversed,
+            "aberration is reversed: points are shown where a camera sees them that moves the opposite way (−β for β)".into(),
+            known.camera_velocity().beta().length(),
+        ),
+        Change::CameraAtRest => (
+            Kind::AberrationMissing,
+            "aberration is missing: points are shown where a camera at rest sees them".into(),
+            known.camera_velocity().beta().length(),
+        ),
+        Change::AtRest(k) => (
+            Kind::VelocityMissing,
+            format!("the velocity of object {k} is missing: its points are shown where they are seen at rest"),
+            beta(k),
+        ),
+        Change::Reversed(k) => (
+            Kind::VelocityWrong,
+            format!("the velocity of object {k} is reversed: its points are shown where they are seen with −β for β"),
+            beta(k),
+        ),
+        Change::Swapped(j, k) => (
+            Kind::VelocitiesSwapped,
+            format!("the velocities of objects {j} and {k} are swapped: their points are shown where they are seen so"),
+            beta(j).max(beta(k)),
+        ),
+    };
+    Diagnosis {
+        kind,
+        what,
+        evidence: vec![
+            ("points are displaced by (pixels, rms)", tally.error()),
+            ("and from the hypothesis by (pixels, rms)", tally.rest()),
+            ("beta", beta),
+        ],
+    }
+}

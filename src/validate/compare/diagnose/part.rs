@@ -1,0 +1,100 @@
+//! Displacements of one triangle, or of one object, alone.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::super::geometry::Field;
+use super::{Case, Diagnosis, Kind, MOST, median};
+
+/// Displacements that are notable, pixels.
+const NOTABLE_DISPLACEMENT: f64 = 0.1;
+/// The mean displacement of a part, which is displaced as a whole, is at least this part of its rms.
+const COHERENT: f64 = 0.5;
+/// The most of the pixels with surfaces that a part may take.
+const LARGEST_PART: f64 = 0.5;
+
+/// Displacements on one part of the picture.
+#[derive(Debug, Default)]
+struct Part {
+    square: f64,
+    found: Vec<DVec2>,
+}
+
+/// One triangle, or one object, that is not where it should be.
+pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
+    let by_points = case.field.and_then(|field| localised(case, field));
+    by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
+}
+
+fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
+    let pixels = case.pixels();
+    let [mut triangles, mut objects] = [BTreeMap::<_, Part>::new(), BTreeMap::new()];
+    let points = &case.points[0];
+    let mut total = 0.0;
+    for &i in &pixels {
+        let Some(d) = field.displacement(i) else {
+            continue;
+        };
+        let object = points.object_at(i).unwrap_or(-1.0) as i64;
+        let triangle = points.primitive.map_or(-1, |p| p.at(i) as i64);
+        total += d.length_squared();
+        for part in [
+            triangles.entry((object, triangle)).or_default(),
+            objects.entry((object, -1)).or_default(),
+        ] {
+            part.square += d.length_squared();
+            part.found.push(d);
+        }
+    }
+    let has_triangles = points.primitive.is_some();
+    let triangle = worst(&triangles, total, pixels.len()).filter(|_| has_triangles);
+    let object = worst(&objects, total, pixels.len());
+    let (kind, ((object, triangle), part)) = match triangle {
+        Some(found) => (Kind::TriangleDisplaced, found),
+        None => (Kind::ObjectDisplaced, object?),
+    };
+    describe_part(kind, [object, triangle], part, total)
+}
+
+type Name = (i64, i64);
+
+/// The part that has most of the displacement and little of the picture.
+fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Name, &Part)> {
+    let (name, part) = parts
+        .iter()
+        .max_by(|a, b| a.1.square.total_cmp(&b.1.square))?;
+    let count = part.found.len() as f64;
+    let small = count <= LARGEST_PART * pixels as f64;
+    let mean = part.found.iter().sum::<DVec2>() / count;
+    let coherent = mean.length() >= COHERENT * (part.square / count).sqrt();
+    (small && coherent && part.square >= MOST * total).then_some((*name, part))
+}
+
+fn describe_part(
+    kind: Kind,
+    [object, triangle]: [i64; 2],
+    part: &Part,
+    total: f64,
+) -> Option<Diagnosis> {
+    let middle = |of: fn(&DVec2) -> f64| median(part.found.iter().map(of).collect());
+    // A point that belongs to the right is seen displaced to the left.
+    let [x, y, length] = [
+        middle(|d| -d.x)?,
+        middle(|d| -d.y)?,
+        middle(|d| d.length())?,
+    ];
+    let place = match kind {
+        Kind::TriangleDisplaced => format!("triangle {triangle} of object {object}"),
+        _ => format!("object {object}"),
+    };
+    (length > NOTABLE_DISPLACEMENT).then(|| Diagnosis {
+        kind,
+        what: format!("{place} is displaced by {length:.2} pixels, ({x:+.2}, {y:+.2}) to the right and down; the rest is where it should be"),
+        evidence: vec![
+            ("median displacement (pixels)", length),
+            ("share of the displacement", part.square / total),
+            ("pixels", part.found.len() as f64),
+        ],
+    })
+}

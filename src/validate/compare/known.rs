@@ -1,0 +1,222 @@
+//! Where the points of a known scene are seen.
+//!
+//! A point p of an object at rest in frame k is seen in the event in which its world line meets the past light cone of
+//! the shot P. In that frame P is at (T, q); with r = p − q, and in vacuum, the light left |r| before, so that the
+//! displacement from P is the null vector (−|r|, r), boosted to the world (−s, x), and to the camera (−s′, k): the
+//! point is seen along k. In a medium of index η the same holds with the velocity ηβ and
+//! c = r⊥ + n r∥ / (γ √(1 − η²β²)) in place of r (`approximate::projection` derives it); with η = 0, light takes no time
+//! and c = r⊥ + n r∥/γ is where the contracted object is at the time of the shot.
+//!
+//! With this map π from points to the film, the candidate's point Y at pixel p is misplaced by π(Y) − p: no search, no
+//! differences, and right beyond silhouettes, too. It is taken relative to π(X) of the reference's own point X, so
+//! that pictures of other samples than pixel centres are compared with what they show.
+
+use glam::{DVec2, DVec3};
+
+use super::geometry::Points;
+use super::picture::Picture;
+use crate::camera::{AnyProjection, Projection, Shot};
+use crate::scene::model::{CameraModel, Effects, Equations, Scene};
+use crate::scene::{self, CameraMotion, Overrides};
+use crate::spacetime::{self, Boost, Direction, Event, InertialFrame, Rest, Velocity, World};
+
+/// A scene as far as it says where points of objects are seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownScene {
+    film: AnyProjection,
+    /// The event of the shot, which all rays leave.
+    event: Event<World>,
+    camera: InertialFrame<spacetime::Camera>,
+    /// Whether directions are those of the camera's frame; otherwise the world's are taken for them.
+    aberration: bool,
+    /// Refractive index of the medium; 0 where light takes no time.
+    index: f64,
+    objects: Vec<InertialFrame<Rest>>,
+}
+
+/// What a rasterizer may have made of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Change {
+    /// Light takes no time.
+    Instant,
+    /// The camera moves the opposite way.
+    CameraReversed,
+    /// The camera's motion does not turn directions.
+    CameraAtRest,
+    /// An object rests.
+    AtRest(usize),
+    /// An object moves the opposite way.
+    Reversed(usize),
+    /// Two objects have each other's velocity.
+    Swapped(usize, usize),
+}
+
+impl KnownScene {
+    /// What `scene` says; none for cameras whose rays leave events of their own (a sensor, a shutter, stereo, or
+    /// `model = "paper2015"` in motion).
+    pub fn of(scene: &Scene) -> Option<KnownScene> {
+        let bodies = scene
+            .objects
+            .iter()
+            .map(|object| (object.velocity, object.origin));
+        let light = (scene.medium_index, scene.effects, scene.equations);
+        KnownScene::new(&scene.camera, bodies.collect(), light)
+    }
+
+    /// What the scene's text in the metadata of a picture says; none where there is no such text, or it names a camera
+    /// in a file that is not there.
+    pub(super) fn of_picture(picture: &Picture) -> Option<KnownScene> {
+        let name = picture.metadata("scene").unwrap_or("scene");
+        let overrides = Overrides {
+            size: Some([picture.layers.width, picture.layers.height]),
+            ..Overrides::default()
+        };
+        let base = scene::base(name.as_ref());
+        let text = picture.metadata("scene_text")?;
+        let motions = scene::kinematics(text, name, base, &overrides).ok()?;
+        let CameraMotion { mut model, .. } = motions.camera?;
+        // A frame of a sequence has a time of its own.
+        if let Some(time) = picture.metadata("camera_time") {
+            model.time = time.parse().ok()?;
+        }
+        let bodies = motions
+            .objects
+            .iter()
+            .map(|body| (body.velocity, body.origin));
+        let light = (motions.medium_index, motions.effects, motions.equations);
+        KnownScene::new(&model, bodies.collect(), light)
+    }
+
+    fn new(
+        camera: &CameraModel,
+        bodies: Vec<(Velocity, Event<World>)>,
+        (index, effects, equations): (f64, Effects, Equations),
+    ) -> Option<KnownScene> {
+        let shot = Shot::new(camera).ok()?;
+        let is_instant = camera.sensor.is_none() && camera.shutter.is_none();
+        let is_point = is_instant && camera.stereo.is_none();
+        let is_exact = equations == Equations::Exact || shot.frame.velocity().is_rest();
+        (is_point && is_exact).then(|| KnownScene {
+            film: shot.projection,
+            event: shot.event,
+            camera: shot.frame,
+            aberration: effects.aberration,
+            index: if effects.retardation { index } else { 0.0 },
+            objects: bodies
+                .into_iter()
+                .map(|(velocity, origin)| InertialFrame::new(velocity, origin))
+                .collect(),
+        })
+    }
+
+    /// The same scene, changed; none where the change makes no difference to what is seen.
+    pub(super) fn changed(&self, change: Change) -> Option<KnownScene> {
+        let mut changed = self.clone();
+        let velocity = |k: usize| Some(self.objects.get(k)?.velocity());
+        let mut set = |k: usize, velocity: Velocity| {
+            changed.objects[k] = InertialFrame::new(velocity, self.objects[k].origin());
+        };
+        match change {
+            Change::Instant => changed.index = 0.0,
+            Change::CameraAtRest => changed.aberration = false,
+            Change::CameraReversed => {
+                changed.camera = InertialFrame::new(-self.camera.velocity(), self.camera.origin());
+            }
+            Change::AtRest(k) => set(k, Velocity::REST),
+            Change::Reversed(k) => set(k, -velocity(k)?),
+            Change::Swapped(j, k) => {
+                let (of_j, of_k) = (velocity(j)?, velocity(k)?);
+                set(j, of_k);
+                set(k, of_j);
+            }
+        }
+        (changed != *self).then_some(changed)
+    }
+
+    /// The camera's velocity in the world.
+    pub(super) fn camera_velocity(&self) -> Velocity {
+        self.camera.velocity()
+    }
+
+    /// The velocities of the objects in the world.
+    pub(super) fn velocities(&self) -> impl Iterator<Item = Velocity> + '_ {
+        self.objects.iter().map(InertialFrame::velocity)
+    }
+
+    /// The projection's field of view from the left edge's middle to the right one's, radians.
+    pub(super) fn horizontal_fov(&self) -> f64 {
+        let [w, h] = self.film.size();
+        let [left, right] = [0.0, w].map(|x| self.film.vector(x, 0.5 * h));
+        left.angle_between(right)
+    }
+
+    /// Where the point `p` of object `k` is seen, pixels from the film's top left corner; none where it is seen
+    /// nowhere on the film, however large, or twice.
+    pub(super) fn film_point(&self, k: usize, p: DVec3) -> Option<DVec2> {
+        let frame = self.objects.get(k)?;
+        let r = p - frame.event_from_world(self.event).x;
+        let (n, rapidity) = frame.velocity().split();
+        let slowed = self.index * libm::tanh(rapidity);
+        if slowed >= 1.0 {
+            return None;
+        }
+        let (c, boost) = match self.index == 1.0 || rapidity == 0.0 {
+            true => (r, *frame.world_from_frame()),
+            false => {
+                let q = ((1.0 - slowed) * (1.0 + slowed)).sqrt();
+                let stretch = 1.0 / (frame.velocity().gamma() * q) - 1.0;
+                let velocity = Velocity::along(n, libm::atanh(slowed)).ok()?;
+                (r + n * (n.dot(r) * stretch), Boost::new(velocity))
+            }
+        };
+        let (d, _) = boost.direction(Direction::new(c)?);
+        let seen = match self.aberration {
+            true => self.camera.frame_from_world().direction(d).0.unit(),
+            false => d.unit(),
+        };
+        let point = self.film.film_point(self.film.along_axes(seen))?;
+        Some(DVec2::from_array(point)).filter(|point| point.is_finite())
+    }
+
+    /// The object at pixel `i` of a picture, and the coordinates in it of the point that the picture shows there. Where
+    /// the picture has events of the world alone, they say so of objects at rest only: any event on the past light cone
+    /// of the shot is seen where it is, whatever point of a moving object it may be taken for.
+    pub(super) fn point(&self, points: &Points, i: usize) -> Option<(usize, DVec3)> {
+        let k = match points.object_at(i) {
+            Some(id) if id >= 0.0 => id as usize,
+            Some(_) => return None,
+            None => (self.objects.len() == 1).then_some(0)?,
+        };
+        let frame = self.objects.get(k)?;
+        let p = match points.own_point(i) {
+            Some(p) => p,
+            None => {
+                let place = points
+                    .world_point(i)
+                    .filter(|_| frame.velocity().is_rest())?;
+                place - frame.origin().x
+            }
+        };
+        p.is_finite().then_some((k, p))
+    }
+
+    /// Where the point that a picture shows at pixel `i` is seen.
+    pub(super) fn place(&self, points: &Points, i: usize) -> Option<DVec2> {
+        let (k, p) = self.point(points, i)?;
+        self.film_point(k, p)
+    }
+
+    /// Whether `points`, of a reference, are seen where this scene says: the median of their distances from
+    /// pixels' centres is below 3/4, the most that samples elsewhere in pixels make.
+    pub(super) fn is_that_of(&self, points: &Points) -> bool {
+        let [width, height] = points.size();
+        let off = |i: usize| {
+            let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+            Some((self.place(points, i)? - centre).length())
+        };
+        let mut distances: Vec<f64> = (0..width * height).filter_map(off).collect();
+        let middle = distances.len() / 2;
+        middle < distances.len()
+            && *distances.select_nth_unstable_by(middle, f64::total_cmp).1 < 0.75
+    }
+}

@@ -1,0 +1,607 @@
+//! The usual bugs of programs that render such scenes, planted one at a time: each is named with its size, and
+//! nothing is named of pictures that are right.
+
+use std::sync::Arc;
+
+use nullray::approximate::raster;
+use nullray::io::image::{Layers, Samples};
+use nullray::render::aov::{self, Aov};
+use nullray::render::metadata::metadata;
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
+use nullray::scene::model::{Scene, SourceKind};
+use nullray::scene::{self, Overrides};
+use nullray::validate::compare::{CompareOptions, Diagnosis, Encoding, Kind, Picture, compare};
+
+/// A camera with β = 0.5 along x, a floor at rest and two boxes that move, of three colours.
+const SCENE: &str = r#"
+    camera = { eye = [0, 0.6, 4], look_at = [1.5, 0.3, 0], hfov = "60 deg", size = [96, 72], velocity = { beta = [0.5, 0, 0] } }
+    [[object]]
+    name = "floor"
+    shape = { plane = { size = [12, 12] } }
+    colour = [0.2, 0.5, 0.8]
+    [[object]]
+    name = "left"
+    shape = { box = { size = [1.2, 1.2, 1.2] } }
+    colour = [0.9, 0.6, 0.1]
+    velocity = { beta = [0.3, 0, 0] }
+    origin = { position = [-1, 0.6, 0], time = "-4 m" }
+    [[object]]
+    name = "right"
+    shape = { box = { size = [1.2, 1.2, 1.2] } }
+    colour = [0.3, 0.7, 0.5]
+    velocity = { beta = [-0.4, 0, 0] }
+    origin = { position = [1, 0.6, 0], time = "-4 m" }
+"#;
+
+fn parsed(text: &str) -> Scene {
+    scene::parse(text, "test scene", ".".as_ref(), &Overrides::default()).unwrap()
+}
+
+/// What `scene` looks like, with all channels and metadata.
+fn shot(scene: &Scene) -> Picture {
+    let mut aovs = aov::parse("all").unwrap();
+    aovs.retain(|aov| *aov != Aov::StandardError);
+    let request = Request {
+        aovs: aovs.clone(),
+        pixel_centers: true,
+        ..Request::default()
+    };
+    let plan = Plan::new(scene, &request).unwrap();
+    let film = render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+    let [width, height] = film.size();
+    let layers = Layers::new(width, height, film.channels(&aovs), metadata(scene, &film));
+    Picture::linear("picture", layers.unwrap())
+}
+
+/// The scene's picture after replacements in its text.
+fn with(replaced: &[(&str, &str)]) -> Picture {
+    let text = replaced.iter().fold(SCENE.to_string(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    shot(&parsed(&text))
+}
+
+fn exact() -> Picture {
+    with(&[])
+}
+
+/// The picture without what it says of its scene, so that places are searched.
+fn unknown(picture: &Picture) -> Picture {
+    let mut picture = picture.clone();
+    picture
+        .layers
+        .metadata
+        .retain(|(key, _)| key != "scene_text");
+    picture
+}
+
+/// The picture with these channels alone.
+fn only(picture: &Picture, groups: &[&str]) -> Picture {
+    let mut picture = picture.clone();
+    picture.layers.channels.retain(|channel| {
+        groups
+            .iter()
+            .any(|group| channel.name == *group || channel.name.starts_with(&format!("{group}.")))
+    });
+    picture
+}
+
+fn map(picture: &mut Picture, name: &str, of: impl Fn(usize, f64) -> f64) {
+    let channel = picture.layers.channels.iter_mut().find(|c| c.name == name);
+    let channel = channel.unwrap_or_else(|| panic!("no channel {name}"));
+    let values = channel.samples.to_f64().into_iter().enumerate();
+    channel.samples = Samples::F64(values.map(|(i, v)| of(i, v)).collect());
+}
+
+fn values(picture: &Picture, name: &str) -> Vec<f64> {
+    picture.layers.channel(name).unwrap().samples.to_f64()
+}
+
+/// The exact picture with channels changed.
+fn changed(names: &[&str], of: impl Fn(usize, f64) -> f64) -> Picture {
+    let mut picture = exact();
+    for name in names {
+        map(&mut picture, name, &of);
+    }
+    picture
+}
+
+/// The picture whose pixel (x, y) holds what `source` says that of `picture` is.
+fn rearranged(picture: &Picture, source: impl Fn(i64, i64) -> [i64; 2]) -> Picture {
+    let [w, h] = [picture.layers.width, picture.layers.height].map(i64::from);
+    let mut turned = picture.clone();
+    for channel in &mut turned.layers.channels {
+        let values = channel.samples.to_f64();
+        let at = |i: i64| {
+            let [x, y] = source(i % w, i / w);
+            values[(y.clamp(0, h - 1) * w + x.clamp(0, w - 1)) as usize]
+        };
+        channel.samples = Samples::F64((0..w * h).map(at).collect());
+    }
+    turned
+}
+
+const LIGHT: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
+
+fn diagnosed_with(
+    reference: &Picture,
+    candidate: &Picture,
+    options: &CompareOptions,
+) -> Vec<Diagnosis> {
+    compare(reference, candidate, options).unwrap().diagnoses
+}
+
+fn diagnosed(reference: &Picture, candidate: &Picture) -> Vec<Diagnosis> {
+    let options = CompareOptions {
+        bin_width: Some(0.05),
+        pixels_per_degree: None,
+        ..CompareOptions::default()
+    };
+    diagnosed_with(reference, candidate, &options)
+}
+
+/// Asserts that one thing is named, of this kind and in these words.
+fn named(kind: Kind, words: &[&str], found: &[Diagnosis]) {
+    let kinds: Vec<_> = found.iter().map(|d| d.kind).collect();
+    assert_eq!(kinds, [kind], "{found:?}");
+    for word in words {
+        assert!(found[0].what.contains(word), "{word:?}: {}", found[0].what);
+    }
+    assert!(!found[0].evidence.is_empty(), "{found:?}");
+    assert!(
+        found[0].evidence.iter().all(|(_, value)| value.is_finite()),
+        "{found:?}"
+    );
+}
+
+fn evidence(found: &[Diagnosis], name: &str) -> f64 {
+    let mut evidence = found[0].evidence.iter();
+    evidence
+        .find(|(n, _)| *n == name)
+        .unwrap_or_else(|| panic!("{found:?}"))
+        .1
+}
+
+#[test]
+fn of_right_clamped_rounded_and_noisy_pictures_nothing_is_named() {
+    let bright = |picture: &Picture| {
+        let mut picture = picture.clone();
+        LIGHT
+            .iter()
+            .for_each(|name| map(&mut picture, name, |_, v| 2.5 * v));
+        picture
+    };
+    let reference = bright(&exact());
+    let names: Vec<String> = reference
+        .layers
+        .channels
+        .iter()
+        .map(|c| c.name.clone())
+        .collect();
+    let mut clamped = reference.clone();
+    LIGHT
+        .iter()
+        .for_each(|name| map(&mut clamped, name, |_, v| v.min(1.0)));
+    let (mut rounded, mut noisy) = (reference.clone(), reference.clone());
+    for (k, name) in names.iter().enumerate() {
+        if ["object", "primitive"].contains(&name.as_str()) {
+            continue;
+        }
+        map(&mut rounded, name, |_, v| half::f16::from_f64(v).to_f64());
+        map(&mut noisy, name, |i, v| {
+            v * (1.0 + 0.01 * (((i * 7919 + k * 101) % 101) as f64 / 50.0 - 1.0))
+        });
+    }
+    for (name, candidate) in [
+        ("right", &reference),
+        ("clamped", &clamped),
+        ("rounded to half precision", &rounded),
+        ("noisy", &noisy),
+    ] {
+        for reference in [reference.clone(), unknown(&reference)] {
+            assert_eq!(diagnosed(&reference, candidate), [], "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_rasterizer_that_is_right_but_for_its_tessellation_is_not_diagnosed() {
+    // Corners are right; between them, edges of 1.2 m at 0.4 c are off by a part of a pixel.
+    let scene = parsed(SCENE);
+    let mut aovs = aov::parse("all").unwrap();
+    aovs.retain(|aov| *aov != Aov::StandardError);
+    let request = Request {
+        aovs: aovs.clone(),
+        pixel_centers: true,
+        ..Request::default()
+    };
+    let plan = Plan::new(&scene, &request).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let method = "raster:adaptive=0.05".parse::<raster::Method>().unwrap();
+    let film = raster::render(&prepared, &method, &Silent).unwrap();
+    let [w, h] = film.size();
+    let layers = Layers::new(w, h, film.channels(&aovs), vec![]).unwrap();
+    assert_eq!(diagnosed(&exact(), &Picture::linear("raster", layers)), []);
+}
+
+#[test]
+fn missing_retardation_is_named_by_times_and_by_places() {
+    let instant = with(&[(
+        "[[object]]\n    name = \"floor\"",
+        "[effects]\n    retardation = false\n    [[object]]\n    name = \"floor\"",
+    )]);
+    named(
+        Kind::RetardationMissing,
+        &["time of the shot"],
+        &diagnosed(&exact(), &instant),
+    );
+    let places = only(&instant, &["object", "object_event"]);
+    let found = diagnosed(&exact(), &places);
+    named(
+        Kind::RetardationMissing,
+        &["retardation is missing"],
+        &found,
+    );
+    assert!(evidence(&found, "points are displaced by (pixels, rms)") > 1.0);
+    // Without the scene, and of objects at rest alone, the times tell.
+    let late = changed(&["event.ct"], |_, t| if t.is_nan() { t } else { 0.0 });
+    named(
+        Kind::RetardationMissing,
+        &["all emission times are 0"],
+        &diagnosed(&unknown(&exact()), &late),
+    );
+}
+
+#[test]
+fn a_film_that_is_moved_is_named_with_its_shift() {
+    let exact = exact();
+    // Every second pixel of a picture of twice the size, from column 2x on.
+    let whole = with(&[("[96, 72]", "[192, 144]")]);
+    let from_column = |first: usize| {
+        let mut cut = exact.clone();
+        for channel in &mut cut.layers.channels {
+            let values = values(&whole, &channel.name);
+            let at = |i: usize| values[2 * (i / 96) * 192 + 2 * (i % 96) + first];
+            channel.samples = Samples::F64((0..96 * 72).map(at).collect());
+        }
+        cut
+    };
+    // Samples at the upper left quarter of pixels, and half a pixel (of these) to the right of that.
+    let (origin, right) = (from_column(0), from_column(1));
+    for reference in [&origin, &unknown(&origin)] {
+        let found = diagnosed(reference, &right);
+        named(Kind::FilmShifted, &["half a pixel", "(-0.50, "], &found);
+    }
+    for groups in [
+        &["object", "event"][..],
+        &["direction"],
+        &["object", "object_event"],
+    ] {
+        let found = diagnosed(&origin, &only(&right, groups));
+        named(Kind::FilmShifted, &["half a pixel"], &found);
+    }
+    let whole = rearranged(&exact, |x, y| [x + 1, y - 2]);
+    for groups in [&["object", "event"][..], &["radiance"], &["object"]] {
+        let found = diagnosed(&exact, &only(&whole, groups));
+        named(Kind::FilmShifted, &["(-1, +2) pixels"], &found);
+    }
+}
+
+#[test]
+fn mirrored_pictures_are_named() {
+    let exact = exact();
+    for (words, turned) in [
+        ("left to right", rearranged(&exact, |x, y| [95 - x, y])),
+        ("upside down", rearranged(&exact, |x, y| [x, 71 - y])),
+        ("180 degrees", rearranged(&exact, |x, y| [95 - x, 71 - y])),
+    ] {
+        for groups in [&["object", "event"][..], &["radiance"], &["object"]] {
+            named(
+                Kind::Mirrored,
+                &[words],
+                &diagnosed(&exact, &only(&turned, groups)),
+            );
+        }
+    }
+}
+
+#[test]
+fn another_field_of_view_is_named_with_its_size() {
+    // tan 33° / tan 30° = 1.1248.
+    let wide = with(&[("60 deg", "66 deg")]);
+    for groups in [
+        &["object", "event"][..],
+        &["direction"],
+        &["object", "object_event"],
+    ] {
+        let found = diagnosed(&exact(), &only(&wide, groups));
+        named(Kind::FieldOfView, &["1.1248"], &found);
+    }
+    named(
+        Kind::FieldOfView,
+        &["66.000 degrees across for 60.000"],
+        &diagnosed(&exact(), &wide),
+    );
+    // The vertical field of view in place of the horizontal: tan(fov/2) = 4/3 tan 30°.
+    let degrees = 2.0 * libm::atan(4.0 / 3.0 * libm::tan(30f64.to_radians())).to_degrees();
+    let vertical = with(&[("60 deg", &format!("{degrees} deg"))]);
+    named(
+        Kind::FieldOfView,
+        &["taken for the vertical"],
+        &diagnosed(&exact(), &vertical),
+    );
+}
+
+#[test]
+fn another_aspect_is_named() {
+    // Of a picture of 96 × 96 pixels, 72 rows that are 4/3 of its pixels apart: what a program makes whose film is as high
+    // as it is wide.
+    let tall = with(&[("[96, 72]", "[96, 96]")]);
+    let mut squeezed = exact();
+    for channel in &mut squeezed.layers.channels {
+        let values = values(&tall, &channel.name);
+        let row = |y: usize| 4 * y / 3;
+        channel.samples = Samples::F64(
+            (0..96 * 72)
+                .map(|i| values[row(i / 96) * 96 + i % 96])
+                .collect(),
+        );
+    }
+    let found = diagnosed(&exact(), &squeezed);
+    named(Kind::Aspect, &["aspect"], &found);
+    assert!((evidence(&found, "tan(fov/2) down over the reference's") - 4.0 / 3.0).abs() < 0.02);
+}
+
+#[test]
+fn aberration_is_named_by_places_alone() {
+    for (camera, kind) in [
+        ("-0.5", Kind::AberrationReversed),
+        ("0.0", Kind::AberrationMissing),
+    ] {
+        let wrong = with(&[("beta = [0.5, 0, 0]", &format!("beta = [{camera}, 0, 0]"))]);
+        named(kind, &["aberration"], &diagnosed(&exact(), &wrong));
+        let places = only(&wrong, &["object", "event"]);
+        named(kind, &["aberration"], &diagnosed(&exact(), &places));
+    }
+}
+
+#[test]
+fn the_missing_velocity_of_one_object_is_named_by_ratios_and_by_places() {
+    let wrong = with(&[("velocity = { beta = [-0.4, 0, 0] }", "")]);
+    for groups in [
+        &["object", "object_event"][..],
+        &["object", "direction", "wavelength_ratio"],
+    ] {
+        let found = diagnosed(&exact(), &only(&wrong, groups));
+        named(Kind::VelocityMissing, &["object 2 is missing"], &found);
+    }
+}
+
+#[test]
+fn reversed_and_swapped_velocities_are_named_by_places_alone() {
+    let reversed = with(&[("beta = [-0.4, 0, 0]", "beta = [0.4, 0, 0]")]);
+    let found = diagnosed(&exact(), &only(&reversed, &["object", "object_event"]));
+    named(Kind::VelocityWrong, &["object 2 is reversed"], &found);
+    let swapped = with(&[
+        ("[-0.4, 0, 0]", "[moving]"),
+        ("[0.3, 0, 0]", "[-0.4, 0, 0]"),
+        ("[moving]", "[0.3, 0, 0]"),
+    ]);
+    let found = diagnosed(&exact(), &only(&swapped, &["object", "object_event"]));
+    named(Kind::VelocitiesSwapped, &["objects 1 and 2"], &found);
+}
+
+#[test]
+fn exchanged_axes_are_named_with_their_order() {
+    let exact = exact();
+    for group in ["event", "object_event", "normal", "direction"] {
+        let mut wrong = exact.clone();
+        let [y, z] = ["y", "z"].map(|axis| format!("{group}.{axis}"));
+        let [vy, vz] = [&y, &z].map(|name| values(&exact, name));
+        map(&mut wrong, &y, |i, _| -vz[i]);
+        map(&mut wrong, &z, |i, _| vy[i]);
+        let found = diagnosed(&exact, &wrong);
+        let words = [format!("axes of {group}"), "(x, −z, y)".into()];
+        named(
+            Kind::AxesExchanged,
+            &words.each_ref().map(String::as_str),
+            &found,
+        );
+    }
+}
+
+#[test]
+fn reversed_directions_are_named() {
+    let reversed = changed(&["direction.x", "direction.y", "direction.z"], |_, v| -v);
+    named(
+        Kind::DirectionsReversed,
+        &["out of the camera"],
+        &diagnosed(&exact(), &reversed),
+    );
+}
+
+#[test]
+fn units_are_named() {
+    let lengths = ["event.x", "event.y", "event.z"];
+    for (names, factor, words) in [
+        (&lengths[..], 1e3, "event is in millimetres"),
+        (
+            &["object_event.x", "object_event.y", "object_event.z"],
+            1e2,
+            "object_event is in centimetres",
+        ),
+        (&["distance"], 1e3, "distance is in millimetres"),
+        (
+            &["event.ct"],
+            1e9 / 299_792_458.0,
+            "event.ct is in nanoseconds",
+        ),
+    ] {
+        let wrong = changed(names, |_, v| factor * v);
+        named(Kind::Units, &[words], &diagnosed(&exact(), &wrong));
+    }
+}
+
+#[test]
+fn indices_that_are_exchanged_or_count_from_1_are_named() {
+    for nothing in [-1.0, 0.0] {
+        let one_based = changed(
+            &["object"],
+            |_, id| if id < 0.0 { nothing } else { id + 1.0 },
+        );
+        named(
+            Kind::IdentitiesOneBased,
+            &["objects count from 1"],
+            &diagnosed(&exact(), &one_based),
+        );
+    }
+    let triangles = changed(&["primitive"], |_, id| if id < 0.0 { id } else { id + 1.0 });
+    named(
+        Kind::IdentitiesOneBased,
+        &["triangles count from 1"],
+        &diagnosed(&exact(), &triangles),
+    );
+    let swapped = changed(&["object"], |_, id| match id {
+        1.0 => 2.0,
+        2.0 => 1.0,
+        id => id,
+    });
+    named(
+        Kind::IdentitiesSwapped,
+        &["2 for 1, 1 for 2"],
+        &diagnosed(&exact(), &swapped),
+    );
+}
+
+#[test]
+fn flipped_texture_coordinates_are_named() {
+    let flipped = changed(&["uv.v"], |_, v| 1.0 - v);
+    named(
+        Kind::TextureFlipped,
+        &["v is flipped"],
+        &diagnosed(&exact(), &flipped),
+    );
+}
+
+#[test]
+fn inverse_ratios_and_missing_gammas_are_named() {
+    let inverse = changed(&["wavelength_ratio"], |_, w| 1.0 / w);
+    named(
+        Kind::RatioInverted,
+        &["inverted"],
+        &diagnosed(&exact(), &inverse),
+    );
+    // γ = 1/√(1 − 0.25) = 1.1547: W = (κ·u)/(κ·u_camera) without the camera's γ is larger by it.
+    let gamma = 1.0 / 0.75f64.sqrt();
+    let wrong = changed(&["wavelength_ratio"], |_, w| gamma * w);
+    for reference in [exact(), unknown(&exact())] {
+        let found = diagnosed(&reference, &wrong);
+        named(Kind::RatioFactor, &["lack the camera's γ = 1.1547"], &found);
+        assert!((evidence(&found, "factor on W") - gamma).abs() < 1e-9);
+    }
+    let object = values(&exact(), "object");
+    let of = |id: f64| [0.0f64, 0.3, 0.4][id.max(0.0) as usize];
+    let wrong = changed(&["wavelength_ratio"], |i, w| {
+        w * (1.0 - of(object[i]) * of(object[i])).sqrt()
+    });
+    named(
+        Kind::RatioFactor,
+        &["lack the objects' γ"],
+        &diagnosed(&exact(), &wrong),
+    );
+}
+
+#[test]
+fn shifts_by_half_a_bin_and_by_one_are_named() {
+    for (bins, words) in [
+        (0.5, "late by half a bin"),
+        (-1.0, "early by one bin"),
+        (0.3, "late by 0.300 bins"),
+    ] {
+        let wrong = changed(&["event.ct"], |_, t| t + 0.05 * bins);
+        let found = diagnosed(&exact(), &wrong);
+        named(Kind::TimeShifted, &[words], &found);
+        assert!((evidence(&found, "shift (bins)") - bins).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_lookup_that_is_off_by_half_a_bin_is_named_where_the_scene_is_there() {
+    let overrides = Overrides {
+        size: Some([64, 48]),
+        ..Overrides::default()
+    };
+    let scene = scene::load("scenes/capture.toml".as_ref(), &overrides).unwrap();
+    let exact = shot(&scene);
+    let options = CompareOptions {
+        scene: Some(Arc::new(scene.clone())),
+        pixels_per_degree: None,
+        ..CompareOptions::default()
+    };
+    for (bins, words) in [
+        (0.5, "half a bin too late"),
+        (-0.5, "half a bin too early"),
+        (1.0, "one bin too late"),
+    ] {
+        let mut shifted = scene.clone();
+        for source in &mut shifted.sources {
+            if let SourceKind::Cube(cube) = &mut source.kind {
+                cube.start -= bins * cube.bin_width;
+            }
+        }
+        let found = diagnosed_with(&exact, &shot(&shifted), &options);
+        named(Kind::LookupShifted, &[words], &found);
+    }
+    assert_eq!(diagnosed_with(&exact, &exact, &options), []);
+}
+
+#[test]
+fn exchanged_colours_gamma_exposure_and_exponents_are_named() {
+    let exact = exact();
+    let mut wrong = exact.clone();
+    let blue = values(&exact, "radiance.B");
+    let red = values(&exact, "radiance.R");
+    map(&mut wrong, "radiance.R", |i, _| blue[i]);
+    map(&mut wrong, "radiance.B", |i, _| red[i]);
+    named(Kind::ColoursExchanged, &["BGR"], &diagnosed(&exact, &wrong));
+
+    // Codes of a display, encoded and decoded once more.
+    let mut codes = exact.clone();
+    codes.encoding = Encoding::Srgb;
+    LIGHT
+        .iter()
+        .for_each(|name| map(&mut codes, name, |_, v| (0.3 * v).min(1.0)));
+    type Curve = fn(f64) -> f64;
+    let curves: [(Curve, &str); 3] = [
+        (nullray::colour::srgb_encode, "applied twice"),
+        (nullray::colour::srgb_decode, "not applied"),
+        (|v| v.powf(1.0 / 2.2), "applied twice"),
+    ];
+    for (curve, words) in curves {
+        let mut wrong = codes.clone();
+        LIGHT
+            .iter()
+            .for_each(|name| map(&mut wrong, name, |_, v| curve(v)));
+        named(Kind::Gamma, &[words], &diagnosed(&codes, &wrong));
+    }
+
+    let brighter = changed(&LIGHT, |_, v| 1.8 * v);
+    let found = diagnosed(&exact, &brighter);
+    named(Kind::Exposure, &["1.8000 times", "+0.85 stops"], &found);
+
+    // An exponent that is off by one, with an exposure beside it.
+    let ratio = values(&exact, "wavelength_ratio");
+    let wrong = changed(&LIGHT, |i, v| {
+        if ratio[i].is_nan() {
+            v
+        } else {
+            1.3 * v * ratio[i]
+        }
+    });
+    let found = diagnosed(&exact, &wrong);
+    named(Kind::ExponentWrong, &["W^(+1)", "1.3000 times"], &found);
+}

@@ -179,16 +179,6 @@ impl Error {
 
     /// The error without lines of the file.
     fn plain(&self) -> String {
-        let visible = |text: &str| -> String {
-            let visible = |c: char| {
-                if c.is_control() && c != '\n' {
-                    '�'
-                } else {
-                    c
-                }
-            };
-            shortened(text, MOST_WORDS).chars().map(visible).collect()
-        };
         match self.help() {
             "" => format!("error: {}\n", visible(&self.to_string())),
             help => format!(
@@ -201,8 +191,8 @@ impl Error {
 
     fn drawn(&self, styled: bool) -> String {
         use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
-        let title = shortened(&self.to_string(), MOST_WORDS);
-        let help = shortened(self.help(), MOST_WORDS);
+        let title = visible(&self.to_string());
+        let help = visible(self.help());
         let mut group = Level::ERROR
             .primary_title(title)
             .elements(None::<annotate_snippets::Message>);
@@ -221,9 +211,9 @@ impl Error {
             group = group.element(
                 Snippet::source(&*snippet.text)
                     .line_start(first_line)
-                    .path(shortened(&problem.file, MOST_WORDS))
+                    .path(visible(&problem.file))
                     .annotations(labels.map(|(kind, (span, label))| {
-                        kind.span(span.clone()).label(shortened(label, MOST_WORDS))
+                        kind.span(span.clone()).label(visible(label))
                     })),
             );
         }
@@ -248,11 +238,20 @@ const LONGEST_LINE: usize = 400;
 #[cfg(feature = "reports")]
 const AROUND: [usize; 2] = [80, 160];
 
+/// A text of bounded length in which nothing steers a terminal or turns the direction of what follows.
 #[cfg(feature = "reports")]
-fn shortened(text: &str, most: usize) -> String {
-    match text.char_indices().nth(most) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_string(),
+fn visible(text: &str) -> String {
+    let is_harmful = |c: char| {
+        c.is_control() && c != '\n'
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let shown = text.char_indices().nth(MOST_WORDS);
+    let end = shown.map_or(text.len(), |(end, _)| end);
+    let shown = text[..end].replace(is_harmful, "�");
+    if end < text.len() {
+        shown + "…"
+    } else {
+        shown
     }
 }
 

@@ -1,4 +1,4 @@
-//! A scene for a model that comes without one: a camera that frames it, and light.
+//! A scene for a model that comes without one: a camera that frames it, a sky, and its own lights or a sun.
 //!
 //! The model fits into the sphere of radius r about the middle C of its bounding box. From a place at the distance
 //! d it fills a cone of half-angle α, sin α = r/d, about the direction a. Aberration takes circles of directions
@@ -36,7 +36,7 @@ use glam::DVec3;
 use toml_edit::Value;
 
 use crate::error::{Error, Result};
-use crate::io::gltf::{self, BadVertices, Want};
+use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, Want};
 use crate::mesh::Mesh;
 use crate::spacetime::{Velocity, World};
 
@@ -111,20 +111,48 @@ pub fn model_scene(path: &Path, view: &ModelView) -> Result<String> {
     let _ = camera.write(&mut text, size);
     let _ = write!(
         text,
-        "\n[[object]]\ngltf = {}\n{LIGHT}",
+        "\n[[object]]\ngltf = {}\n\n[radiance]\nquantity = \"rgb\"\n",
         Value::from(name).to_string().trim()
     );
+    let lights = gltf::lights(path)?;
+    let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
+    if lights.is_empty() {
+        let _ = writeln!(text, "sun = {{ direction = {} }}", vector(SUN));
+    }
+    for light in &lights {
+        let _ = write_light(&mut text, light);
+    }
     Ok(text)
 }
 
-/// What the model is seen by.
-const LIGHT: &str = "
-[radiance]
-quantity = \"rgb\"
+/// Towards the sun of a model that has no lights of its own: above the viewer's right shoulder.
+const SUN: DVec3 = DVec3::new(1.0, 1.4, 0.9);
 
-[display]
-background = [0.02, 0.03, 0.05]
-";
+/// A light of the file as one of the scene.
+fn write_light(text: &mut String, light: &GltfLight) -> std::fmt::Result {
+    let direction = vector(light.direction);
+    let intensity = vector(DVec3::from_array(light.intensity));
+    writeln!(text, "\n[[light]]")?;
+    match light.kind {
+        GltfLightKind::Directional => {
+            writeln!(text, "type = \"directional\"\ndirection = {direction}")?;
+            return writeln!(text, "irradiance = {intensity}");
+        }
+        GltfLightKind::Point => writeln!(text, "type = \"point\"")?,
+        GltfLightKind::Spot { inner, outer } => {
+            let [inner, outer] = [inner, outer].map(f64::to_degrees);
+            writeln!(text, "type = \"spot\"\ndirection = {direction}")?;
+            writeln!(text, "inner = \"{inner:?} deg\"\nouter = \"{outer:?} deg\"")?;
+        }
+    }
+    writeln!(text, "position = {}", vector(light.position))?;
+    writeln!(text, "intensity = {intensity}")
+}
+
+/// A vector as the scene file has it.
+fn vector(v: DVec3) -> String {
+    format!("[{:?}, {:?}, {:?}]", v.x + 0.0, v.y + 0.0, v.z + 0.0)
+}
 
 /// A sphere around all triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -242,7 +270,6 @@ struct Framing {
 
 impl Framing {
     fn write(&self, text: &mut String, size: [u32; 2]) -> std::fmt::Result {
-        let vector = |v: DVec3| format!("[{:?}, {:?}, {:?}]", v.x + 0.0, v.y + 0.0, v.z + 0.0);
         writeln!(text, "[camera]")?;
         writeln!(text, "eye = {}", vector(self.eye))?;
         let target = self.eye + self.forward * self.reach;

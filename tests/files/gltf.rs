@@ -438,7 +438,7 @@ fn what_is_not_read_is_named_once() {
     for said in [
         "extensionsUsed: the extension \"KHR_materials_clearcoat\" is not read",
         "animation 0: animations are not played",
-        "node 4 \"lamp\": lights of the file are not lamps of the scene",
+        "node 4 \"lamp\": the lights of a scene are its [[light]] tables",
         "node 2 \"hidden\": hidden nodes and what is below them are left out",
         "material 1 \"full\": normal maps are not read",
         "material 1 \"full\": occlusion maps are not read",

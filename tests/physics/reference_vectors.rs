@@ -143,6 +143,22 @@ fn look_directions_of_the_camera_become_directions_of_the_world() {
 }
 
 #[test]
+fn ratios_near_1_keep_the_digits_of_their_difference_from_it() {
+    // |W − 1| is right to what W is: 16 eps (1 + |w| + sinh|w| sin(ang)/W) W.
+    let mut worst = Worst::default();
+    for row in &rows("rays.csv") {
+        let (_, w) = Boost::<World, Camera>::new(velocity(row)).direction(direction(row, "dp"));
+        let (rapidity, ratio) = (row.vector("w").length(), row.number("W"));
+        let slope = rapidity.sinh() * row.number("ang").sin() / ratio;
+        let allowed = 16.0 * EPS * (1.0 + rapidity + slope) * ratio;
+        worst.note((w - 1.0) - row.number("Wm1"), allowed, || {
+            format!("line {}", row.line)
+        });
+    }
+    worst.assert_within("W − 1");
+}
+
+#[test]
 fn look_directions_of_the_world_become_directions_of_the_camera() {
     check_rays("world to camera", |row| {
         let camera_from_world = Boost::<World, Camera>::new(velocity(row)).inverse();

@@ -312,14 +312,14 @@ fn a_channel_is_an_array_with_a_shape() {
 #[test]
 fn a_panel_of_a_scene_in_memory_is_that_scene_with_the_panel_s_changes() {
     let panels =
-        "[[panel]]\nname = 'fast'\nset = { 'object.triangle.velocity.beta' = [0.5, 0, 0] }\n";
+        "[[panel]]\nname = 'fast'\nset = { 'object.triangle.velocity.beta' = [0.1, 0, 0] }\n";
     let text = format!("{CAMERA}{panels}");
     let still = Builder::from_toml("panels", &text).mesh("triangle", Arc::new(triangle()));
     let fast = still.clone().build_panel("fast").unwrap();
     assert!(fast.panels.is_empty());
     let moving = still
         .clone()
-        .set("object.triangle.velocity.beta", [0.5, 0.0, 0.0]);
+        .set("object.triangle.velocity.beta", [0.1, 0.0, 0.0]);
     let moving = moving.build().unwrap();
     assert_eq!(fast.objects[0].velocity, moving.objects[0].velocity);
     assert_same(&stage::film(&fast), &stage::film(&moving));

@@ -73,7 +73,7 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
     if let Some(first) = lights.first() {
-        let what = "lights of the file are not lamps of the scene: it has [[light]] of its own";
+        let what = "the lights of a scene are its [[light]] tables, and not those of the file";
         let place = document.node_label(first.node);
         warnings.add_many(what, &place, lights.len() as u64);
     }

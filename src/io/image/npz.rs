@@ -32,10 +32,7 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     let arrays = arrays(layers);
     check_names(path, &arrays)?;
     write_atomically(path, |writer| {
-        let mut archive = ZipWriter::new(Quiet {
-            writer,
-            failed: false,
-        });
+        let mut archive = ZipWriter::new(Quiet::new(writer));
         for array in &arrays {
             write_array(&mut archive, path, layers, array)?;
         }
@@ -91,46 +88,55 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
 struct Quiet<'a> {
     writer: &'a mut BufWriter<File>,
     failed: bool,
+    /// The place in the file, and its length, as they would be without the failure.
+    at: u64,
+    length: u64,
 }
 
-impl Quiet<'_> {
-    fn once<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
-        self.failed |= result.is_err();
-        result
+impl<'a> Quiet<'a> {
+    fn new(writer: &'a mut BufWriter<File>) -> Self {
+        Quiet {
+            writer,
+            failed: false,
+            at: 0,
+            length: 0,
+        }
     }
 }
 
 impl Write for Quiet<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self.failed {
-            true => Ok(bytes.len()),
-            false => {
-                let written = self.writer.write(bytes);
-                self.once(written)
-            }
+        let mut written = bytes.len();
+        if !self.failed {
+            written = self
+                .writer
+                .write(bytes)
+                .inspect_err(|_| self.failed = true)?;
         }
+        self.at += written as u64;
+        self.length = self.length.max(self.at);
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self.failed {
             true => Ok(()),
-            false => {
-                let flushed = self.writer.flush();
-                self.once(flushed)
-            }
+            false => self.writer.flush().inspect_err(|_| self.failed = true),
         }
     }
 }
 
 impl Seek for Quiet<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match self.failed {
-            true => Ok(0),
-            false => {
-                let place = self.writer.seek(to);
-                self.once(place)
-            }
+        if !self.failed {
+            self.writer.seek(to).inspect_err(|_| self.failed = true)?;
         }
+        self.at = match to {
+            SeekFrom::Start(at) => at,
+            SeekFrom::Current(by) => self.at.saturating_add_signed(by),
+            SeekFrom::End(by) => self.length.saturating_add_signed(by),
+        };
+        Ok(self.at)
     }
 }
 

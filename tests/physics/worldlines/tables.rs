@@ -23,7 +23,7 @@ fn hyperbolic_motion_is_that_of_the_table() {
         let line = |zero| WorldLine::hyperbolic(Velocity::REST, zero, n * row.number("g")).unwrap();
         let label = || format!("line {}", row.line);
         let (state, reference) = (line(zero).state(tau).unwrap(), event(row, ""));
-        let allowed = 1e-12 * size(reference).max(size(zero));
+        let allowed = 1e-14 * (1.0 + row.vector("rap").length()) * size(reference).max(size(zero));
         place.note(
             crate::worldlines::lines::apart(state.event, reference),
             allowed,
@@ -33,21 +33,23 @@ fn hyperbolic_motion_is_that_of_the_table() {
         let moved = line(Event::ORIGIN).state(tau).unwrap();
         rise.note(
             moved.event.ct - row.number("dct"),
-            1e-12 * row.number("dct").abs(),
+            1e-14 * (1.0 + row.vector("rap").length()) * row.number("dct").abs(),
             label,
         );
         let along = moved.event.x.dot(n);
         advance.note(
             along - row.number("dpos"),
-            1e-12 * row.number("dpos").abs(),
+            1e-14 * (1.0 + row.vector("rap").length()) * row.number("dpos").abs(),
             label,
         );
         let rapidity = row.vector("rap");
         let error = (moved.velocity.rapidity() - rapidity).length();
-        speed.note(error, 1e-12 * rapidity.length(), label);
+        speed.note(error, 1e-14 * rapidity.length(), label);
+        let beta = row.number("beta");
+        speed.note(moved.velocity.beta().length() / beta - 1.0, 1e-14, label);
         speed.note(
             moved.velocity.gamma() / row.number("gamma") - 1.0,
-            1e-12,
+            1e-14 * (1.0 + rapidity.length()),
             label,
         );
     }

@@ -43,6 +43,22 @@ fn reference_vectors_are_met_within_the_conditioning_limits() {
         let bary = (found.u - u).abs().max((found.v - v).abs());
         let bary = bary / (epsilon * cond * u.abs().max(v.abs()).max(1.0));
         let s_error = (found.s * d.length() - s).abs() / s / (epsilon / cosn);
+        // The hit's time on the ray, and its distance from the nearest edge in barycentric units.
+        let [eta, start, time, margin] = [15, 16, 21, 22].map(|at| row.numbers[at]);
+        let length = found.s * d.length();
+        let allowed = epsilon * (4.0 * start.abs() + 64.0 * s / cosn);
+        assert!(
+            (start - eta * length - time).abs() <= allowed,
+            "row {i}, {}",
+            row.case
+        );
+        let inside = found.u.min(found.v).min(1.0 - found.u - found.v);
+        let allowed = 24.0 * epsilon * cond * u.abs().max(v.abs()).max(1.0);
+        assert!(
+            (inside - margin).abs() <= allowed,
+            "row {i}, {}: {inside} for {margin}",
+            row.case
+        );
         assert!(bary <= 8.0, "row {i}, {}: {bary}", row.case);
         assert!(s_error <= 64.0, "row {i}, {}: {s_error}", row.case);
         (worst_bary, worst_s) = (worst_bary.max(bary), worst_s.max(s_error));

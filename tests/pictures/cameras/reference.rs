@@ -51,6 +51,7 @@ fn assert_within([d, w, p]: [Worst; 3], what: &str) {
 #[test]
 fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
     let mut worst = Default::default();
+    let [mut distance, mut reached] = [Worst::default(), Worst::default()];
     let table = rows("pinhole_a.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -71,13 +72,36 @@ fn light_passes_the_pinhole_of_a_rigid_camera_before_it_reaches_the_sensor() {
                 * (1.0 + w.length())
                 * (size + row.number("cts").abs() * w.length().cosh()),
         });
+        let element = DVec3::new(row.number("px"), row.number("py"), -row.number("dp"));
+        let r = row.number("r");
+        distance.note(element.length() - r, 4.0 * EPS * r, || {
+            format!("line {}", row.line)
+        });
+        // The light that passed at P along −d reaches the element's event Q: Q − P = (t, −t d).
+        let (camera, ray) = self::element(&scene, row.number("px"), row.number("py"));
+        let p = camera.shot.event + ray.origin.displacement;
+        let (q, t) = (row.vector("Q"), row.number("Qct") - p.ct);
+        let extent = q.length() + row.number("Qct").abs() + size;
+        let turned = 32.0 * EPS * (1.0 + w.length() + 1.0 / row.number("W")) * t.abs();
+        let of_event = 32.0
+            * EPS
+            * (1.0 + w.length())
+            * (extent + row.number("cts").abs() * w.length().cosh());
+        reached.note(
+            (q - p.x + ray.d.unit() * t).length(),
+            turned + of_event,
+            || format!("line {}", row.line),
+        );
     }
+    distance.assert_within("rigid: distances of elements");
+    reached.assert_within("rigid: events of elements");
     assert_within(worst, "rigid");
 }
 
 #[test]
 fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
     let mut worst = Default::default();
+    let [mut speed, mut apart] = [Worst::default(), Worst::default()];
     let table = rows("pinhole_b.csv");
     assert_eq!(table.len(), 100);
     for row in &table {
@@ -89,18 +113,43 @@ fn light_finds_the_pinhole_that_accelerates_ahead_of_its_sensor() {
         scene.camera.sensor = sensor(d, Assembly::Bell);
         let size = row.number("Ect").abs() + row.vector("E").length();
         let (gamma, delay) = (row.number("gamma"), row.number("delay"));
+        // The sensor accelerates from ct = 0 on: β = tanh(g τ). The pinhole that its light passed before that rests.
+        let (g, beta) = (row.number("g"), row.number("beta"));
+        let place = || format!("line {}, {}", row.line, row.text("phase"));
+        speed.note(beta - (g * row.number("tau")).tanh(), 8.0 * EPS, place);
+        assert_eq!(
+            row.text("phase") == "rest",
+            row.number("Pct") < 0.0,
+            "line {}",
+            row.line
+        );
+        // The distance in the sensor's comoving frame, exact: γd + (√(1 + (gdγβ)²) − 1)/g.
+        let x = g * d * gamma * beta;
+        let lead = x * x / (1.0 + (1.0 + x * x).sqrt()) / g;
+        let comoving = gamma * d + lead;
+        // The paper's Eq. 16 has the sign of a sensor ahead of its pinhole.
+        let allowed = 64.0 * EPS * gamma * gamma * comoving;
+        apart.note(gamma * d - lead - row.number("eq16"), allowed, place);
+        apart.note(
+            comoving / row.number("dsim") - 1.0,
+            64.0 * EPS * gamma * gamma,
+            place,
+        );
         note(row, &scene, &mut worst, |ratio| Allowed {
             direction: 32.0 * EPS * (1.0 + gamma),
             ratio: 64.0 * EPS * (1.0 + gamma / ratio),
             event: 16.0 * EPS * (size + gamma * delay),
         });
     }
+    speed.assert_within("Bell's ships: β");
+    apart.assert_within("Bell's ships: comoving distance");
     assert_within(worst, "Bell's ships");
 }
 
 #[test]
 fn a_turning_sensor_sees_a_pinhole_at_rest() {
     let mut worst = Default::default();
+    let [mut look, mut shift] = [Worst::default(), Worst::default()];
     let table = rows("pinhole_c.csv");
     assert_eq!(table.len(), 200);
     for row in &table {
@@ -117,6 +166,30 @@ fn a_turning_sensor_sees_a_pinhole_at_rest() {
             },
             elements: Elements::Exact,
         });
+        let through_pinhole = row.text("mode") == "axis_pinhole";
+        assert_eq!(
+            through_pinhole,
+            row.number("az") == 0.0,
+            "line {}",
+            row.line
+        );
+        // The pinhole rests: the element at r looks along −r, and moves with v: W = 1/(γ (1 + v·l)).
+        let (l, v) = (-row.vector("r").normalize(), row.vector("v"));
+        let (_, ray) = element(&scene, row.number("px"), row.number("py"));
+        let turned = (row.number("Om") * row.number("cts")).abs();
+        let label = || format!("line {}", row.line);
+        look.note(
+            (ray.d.unit() - l).length(),
+            16.0 * EPS * (1.0 + turned),
+            label,
+        );
+        let gamma = row.number("gamma");
+        let ratio = 1.0 / (gamma * (1.0 + v.dot(l)));
+        shift.note(
+            ray.ratio / ratio - 1.0,
+            32.0 * EPS * gamma * gamma * (1.0 + turned),
+            label,
+        );
         let angle = (row.number("Om") * row.number("cts")).abs();
         let (gamma, size) = (row.number("gamma"), row.number("cts").abs());
         note(row, &scene, &mut worst, |_| Allowed {
@@ -125,5 +198,7 @@ fn a_turning_sensor_sees_a_pinhole_at_rest() {
             event: 8.0 * EPS * (size + row.number("delay") * (1.0 + angle)),
         });
     }
+    look.assert_within("turning: along −r");
+    shift.assert_within("turning: 1/(γ (1 + v·l))");
     assert_within(worst, "turning");
 }

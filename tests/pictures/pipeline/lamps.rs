@@ -294,7 +294,7 @@ fn what_no_light_can_be_is_refused_in_words() {
         ),
         (
             "[[light]]\nposition = [0, 1, 0]\nspectrum = { blackbody = \"3000 K\" }",
-            "set quantity",
+            "a lamp has a spectrum where",
         ),
         ("[sky]\nradiance = 1\ngradient = {}", "given twice"),
         ("[sky]\nimage = { file = \"nowhere.exr\" }", "cannot find"),

@@ -103,7 +103,7 @@ fn writing_stops_and_clears_its_temporary_file_away() {
         .unwrap();
     // The temporary file shows that writing has begun.
     let start = Instant::now();
-    let begun = || folder.names().iter().any(|n| n.ends_with("-0.part"));
+    let begun = || folder.names().iter().any(|n| n.ends_with(".part"));
     while !begun() && start.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(5));
     }

@@ -170,5 +170,31 @@ fn what_cannot_be_framed_is_refused() {
     folder.write("model.bin", [0; 72]);
     refused(&["model.gltf"], "its triangles have no extent");
     folder.write("model.bin", [0; 7]);
-    refused(&["model.gltf"], "model.bin");
+    refused(&["model.gltf"], "it is said to have 72 bytes and has 7");
+}
+
+#[test]
+fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
+    let folder = folder(1.0);
+    let said = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    assert!(
+        said.contains("sun = { direction = ") && !said.contains("[[light]]"),
+        "{said}"
+    );
+    let mut document: serde_json::Value =
+        serde_json::from_slice(&folder.read("model.gltf")).unwrap();
+    document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    document["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "spot", "intensity": 5, "spot": { "outerConeAngle": 0.5 } },
+    ] } });
+    document["nodes"] = json!([
+        { "mesh": 0 },
+        { "translation": [3, 1, 4], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+    ]);
+    folder.write("model.gltf", document.to_string());
+    let said = folder.ok(&["render", "model.gltf", "--print-scene"]);
+    let light = "[[light]]\ntype = \"spot\"\ndirection = [0.0, 0.0, -1.0]\ninner = \"0.0 deg\"\n\
+                 outer = \"28.64788975654116 deg\"\nposition = [3.0, 1.0, 4.0]\nintensity = [5.0, 5.0, 5.0]\n";
+    assert!(said.contains(light) && !said.contains("sun"), "{said}");
+    render(&folder, &["model.gltf", "-o", "a.exr"]);
 }

@@ -122,10 +122,10 @@ fn a_huge_cube_is_planned_from_its_header() {
         text.contains("2048 rows × 2048 columns × 1024 time bins, 1 channel, 16.0 GiB"),
         "{text}"
     );
-    let run = folder.run(&["render", "scene.toml"]);
+    let run = folder.run(&["render", "scene.toml", "--max-memory", "8GiB"]);
     assert_eq!(run.code, 2);
     assert!(
-        run.message().contains("more than the limit of 16.0 GiB"),
+        run.message().contains("more than the limit of 8.0 GiB"),
         "{}",
         run.message()
     );

@@ -7,6 +7,7 @@
 //!
 //! Formats: NEP 1 (npy 1.0) in a deflated zip archive, zip64 where an array needs it.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -21,7 +22,7 @@ use crate::io::cube::{Cube, Samples as CubeSamples};
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
-type Archive<'a> = ZipWriter<Quiet<'a>>;
+type Archive<'a> = ZipWriter<Unfailing<'a>>;
 
 /// Writes `layers` to `path`, whole or not at all.
 ///
@@ -32,14 +33,33 @@ pub fn write(path: &Path, layers: &Layers) -> Result<()> {
     let arrays = arrays(layers);
     check_names(path, &arrays)?;
     write_atomically(path, |writer| {
-        let mut archive = ZipWriter::new(Quiet::new(writer));
-        for array in &arrays {
-            write_array(&mut archive, path, layers, array)?;
+        let failed = RefCell::new(None);
+        let archive = ZipWriter::new(Unfailing::new(writer, &failed));
+        let written = write_archive(archive, path, layers, &arrays, &failed);
+        match failed.into_inner() {
+            None => written,
+            Some(failure) => Err(write_failed(path)(failure)),
         }
-        write_metadata(&mut archive, path, layers)?;
-        archive.finish().map_err(|e| failure(path, e))?;
-        Ok(())
     })
+}
+
+/// Writes all members, or those before the one where writing has failed.
+fn write_archive(
+    mut archive: Archive,
+    path: &Path,
+    layers: &Layers,
+    arrays: &[Array],
+    failed: &RefCell<Option<io::Error>>,
+) -> Result<()> {
+    for array in arrays {
+        write_array(&mut archive, path, layers, array)?;
+        if failed.borrow().is_some() {
+            return Ok(());
+        }
+    }
+    write_metadata(&mut archive, path, layers)?;
+    archive.finish().map_err(|e| failure(path, e))?;
+    Ok(())
 }
 
 /// Writes `rows` to `path` as one array of shape (rows, 3) and type `<f8`, a .npy file, whole or not at all.
@@ -83,60 +103,59 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
     })
 }
 
-/// A writer that fails once: what is written after that goes nowhere. An archive that is dropped unfinished writes its
-/// directory, and where that fails complains on standard error.
-struct Quiet<'a> {
+/// A writer that keeps its first failure to itself and lets what follows go nowhere: an archive that meets a failure
+/// complains on standard error when it is dropped.
+struct Unfailing<'a> {
     writer: &'a mut BufWriter<File>,
-    failed: bool,
-    /// The place in the file, and its length, as they would be without the failure.
+    failure: &'a RefCell<Option<io::Error>>,
+    /// The place in the file, and the file's length, as they are without a failure.
     at: u64,
     length: u64,
 }
 
-impl<'a> Quiet<'a> {
-    fn new(writer: &'a mut BufWriter<File>) -> Self {
-        Quiet {
+impl<'a> Unfailing<'a> {
+    fn new(writer: &'a mut BufWriter<File>, failure: &'a RefCell<Option<io::Error>>) -> Self {
+        Unfailing {
             writer,
-            failed: false,
+            failure,
             at: 0,
             length: 0,
         }
     }
+
+    /// Does `work` unless something has failed, and notes its failure.
+    fn attempt<T>(&mut self, work: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>) {
+        let mut failure = self.failure.borrow_mut();
+        if failure.is_none() {
+            *failure = work(self.writer).err();
+        }
+    }
 }
 
-impl Write for Quiet<'_> {
+impl Write for Unfailing<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut written = bytes.len();
-        if !self.failed {
-            written = self
-                .writer
-                .write(bytes)
-                .inspect_err(|_| self.failed = true)?;
-        }
-        self.at += written as u64;
+        self.attempt(|writer| writer.write_all(bytes));
+        self.at += bytes.len() as u64;
         self.length = self.length.max(self.at);
-        Ok(written)
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match self.failed {
-            true => Ok(()),
-            false => self.writer.flush().inspect_err(|_| self.failed = true),
-        }
+        self.attempt(BufWriter::flush);
+        Ok(())
     }
 }
 
-impl Seek for Quiet<'_> {
+impl Seek for Unfailing<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        if !self.failed {
-            self.writer.seek(to).inspect_err(|_| self.failed = true)?;
-        }
         self.at = match to {
             SeekFrom::Start(at) => at,
             SeekFrom::Current(by) => self.at.saturating_add_signed(by),
             SeekFrom::End(by) => self.length.saturating_add_signed(by),
         };
-        Ok(self.at)
+        let at = self.at;
+        self.attempt(|writer| writer.seek(SeekFrom::Start(at)));
+        Ok(at)
     }
 }
 

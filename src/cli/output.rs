@@ -215,8 +215,8 @@ impl Outputs {
             Kind::Exr => {
                 // The format has no checksums of its own; of single pictures nobody asks for them.
                 if self.identity.is_some() {
-                    let sum = samples_checksum(&layers, self.half);
-                    layers.metadata.push((SAMPLES_KEY.into(), sum));
+                    let sum = content_checksum(&layers, self.half);
+                    layers.metadata.push((CHECKSUM_KEY.into(), sum));
                 }
                 let options = image::exr::Options {
                     half: self.half,
@@ -369,16 +369,23 @@ fn content(path: &Path) -> Option<Vec<u8>> {
     }
 }
 
-/// The key of the checksum of an EXR file's samples in its metadata.
-pub const SAMPLES_KEY: &str = "samples_sha256";
+/// The key of the checksum of an EXR file's content in its metadata.
+pub const CHECKSUM_KEY: &str = "content_sha256";
 
-/// The SHA-256 of all samples as an EXR file has them, channel by channel, in the order of their names; with light and alpha
-/// in half precision, where the file has it.
-pub fn samples_checksum(layers: &Layers, half: bool) -> String {
+/// The SHA-256 of metadata and samples as an EXR file has them, in the order of their names; with light and alpha in half
+/// precision, where the file has it.
+pub fn content_checksum(layers: &Layers, half: bool) -> String {
+    let mut parts = Digests::default();
+    let mut metadata: Vec<_> = layers.metadata.iter().collect();
+    metadata.sort();
+    for (key, text) in metadata {
+        parts.add(key.as_bytes());
+        parts.add(text.as_bytes());
+    }
     let mut channels: Vec<_> = layers.channels.iter().collect();
     channels.sort_by(|a, b| a.name.cmp(&b.name));
-    let mut hash = Sha256::new();
     for channel in channels {
+        parts.add(channel.name.as_bytes());
         let is_halved = half
             && ["radiance.R", "radiance.G", "radiance.B", "alpha"].contains(&channel.name.as_str());
         let bits: Vec<u8> = match &channel.samples {
@@ -391,9 +398,9 @@ pub fn samples_checksum(layers: &Layers, half: bool) -> String {
             Samples::U32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
             Samples::I32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
         };
-        hash.update(bits);
+        parts.add(&bits);
     }
-    hex(&hash.finalize())
+    hex(&parts.finish())
 }
 
 fn hex(bytes: &[u8]) -> String {

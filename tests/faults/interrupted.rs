@@ -161,9 +161,19 @@ fn a_damaged_frame_is_rendered_again() {
         content[at] ^= 1 << numbers.below(8);
         folder.write(name, content);
         folder.succeed(&SEQUENCE);
-        // Bytes of an EXR file that are neither its samples nor its fingerprint say nothing of the picture.
+        // Dates and attributes in the headers of an EXR file or an archive say nothing of the picture, which is whole.
         let same = folder.files(&[])[name] == expected[name];
-        assert!(same || name.ends_with(".exr"), "{name}, byte {at}");
+        if !same {
+            assert!(!name.ends_with(".png"), "{name}, byte {at}");
+            let extension = name.rsplit('.').next().unwrap();
+            let reference = format!("reference.{extension}");
+            folder.write(&reference, &expected[name]);
+            let limits = ["max=0", "event.ct:max=0", "event.x:max=0"];
+            let mut compare = vec!["compare", &reference, name, "--no-flip"];
+            compare.extend(limits.iter().flat_map(|limit| ["--tolerance", limit]));
+            folder.succeed(&compare);
+            std::fs::remove_file(folder.path(&reference)).unwrap();
+        }
         folder.write(name, &expected[name]);
     }
 }

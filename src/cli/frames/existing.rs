@@ -8,7 +8,7 @@ use nullray::io::budget::Budget;
 use nullray::io::image::{exr, png};
 
 use crate::cli::memory;
-use crate::cli::output::{Identity, Kind, Outputs, SAMPLES_KEY, extension, samples_checksum};
+use crate::cli::output::{CHECKSUM_KEY, Identity, Kind, Outputs, content_checksum, extension};
 
 /// Whether all files of a frame are there, as they would be written.
 pub fn all(outputs: &Outputs) -> bool {
@@ -92,14 +92,16 @@ fn png_is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// The metadata of an EXR file whose samples have the checksum that it was given.
+/// The metadata of an EXR file whose content has the checksum that it was given.
 fn of_exr(path: &Path) -> Option<Vec<(String, String)>> {
-    let layers = exr::read(path, &Budget::new(memory::limit(None))).ok()?;
-    let mut metadata = layers.metadata.clone();
-    let given = metadata.iter().position(|(key, _)| key == SAMPLES_KEY)?;
-    let (_, given) = metadata.swap_remove(given);
+    let mut layers = exr::read(path, &Budget::new(memory::limit(None))).ok()?;
+    let given = layers
+        .metadata
+        .iter()
+        .position(|(key, _)| key == CHECKSUM_KEY)?;
+    let (_, given) = layers.metadata.swap_remove(given);
     let half = !exr::half_channels(path).ok()?.is_empty();
-    (given == samples_checksum(&layers, half)).then_some(metadata)
+    (given == content_checksum(&layers, half)).then_some(layers.metadata)
 }
 
 /// The metadata of an archive of which every checksum is right.

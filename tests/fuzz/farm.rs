@@ -141,6 +141,7 @@ pub fn run(
             peak,
         });
     }
+    watch::finish();
     if quiet {
         let _ = std::panic::take_hook();
     }

@@ -4,7 +4,9 @@
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -13,6 +15,9 @@ use std::time::{Duration, Instant};
 pub const MOST_MEMORY: usize = 1200 << 20;
 /// The longest that an input may take. Builds for tests are several times slower than others.
 const LONGEST: Duration = Duration::from_secs(20);
+
+/// Where findings are kept.
+const FINDINGS: &str = "target/fuzz-findings";
 
 static HELD: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
@@ -67,6 +72,7 @@ pub fn begin(target: &str, bytes: &[u8]) {
         current.1.clear();
         current.1.extend_from_slice(bytes);
     }
+    note(target, bytes);
     SINCE.store(now(), Ordering::Relaxed);
     if !WATCHED.swap(true, Ordering::Relaxed) {
         std::thread::spawn(move || {
@@ -89,9 +95,36 @@ pub fn end() {
     SINCE.store(u64::MAX, Ordering::Relaxed);
 }
 
+/// What is run now, for those who find the process dead of a stack overflow or a signal: a line that names the target, then
+/// the input.
+fn note(target: &str, bytes: &[u8]) {
+    static FILE: Mutex<Option<File>> = Mutex::new(None);
+    let mut file = FILE.lock().unwrap_or_else(PoisonError::into_inner);
+    let file = file.get_or_insert_with(|| {
+        std::fs::create_dir_all(FINDINGS).expect("a folder can be made");
+        File::create(current()).expect("a file can be made")
+    });
+    let content = [target.as_bytes(), b"\n", bytes].concat();
+    let written = file
+        .seek(SeekFrom::Start(0))
+        .and_then(|_| file.write_all(&content));
+    written
+        .and_then(|()| file.set_len(content.len() as u64))
+        .expect("a file can be written");
+}
+
+/// Removes that note, at the end of a run.
+pub fn finish() {
+    let _ = std::fs::remove_file(current());
+}
+
+fn current() -> PathBuf {
+    Path::new(FINDINGS).join(format!("died-{}", std::process::id()))
+}
+
 /// Keeps an input that was found.
 pub fn save(target: &str, bytes: &[u8], what: &str) -> PathBuf {
-    let folder = PathBuf::from("target/fuzz-findings").join(target);
+    let folder = Path::new(FINDINGS).join(target);
     std::fs::create_dir_all(&folder).expect("a folder can be made");
     let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)

@@ -19,6 +19,9 @@ pub(super) enum Level {
     Superscript,
 }
 
+/// How many braces may be open at once: reading takes stack for each.
+const DEEPEST: usize = 32;
+
 /// Signs by name, as TeX calls them.
 const SIGNS: &[(&str, char)] = &[
     ("alpha", 'α'),
@@ -82,6 +85,7 @@ pub(super) fn parse(markup: &str) -> Result<Vec<Run>> {
         markup,
         characters: markup.chars().collect(),
         next: 0,
+        depth: 0,
         italics: None,
         runs: Vec::new(),
     };
@@ -100,6 +104,8 @@ struct Parser<'a> {
     markup: &'a str,
     characters: Vec<char>,
     next: usize,
+    /// How many braces are open.
+    depth: usize,
     /// Where the italics in which we are began.
     italics: Option<usize>,
     runs: Vec<Run>,
@@ -128,12 +134,25 @@ impl Parser<'_> {
         }
     }
 
+    /// Reads what stands in braces, of which the first is taken.
+    fn braces(&mut self, level: Level) -> Result<()> {
+        let open = self.next - 1;
+        if self.depth == DEEPEST {
+            let help = format!("at most {DEEPEST} braces within each other");
+            return Err(self.wrong(open, "too many braces are open here", &help));
+        }
+        self.depth += 1;
+        self.group(level, Some(open))?;
+        self.depth -= 1;
+        Ok(())
+    }
+
     /// What begins with `c`, which is taken.
     fn element(&mut self, c: char, level: Level) -> Result<()> {
         match c {
             '*' if self.italics.is_some() => self.italics = None,
             '*' => self.italics = Some(self.next - 1),
-            '{' => self.group(level, Some(self.next - 1))?,
+            '{' => self.braces(level)?,
             '_' => self.script(level, Level::Subscript)?,
             '^' => self.script(level, Level::Superscript)?,
             '\\' => self.escape(level)?,
@@ -154,7 +173,7 @@ impl Parser<'_> {
             ));
         }
         match self.take() {
-            Some('{') => self.group(level, Some(self.next - 1)),
+            Some('{') => self.braces(level),
             Some(c) if !c.is_whitespace() && c != '*' => self.element(c, level),
             _ => Err(self.wrong(
                 at,
@@ -262,6 +281,15 @@ mod tests {
 
     fn refusal(markup: &str) -> String {
         parse(markup).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn braces_within_braces_have_a_limit() {
+        let nested = |depth| format!("{}x{}", "{".repeat(depth), "}".repeat(depth));
+        assert_eq!(runs(&nested(DEEPEST)), "(x)");
+        let refused = refusal(&nested(DEEPEST + 1));
+        assert!(refused.contains("at most 32 braces"), "{refused}");
+        refusal(&nested(100_000));
     }
 
     #[test]

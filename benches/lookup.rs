@@ -13,7 +13,7 @@ use glam::DVec2;
 use half::f16;
 use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{TimeAxis, TimeTexture};
-use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
+use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
 use common::{best_of, report, report_file};
 
@@ -76,8 +76,10 @@ fn cube(shape: [usize; 4], precision: &str) -> Cube {
 /// Times 0 to 1 m.
 fn texture(cube: std::sync::Arc<Cube>, filter: TimeFilter) -> TimeTexture {
     let axis = TimeAxis {
-        start: 0.0,
-        bin_width: 1.0 / cube.shape[2] as f64,
+        bins: TimeBins::Uniform {
+            start: 0.0,
+            width: 1.0 / cube.shape[2] as f64,
+        },
         values: BinValues::PerBin,
         filter,
         scale: 1.0,

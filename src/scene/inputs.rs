@@ -29,10 +29,15 @@ pub(super) struct Seen {
     /// Files that are there.
     files: Mutex<HashSet<PathBuf>>,
     /// Poses of glTF cameras, by file and node.
-    poses: Mutex<HashMap<(PathBuf, Option<String>), Pose>>,
+    poses: Mutex<HashMap<InFile, Pose>>,
     /// Rows of the tables of spectra.
     tables: Mutex<HashMap<PathBuf, Rows>>,
+    /// Arrays of one axis, by file and array.
+    numbers: Mutex<HashMap<InFile, Vec<f64>>>,
 }
+
+/// A file, and what it is called that is looked for in it.
+type InFile = (PathBuf, Option<String>);
 
 /// The rows of a table.
 type Rows = Vec<[f64; 2]>;
@@ -62,6 +67,17 @@ impl Seen {
     /// The rows of the table in the file at `path`, as they were first read; `read` reads them.
     pub fn table(&self, path: &Path, read: impl FnOnce() -> Result<Rows>) -> Result<Rows> {
         once(&self.tables, path.to_path_buf(), read)
+    }
+
+    /// The numbers of an array of the file at `path`, as they were first read; `read` reads them.
+    pub fn numbers(
+        &self,
+        path: &Path,
+        array: Option<&str>,
+        read: impl FnOnce() -> Result<Vec<f64>>,
+    ) -> Result<Vec<f64>> {
+        let array = array.map(str::to_string);
+        once(&self.numbers, (path.to_path_buf(), array), read)
     }
 }
 
@@ -95,6 +111,8 @@ pub(super) struct Inputs {
     poses: RefCell<HashMap<usize, Result<Pose>>>,
     /// By place in the text: the rows of the table of a spectrum that is named there.
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
+    /// By place in the text: the numbers in the file that is named there.
+    numbers: RefCell<HashMap<usize, Result<Vec<f64>>>>,
 }
 
 impl Inputs {
@@ -120,6 +138,16 @@ impl Inputs {
     /// The table of a spectrum in the file named at `file` has these rows, or cannot be read.
     pub fn add_table(&mut self, file: &At<String>, rows: Result<Vec<[f64; 2]>>) {
         self.tables.get_mut().insert(file.span.start, rows);
+    }
+
+    /// The file named at `file` holds these numbers, or cannot be read.
+    pub fn add_numbers(&mut self, file: &At<String>, numbers: Result<Vec<f64>>) {
+        self.numbers.get_mut().insert(file.span.start, numbers);
+    }
+
+    /// The numbers in the file named at `file`, if that was read. Asked once.
+    pub fn numbers(&self, file: &At<String>) -> Option<Result<Vec<f64>>> {
+        self.numbers.borrow_mut().remove(&file.span.start)
     }
 
     /// The rows of the table in the file named at `file`, if that was read. Asked once.

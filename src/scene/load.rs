@@ -13,13 +13,17 @@ use super::memory::{self, Memory};
 use super::model::Scene;
 use super::overrides::{self, Overrides};
 use super::report::Report;
-use super::resolve::{self, Context, GLTF, Kinematics, SPECTRUM};
+use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
 use crate::error::{Error, Result};
-use crate::io::{files, gltf, spectrum};
+use crate::io::budget::Budget;
+use crate::io::{files, gltf, npy, spectrum};
 use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;
+
+/// The most memory that a table of numbers may take, bytes.
+const LONGEST_TABLE: u64 = 16 << 20;
 
 /// A scene file that was read once: whatever becomes of the file, all scenes and panels that are made of this see the
 /// same text, the same poses of glTF cameras, and look for the same files once.
@@ -121,6 +125,9 @@ pub(super) fn scene(
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
         read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
     }
+    for edges in cubes().filter_map(|cube| cube.value.edges_file.as_ref()) {
+        read_numbers(&mut inputs, seen, &edges.value);
+    }
     for object in &file.object {
         read_spectrum(&mut inputs, seen, &object.value.spectrum);
     }
@@ -141,6 +148,21 @@ fn read_spectrum(inputs: &mut Inputs, seen: &Seen, spectrum: &Option<At<file::Sp
     if inputs.problem(name).is_none() && resolve::has_extension(&path, SPECTRUM) {
         inputs.add_table(name, seen.table(&path, || spectrum::load(&path)));
     }
+}
+
+/// Reads a table of edges.
+fn read_numbers(inputs: &mut Inputs, seen: &Seen, table: &file::EdgesFile) {
+    let name = &table.file;
+    look_for(inputs, seen, name);
+    let path = inputs.base.join(&name.value);
+    if inputs.problem(name).is_some() || !resolve::has_extension(&path, NUMBERS) {
+        return;
+    }
+    let array = table.array.as_ref().map(|array| array.value.as_str());
+    let numbers = seen.numbers(&path, array, || {
+        npy::load_numbers(&path, array, &Budget::new(LONGEST_TABLE))
+    });
+    inputs.add_numbers(name, numbers);
 }
 
 /// What the text of a scene called `name` says of where things are and how they are seen. No mesh and no cube is

@@ -196,16 +196,64 @@ pub struct CubeSource {
     pub mapping: Mapping,
     /// Which clock its time axis shows.
     pub clock: Clock,
-    /// The axis: time at the *start* of bin 0, metres.
-    pub start: f64,
-    /// Width of a bin, metres, above 0.
-    pub bin_width: f64,
+    /// Where its bins lie in time.
+    pub bins: TimeBins,
     /// Whether values are per bin or per metre.
     pub values: BinValues,
     /// Reconstruction along time.
     pub filter: TimeFilter,
     /// Factor on all values.
     pub scale: f64,
+    /// The keys that the scene leaves out, with what is assumed in their place.
+    pub assumed: Vec<String>,
+}
+
+/// Where the bins of a time axis lie, metres of ct.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TimeBins {
+    /// All of one width.
+    Uniform {
+        /// Time at the *start* of bin 0.
+        start: f64,
+        /// Width of a bin, above 0.
+        width: f64,
+    },
+    /// The start of each bin and the end of the last, ascending.
+    Edges(Arc<[f64]>),
+}
+
+impl TimeBins {
+    /// Where bin `bin` begins, and the one before it ends.
+    pub fn edge(&self, bin: usize) -> f64 {
+        match self {
+            TimeBins::Uniform { start, width } => start + bin as f64 * width,
+            TimeBins::Edges(edges) => edges.get(bin).or(edges.last()).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The width of a bin, which is the mean one where they differ.
+    pub fn width(&self) -> f64 {
+        match self {
+            TimeBins::Uniform { width, .. } => *width,
+            TimeBins::Edges(edges) => {
+                let count = edges.len().saturating_sub(1);
+                (self.edge(count) - self.edge(0)) / count.max(1) as f64
+            }
+        }
+    }
+
+    /// The same bins, `time` later.
+    pub fn shifted(&self, time: f64) -> TimeBins {
+        match self {
+            &TimeBins::Uniform { start, width } => TimeBins::Uniform {
+                start: start + time,
+                width,
+            },
+            TimeBins::Edges(edges) => {
+                TimeBins::Edges(edges.iter().map(|edge| edge + time).collect())
+            }
+        }
+    }
 }
 
 /// Where the samples of a cube are.

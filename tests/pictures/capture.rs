@@ -6,7 +6,7 @@ use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
     Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
-use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeFilter};
+use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeBins, TimeFilter};
 
 const SIZE: usize = 192;
 const BINS: usize = 160;
@@ -90,8 +90,10 @@ fn capture(index: Option<f64>, fill: Fill) -> (Capture, TimeTexture) {
         }));
     }
     let axis = TimeAxis {
-        start,
-        bin_width: BIN_WIDTH,
+        bins: TimeBins::Uniform {
+            start,
+            width: BIN_WIDTH,
+        },
         values: BinValues::Density,
         filter: TimeFilter::Cubic,
         scale: 1.0,
@@ -288,8 +290,10 @@ fn constant(fill: Fill) -> (Capture, TimeTexture) {
     let capture = Capture::new(&camera(), [4, 2], true, 1.0, trace);
     let cube = Cube::new([2, 4, 1, 1], Samples::F32(vec![2.0; 8])).unwrap();
     let axis = TimeAxis {
-        start: 0.0,
-        bin_width: 100.0,
+        bins: TimeBins::Uniform {
+            start: 0.0,
+            width: 100.0,
+        },
         values: BinValues::Density,
         filter: TimeFilter::Nearest,
         scale: 1.0,
@@ -320,8 +324,10 @@ fn taps_across_a_crease_or_a_silhouette_do_not_bleed() {
         .collect();
     let cube = Cube::new([SIZE, SIZE, 1, 1], Samples::F32(samples)).unwrap();
     let axis = TimeAxis {
-        start: 0.0,
-        bin_width: 1.0,
+        bins: TimeBins::Uniform {
+            start: 0.0,
+            width: 1.0,
+        },
         values: BinValues::Density,
         filter: TimeFilter::Nearest,
         scale: 1.0,

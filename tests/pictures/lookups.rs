@@ -3,15 +3,17 @@
 use glam::DVec2;
 use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{BATCH, Coverage, Lookups, TimeAxis, TimeTexture};
-use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
+use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
 /// A texture of 3 × 5 texels and 9 bins.
 fn texture(samples: Samples, filter: TimeFilter) -> TimeTexture {
     let channels = samples.len() / (3 * 5 * 9);
     let cube = Cube::new([3, 5, 9, channels], samples).unwrap();
     let axis = TimeAxis {
-        start: -0.3,
-        bin_width: 0.21,
+        bins: TimeBins::Uniform {
+            start: -0.3,
+            width: 0.21,
+        },
         values: BinValues::PerBin,
         filter,
         scale: 1.7,
@@ -87,5 +89,48 @@ fn a_batch_of_lookups_is_as_many_single_ones_bit_for_bit() {
             (30..220).contains(&plain),
             "{filter:?}: {plain} plain lookups"
         );
+    }
+}
+
+#[test]
+fn a_table_of_edges_of_equal_bins_reads_as_a_width_does() {
+    let edges: Vec<f64> = (0..=9).map(|k| -0.3 + 0.21 * f64::from(k)).collect();
+    for filter in [
+        TimeFilter::Nearest,
+        TimeFilter::Linear,
+        TimeFilter::Cubic,
+        TimeFilter::CubicMeans,
+    ] {
+        let uniform = texture(cubes().remove(5), filter);
+        let axis = TimeAxis {
+            bins: TimeBins::Edges(edges.as_slice().into()),
+            ..uniform.axis().clone()
+        };
+        let outside = Outside {
+            before: Fill::Hold,
+            after: Fill::Black,
+            off_texture: Fill::Mark([1.0, 0.0, 1.0]),
+            occluded: Fill::Black,
+        };
+        let table = TimeTexture::new(uniform.cube().clone(), axis, outside).unwrap();
+        let mut lookups = Lookups::default();
+        for i in 0..BATCH {
+            (lookups.u[i], lookups.v[i]) = (0.4, 0.003 * i as f64);
+            // From before the data to after them, clear of the borders that nearest tells apart.
+            lookups.t[i] = -0.7 + 0.011003 * i as f64;
+        }
+        table.sample_each(&mut lookups, BATCH);
+        for (i, sampled) in &lookups.others {
+            let uv = DVec2::new(lookups.u[*i], lookups.v[*i]);
+            let expected = uniform.sample_uv(uv, lookups.t[*i]);
+            assert_eq!(sampled.coverage, expected.coverage, "{i}");
+            for (a, b) in sampled.radiance.iter().zip(expected.radiance) {
+                assert!(
+                    (a - b).abs() < 1e-12 * 40.0,
+                    "{filter:?} {i}: {a} is not {b}"
+                );
+            }
+        }
+        assert_eq!(lookups.others.len(), BATCH);
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use nullray::io::cube::{Cube, CubeError, Samples};
 use nullray::light::time_texture::{Coverage, TimeAxis, TimeTexture};
-use nullray::scene::model::{BinValues, Fill, Outside, TimeFilter};
+use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 use proptest::prelude::*;
 
 const MARK: Fill = Fill::Mark([0.25, 0.5, 4.0]);
@@ -27,8 +27,10 @@ fn everywhere(fill: Fill) -> Outside {
 
 fn axis(filter: TimeFilter) -> TimeAxis {
     TimeAxis {
-        start: 7.0,
-        bin_width: 0.25,
+        bins: TimeBins::Uniform {
+            start: 7.0,
+            width: 0.25,
+        },
         values: BinValues::Density,
         filter,
         scale: 1.0,
@@ -310,6 +312,9 @@ fn stored_precisions_agree_to_their_own() {
 
 #[test]
 fn a_time_axis_that_cannot_be_meant_is_refused() {
+    fn uniform(start: f64, width: f64) -> TimeBins {
+        TimeBins::Uniform { start, width }
+    }
     let cube = || Cube::new([1, 1, 4, 1], Samples::F64(vec![1.0; 4])).unwrap();
     let refused = |change: fn(&mut TimeAxis)| {
         let mut axis = axis(TimeFilter::Cubic);
@@ -319,14 +324,31 @@ fn a_time_axis_that_cannot_be_meant_is_refused() {
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(refused(|a| a.bin_width = 0.0), "bin width");
-    assert_eq!(refused(|a| a.bin_width = -1.0), "bin width");
-    assert_eq!(refused(|a| a.bin_width = f64::NAN), "bin width");
-    assert_eq!(refused(|a| a.bin_width = 5e-324), "bin width");
-    assert_eq!(refused(|a| a.bin_width = 1e308), "bin width");
-    assert_eq!(refused(|a| a.start = 1e20), "bin width");
-    assert_eq!(refused(|a| a.start = f64::INFINITY), "start");
+    assert_eq!(refused(|a| a.bins = uniform(7.0, 0.0)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(7.0, -1.0)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(7.0, f64::NAN)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(7.0, 5e-324)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(7.0, 1e308)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(1e20, 0.25)), "bin width");
+    assert_eq!(refused(|a| a.bins = uniform(f64::INFINITY, 0.25)), "start");
     assert_eq!(refused(|a| a.scale = f64::NAN), "scale");
+    fn edges(edges: &[f64]) -> TimeBins {
+        TimeBins::Edges(edges.into())
+    }
+    assert_eq!(
+        refused(|a| a.bins = edges(&[7.0, 7.1, 7.3, 7.3, 8.0])),
+        "bin edge"
+    );
+    assert_eq!(
+        refused(|a| a.bins = edges(&[7.0, 7.1, f64::NAN, 7.3, 8.0])),
+        "bin edge"
+    );
+    let few = TimeAxis {
+        bins: edges(&[7.0, 7.1, 7.3, 8.0]),
+        ..axis(TimeFilter::Linear)
+    };
+    let refused = TimeTexture::new(cube(), few, everywhere(Fill::Black)).unwrap_err();
+    assert_eq!(refused, CubeError::Edges { edges: 4, bins: 4 });
 }
 
 #[test]

@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use nullray::Result;
+use nullray::io::cube::{self, CubeInfo, Wanted};
 use nullray::render::metadata;
+use nullray::render::plan::bytes;
 use nullray::scene::model::{
-    Beam, Binding, Catalogue, CubeSource, EmissionProfile, Equations, Geometry, Light, LightKind,
-    Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source, SourceKind,
+    Beam, BinValues, Binding, Catalogue, Clock, CubeData, CubeSource, EmissionProfile, Equations,
+    Geometry, Light, LightKind, Mapping, Object, Scene, Shape, Sky, SkyRadiance, Source,
+    SourceKind, TimeBins, TimeFilter,
 };
 use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
@@ -23,6 +26,11 @@ pub fn info(path: &Path) -> Result<Info> {
         info.row("sky", self::sky(sky));
     }
     info.list("source", &scene.sources, |s| source(&scene, s));
+    for source in scene.sources.iter().take(super::MOST) {
+        if let SourceKind::Cube(cube) = &source.kind {
+            cube_rows(&mut info, &source.name, cube);
+        }
+    }
     settings(&mut info, &scene);
     info.names(
         "panels",
@@ -66,12 +74,8 @@ fn source(scene: &Scene, source: &Source) -> String {
                 Mapping::Uv { set } => format!("by texture coordinates {set}"),
                 Mapping::Capture(_) => "by projection from its capture camera".into(),
             };
-            format!(
-                "cube {} {mapping}, bins of {} m from {} m",
-                path(cube).unwrap_or_else(|| "in memory".into()),
-                cube.bin_width,
-                cube.start
-            )
+            let path = path(cube).unwrap_or_else(|| "in memory".into());
+            format!("cube {path} {mapping}, {}", bins(&cube.bins))
         }
         SourceKind::Pulse(pulse) => {
             let (at, t) = (pulse.origin.x, pulse.origin.ct);
@@ -82,6 +86,66 @@ fn source(scene: &Scene, source: &Source) -> String {
         }
     };
     format!("{}: {kind}; lights {}", source.name, lit(scene, source))
+}
+
+fn bins(bins: &TimeBins) -> String {
+    match bins {
+        TimeBins::Uniform { start, width } => format!("bins of {width} m from {start} m"),
+        TimeBins::Edges(edges) => {
+            let (first, last) = (bins.edge(0), bins.edge(edges.len()));
+            let count = edges.len().saturating_sub(1);
+            format!("{count} bins of different widths from {first} m to {last} m")
+        }
+    }
+}
+
+/// What is read of a cube's file, what the scene says of it, and what is assumed.
+fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
+    let read = match header(cube) {
+        Ok(read) => format!("{name}: {}", shape(&read)),
+        Err(error) => format!("{name}: cannot be read: {error}"),
+    };
+    info.row("  read", read);
+    let values = match cube.values {
+        BinValues::PerBin => "energy per bin",
+        BinValues::Density => "energy per metre",
+    };
+    let clock = match cube.clock {
+        Clock::World => "world time of emission",
+        Clock::Object => "the object's own time of emission",
+        Clock::Capture => "arrival at the capture camera",
+    };
+    let filter = match cube.filter {
+        TimeFilter::Nearest => "nearest",
+        TimeFilter::Linear => "linear",
+        TimeFilter::Cubic => "cubic",
+        TimeFilter::CubicMeans => "cubic_means",
+    };
+    info.row("  means", format!("{values}, {clock}, filter {filter}"));
+    if !cube.assumed.is_empty() {
+        info.row("  assumed", cube.assumed.join(", "));
+    }
+}
+
+/// What the file's header says.
+fn header(cube: &CubeSource) -> Result<CubeInfo> {
+    match &cube.data {
+        CubeData::File { path, array, axes } => cube::inspect(
+            path,
+            Wanted {
+                array: array.as_deref(),
+                axes: axes.as_ref(),
+            },
+        ),
+        CubeData::Memory(cube) => Ok(CubeInfo::of(cube)),
+    }
+}
+
+fn shape(info: &CubeInfo) -> String {
+    let [h, w, t, c] = info.shape;
+    let colours = if c == 1 { "grey" } else { "red, green, blue" };
+    let size = bytes(info.bytes);
+    format!("{h} rows, {w} columns, {t} time bins, {colours}; {size}")
 }
 
 fn light(scene: &Scene, light: &Light) -> String {
@@ -175,6 +239,26 @@ fn settings(info: &mut Info, scene: &Scene) {
     }
 }
 
+fn cube_data(cube: &CubeSource) -> Value {
+    let read = header(cube);
+    let edges = match &cube.bins {
+        TimeBins::Uniform { .. } => None,
+        TimeBins::Edges(edges) => Some(edges.to_vec()),
+    };
+    json!({
+        "shape": read.as_ref().ok().map(|read| read.shape),
+        "problem": read.as_ref().err().map(|error| error.to_string()),
+        "start": cube.bins.edge(0),
+        "bin_width": edges.is_none().then(|| cube.bins.width()),
+        "edges": edges,
+        "values": cube.values,
+        "clock": cube.clock,
+        "filter": cube.filter,
+        "scale": cube.scale,
+        "assumed": cube.assumed,
+    })
+}
+
 fn data(info: &mut Info, scene: &Scene) {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {
@@ -188,7 +272,11 @@ fn data(info: &mut Info, scene: &Scene) {
             SourceKind::Cube(cube) => json!(path(cube)),
             SourceKind::Pulse(_) => Value::Null,
         };
-        json!({ "name": s.name, "file": file, "lights": lit(scene, s) })
+        let cube = match &s.kind {
+            SourceKind::Cube(cube) => cube_data(cube),
+            SourceKind::Pulse(_) => Value::Null,
+        };
+        json!({ "name": s.name, "file": file, "lights": lit(scene, s), "cube": cube })
     });
     info.data("model", metadata::equations(scene.equations));
     info.data("camera", camera::data(&scene.camera));

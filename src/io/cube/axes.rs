@@ -45,6 +45,11 @@ impl Axes {
         matches!(count, 3 | 4).then(|| Axes(all[..count].to_vec()))
     }
 
+    /// (H, W, T, C): those of a cube in memory.
+    pub(super) fn all() -> Axes {
+        Axes(vec![Axis::Row, Axis::Column, Axis::Time, Axis::Channel])
+    }
+
     /// Whether there is an axis of time.
     pub fn has_time(&self) -> bool {
         self.0.contains(&Axis::Time)

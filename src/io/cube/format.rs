@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::axes::Axes;
-use super::samples::Cube;
+use super::samples::{Cube, Samples};
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header};
@@ -43,6 +43,24 @@ impl<'a> Wanted<'a> {
         Wanted {
             array: Some(name),
             axes: None,
+        }
+    }
+}
+
+impl CubeInfo {
+    /// That of a cube in memory.
+    pub fn of(cube: &Cube) -> CubeInfo {
+        let dtype = match &cube.samples {
+            Samples::F16(_) => Dtype::F16,
+            Samples::F32(_) => Dtype::F32,
+            Samples::F64(_) => Dtype::F64,
+        };
+        CubeInfo {
+            shape: cube.shape,
+            dtype,
+            bytes: cube.samples.bytes(),
+            axes: Axes::all(),
+            assumed: false,
         }
     }
 }

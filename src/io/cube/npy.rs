@@ -238,6 +238,11 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
     let arrangement = Arrangement::of(&header.shape, &named, header.fortran_order)
         .map_err(|what| place.invalid("header", what, AXES))?;
     let channels = arrangement.shape[3];
+    if let Some(film) = film_without_radiance(&arrangement, &named) {
+        let help = "the film of mitransient that holds radiance is transient_hdr_film in a variant without `polarized`; \
+                    of a polarised one, save the intensity alone: array[..., :1]";
+        return Err(place.unsupported("header", film, help));
+    }
     if !matches!(channels, 1 | 3) {
         return Err(place.invalid(
             "header",
@@ -253,6 +258,24 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
         number,
         big_endian,
     })
+}
+
+/// What mitransient's films of other quantities are known by: in the axis of channels (H, W, T, 4) has Stokes
+/// components, and (H, W, frequencies, 2) real and imaginary parts.
+fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<String> {
+    let [.., bins, channels] = arrangement.shape;
+    match channels {
+        _ if !axes.has_time() => None,
+        2 => Some(format!(
+            "2 channels: this looks like a phasor film (phasor_hdr_film), which holds real and imaginary parts of \
+             frequencies ({bins} of them) in place of radiance in time"
+        )),
+        4 => Some(
+            "4 channels: this looks like a polarised film, which holds the four Stokes components in place of radiance"
+                .into(),
+        ),
+        _ => None,
+    }
 }
 
 /// What to do about an order of axes.
@@ -272,6 +295,10 @@ fn no_radiance(place: &Place, descr: &str) -> crate::Error {
     let descr: String = descr.chars().take(40).collect();
     let what = match descr.as_str() {
         "|O" => "the array holds Python objects, which are never unpickled".to_owned(),
+        "<c8" | "<c16" | ">c8" | ">c16" => {
+            "the array holds complex numbers, as phasor films do, which are no radiance in time"
+                .to_owned()
+        }
         _ => format!("samples of type {descr:?} are no numbers that radiance is given in"),
     };
     let help = "give f2, f4 or f8 samples, or integers of at most 32 bits: numpy.save(path, array.astype(numpy.float32))";

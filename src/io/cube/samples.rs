@@ -43,6 +43,14 @@ pub enum CubeError {
     /// Neither one channel nor three.
     #[error("{0} channels: a cube holds 1 (grey) or 3 (linear RGB)")]
     Channels(usize),
+    /// A table of bin edges is not one of as many bins as there are.
+    #[error("{edges} bin edges for {bins} time bins, which have {} edges", bins + 1)]
+    Edges {
+        /// Edges that there are.
+        edges: usize,
+        /// Bins that there are.
+        bins: usize,
+    },
     /// Start, bin width or scale of the time axis is no usable number.
     #[error("the time axis has {quantity} {value}; it must be {right}")]
     Axis {

@@ -17,17 +17,20 @@
 //! stands in too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data
 //! (so it joins smoothly, and is the end bin's value alone from 2½ bins on at the latest).
 
-use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeFilter};
+//!
+//! Bins of different widths are read by `irregular`.
 
+use std::sync::Arc;
+
+use super::irregular::Irregular;
 use crate::io::cube::CubeError;
+use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeBins, TimeFilter};
 
 /// The time axis of a cube. Times are metres of ct on the clock that the scene declares.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TimeAxis {
-    /// Time at the *start* of bin 0.
-    pub start: f64,
-    /// Width of a bin, above 0.
-    pub bin_width: f64,
+    /// Where the bins lie.
+    pub bins: TimeBins,
     /// Whether values are per bin or per metre.
     pub values: BinValues,
     /// Reconstruction along time.
@@ -39,8 +42,7 @@ pub struct TimeAxis {
 impl From<&CubeSource> for TimeAxis {
     fn from(source: &CubeSource) -> TimeAxis {
         TimeAxis {
-            start: source.start,
-            bin_width: source.bin_width,
+            bins: source.bins.clone(),
             values: source.values,
             filter: source.filter,
             scale: source.scale,
@@ -51,14 +53,14 @@ impl From<&CubeSource> for TimeAxis {
 impl TimeAxis {
     /// The end of the last of `bins` bins.
     pub fn end(&self, bins: usize) -> f64 {
-        self.start + bins as f64 * self.bin_width
+        self.bins.edge(bins)
     }
 
-    /// What turns a stored value into radiance per metre of ct.
+    /// What turns a stored value into radiance per metre of ct; where bins differ, their weights hold the widths.
     pub(super) fn factor(&self) -> f64 {
-        match self.values {
-            BinValues::PerBin => self.scale / self.bin_width,
-            BinValues::Density => self.scale,
+        match (self.values, &self.bins) {
+            (BinValues::PerBin, TimeBins::Uniform { width, .. }) => self.scale / width,
+            (BinValues::PerBin, TimeBins::Edges(_)) | (BinValues::Density, _) => self.scale,
         }
     }
 
@@ -70,17 +72,37 @@ impl TimeAxis {
                 right,
             })
         };
-        if !self.start.is_finite() {
-            return refuse("start", self.start, "finite");
-        }
-        let inverse = 1.0 / self.bin_width;
-        if !(self.bin_width > 0.0 && self.bin_width.is_finite() && inverse.is_finite()) {
-            return refuse("bin width", self.bin_width, "finite and above 0");
-        }
-        // A bin below the spacing of f64 at its place could not be told from its neighbour.
-        let end = self.end(bins);
-        if !(self.end(1) > self.start && end - self.bin_width < end && end.is_finite()) {
-            return refuse("bin width", self.bin_width, "resolvable beside the times");
+        match &self.bins {
+            &TimeBins::Uniform { start, width } => {
+                if !start.is_finite() {
+                    return refuse("start", start, "finite");
+                }
+                let inverse = 1.0 / width;
+                if !(width > 0.0 && width.is_finite() && inverse.is_finite()) {
+                    return refuse("bin width", width, "finite and above 0");
+                }
+                // A bin below the spacing of f64 at its place could not be told from its neighbour.
+                let end = self.end(bins);
+                if !(self.end(1) > start && end - width < end && end.is_finite()) {
+                    return refuse("bin width", width, "resolvable beside the times");
+                }
+            }
+            TimeBins::Edges(edges) => {
+                if edges.len() != bins + 1 {
+                    return Err(CubeError::Edges {
+                        edges: edges.len(),
+                        bins,
+                    });
+                }
+                if let Some(bad) = edges.iter().find(|edge| !edge.is_finite()) {
+                    return refuse("bin edge", *bad, "finite");
+                }
+                let follows =
+                    |pair: &[f64]| (1.0 / (pair[1] - pair[0])).is_finite() && pair[1] > pair[0];
+                if let Some(pair) = edges.windows(2).find(|pair| !follows(pair)) {
+                    return refuse("bin edge", pair[1], "after the edge before it");
+                }
+            }
         }
         if !self.factor().is_finite() {
             return refuse("scale", self.scale, "finite, also per bin width");
@@ -114,14 +136,23 @@ pub(super) struct Moment {
     pub bins: BinWeights,
 }
 
+/// How times are read.
+#[derive(Debug, Clone)]
+pub(super) enum Reading {
+    /// From bins of one width.
+    Uniform(TimeFilter),
+    /// From bins whose widths differ.
+    Irregular(Arc<Irregular>),
+}
+
 /// A time axis with its number of bins and its ends' policies.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Timeline {
     pub start: f64,
     pub end: f64,
     pub bins_per_metre: f64,
     bins: usize,
-    pub filter: TimeFilter,
+    pub reading: Reading,
     before: Fill,
     after: Fill,
 }
@@ -130,11 +161,16 @@ impl Timeline {
     pub fn new(axis: &TimeAxis, bins: usize, outside: &Outside) -> Result<Self, CubeError> {
         axis.check(bins)?;
         Ok(Timeline {
-            start: axis.start,
+            start: axis.end(0),
             end: axis.end(bins),
-            bins_per_metre: 1.0 / axis.bin_width,
+            bins_per_metre: 1.0 / axis.bins.width(),
             bins,
-            filter: axis.filter,
+            reading: match &axis.bins {
+                TimeBins::Uniform { .. } => Reading::Uniform(axis.filter),
+                TimeBins::Edges(edges) => {
+                    Reading::Irregular(Arc::new(Irregular::new(edges, axis.values, axis.filter)))
+                }
+            },
             before: outside.before,
             after: outside.after,
         })
@@ -171,21 +207,30 @@ impl Timeline {
         let b = ((t - self.start) * self.bins_per_metre)
             .max(-3.0)
             .min(last + 4.0);
-        match self.filter {
-            TimeFilter::Nearest => self.run(b.max(0.0).min(last) as i64, [1.0]),
-            TimeFilter::Linear => {
+        match &self.reading {
+            Reading::Uniform(TimeFilter::Nearest) => self.run(b.max(0.0).min(last) as i64, [1.0]),
+            Reading::Uniform(TimeFilter::Linear) => {
                 let (k, f) = split(b - 0.5);
                 self.run(k, [1.0 - f, f])
             }
-            TimeFilter::Cubic => {
+            Reading::Uniform(TimeFilter::Cubic) => {
                 let (k, f) = split(b - 0.5);
                 self.run(k - 1, catmull_rom(f))
             }
-            TimeFilter::CubicMeans => {
+            Reading::Uniform(TimeFilter::CubicMeans) => {
                 let (k, f) = split(b - 0.5);
                 self.run(k - 2, less_curvature(catmull_rom(f)))
             }
+            Reading::Irregular(bins) => self.irregular(bins, t),
         }
+    }
+
+    #[cold]
+    fn irregular(&self, bins: &Irregular, t: f64) -> BinWeights {
+        let (first, run) = bins.weights(t);
+        let mut folded = self.folded(first, run.as_slice());
+        bins.per_metre(&mut folded);
+        folded
     }
 
     /// Weights on the bins from `first` on, folded onto those that there are.

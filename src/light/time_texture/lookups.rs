@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::axis::Timeline;
+use super::axis::{Reading, Timeline};
 use super::gather::read;
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use super::texture::{Sampled, TimeTexture};
@@ -78,11 +78,20 @@ impl TimeTexture {
     pub fn sample_each(&self, lookups: &mut Lookups, count: usize) {
         let count = count.min(BATCH);
         let timeline = self.timeline();
-        match timeline.filter {
-            TimeFilter::Nearest => dispatch(Plan::<Nearest, 1>::new(self, lookups, count)),
-            TimeFilter::Linear => dispatch(Plan::<Linear, 2>::new(self, lookups, count)),
-            TimeFilter::Cubic => dispatch(Plan::<Cubic, 4>::new(self, lookups, count)),
-            TimeFilter::CubicMeans => dispatch(Plan::<CubicMeans, 6>::new(self, lookups, count)),
+        match &timeline.reading {
+            Reading::Uniform(TimeFilter::Nearest) => {
+                dispatch(Plan::<Nearest, 1>::new(self, lookups, count))
+            }
+            Reading::Uniform(TimeFilter::Linear) => {
+                dispatch(Plan::<Linear, 2>::new(self, lookups, count))
+            }
+            Reading::Uniform(TimeFilter::Cubic) => {
+                dispatch(Plan::<Cubic, 4>::new(self, lookups, count))
+            }
+            Reading::Uniform(TimeFilter::CubicMeans) => {
+                dispatch(Plan::<CubicMeans, 6>::new(self, lookups, count))
+            }
+            Reading::Irregular(_) => lookups.places.plain[..count].fill(false),
         }
         lookups.others.clear();
         for at in 0..count {
@@ -99,7 +108,7 @@ impl TimeTexture {
 /// All that a batch needs.
 struct Plan<'a, F, const N: usize> {
     texture: &'a TimeTexture,
-    timeline: Timeline,
+    timeline: &'a Timeline,
     lookups: &'a mut Lookups,
     count: usize,
     filter: std::marker::PhantomData<F>,
@@ -109,7 +118,7 @@ impl<'a, F, const N: usize> Plan<'a, F, N> {
     fn new(texture: &'a TimeTexture, lookups: &'a mut Lookups, count: usize) -> Self {
         Plan {
             texture,
-            timeline: *texture.timeline(),
+            timeline: texture.timeline(),
             lookups,
             count,
             filter: std::marker::PhantomData,
@@ -130,7 +139,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         } = self.lookups;
         place::<F, N>(
             self.texture.cube().shape,
-            &self.timeline,
+            self.timeline,
             u,
             v,
             t,

@@ -88,7 +88,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
              bin_width (now {} m) and their units, capture.near_clip, and whether the clock is the capture \
              camera's; objects are {nearest:.4} to {farthest:.4} m from it",
             percent(early / total),
-            axis.bin_width
+            axis.bins.width()
         ));
     }
     let window = end - start;

@@ -113,7 +113,7 @@ impl TimeTexture {
 
     /// The times between which it holds data, metres of ct on its own clock.
     pub fn span(&self) -> [f64; 2] {
-        [self.axis.start, self.axis.end(self.cube.shape[2])]
+        [self.axis.end(0), self.axis.end(self.cube.shape[2])]
     }
 
     /// Radiance at texture coordinates `uv` (v = 0 is the top edge) and time `t`, metres of ct.

@@ -19,7 +19,7 @@ use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
 use crate::scene::model::{
-    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Scene, Source, SourceKind,
+    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Scene, Source, SourceKind, TimeBins,
 };
 
 pub use bindings::{Lit, lit_by};
@@ -202,6 +202,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             };
             let [h, w, ..] = shape;
             check_crop(scene, source, cube, [w, h])?;
+            check_edges(scene, source, cube, shape[2])?;
             let projected = matches!(cube.mapping, Mapping::Capture(_));
             Ok(Some(PlannedCube {
                 source: source.name.clone(),
@@ -233,6 +234,25 @@ fn check_crop(scene: &Scene, source: &Source, cube: &CubeSource, size: [usize; 2
         format!("source \"{}\", capture.crop", source.name),
         format!("a cube of {w} × {h} pixels at ({x}, {y}) reaches beyond a film of {fw} × {fh}"),
         "`film` is the size of the whole film, `offset` where the cube begins on it, both columns first",
+    ))
+}
+
+/// Refuses a table of edges that is not one of as many bins as there are.
+fn check_edges(scene: &Scene, source: &Source, cube: &CubeSource, bins: usize) -> Result<()> {
+    let TimeBins::Edges(edges) = &cube.bins else {
+        return Ok(());
+    };
+    if edges.len() == bins + 1 {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        &scene.name,
+        format!("source \"{}\", cube.edges", source.name),
+        format!("{} edges for {bins} time bins", edges.len()),
+        format!(
+            "{bins} bins have {} edges: the start of each, and the end of the last",
+            bins + 1
+        ),
     ))
 }
 

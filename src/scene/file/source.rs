@@ -56,19 +56,21 @@ pub(in crate::scene) struct Cube {
     pub first_center: Option<At<Time>>,
     /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures.
     pub bin_width: Option<At<Time>>,
+    /// Bins of different widths, in place of `start` and `bin_width`: the start of each bin, and the end of the last,
+    /// like ["0 m", "0.1 m", "0.3 m"].
+    pub edges: Option<At<Vec<At<Time>>>>,
+    /// The same from a file.
+    pub edges_file: Option<At<EdgesFile>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
     /// pinhole). Default: "world".
-    #[serde(default)]
-    pub clock: At<Clock>,
+    pub clock: Option<At<Clock>>,
     /// Whether a value is the integral over its bin, "per_bin", or the mean per metre, "density".
     /// Default: "per_bin".
-    #[serde(default)]
-    pub values: BinValues,
+    pub values: Option<At<BinValues>>,
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
     /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "linear".
-    #[serde(default)]
-    pub filter: TimeFilter,
+    pub filter: Option<At<TimeFilter>>,
     /// Factor on all values. Default: 1.
     #[serde(default = "Cube::scale")]
     pub scale: Number,
@@ -84,6 +86,22 @@ impl Cube {
     fn scale() -> Number {
         Number(1.0)
     }
+}
+
+/// A table of the edges of bins.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { file = \"edges.npy\", unit = \"1 ps\" }"
+)]
+pub(in crate::scene) struct EdgesFile {
+    /// A .npy or .npz file of one axis, relative to the scene file: the start of each bin, and the end of the last.
+    pub file: At<String>,
+    /// The array of an .npz file. Default: its only array.
+    pub array: Option<At<String>>,
+    /// What the numbers count, like "1 m" or "1 ps".
+    pub unit: At<Time>,
 }
 
 /// The pinhole camera that captured a cube, at rest in the frame of the objects that it captured; its

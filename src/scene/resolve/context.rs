@@ -28,6 +28,9 @@ pub(super) const ABOVE: f64 = 1.001;
 /// The extensions of glTF files.
 pub(in crate::scene) const GLTF: &[&str] = &["glb", "gltf"];
 
+/// The extensions of files of numbers.
+pub(in crate::scene) const NUMBERS: &[&str] = &["npy", "npz"];
+
 /// The extensions of files of spectra.
 pub(in crate::scene) const SPECTRUM: &[&str] = &["csv", "txt"];
 
@@ -280,6 +283,13 @@ impl Context {
         self.path(file, SPECTRUM)?;
         let missing = || Err(self.refuse(file, "the spectrum of this file was not read", ""));
         self.inputs.table(file).unwrap_or_else(missing)
+    }
+
+    /// The numbers in an array of one axis.
+    pub fn numbers(&self, file: &At<String>) -> Result<Vec<f64>> {
+        self.path(file, NUMBERS)?;
+        let missing = || Err(self.refuse(file, "the numbers of this file were not read", ""));
+        self.inputs.numbers(file).unwrap_or_else(missing)
     }
 
     /// What `name` names in memory, as `find` finds it; none where it names a file.

@@ -30,7 +30,7 @@ use super::model::Scene;
 use super::report::Report;
 use crate::error::{Error, Result};
 pub(crate) use context::Context;
-pub(super) use context::{GLTF, SPECTRUM, has_extension};
+pub(super) use context::{GLTF, NUMBERS, SPECTRUM, has_extension};
 pub(crate) use kinematics::{CameraMotion, Kinematics, ObjectMotion};
 pub(crate) use object::refuse_duplicates;
 

@@ -8,11 +8,11 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
     BinValues, CaptureCamera, Clock, Crop, CubeData, CubeSource, FovAxis, Mapping, Object,
-    ProjectionKind, Pulse, Source, SourceKind, TimeFilter,
+    ProjectionKind, Pulse, Source, SourceKind, TimeBins, TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
-use crate::spacetime::units::{LARGEST, quoted};
+use crate::spacetime::units::{LARGEST, Time, quoted};
 use crate::spacetime::{Event, Quantity};
 
 /// All sources; `quantity` is that of sources that give none of their own.
@@ -76,18 +76,34 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         data: data(cx, cube, axes)?,
         mapping: mapping(cx, cube)?,
         clock: clock(cx, cube)?,
-        start: time.start,
-        bin_width: time.bin_width,
+        bins: time.bins,
         values: time.values,
         filter: time.filter,
         scale: cube.scale.0,
+        assumed: assumed(cube, steady),
     })
+}
+
+/// The keys that are left out, with what is assumed in their place.
+fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
+    let mut assumed = Vec::new();
+    let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
+    says(cube.axes.is_some(), "axes = \"H W T\" or \"H W T C\"");
+    if !steady {
+        let table = cube.edges.is_some() || cube.edges_file.is_some();
+        let starts = cube.start.is_some() || cube.first_center.is_some() || table;
+        says(starts, "start = \"0 m\"");
+        says(cube.clock.is_some(), "clock = \"world\"");
+        says(cube.values.is_some(), "values = \"per_bin\"");
+        says(cube.filter.is_some(), "filter = \"linear\"");
+    }
+    says(cube.uv.is_some() || cube.capture.is_some(), "uv = 0");
+    assumed
 }
 
 /// The keys of the time axis, resolved.
 struct TimeKeys {
-    start: f64,
-    bin_width: f64,
+    bins: TimeBins,
     values: BinValues,
     filter: TimeFilter,
 }
@@ -95,8 +111,22 @@ struct TimeKeys {
 fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     let cube = &at.value;
     cx.exclusive((&cube.start, "start"), (&cube.first_center, "first_center"))?;
+    let keys = |bins| TimeKeys {
+        bins,
+        values: cube
+            .values
+            .as_ref()
+            .map_or_else(Default::default, |at| at.value),
+        filter: cube
+            .filter
+            .as_ref()
+            .map_or_else(Default::default, |at| at.value),
+    };
+    if let Some(edges) = edges(cx, cube)? {
+        return Ok(keys(edges));
+    }
     let Some(bin_width) = &cube.bin_width else {
-        let help = "add the width of a bin, like bin_width = \"0.05 m\"; a picture that does not change with time \
+        let help = "add the width of a bin, like bin_width = \"0.05 m\", or `edges` where widths differ; a picture that does not change with time \
                     is declared by axes = \"H W\"";
         return Err(cx.refuse(at, "the key `bin_width` is missing", help));
     };
@@ -106,12 +136,58 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
         (None, Some(center)) => cx.time(center)? - 0.5 * bin_width,
         (None, None) => 0.0,
     };
-    Ok(TimeKeys {
+    Ok(keys(TimeBins::Uniform {
         start,
-        bin_width,
-        values: cube.values,
-        filter: cube.filter,
-    })
+        width: bin_width,
+    }))
+}
+
+/// The table of edges, where there is one.
+fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
+    let help = "keep `edges`, `edges_file`, or `bin_width` with `start` or `first_center`";
+    let span = |at: &Option<At<Time>>| at.as_ref().map(|at| at.span.clone());
+    let table = cube.edges.as_ref().map(|at| &at.span);
+    let file = cube.edges_file.as_ref().map(|at| &at.span);
+    if table.or(file).is_none() {
+        return Ok(None);
+    }
+    for (key, other) in [
+        ("start", span(&cube.start)),
+        ("first_center", span(&cube.first_center)),
+        ("bin_width", span(&cube.bin_width)),
+    ] {
+        let ways = [
+            ("edges", table),
+            ("edges_file", file),
+            (key, other.as_ref()),
+        ];
+        cx.only_one("the time axis", ways, help)?;
+    }
+    if let Some(table) = &cube.edges {
+        cx.bounded(table, 2, "edges")?;
+        let times: Vec<f64> = (table.value.iter())
+            .map(|edge| cx.time(edge))
+            .collect::<Result<_>>()?;
+        cx.ascending(&times, |edge| table.value.get(edge))?;
+        return Ok(Some(TimeBins::Edges(times.into())));
+    }
+    let Some(table) = &cube.edges_file else {
+        return Ok(None);
+    };
+    let unit = cx.duration(&table.value.unit, "`unit`")?;
+    let times: Vec<f64> = cx
+        .numbers(&table.value.file)?
+        .iter()
+        .map(|n| n * unit)
+        .collect();
+    let ascends = times.windows(2).all(|pair| pair[1] > pair[0]);
+    let within = times.iter().all(|time| time.abs() <= LARGEST);
+    if times.len() < 2 || !ascends || !within {
+        let what = format!("{} is no table of edges", quoted(&table.value.file.value));
+        let help = "an array of one axis with two or more times that ascend: the start of each bin, and the end of the last";
+        return Err(cx.refuse(&table.value.file, what, help));
+    }
+    Ok(Some(TimeBins::Edges(times.into())))
 }
 
 /// One bin that holds all times that there are, whose value is the radiance.
@@ -121,16 +197,23 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
         (&cube.first_center, "first_center"),
         (&cube.bin_width, "bin_width"),
     ];
-    for (key, name) in keys {
-        if let Some(key) = key {
+    let keys = keys.map(|(key, name)| (key.as_ref().map(|at| &at.span), name));
+    let tables = [
+        (cube.edges.as_ref().map(|at| &at.span), "edges"),
+        (cube.edges_file.as_ref().map(|at| &at.span), "edges_file"),
+    ];
+    for (key, name) in keys.into_iter().chain(tables) {
+        if let Some(span) = key {
             let what = format!("`{name}` is of a time axis, and the axes name none");
             let help = "leave it out, or add T to `axes`";
-            return Err(cx.refuse(key, what, help));
+            return Err(cx.report.refuse(span, what, help));
         }
     }
     Ok(TimeKeys {
-        start: -0.5 * LARGEST,
-        bin_width: LARGEST,
+        bins: TimeBins::Uniform {
+            start: -0.5 * LARGEST,
+            width: LARGEST,
+        },
         values: BinValues::Density,
         filter: TimeFilter::Nearest,
     })
@@ -302,11 +385,14 @@ fn near_clip(cx: &Context, camera: &file::Capture) -> Result<f64> {
 }
 
 fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {
-    match cube.clock.value {
+    let Some(at) = &cube.clock else {
+        return Ok(Clock::default());
+    };
+    match at.value {
         Clock::Capture if cube.capture.is_none() => {
             let what = "the clock of the capture camera needs to know where that camera was";
             let help = "add capture = { eye = […], look_at = […], hfov = \"…\" }, or set clock = \"world\"";
-            Err(cx.refuse(&cube.clock, what, help))
+            Err(cx.refuse(at, what, help))
         }
         clock => Ok(clock),
     }

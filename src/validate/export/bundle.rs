@@ -282,8 +282,10 @@ pub struct CubeEntry {
     pub shape: Option<[usize; 4]>,
     /// Time at the start of bin 0.
     pub start: f64,
-    /// Width of a bin.
-    pub bin_width: f64,
+    /// Width of a bin; null where widths differ.
+    pub bin_width: Option<f64>,
+    /// Where widths differ: the start of each bin, and the end of the last.
+    pub bin_edges: Option<Vec<f64>>,
     /// Whether a value is the integral over its bin, or the mean per metre.
     pub values: BinValues,
     /// Factor on all values.

@@ -14,7 +14,7 @@ use crate::io::image::{npz, write_atomically};
 use crate::render::metadata::sha256_of;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
-use crate::scene::model::{CubeData, CubeSource, Scene, SourceKind};
+use crate::scene::model::{CubeData, CubeSource, Scene, SourceKind, TimeBins};
 
 /// Writes what the sources of `scene` need, and describes them.
 pub(super) fn write(
@@ -62,8 +62,15 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
             CubeData::Memory(_) => None,
         },
         shape,
-        start: cube.start,
-        bin_width: cube.bin_width,
+        start: cube.bins.edge(0),
+        bin_width: match &cube.bins {
+            TimeBins::Uniform { width, .. } => Some(*width),
+            TimeBins::Edges(_) => None,
+        },
+        bin_edges: match &cube.bins {
+            TimeBins::Uniform { .. } => None,
+            TimeBins::Edges(edges) => Some(edges.to_vec()),
+        },
         values: cube.values,
         scale: cube.scale,
         filter: cube.filter,

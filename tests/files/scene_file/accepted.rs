@@ -66,7 +66,7 @@ fn sources_are_bound_by_name() {
     let SourceKind::Cube(cube) = &data.kind else {
         panic!("{data:?}");
     };
-    assert_eq!(cube.bin_width, 0.05);
+    assert_eq!(cube.bins.width(), 0.05);
     assert_eq!(cube.clock, Clock::Capture);
     assert_eq!(cube.values, BinValues::PerBin);
     let Mapping::Capture(capture) = &cube.mapping else {
@@ -260,4 +260,65 @@ pulse = { position = [2, 3, 1], sigma = '5 cm' }
     assert_eq!(object(&said.objects[1]), object(&left_out.objects[1]));
     let source = |s: &Scene| format!("{:?}", (&s.sources[0].kind, &s.sources[0].binding));
     assert_eq!(source(&said), source(&left_out));
+}
+
+/// The bins of a cube whose time axis is given by `keys`, with a table of 0, 1, 3 and 4 in edges.npy.
+fn bins(keys: &str) -> Result<TimeBins, String> {
+    let folder = Folder::with_files();
+    let header = "{'descr': '<i4', 'fortran_order': False, 'shape': (4,), }";
+    let mut table = b"\x93NUMPY\x01\x00".to_vec();
+    table.extend((header.len() as u16 + 1).to_le_bytes());
+    table.extend(format!("{header}\n").bytes());
+    table.extend([0i32, 1, 3, 4].into_iter().flat_map(i32::to_le_bytes));
+    std::fs::write(folder.path().join("edges.npy"), &table).unwrap();
+    let text = VALID.replacen("bin_width = \"5 cm\"", keys, 1);
+    let scene = folder.parse(&text).map_err(|error| error.to_string())?;
+    match &scene.sources[0].kind {
+        SourceKind::Cube(cube) => Ok(cube.bins.clone()),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn edges_of_bins_are_listed_or_come_from_a_file() {
+    // Light goes 0.299792458 mm in a picosecond.
+    let listed = bins("edges = [\"0 m\", \"1 mm\", \"0.25 m\", \"1 s\"]").unwrap();
+    let expected = [0.0, 0.001, 0.25, 299_792_458.0];
+    assert_eq!(listed, TimeBins::Edges(expected.into()));
+    let TimeBins::Edges(edges) =
+        bins("edges_file = { file = \"edges.npy\", unit = \"1 ps\" }").unwrap()
+    else {
+        panic!("no edges");
+    };
+    let expected = [0.0, 1.0, 3.0, 4.0].map(|n| n * 0.299792458e-3);
+    assert!(
+        edges
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < 1e-18)
+    );
+    for (keys, wrong) in [
+        ("edges = [\"0 m\"]", "too few"),
+        ("edges = [\"0 m\", \"1 m\", \"1 m\"]", "not after"),
+        ("edges = [\"0 m\", \"1 m\"], start = \"1 m\"", "given twice"),
+        (
+            "edges = [\"0 m\", \"1 m\"], bin_width = \"1 m\"",
+            "given twice",
+        ),
+        (
+            "edges_file = { file = \"edges.npy\", unit = \"1 m\" }, first_center = \"1 m\"",
+            "given twice",
+        ),
+        (
+            "edges_file = { file = \"no.npy\", unit = \"1 m\" }",
+            "cannot find",
+        ),
+        (
+            "edges_file = { file = \"edges.npy\", unit = \"0 m\" }",
+            "above 0",
+        ),
+    ] {
+        let error = bins(keys).unwrap_err();
+        assert!(error.contains(wrong), "{keys}: {error}");
+    }
 }

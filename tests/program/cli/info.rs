@@ -73,7 +73,7 @@ fn of_arrays_that_cannot_be_used_and_why() {
     let folder = Folder::empty();
     let cases = [
         ("two-axes.npy", "is not a cube"),
-        ("two-channels.npy", "2 channels"),
+        ("two-channels.npy", "phasor film"),
         ("structured.npy", "no numbers that radiance is given in"),
         ("sample-nan.npy", "not a finite number"),
         ("truncated.npy", "truncated"),
@@ -151,6 +151,27 @@ fn of_a_scene() {
     ];
     let data = said(&folder, "scene.toml", &parts);
     assert_eq!(data["objects"][1]["velocity"]["gamma"], 1.25);
+}
+
+#[test]
+fn of_a_scene_what_of_its_cubes_was_read_and_what_is_assumed() {
+    let folder = Folder::empty();
+    let data = said(
+        &folder,
+        &repository("scenes/capture.toml"),
+        &[
+            "read      ",
+            "64 rows, 64 columns, 95 time bins, red, green, blue",
+            "energy per bin, arrival at the capture camera",
+            "assumed",
+        ],
+    );
+    let cube = &data["sources"][0]["cube"];
+    assert_eq!(cube["shape"], serde_json::json!([64, 64, 95, 3]));
+    assert_eq!(cube["bin_width"], 0.1);
+    let assumed = cube["assumed"].as_array().unwrap();
+    assert_eq!(assumed.len(), 1, "{assumed:?}");
+    assert!(assumed[0].as_str().unwrap().starts_with("axes"));
 }
 
 /// `SMALL` with more said of its camera.

@@ -550,7 +550,7 @@ fn a_lookup_that_is_off_by_half_a_bin_is_named_where_the_scene_is_there() {
         let mut shifted = scene.clone();
         for source in &mut shifted.sources {
             if let SourceKind::Cube(cube) = &mut source.kind {
-                cube.start -= bins * cube.bin_width;
+                cube.bins = cube.bins.shifted(-bins * cube.bins.width());
             }
         }
         let found = diagnosed_with(&exact, &shot(&shifted), &options);

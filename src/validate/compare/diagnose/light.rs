@@ -224,7 +224,7 @@ fn lookup(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
         for source in &mut shifted.sources {
             if let SourceKind::Cube(cube) = &mut source.kind {
                 // Data that start later are looked up earlier.
-                cube.start -= bins * cube.bin_width;
+                cube.bins = cube.bins.shifted(-bins * cube.bins.width());
             }
         }
         let request = Request {

@@ -45,7 +45,7 @@ use crate::colour::ColourTable;
 use crate::scene::model::{self, Beam, EmissionProfile, Pulse};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{
-    Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, World,
+    Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
 };
 
 /// A lamp, ready to be asked for its light.
@@ -199,6 +199,22 @@ impl Lamp {
     /// What falls on the point that `ray` hits at `s`, in a medium of index `index`; none while it is dark there.
     #[inline]
     pub fn arrival(&self, ray: &NullRay<World>, s: f64, index: f64) -> Option<Arrival> {
+        let (arrival, proper_time) = self.arrival_at_peak(ray, s, index)?;
+        let strength = self.emission.at(proper_time) * arrival.strength;
+        (strength != 0.0).then_some(Arrival {
+            strength,
+            ..arrival
+        })
+    }
+
+    /// The same for a lamp whose emission is always 1, and the proper time of the lamp at which it left.
+    #[inline]
+    pub fn arrival_at_peak(
+        &self,
+        ray: &NullRay<World>,
+        s: f64,
+        index: f64,
+    ) -> Option<(Arrival, f64)> {
         if let Cone::Parallel(direction) = self.beam {
             return self.parallel(direction, ray, s, index);
         }
@@ -207,11 +223,32 @@ impl Lamp {
             Path::Inertial(frame) => inertial(frame, ray, s)?,
             Path::Line(line) => accelerated(&line.0, &line.1, ray, s)?,
         };
-        let strength = self.emission.at(proper_time) * self.attenuation(arrival.in_lamp);
-        (strength != 0.0).then_some(Arrival {
+        let strength = self.attenuation(arrival.in_lamp);
+        let arrival = Arrival {
             strength,
             ..arrival
-        })
+        };
+        Some((arrival, proper_time))
+    }
+
+    /// The proper times between which it emits; none where it has always done so, or always will.
+    pub fn emission_span(&self) -> Option<[f64; 2]> {
+        self.emission.span()
+    }
+
+    /// The integral of its emission up to a proper time.
+    #[inline]
+    pub fn emitted_until(&self, proper_time: f64) -> f64 {
+        self.emission.until(proper_time)
+    }
+
+    /// Its velocity in the world; none where that changes.
+    pub fn velocity(&self) -> Option<Velocity> {
+        match &self.path {
+            Path::Rest(_) => Some(Velocity::REST),
+            Path::Inertial(frame) => Some(frame.velocity()),
+            Path::Line(_) => None,
+        }
     }
 
     /// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
@@ -232,7 +269,7 @@ impl Lamp {
         ray: &NullRay<World>,
         s: f64,
         index: f64,
-    ) -> Option<Arrival> {
+    ) -> Option<(Arrival, f64)> {
         let towards = Direction::<Camera>::from_unit(-direction);
         let (d, ratio, way, index) = match &self.path {
             Path::Rest(origin) => {
@@ -248,15 +285,15 @@ impl Lamp {
             }
             Path::Line(_) => return None,
         };
-        let strength = self.emission.at(way.ct - index * way.x.dot(direction));
-        (strength != 0.0).then_some(Arrival {
+        let arrival = Arrival {
             d,
             distance: f64::INFINITY,
             ratio,
             reach: 1.0,
-            strength,
+            strength: 1.0,
             in_lamp: -direction,
-        })
+        };
+        Some((arrival, way.ct - index * way.x.dot(direction)))
     }
 
     /// E_F of an arrival on a surface, ω_F/ω_world of whose light is `rho`, under the angle of this cosine.
@@ -381,6 +418,15 @@ impl Incident {
             wavelength_scale,
         }
     }
+
+    /// The same, `factor` times as bright.
+    #[inline]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Incident {
+            irradiance: self.irradiance.map(|e| e * factor),
+            ..*self
+        }
+    }
 }
 
 /// The light of all lamps that falls on a surface.
@@ -477,6 +523,71 @@ impl Emission {
     }
 }
 
+impl Emission {
+    /// The proper times between which it is not 0.
+    fn span(&self) -> Option<[f64; 2]> {
+        match self {
+            Emission::Steady => None,
+            Emission::Gaussian { centre, sigma, .. } => {
+                Some([centre - CUT * sigma, centre + CUT * sigma])
+            }
+            Emission::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => {
+                let last = centre + (count - 1.0) * period;
+                last.is_finite()
+                    .then(|| [centre - CUT * sigma, last + CUT * sigma])
+            }
+            Emission::Table(knots) => Some([knots.first()?[0], knots.last()?[0]]),
+        }
+    }
+
+    /// The integral up to a proper time; infinite where it has always shone.
+    fn until(&self, proper_time: f64) -> f64 {
+        match self {
+            Emission::Steady => f64::INFINITY,
+            Emission::Gaussian {
+                centre,
+                sigma,
+                scale,
+            } => normal((proper_time - centre) / sigma) * scale,
+            Emission::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => {
+                let (phase, reach) = ((proper_time - centre) / period, CUT * sigma / period);
+                // Those that are over, and those that are not.
+                let over = (phase - reach).ceil().clamp(0.0, *count);
+                let begun = (phase + reach).floor().min(count - 1.0);
+                let rest = (0..=17)
+                    .map(|n| over + f64::from(n))
+                    .take_while(|k| *k <= begun);
+                let rest: f64 = rest.map(|k| normal((phase - k) * period / sigma)).sum();
+                (over + rest) * sigma * TAU.sqrt()
+            }
+            Emission::Table(knots) => {
+                let parts = knots.windows(2).map(|pair| {
+                    let [[from, first], [to, last]] = [pair[0], pair[1]];
+                    let upto = proper_time.clamp(from, to);
+                    let there = first + (last - first) * ((upto - from) / (to - from));
+                    0.5 * (first + there) * (upto - from)
+                });
+                parts.sum()
+            }
+        }
+    }
+}
+
+/// The integral of the normal distribution's density up to x.
+fn normal(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+}
+
 /// Pulses of standard deviation 1/`spacing` at the integers that are `count` from 0 on; all for an infinite `count`.
 fn train(phase: f64, spacing: f64, count: f64) -> f64 {
     let (first, last) = match count.is_finite() {
@@ -534,6 +645,40 @@ mod tests {
         }
         // No time is too late, and a train that has ended stays dark.
         assert_eq!(train(1e300, 1.5, 3.0), 0.0);
+    }
+
+    #[test]
+    fn emission_adds_up_to_its_integral() {
+        let all = [
+            Emission::Gaussian {
+                centre: 0.3,
+                sigma: 0.2,
+                scale: 1.7,
+            },
+            Emission::Train {
+                centre: -1.0,
+                sigma: 0.2,
+                period: 0.35,
+                count: 5.0,
+            },
+            Emission::Table(vec![[-1.0, 0.5], [0.2, 2.0], [0.5, 0.0], [1.5, 1.0]]),
+        ];
+        for emission in all {
+            // By the midpoints of 4000 steps.
+            let (mut sum, step) = (0.0, 2e-3);
+            for k in 0..4000 {
+                let t = -4.0 + (f64::from(k) + 0.5) * step;
+                sum += emission.at(t) * step;
+                let until = emission.until(t + 0.5 * step);
+                assert!(
+                    (until - sum).abs() < 2e-3,
+                    "{emission:?} {t}: {until} {sum}"
+                );
+            }
+            let [from, to] = emission.span().unwrap();
+            assert!(emission.until(from) < 1e-12 && emission.at(from - 1e-9) == 0.0);
+            assert!((emission.until(to) - emission.until(9.0)).abs() < 1e-12);
+        }
     }
 
     #[test]

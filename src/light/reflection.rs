@@ -12,6 +12,16 @@
 //! D V is GGX with Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014). Normals visible
 //! from v are drawn as in Heitz, JCGT 7(4), 2018, for which f (n·l)/pdf = F G₂/G₁. A surface with m = 0 and r = 1 is
 //! taken as diffuse altogether: f = c/π.
+//!
+//! Where light is followed from surface to surface, r = 0 is a mirror: F D V is F δ(l − v mirrored)/(n·l). A direction of all of f is drawn
+//! for the specular part with the probability q = F₀/(F₀ + d), F₀ = F at n·v and d the diffuse albedo less F₀ (both as means of the
+//! channels, and q from 0.1 to 0.9 where there are both), otherwise with the cosine, and its density is the sum of both,
+//!
+//! ```text
+//! p(l) = (1 − q) n·l/π + q D/(2 (n·v + √(α² + (1 − α²)(n·v)²))),
+//! ```
+//!
+//! the second term from p(h) = G₁ (v·h) D/(n·v), dω_h/dω_l = 1/(4 v·h) and G₁ = 2 n·v/(n·v + √(…)).
 
 use std::f64::consts::{PI, TAU};
 
@@ -32,6 +42,19 @@ pub struct Reflection {
     /// f₀, or none of a diffuse surface.
     specular: Option<[f64; 3]>,
     alpha: f64,
+    /// Whether the specular part is that of a mirror.
+    is_mirror: bool,
+}
+
+/// A direction in which light is followed on.
+#[derive(Debug, Clone, Copy)]
+pub struct Scattered {
+    /// Towards where the light comes from.
+    pub l: DVec3,
+    /// f (n·l) over the density.
+    pub weight: [f64; 3],
+    /// Per solid angle; infinite for a mirror's direction.
+    pub density: f64,
 }
 
 impl Reflection {
@@ -44,6 +67,7 @@ impl Reflection {
             diffuse: colour,
             specular: None,
             alpha: 1.0,
+            is_mirror: false,
         }
     }
 
@@ -63,6 +87,15 @@ impl Reflection {
             diffuse: colour.map(|c| c * (1.0 - metallic)),
             specular: Some(colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic)),
             alpha: (roughness * roughness).max(SMOOTHEST),
+            is_mirror: false,
+        }
+    }
+
+    /// The same with the specular part of a mirror.
+    pub fn as_mirror(self) -> Self {
+        Reflection {
+            is_mirror: true,
+            ..self
         }
     }
 
@@ -77,6 +110,9 @@ impl Reflection {
         let Some(f0) = self.specular else {
             return self.diffuse.map(|c| c / PI);
         };
+        if self.is_mirror {
+            return self.diffuse_value(l);
+        }
         let h = (self.view + l).normalize_or(self.normal);
         let gloss = self.distribution(self.normal.dot(h)) * self.visibility(self.normal.dot(l));
         let weight = schlick(self.view.dot(h));
@@ -143,6 +179,61 @@ impl Reflection {
         Some((l, f0.map(|f| (f + (1.0 - f) * weight) * ratio)))
     }
 
+    /// A direction drawn for all of f by two numbers in [0, 1); none where it goes into the surface, or all is black.
+    #[inline]
+    pub fn sample(&self, [x, y]: [f64; 2]) -> Option<Scattered> {
+        let share = self.specular_share();
+        if x < share && self.is_mirror {
+            let f0 = self.specular?;
+            let weight = schlick(self.facing);
+            return Some(Scattered {
+                l: self.normal * (2.0 * self.normal.dot(self.view)) - self.view,
+                weight: f0.map(|f| (f + (1.0 - f) * weight) / share),
+                density: f64::INFINITY,
+            });
+        }
+        let l = match x < share {
+            true => self.sample_specular([x / share, y])?.0,
+            false => by_cosine(self.normal, [(x - share) / (1.0 - share), y]),
+        };
+        let (cosine, density) = (self.normal.dot(l), self.density(l));
+        let is_drawn = cosine > 0.0 && density > 0.0;
+        is_drawn.then(|| Scattered {
+            l,
+            weight: self.value(l).map(|f| f * cosine / density),
+            density,
+        })
+    }
+
+    /// The density with which [`Reflection::sample`] draws `l`, other than as a mirror's direction.
+    #[inline]
+    pub fn density(&self, l: DVec3) -> f64 {
+        let share = self.specular_share();
+        let diffuse = (1.0 - share) * self.normal.dot(l).max(0.0) / PI;
+        if share == 0.0 || self.is_mirror {
+            return diffuse;
+        }
+        let h = (self.view + l).normalize_or(self.normal);
+        let visible = 2.0 * (self.facing + self.root(self.facing));
+        diffuse + share * self.distribution(self.normal.dot(h)) / visible
+    }
+
+    /// q.
+    #[inline]
+    fn specular_share(&self) -> f64 {
+        let Some(f0) = self.specular else {
+            return 0.0;
+        };
+        let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
+        let weight = schlick(self.facing);
+        let specular = mean(f0.map(|f| f + (1.0 - f) * weight));
+        let diffuse = (1.0 - specular).max(0.0) * mean(self.diffuse);
+        match diffuse > 0.0 {
+            true => (specular / (specular + diffuse)).clamp(0.1, 0.9),
+            false => 1.0,
+        }
+    }
+
     /// D.
     #[inline]
     fn distribution(&self, cosine: f64) -> f64 {
@@ -164,6 +255,15 @@ impl Reflection {
         let square = self.alpha * self.alpha;
         (square + (1.0 - square) * cosine * cosine).sqrt()
     }
+}
+
+/// A direction about `n`, drawn with the cosine by two numbers in [0, 1).
+#[inline]
+pub(super) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
+    let (tangent, bitangent) = n.any_orthonormal_pair();
+    let (sine, cosine) = libm::sincos(TAU * y);
+    let radius = x.sqrt();
+    tangent * (radius * cosine) + bitangent * (radius * sine) + n * (1.0 - x).max(0.0).sqrt()
 }
 
 /// (1 − c)⁵.
@@ -209,6 +309,47 @@ mod tests {
             );
             assert!(drawn < 1.0 + 1e-9);
         }
+    }
+
+    #[test]
+    fn directions_of_all_of_the_reflection_give_its_integral() {
+        for (metallic, roughness, cosine) in [(0.0, 0.5, 0.8), (0.4, 0.7, 0.4), (1.0, 0.6, 0.9)] {
+            let colour = [0.9, 0.6, 0.3];
+            let r =
+                Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, metallic, roughness);
+            let n = 600;
+            let (mut uniform, mut drawn, mut all) = ([0.0; 3], [0.0; 3], 0.0);
+            for [x, y] in grid(n) {
+                let s = (1.0 - x * x).sqrt();
+                let l = DVec3::new(s * libm::cos(TAU * y), s * libm::sin(TAU * y), x);
+                let value = r.value(l);
+                let scattered = r.sample([x, y]);
+                for c in 0..3 {
+                    uniform[c] += value[c] * x * TAU / (n * n) as f64;
+                    drawn[c] += scattered.map_or(0.0, |s| s.weight[c]) / (n * n) as f64;
+                }
+                all += r.density(l) * TAU / (n * n) as f64;
+            }
+            for (a, b) in uniform.into_iter().zip(drawn) {
+                assert!((a - b).abs() < 3e-3 * a, "{metallic} {roughness}: {a} {b}");
+            }
+            // The density is 1 in all, less what goes into the surface.
+            let lost = grid(n).filter(|u| r.sample(*u).is_none()).count();
+            let kept = 1.0 - lost as f64 / (n * n) as f64;
+            assert!((all - kept).abs() < 5e-3, "{metallic}: {all} {kept}");
+        }
+    }
+
+    #[test]
+    fn a_mirror_sends_all_into_one_direction() {
+        let v = view(0.6);
+        let r = Reflection::metallic_roughness(DVec3::Z, v, [0.9, 0.8, 0.7], 1.0, 0.0).as_mirror();
+        let s = r.sample([0.3, 0.8]).unwrap();
+        assert!((s.l - DVec3::new(-v.x, -v.y, v.z)).length() < 1e-15);
+        // Schlick: f₀ + (1 − f₀) 0.4⁵.
+        assert!((s.weight[1] - (0.8 + 0.2 * 0.01024)).abs() < 1e-15);
+        assert!(s.density.is_infinite());
+        assert_eq!(r.value(s.l), [0.0; 3]);
     }
 
     #[test]

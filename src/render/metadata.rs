@@ -63,12 +63,14 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let false_colour = scene
         .false_colour
         .map(|l| ("false_colour_m", l.to_string()));
+    let bounces = (scene.bounces > 0).then(|| ("bounces", scene.bounces.to_string()));
     let equations = (scene.equations != Equations::Exact)
         .then(|| ("equations", equations(scene.equations).to_string()));
     let own = pairs
         .into_iter()
         .chain(continuation)
         .chain(false_colour)
+        .chain(bounces)
         .chain(projection(camera))
         .chain(equations)
         .chain(moving(camera))

@@ -101,6 +101,44 @@ pub(crate) fn pair(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
     std::array::from_fn(|k| (starts[k] + STEP[k] * f64::from(index)).fract())
 }
 
+/// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the first two dimensions of Sobol's
+/// sequence in an order and with digits that are scrambled as Owen does (1995) by pixel and dimension, so that any 2ᵐ
+/// samples in a row from a multiple of 2ᵐ on fill all elementary intervals of area 2⁻ᵐ once, and dimensions are independent.
+/// Scrambling by hashing reversed bits: Laine and Karras 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020.
+#[inline]
+pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
+    let noise = hash(hash(!pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let index = scrambled(index, noise as u32);
+    let digits = hash(noise);
+    // The first dimension is van der Corput's, with the bits reversed; the second by its direction numbers.
+    let mut second = 0;
+    let (mut bits, mut direction) = (index, 1u32 << 31);
+    while bits != 0 {
+        if bits & 1 != 0 {
+            second ^= direction;
+        }
+        direction ^= direction >> 1;
+        bits >>= 1;
+    }
+    [
+        unit(scrambled(index.reverse_bits(), digits as u32)),
+        unit(scrambled(second, (digits >> 32) as u32)),
+    ]
+}
+
+/// Owen's scrambling of the digits of x, the highest first: each is flipped or not by a hash of those above it.
+#[inline]
+fn scrambled(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits();
+    // Only products with even numbers and sums: each bit changes by those below it alone (Vegdahl 2021).
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
 /// What a pixel's random numbers come from.
 #[inline(always)]
 pub(crate) fn pixel_key(column: u32, row: u32) -> u64 {
@@ -335,6 +373,39 @@ mod tests {
                     "{n} {signs:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn scrambled_points_fill_all_elementary_intervals_once() {
+        // 2⁶ points, in rectangles of 2ᵃ × 2⁶⁻ᵃ: one in each. Also of a part that begins at a multiple of 2⁶.
+        for (pixel, dimension) in [(0, 0), (7, 3), (1 << 33, 11)] {
+            for first in [0, 64, 640] {
+                let points: Vec<_> = (first..first + 64)
+                    .map(|k| sobol(pixel, k, dimension))
+                    .collect();
+                for a in 0..=6 {
+                    let [columns, rows] = [1u32 << a, 64 >> a];
+                    let mut cells: Vec<u32> = points
+                        .iter()
+                        .map(|[x, y]| {
+                            (x * f64::from(columns)) as u32 * rows + (y * f64::from(rows)) as u32
+                        })
+                        .collect();
+                    cells.sort_unstable();
+                    assert_eq!(cells, (0..64).collect::<Vec<_>>(), "{pixel} {first} {a}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scrambled_dimensions_are_independent() {
+        // Products of centred coordinates over 4096 points have the variance (1/12)²: the mean is within 5 of 1.3e-3.
+        for (a, b) in [(0, 1), (2, 9)] {
+            let product = |k| (sobol(3, k, a)[0] - 0.5) * (sobol(3, k, b)[0] - 0.5);
+            let mean = (0..4096).map(product).sum::<f64>() / 4096.0;
+            assert!(mean.abs() < 5.0 / (12.0 * 64.0), "{a} {b}: {mean}");
         }
     }
 

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::light::lamp::Lamp;
 use crate::render::film::Tile;
-use crate::render::prepare::{Light, Prepared};
+use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Surfaces,
@@ -45,7 +45,7 @@ impl SeenTimes {
 
 /// The times of all sources that light something in view, by source.
 pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
-    let Light::TimeResolved(light) = &scene.light else {
+    let Some(light) = scene.light.time_resolved() else {
         return Vec::new();
     };
     let event = scene.camera.shot.event;

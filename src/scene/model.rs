@@ -32,6 +32,9 @@ pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
 /// The speed of light in vacuum, metres per second (exact).
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
+/// The most bounces.
+pub const MOST_BOUNCES: u32 = 64;
+
 /// The most samples per pixel.
 pub const MOST_SAMPLES: u32 = 65_536;
 
@@ -65,6 +68,8 @@ pub struct Scene {
     pub equations: Equations,
     /// The four effects, each on unless turned off.
     pub effects: Effects,
+    /// How many more times light is reflected after the first surface that it falls on.
+    pub bounces: u32,
     /// What stands in for data that a source does not have.
     pub outside: Outside,
     /// Back faces, where the scene overrides the files.

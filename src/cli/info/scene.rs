@@ -281,6 +281,7 @@ fn data(info: &mut Info, scene: &Scene) {
     info.data("model", metadata::equations(scene.equations));
     info.data("camera", camera::data(&scene.camera));
     info.data("samples_per_pixel", scene.samples_per_pixel);
+    info.data("bounces", scene.bounces);
     info.data("objects", objects.collect::<Vec<_>>());
     let lights = scene.lights.iter().map(|l| l.name.clone());
     info.data("lights", lights.collect::<Vec<_>>());

@@ -10,7 +10,7 @@ use crate::figures::diagram::model::Track;
 use crate::render::aov::Aov;
 use crate::render::film::{Film, Tile};
 use crate::render::plan::{Plan, Request};
-use crate::render::prepare::{Light, Prepared};
+use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::render_tiles;
 use crate::scene::model::{Assembly, CameraModel, Equations, Object, Pivot, Scene, SourceKind};
@@ -281,17 +281,17 @@ impl Exposed<'_> {
 
     /// The pulses whose light is seen: each has its picture taken alone.
     fn pulses(&mut self, scene: &Scene, film: &Film) -> Result<Vec<PulseLight>> {
-        let all = match &self.prepared.light {
-            Light::TimeResolved(light) => light.lamps.clone(),
-            _ => return Ok(Vec::new()),
+        let Some(light) = self.prepared.light.time_resolved() else {
+            return Ok(Vec::new());
         };
+        let all = light.lamps.clone();
         let emission = self.emission(film);
         let mut lamps = Vec::new();
         for (k, source) in scene.sources.iter().enumerate() {
             let SourceKind::Pulse(pulse) = &source.kind else {
                 continue;
             };
-            if let Light::TimeResolved(light) = &mut self.prepared.light {
+            if let Some(light) = self.prepared.light.time_resolved_mut() {
                 let alone = all
                     .iter()
                     .enumerate()

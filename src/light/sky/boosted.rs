@@ -25,6 +25,7 @@ use super::Sky;
 use super::panorama::arctan;
 use super::stars::{axes, on_cube};
 use crate::light::Received;
+use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
 
 /// Cells around and from pole to pole, and lookups along the edge of a cell.
@@ -143,17 +144,35 @@ impl BoostedSky {
         if cosine <= 0.0 {
             return None;
         }
-        let density = match self.cumulative.is_empty() {
-            true => cosine * FRAC_1_PI,
-            // Per solid angle of the world, times dω/dω_F = 1/W² = ρ².
-            false => 0.5 * (cosine * FRAC_1_PI + self.share(cell_of(d.unit())) / CELL * rho * rho),
-        };
         Some(SkySample {
             d,
             in_rest,
             rho,
-            density,
+            density: self.density(cosine, d, rho),
         })
+    }
+
+    /// The density per solid angle of the rest frame with which [`BoostedSky::sample`] draws a direction that is `d` in
+    /// the world, at this cosine to the normal; `rho` is ω_rest/ω_world of light from there.
+    #[inline]
+    pub fn density(&self, cosine: f64, d: Direction<World>, rho: f64) -> f64 {
+        match self.cumulative.is_empty() {
+            true => cosine * FRAC_1_PI,
+            // Per solid angle of the world, times dω/dω_F = 1/W² = ρ².
+            false => 0.5 * (cosine * FRAC_1_PI + self.share(cell_of(d.unit())) / CELL * rho * rho),
+        }
+    }
+
+    /// Whether some cells send so much more than others that directions are drawn by it.
+    #[inline]
+    pub fn is_uneven(&self) -> bool {
+        !self.cumulative.is_empty()
+    }
+
+    /// What surfaces receive of the sky's light.
+    #[inline]
+    pub fn received(&self) -> Received {
+        self.received
     }
 
     /// The part of the whole that a cell sends.
@@ -257,15 +276,6 @@ fn cumulative(beams: &[Beam]) -> Vec<f64> {
         true => sums.into_iter().map(|part| part / sum).collect(),
         false => Vec::new(),
     }
-}
-
-/// A direction about `n`, drawn with the cosine.
-#[inline]
-fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
-    let (tangent, bitangent) = n.any_orthonormal_pair();
-    let (sine, cosine) = libm::sincos(TAU * y);
-    let radius = x.sqrt();
-    tangent * (radius * cosine) + bitangent * (radius * sine) + n * (1.0 - x).max(0.0).sqrt()
 }
 
 #[cfg(test)]

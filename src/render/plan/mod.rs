@@ -274,9 +274,16 @@ fn rays(
     let lights = lights + sky.map_or(0, |sky| 2 + u64::from(sky.sun.is_some()));
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
     let towards = (pulses + lights).max((capture > 0) as u64);
+    // Each level of a path asks for its own shadows; after the last surface a ray looks for what shines.
+    let (levels, reflects) = (u64::from(scene.bounces) + 1, pulses + lights > 0);
+    let bounces_at_most = match scene.bounces > 0 && reflects {
+        true => camera.saturating_mul(levels),
+        false => 0,
+    };
     Rays {
         camera,
-        shadow_at_most: camera.saturating_mul(towards),
+        shadow_at_most: camera.saturating_mul(towards).saturating_mul(levels),
+        bounces_at_most,
         capture,
     }
 }

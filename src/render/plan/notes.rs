@@ -129,6 +129,11 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             (wavelength * 1e12).round() / 1e3
         ));
     }
+    if scene.bounces > 0 && plan.rays.bounces_at_most == 0 {
+        notes.push(
+            "no light falls on any surface: there is nothing for `render.bounces` to follow".into(),
+        );
+    }
     if scene.medium_index != 1.0 {
         notes.push(format!(
             "the medium's index {} delays light and bends nothing: directions are those of vacuum",

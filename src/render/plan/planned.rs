@@ -135,6 +135,8 @@ pub struct Rays {
     pub camera: u64,
     /// Towards pulses and capture cameras, at most.
     pub shadow_at_most: u64,
+    /// On from surfaces to the next, at most.
+    pub bounces_at_most: u64,
     /// From capture cameras, before rendering.
     pub capture: u64,
 }

@@ -108,6 +108,13 @@ impl Plan {
         if rays.shadow_at_most > 0 {
             let _ = write!(text, ", at most {} for shadows", count(rays.shadow_at_most));
         }
+        if rays.bounces_at_most > 0 {
+            let _ = write!(
+                text,
+                ", at most {} on from surfaces",
+                count(rays.bounces_at_most)
+            );
+        }
         if rays.capture > 0 {
             let _ = write!(text, ", {} from capture cameras", count(rays.capture));
         }

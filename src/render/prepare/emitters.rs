@@ -21,7 +21,7 @@ use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
     AreaLights, BaseColour, BaseColours, Colouring, Element, EmissionClock, Emitter, Eye, Finish,
-    Gloss, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
+    Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, LightKind,
@@ -37,6 +37,8 @@ pub enum Light {
     Constant(BaseColours),
     /// Cubes, lamps, base colours.
     TimeResolved(TimeResolved),
+    /// The same, and light that goes on from surface to surface.
+    PathTraced(PathTraced),
     /// Whatever the caller puts in place of what the scene says.
     Custom(Box<dyn Radiance>),
 }
@@ -46,7 +48,26 @@ impl Light {
         match self {
             Light::Constant(radiance) => radiance,
             Light::TimeResolved(radiance) => radiance,
+            Light::PathTraced(radiance) => radiance,
             Light::Custom(radiance) => radiance.as_ref(),
+        }
+    }
+
+    /// Cubes and lamps, where there are any.
+    pub(crate) fn time_resolved(&self) -> Option<&TimeResolved> {
+        match self {
+            Light::TimeResolved(light) => Some(light),
+            Light::PathTraced(paths) => Some(&paths.light),
+            Light::Constant(_) | Light::Custom(_) => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn time_resolved_mut(&mut self) -> Option<&mut TimeResolved> {
+        match self {
+            Light::TimeResolved(light) => Some(light),
+            Light::PathTraced(paths) => Some(&mut paths.light),
+            Light::Constant(_) | Light::Custom(_) => None,
         }
     }
 }
@@ -195,6 +216,15 @@ impl<'a> Builder<'a> {
         let lamps: Vec<_> = pulses.chain(lights).chain([sun]).collect();
         // The scene's lights, which light all that reflects.
         let everywhere = || (scene.sources.len()..lamps.len()).filter(|k| lamps[*k].is_some());
+        let quantities = self.emitters.iter().map(|(lit, _)| match lit {
+            Lit::Cube(source) => scene.sources[*source].quantity,
+            Lit::Reflecting(pulses) => pulses
+                .first()
+                .map_or(scene.quantity, |pulse| scene.sources[*pulse].quantity),
+            Lit::Base | Lit::Spectrum => scene.quantity,
+        });
+        let arriving = quantities.map(|quantity| received(quantity, scene));
+        let arriving: Vec<_> = arriving.collect();
         let emitters = self.emitters.into_iter().map(|(lit, finish)| match lit {
             Lit::Base | Lit::Spectrum => {
                 let own = base.colours[finish.colour].response.as_ref();
@@ -218,7 +248,7 @@ impl<'a> Builder<'a> {
         });
         let emitters = emitters.collect();
         warnings.append(&mut stores.warnings);
-        Ok(Light::TimeResolved(TimeResolved {
+        let light = TimeResolved {
             emitters,
             base,
             cubes: stores.cubes,
@@ -228,7 +258,11 @@ impl<'a> Builder<'a> {
             areas,
             sky: sky.and_then(|sky| super::sky::light(scene, sky, frames)),
             index: scene.medium_index,
-        }))
+        };
+        Ok(match scene.bounces {
+            0 => Light::TimeResolved(light),
+            bounces => Light::PathTraced(PathTraced::new(light, bounces, arriving)),
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, Projection, RayOrigin, View};
 use crate::render::film::Tile;
-use crate::render::sampler::{Sampler, pair, pixel_key};
+use crate::render::sampler::{Sampler, pair, pixel_key, sobol};
 
 /// One camera ray for every pixel of a tile.
 #[derive(Debug, Default)]
@@ -45,14 +45,31 @@ pub struct Samples<'a> {
     pub pixels: &'a [u64],
     /// The sample of each.
     pub index: u32,
+    /// How many surfaces the rays come from, one after the other.
+    pub depth: u32,
 }
+
+/// Most pairs of numbers that are drawn at one surface of a path.
+const DRAWN_AT_A_SURFACE: u32 = 8;
 
 impl Samples<'_> {
     /// Two numbers in [0, 1) of ray `ray`, the `index`-th for what `dimension` counts.
     #[inline]
     pub(super) fn pair(&self, ray: usize, index: u32, dimension: u32) -> [f64; 2] {
-        let pixel = self.pixels.get(ray).copied().unwrap_or(ray as u64);
-        pair(pixel, index, dimension)
+        pair(self.pixel(ray), index, dimension)
+    }
+
+    /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts at the surface that it hits.
+    #[inline]
+    pub(super) fn on_path(&self, ray: usize, dimension: u32) -> [f64; 2] {
+        let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
+        sobol(self.pixel(ray), self.index, dimension)
+    }
+
+    /// The key of the pixel of ray `ray`.
+    #[inline]
+    pub(super) fn pixel(&self, ray: usize) -> u64 {
+        self.pixels.get(ray).copied().unwrap_or(ray as u64)
     }
 }
 
@@ -85,6 +102,7 @@ impl CameraRays {
             samples: Samples {
                 pixels: &self.pixels,
                 index: self.index,
+                depth: 0,
             },
         }
     }

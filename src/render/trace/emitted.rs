@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::hits::HitBuffer;
 use super::occlusion::OcclusionQueries;
 use crate::accel::Segment;
+use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
-use crate::light::reflection::Reflection;
+use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::{Coverage, Located, Lookups, Sampled};
 use crate::spacetime::Quantity;
 
@@ -137,6 +139,37 @@ pub struct Emitted {
     pub(super) located: Vec<Located>,
     /// Times of emission.
     pub(super) times: Vec<f64>,
+    /// Factors on what points shine of their own, where light is followed that was also drawn there; empty for 1.
+    pub(super) own_weights: Vec<f64>,
+    /// Rays that go on from the points.
+    pub(super) next: Option<Box<Onward>>,
+}
+
+/// Rays that go on from points of surfaces, and what they meet.
+#[derive(Debug, Default)]
+pub(super) struct Onward {
+    /// How many surfaces came before those that they meet.
+    pub depth: u32,
+    /// The point in its run from which each comes, and how it was drawn there.
+    pub drawn: Vec<(usize, Scattered)>,
+    /// Look directions in the world, unit vectors.
+    pub directions: Vec<DVec3>,
+    /// Where they leave.
+    pub origins: Vec<RayOrigin>,
+    /// ω_world/ω_F of their light, F the rest frame of the points.
+    pub ratios: Vec<f64>,
+    /// Keys of their pixels.
+    pub pixels: Vec<u64>,
+    /// Their nearest hits.
+    pub hits: HitBuffer,
+    /// Rays by what they hit: frame, first triangle of the patch, ray.
+    pub order: Vec<(u32, u32, u32)>,
+    /// The rays of one patch.
+    pub members: Vec<u32>,
+    /// W of each of them.
+    pub wavelength_ratios: Vec<f64>,
+    /// What they meet there.
+    pub emitted: Emitted,
 }
 
 /// A point whose radiance is not fully known, or has another wavelength than the response says.
@@ -169,6 +202,8 @@ impl Default for Emitted {
             added: Vec::new(),
             located: Vec::new(),
             times: Vec::new(),
+            own_weights: Vec::new(),
+            next: None,
         }
     }
 }

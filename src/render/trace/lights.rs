@@ -25,6 +25,7 @@ use super::stats::Meter;
 use crate::accel::Hit;
 use crate::light::Received;
 use crate::light::lamp::Incident;
+use crate::light::reflection::Reflection;
 use crate::light::sky::{BoostedSky, Sky};
 use crate::spacetime::{Direction, Rest};
 
@@ -47,6 +48,8 @@ pub struct AreaLights {
     cumulative: Vec<f64>,
     /// What surfaces receive of them.
     received: Received,
+    /// Frame, triangle and index of each element, ascending.
+    places: Vec<(u32, u32, u32)>,
 }
 
 /// A triangle that shines.
@@ -74,12 +77,14 @@ impl Element {
 }
 
 /// What an area light sends to a point.
-struct Sent {
+pub(super) struct Sent {
     incident: Incident,
     /// Towards it in the point's rest frame.
-    l: DVec3,
+    pub l: DVec3,
     query: OcclusionQuery,
-    shadows: bool,
+    pub shadows: bool,
+    /// Per solid angle of the point's rest frame.
+    pub density: f64,
 }
 
 impl AreaLights {
@@ -96,7 +101,11 @@ impl AreaLights {
                 sum
             })
             .collect();
+        let places = (0..).zip(&elements);
+        let mut places: Vec<_> = places.map(|(k, e)| (e.frame, e.triangle, k)).collect();
+        places.sort_unstable();
         (sum > 0.0 && sum.is_finite()).then(|| AreaLights {
+            places,
             cumulative: sums.into_iter().map(|part| part / sum).collect(),
             elements,
             received,
@@ -112,14 +121,31 @@ impl AreaLights {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
+        let random = |k| run.random(k, AREA);
+        self.illuminate_by(random, |_, _| 1.0, base, run, index, emitted, meter);
+    }
+
+    /// The same by the numbers `random`, each point's light weighted by `weight`.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn illuminate_by(
+        &self,
+        random: impl Fn(usize) -> [f64; 2],
+        weight: impl Fn(Option<&Reflection>, &Sent) -> f64,
+        base: &BaseColours,
+        run: &Run,
+        index: f64,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
         for shadows in [true, false] {
             emitted.arriving.clear();
             emitted.queries.clear();
             for (k, point) in run.points().enumerate() {
-                let random = run.random(k, AREA);
-                let sent = self.sent(base, run, &point, random);
+                let sent = self.sent(base, run, &point, random(k));
                 if let Some(sent) = sent.filter(|sent| sent.shadows == shadows) {
-                    emitted.arriving.push((k, sent.incident, sent.l));
+                    let weight = weight(emitted.reflections.get(k), &sent);
+                    let incident = sent.incident.scaled(weight);
+                    emitted.arriving.push((k, incident, sent.l));
                     emitted.queries.queries.push(sent.query);
                 }
             }
@@ -128,6 +154,18 @@ impl AreaLights {
                 break;
             }
         }
+    }
+
+    /// The density per area with which a point of this triangle is drawn, where it shines, and whether other surfaces
+    /// shadow it.
+    pub(super) fn density(&self, frame: u32, triangle: u32) -> Option<(f64, bool)> {
+        let at = |place: &(u32, u32, u32)| (place.0, place.1).cmp(&(frame, triangle));
+        let place = self.places.binary_search_by(at).ok()?;
+        let k = self.places[place].2 as usize;
+        let before = k.checked_sub(1).map_or(0.0, |k| self.cumulative[k]);
+        let element = &self.elements[k];
+        let share = self.cumulative[k] - before;
+        Some((share / element.area(), element.shadows))
     }
 
     /// What one point of all elements sends, by its density.
@@ -189,6 +227,7 @@ impl AreaLights {
             l: l.unit(),
             query: OcclusionQuery::new(point, d, distance * ratio * SHORTER),
             shadows: element.shadows,
+            density: density * distance * distance / (w * w * cosine_there),
         })
     }
 }
@@ -240,6 +279,38 @@ impl SkyLight {
         if glossy {
             self.gloss(boosted, run, index, emitted, meter);
         }
+    }
+
+    /// Adds the light of one drawn direction to each point of `run`, drawn by `random` and weighted by `weight` of how the point
+    /// reflects, the direction and its density.
+    pub(super) fn illuminate_by(
+        &self,
+        random: impl Fn(usize) -> [f64; 2],
+        weight: impl Fn(Option<&Reflection>, DVec3, f64) -> f64,
+        run: &Run,
+        index: f64,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
+        let boosted = &self.frames[run.frame as usize];
+        emitted.arriving.clear();
+        emitted.queries.clear();
+        for (k, point) in run.points().enumerate() {
+            let n = point.facing_normal();
+            let Some(sample) = boosted.sample(n, random(k)) else {
+                continue;
+            };
+            let l = sample.in_rest;
+            let weight = weight(emitted.reflections.get(k), l, sample.density);
+            let factor = weight * n.dot(l) / sample.density;
+            let radiance = boosted.radiance(&self.sky, sample.d, sample.rho);
+            let scale = boosted.received().wavelength_scale(1.0 / sample.rho);
+            let incident = Incident::new(radiance.map(|l| l * factor), scale);
+            emitted.arriving.push((k, incident, l));
+            let query = OcclusionQuery::new(&point, sample.d, f64::INFINITY);
+            emitted.queries.queries.push(query);
+        }
+        reflect_unblocked(run, self.shadows, index, emitted, meter);
     }
 
     /// Takes away the light of what is in the way, and what the mean diffuse value has too much.

@@ -20,6 +20,7 @@ mod hits;
 mod lamps;
 mod lights;
 mod occlusion;
+mod paths;
 mod point;
 mod radiance;
 mod rest_frame;
@@ -33,6 +34,7 @@ pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};
 pub use lights::{AreaLights, Element, SkyLight};
+pub use paths::PathTraced;
 pub(crate) use point::ObservedPoint;
 pub use point::SurfacePoint;
 pub use radiance::{

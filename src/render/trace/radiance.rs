@@ -196,12 +196,18 @@ impl BaseColours {
     }
 
     /// Metalness and roughness at a hit.
-    fn gloss(&self, gloss: &Gloss, run: &Run, hit: &Hit) -> [f64; 2] {
+    pub(super) fn gloss(
+        &self,
+        gloss: &Gloss,
+        rest: &RestFrame,
+        patch: &Patch,
+        hit: &Hit,
+    ) -> [f64; 2] {
         let both = [gloss.metallic, gloss.roughness];
         let Some(lookup) = gloss.texture else {
             return both;
         };
-        let Some(uv) = run.rest.uv(run.patch, lookup.uv_set, hit) else {
+        let Some(uv) = rest.uv(patch, lookup.uv_set, hit) else {
             return both;
         };
         let [_, roughness, metallic] =
@@ -416,7 +422,7 @@ impl TimeResolved {
         emitted.added.resize(run.count(), [0.0; 3]);
         for point in run.points() {
             let colour = self.base.radiance(finish.colour, run, &point.hit);
-            let [metallic, roughness] = self.base.gloss(gloss, run, &point.hit);
+            let [metallic, roughness] = self.base.gloss(gloss, run.rest, run.patch, &point.hit);
             let view = -point.local.tangent.x.normalize_or_zero();
             let normal = point.facing_normal();
             emitted.reflections.push(Reflection::metallic_roughness(

@@ -151,7 +151,14 @@ impl<'a> Run<'a> {
         self.one_random_of(k, dimension, 0, 1)
     }
 
-    /// The same, one of `count` for each sample.
+    /// Two numbers in [0, 1) of member `k` for what `dimension` counts at this surface of its path.
+    #[inline]
+    pub(super) fn on_path(&self, k: usize, dimension: u32) -> [f64; 2] {
+        let ray = self.members[k] as usize;
+        self.traced.rays.samples.on_path(ray, dimension)
+    }
+
+    /// The same as [`Run::random`], one of `count` for each sample.
     #[inline]
     pub(super) fn one_random_of(
         &self,

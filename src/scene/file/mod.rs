@@ -79,6 +79,9 @@ pub(in crate::scene) struct Scene<D = AnyTable> {
     /// that gives it case by case. Default: "black".
     #[serde(default)]
     pub outside: Outside,
+    /// How light is followed.
+    #[serde(default)]
+    pub render: Render,
     /// How radiance becomes a picture to look at.
     #[serde(default)]
     pub display: At<Display>,
@@ -153,6 +156,28 @@ impl Default for Effects {
             doppler: true,
             searchlight: true,
             retardation: true,
+        }
+    }
+}
+
+/// How light is followed.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    default,
+    deny_unknown_fields,
+    expecting = "a table like { bounces = 4 }"
+)]
+pub(in crate::scene) struct Render {
+    /// How many more times light is reflected after the first surface that it falls on, 0 to 64: 0 is direct light
+    /// alone, 1 has light from one surface to the next, and so on. Default: 0.
+    pub bounces: At<u32>,
+}
+
+impl Default for Render {
+    fn default() -> Self {
+        Render {
+            bounces: At::nowhere(0),
         }
     }
 }

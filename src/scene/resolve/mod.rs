@@ -65,6 +65,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         continuation,
         equations: file.model.value,
         effects: settings::effects(&file.effects),
+        bounces: settings::bounces(&cx, file)?,
         outside: settings::outside(&file.outside),
         sky: sky::resolve(&cx, &file.sky)?,
         back_faces: file.display.value.back_faces,

@@ -4,7 +4,9 @@ use super::context::Context;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{Effects, Exposure, Fill, MOST_SAMPLES, Outside};
+use crate::scene::model::{
+    Effects, Equations, Exposure, Fill, MOST_BOUNCES, MOST_SAMPLES, Outside,
+};
 
 /// What `exposure` is unless the file says otherwise, per cent.
 const PERCENTILE: f64 = 99.0;
@@ -123,4 +125,25 @@ pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<
     }
     let what = format!("{} samples per pixel cannot be taken", samples.value);
     Err(cx.refuse(samples, what, format!("give 1 to {MOST_SAMPLES}, like 16")))
+}
+
+/// How often light is reflected after direct light.
+pub(super) fn bounces(cx: &Context, file: &file::Scene) -> Result<u32> {
+    let bounces = &file.render.bounces;
+    if bounces.value > MOST_BOUNCES {
+        let what = format!("{} bounces cannot be followed", bounces.value);
+        return Err(cx.refuse(bounces, what, format!("give 0 to {MOST_BOUNCES}, like 4")));
+    }
+    if bounces.value > 0 && !file.effects.retardation {
+        let what = "light that takes no time cannot be followed from surface to surface";
+        let help = "leave `bounces` out, or turn `effects.retardation` on";
+        return Err(cx.refuse(bounces, what, help));
+    }
+    if bounces.value > 0 && file.model.value == Equations::Paper2015 {
+        let other = (&file.model.span, "this model");
+        let what = "the paper's equations have no light that goes from surface to surface";
+        let help = "leave `bounces` out, or give model = \"exact\"";
+        return Err(cx.report.refuse_two(&bounces.span, other, what, help));
+    }
+    Ok(bounces.value)
 }

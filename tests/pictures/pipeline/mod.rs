@@ -1,5 +1,6 @@
 //! The whole pipeline, from a scene's text to its film, against closed forms.
 
+mod bounces;
 mod channels;
 mod clocks;
 mod costs;

@@ -1,0 +1,491 @@
+//! Light that goes from surface to surface: path tracing in space-time.
+//!
+//! # The equation
+//!
+//! Let F be the rest frame of a surface, X an event on it, n its normal, v the direction to the observer and d a look
+//! direction from X, towards where light comes from. What leaves X towards v is
+//!
+//! ```text
+//! L_o(X, v) = L_e(X, v) + ∫ f(d, v) L_i(X, d) n·d dω_F,                                      (1)
+//! ```
+//!
+//! all of it in F, where the surface rests and does not know of other velocities. L_i is the light of the surface that
+//! the null ray from X along d meets first, going into the past, at the event Y; let G be its rest frame, k the null vector Y − X, and u
+//! the four-velocities. The number of photons in a cell of phase space is the same for all observers, and is as L_ν/ν³
+//! (Misner, Thorne, Wheeler, § 22.6); frequencies are as k·u. So
+//!
+//! ```text
+//! W = λ_F/λ_G = ν_G/ν_F = (k·u_G)/(k·u_F)
+//! L_ν^F(ν) = W⁻³ L_ν^G(W ν),   L_λ^F(λ) = W⁻⁵ L_λ^G(λ/W),   ∫ L dν: W⁻⁴,                      (2)
+//! ```
+//!
+//! since dν_F = dν_G/W and dλ_F = W dλ_G. Linear RGB has M(W) in place of the power ([`Received`]). (1) with (2) at every surface is the whole
+//! equation: along a path X₀, X₁, … radiance is multiplied by f₀ M(W₁) f₁ M(W₂) …, and W₁ W₂ … Wₙ is the ratio
+//! of wavelengths of the whole way, as ratios of k·u on null rays that meet in a frame telescope wherever that frame does not change.
+//! The event Y is on the past light cone of X, so that each path has the times of its own: delays, shadows of what moves and light that is
+//! still on its way need nothing more.
+//!
+//! # Densities
+//!
+//! d³p/E = p dp dω is invariant, and dp/p is the same for all observers of one beam, so that ν² dω is invariant:
+//!
+//! ```text
+//! dω_F = W² dω_G,                                                                            (3)
+//! ```
+//!
+//! and an element dA of a surface at rest in G, whose normal is at the angle θ_y to the ray there, r_G = k·u_G away, fills
+//!
+//! ```text
+//! dω_F = W² cos θ_y dA/r_G².                                                                 (4)
+//! ```
+//!
+//! A direction drawn in F by the material has a density per dω_F and needs no factor; a point drawn on a shining surface with the density p_A has
+//! p_A r_G²/(W² cos θ_y) per dω_F by (4); a direction of the sky with p_ω per dω of the world has p_ω/W² by (3).
+//!
+//! # How it is estimated
+//!
+//! At every surface a direction is drawn with a density p_f as the material reflects, and the ray goes on along it. Light of lamps without
+//! extent is added as it is (`lamps`), one point of all that shines and, where the sky is uneven, one direction of it are drawn with
+//! densities p_l in F. What both can meet counts with p/(p_f + p_l) of each (the balance heuristic: Veach and Guibas, "Optimally
+//! combining sampling techniques for Monte Carlo rendering", SIGGRAPH 1995); a mirror's direction can be drawn by the mirror
+//! alone. After the last surface one more ray looks for what shines. Nothing is cut off at random: N bounces are N bounces, and the mean has
+//! no bias. Numbers are Sobol' points scrambled by Owen's way, by pixel, sample and dimension
+//! ([`sampler`](crate::render::sampler)): the same on any number of threads.
+//!
+//! Rays go on from 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding puts events to 2⁻⁵³ of their
+//! coordinates, of which boosts make γ times as much, on one side of the surface or on the other.
+//!
+//! Where data of a cube are missing, they are dark for other surfaces. Lines of different shifts that meet in one sample are
+//! shown in their mean wavelength. What `display.background` shows lights nothing.
+//!
+//! Sources: Kajiya, "The rendering equation", SIGGRAPH 1986; Misner, Thorne, Wheeler, Gravitation, § 22.6 (L_ν/ν³); Weiskopf, Kraus,
+//! Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jarabo et al., ACM TOG 33(6), 2014 (time-resolved transport).
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::camera_rays::{Rays, Samples};
+use super::emitted::{Colouring, Detail, Emission, Emitted, Onward, Response};
+use super::lamps;
+use super::point::SurfacePoint;
+use super::radiance::{BaseColours, Emitter, Finish, Radiance, TimeResolved};
+use super::rest_frame::{Patch, RestFrame};
+use super::run::{Run, TracedRays};
+use super::stats::Meter;
+use crate::accel::Hit;
+use crate::camera::RayOrigin;
+use crate::light::Received;
+use crate::light::lamp::Incident;
+use crate::light::reflection::{Reflection, Scattered};
+use crate::light::time_texture::CaptureView;
+use crate::spacetime::{Direction, Displacement, Rest};
+
+/// What random numbers at a surface are for.
+const AREA: u32 = 0;
+const SKY: u32 = 1;
+const ONWARD: u32 = 2;
+
+/// Lights of all kinds, and surfaces that pass their light on.
+#[derive(Debug)]
+pub struct PathTraced {
+    /// The lights and the surfaces.
+    pub light: TimeResolved,
+    /// How many more times light is reflected after the first surface.
+    bounces: u32,
+    /// By emitter, what surfaces receive of its radiance.
+    received: Vec<Received>,
+    /// Whether there is light that rays can only find by meeting it.
+    shines: bool,
+}
+
+impl PathTraced {
+    /// `light`, reflected `bounces` more times; `received`: by emitter, what surfaces receive of its radiance.
+    pub fn new(light: TimeResolved, bounces: u32, received: Vec<Received>) -> Self {
+        let mut emitters = light.emitters.iter();
+        let shines = light.areas.is_some()
+            || light.sky.is_some()
+            || emitters.any(|(emitter, _)| !matches!(emitter, Emitter::Lit { .. }));
+        PathTraced {
+            light,
+            bounces,
+            received,
+            shines,
+        }
+    }
+}
+
+impl Radiance for PathTraced {
+    fn has_gaps(&self) -> bool {
+        self.light.has_gaps()
+    }
+
+    fn capture(&self, point: &SurfacePoint) -> Option<CaptureView> {
+        self.light.capture(point)
+    }
+
+    fn emit(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let (emitter, response) = &self.light.emitters[run.patch.emitter as usize];
+        let Emitter::Lit { finish, lamps } = emitter else {
+            return self.light.emit(run, emitted, meter);
+        };
+        emitted.start(response.clone());
+        self.start(finish, run, emitted);
+        if run.traced.rays.samples.depth <= self.bounces {
+            self.illuminate(lamps, run, emitted, meter);
+            self.follow(run, emitted, meter);
+        }
+        self.add_own(finish, run, emitted);
+    }
+}
+
+impl PathTraced {
+    /// Forgets the light of the last run, and notes how the points of `run` reflect.
+    fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+        emitted.incident.clear();
+        emitted.incident.resize(run.count(), Default::default());
+        emitted.added.clear();
+        emitted.added.resize(run.count(), [0.0; 3]);
+        emitted.reflections.clear();
+        let reflections = run.points().map(|point| {
+            let view = -point.local.tangent.x.normalize_or_zero();
+            let normal = point.facing_normal();
+            reflection(
+                &self.light.base,
+                finish,
+                (run.rest, run.patch, &point.hit),
+                normal,
+                view,
+            )
+        });
+        emitted.reflections.extend(reflections);
+    }
+
+    /// Adds the light that comes to the points of `run` from lamps, and that is drawn of what shines and of the sky.
+    fn illuminate(&self, lamps: &[usize], run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let TimeResolved {
+            lamps: all,
+            areas,
+            sky,
+            base,
+            index,
+            ..
+        } = &self.light;
+        for lamp in lamps.iter().filter_map(|k| all[*k].as_ref()) {
+            lamps::illuminate(run, lamp, *index, emitted, meter);
+        }
+        // Followed rays do not find what casts no shadow where something is in the way: it is drawn alone.
+        let weight = |reflection: Option<&Reflection>, l, density, shadows| match shadows {
+            true => balance(density, reflection.map_or(0.0, |r| r.density(l))),
+            false => 1.0,
+        };
+        if let Some(areas) = areas {
+            areas.illuminate_by(
+                |k| run.on_path(k, AREA),
+                |reflection, sent| weight(reflection, sent.l, sent.density, sent.shadows),
+                base,
+                run,
+                *index,
+                emitted,
+                meter,
+            );
+        }
+        let is_drawn =
+            |sky: &&super::SkyLight| !sky.shadows || sky.frames[run.frame as usize].is_uneven();
+        if let Some(sky) = sky.as_ref().filter(is_drawn) {
+            sky.illuminate_by(
+                |k| run.on_path(k, SKY),
+                |reflection, l, density| weight(reflection, l, density, sky.shadows),
+                run,
+                *index,
+                emitted,
+                meter,
+            );
+        }
+    }
+
+    /// Adds the light that is found along one drawn direction from each point of `run`.
+    fn follow(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let depth = run.traced.rays.samples.depth;
+        if depth == self.bounces && !self.shines {
+            return;
+        }
+        let mut next = emitted.next.take().unwrap_or_default();
+        next.start(depth + 1);
+        for (k, point) in run.points().enumerate() {
+            let drawn = emitted.reflections[k].sample(run.on_path(k, ONWARD));
+            if let Some(drawn) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0)) {
+                next.push(k, drawn, run, &point);
+            }
+        }
+        if !next.drawn.is_empty() {
+            self.trace(&mut next, run, emitted, meter);
+        }
+        emitted.next = Some(next);
+    }
+
+    /// Adds the light that `next` meets to what the points of `run` reflect.
+    fn trace(&self, next: &mut Onward, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let Onward {
+            depth,
+            drawn,
+            directions,
+            origins,
+            ratios,
+            pixels,
+            hits,
+            order,
+            members,
+            wavelength_ratios,
+            emitted: met,
+        } = next;
+        let before = run.traced;
+        let rays = Rays {
+            directions,
+            origins: Some(origins),
+            method: before.rays.method,
+            samples: Samples {
+                pixels,
+                index: before.rays.samples.index,
+                depth: *depth,
+            },
+        };
+        before.surfaces.nearest(&rays, hits, meter);
+        let traced = TracedRays {
+            surfaces: before.surfaces,
+            rays,
+            hits,
+            event: before.event,
+            index: before.index,
+        };
+        sort(&traced, order);
+        for (ray, (k, drawn)) in drawn.iter().enumerate() {
+            if traced.hits.hits()[ray].is_none() {
+                let light = self.escaped(run, &emitted.reflections[*k], drawn);
+                add(emitted, *k, drawn, light);
+            }
+        }
+        // Rays that have met one patch, together.
+        for group in order.chunk_by(|a, b| a.0 == b.0 && a.1 == b.1) {
+            let (frame, triangle, _) = group[0];
+            let rest = traced.surfaces.rest(frame);
+            members.clear();
+            members.extend(group.iter().map(|(_, _, ray)| *ray));
+            let run = Run {
+                traced: &traced,
+                members,
+                patch: rest.patch(triangle),
+                rest,
+                frame,
+            };
+            run.ratios(ratios, wavelength_ratios);
+            self.weigh_own(&run, drawn, wavelength_ratios, met);
+            self.emit(&run, met, meter);
+            let emitter = run.patch.emitter as usize;
+            let mut details = met.details.iter().peekable();
+            for (at, ray) in run.members.iter().enumerate() {
+                let w = wavelength_ratios[at];
+                let detail = details.next_if(|detail| detail.at == at);
+                let light = self.arriving(emitter, &met.response, w, met.radiance[at], detail);
+                let (k, drawn) = &drawn[*ray as usize];
+                add(emitted, *k, drawn, light);
+            }
+        }
+    }
+
+    /// What arrives of the radiance that leaves a surface of emitter `emitter`, seen at W.
+    fn arriving(
+        &self,
+        emitter: usize,
+        response: &Response,
+        w: f64,
+        radiance: [f64; 3],
+        detail: Option<&Detail>,
+    ) -> Incident {
+        let received = &self.received[emitter];
+        let light = match &response.colour {
+            Colouring::Spectrum(table, _) => {
+                let factor = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
+                table.colour(w).map(|c| c * factor)
+            }
+            _ => received.radiance(w, radiance),
+        };
+        let scale = detail.map_or(1.0, |detail| detail.wavelength_scale);
+        Incident::new(light, scale * received.wavelength_scale(w))
+    }
+
+    /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing.
+    fn escaped(&self, run: &Run, reflection: &Reflection, drawn: &Scattered) -> Incident {
+        let Some(light) = &self.light.sky else {
+            return Incident::new([0.0; 3], 1.0);
+        };
+        let boosted = &light.frames[run.frame as usize];
+        let (d, rho) = boosted.in_world(drawn.l);
+        let w = 1.0 / rho;
+        let radiance = if drawn.density.is_infinite() {
+            // A mirror shows the sun, whose light as that of a lamp it does not reflect.
+            let radiance = light.sky.radiance(d.unit(), 0.0);
+            boosted.received().radiance(w, radiance)
+        } else {
+            let weight = match (light.shadows, boosted.is_uneven()) {
+                (false, _) => 0.0,
+                (true, false) => 1.0,
+                (true, true) => {
+                    let cosine = reflection.normal().dot(drawn.l);
+                    balance(drawn.density, boosted.density(cosine, d, rho))
+                }
+            };
+            boosted.radiance(&light.sky, d, rho).map(|l| l * weight)
+        };
+        Incident::new(radiance, boosted.received().wavelength_scale(w))
+    }
+
+    /// Notes what the points of `run` shine of their own counts for, where each was met along one of `drawn` and could have been drawn
+    /// itself; `ratios` are W.
+    fn weigh_own(
+        &self,
+        run: &Run,
+        drawn: &[(usize, Scattered)],
+        ratios: &[f64],
+        emitted: &mut Emitted,
+    ) {
+        emitted.own_weights.clear();
+        let emitter = &self.light.emitters[run.patch.emitter as usize].0;
+        let shines = matches!(emitter, Emitter::Lit { finish, .. } if finish.emission.is_some());
+        let Some(areas) = self.light.areas.as_ref().filter(|_| shines) else {
+            return;
+        };
+        for (at, point) in run.points().enumerate() {
+            let by_material = drawn[run.members[at] as usize].1.density;
+            let by_area = areas.density(run.frame, point.hit.triangle);
+            let weight = match by_area {
+                _ if by_material.is_infinite() => 1.0,
+                None => 1.0,
+                Some((_, false)) => 0.0,
+                Some((by_area, true)) => {
+                    // (4), with r_G = s |k| in the frame where what shines rests.
+                    let k = point.local.tangent.x;
+                    let (r, w) = (point.hit.s * k.length(), ratios[at]);
+                    let cosine = -point.facing_normal().dot(k) / k.length();
+                    let by_light = by_area * r * r / (w * w * cosine.max(f64::MIN_POSITIVE));
+                    balance(by_material, by_light)
+                }
+            };
+            emitted.own_weights.push(weight);
+        }
+    }
+
+    /// Ends the points of `run`: what they reflect, and what they shine of their own.
+    fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+        for k in 0..run.count() {
+            let Some(hit) = run.hit(k) else {
+                continue;
+            };
+            let mut radiance = emitted.added[k];
+            if let Some(emission) = &finish.emission {
+                let own = self
+                    .light
+                    .base
+                    .colour_at(emission, run.rest, run.patch, &hit);
+                let weight = emitted.own_weights.get(k).copied().unwrap_or(1.0);
+                radiance = std::array::from_fn(|c| radiance[c] + weight * own[c]);
+            }
+            let wavelength_scale = emitted.incident[k].wavelength_scale();
+            emitted.push(Emission {
+                wavelength_scale,
+                ..Emission::full(radiance)
+            });
+        }
+    }
+}
+
+/// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`.
+pub(super) fn reflection(
+    base: &BaseColours,
+    finish: &Finish,
+    (rest, patch, hit): (&RestFrame, &Patch, &Hit),
+    normal: DVec3,
+    view: DVec3,
+) -> Reflection {
+    let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
+    let Some(gloss) = &finish.gloss else {
+        return Reflection::diffuse(normal, colour);
+    };
+    let [metallic, roughness] = base.gloss(gloss, rest, patch, hit);
+    let reflection = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
+    match roughness == 0.0 {
+        true => reflection.as_mirror(),
+        false => reflection,
+    }
+}
+
+impl Onward {
+    /// Forgets all rays; those to come have left `depth` surfaces behind.
+    fn start(&mut self, depth: u32) {
+        self.depth = depth;
+        self.drawn.clear();
+        self.directions.clear();
+        self.origins.clear();
+        self.ratios.clear();
+        self.pixels.clear();
+    }
+
+    /// Adds the ray from `point`, the k-th of `run`, along `drawn`.
+    fn push(&mut self, k: usize, drawn: Scattered, run: &Run, point: &SurfacePoint) {
+        const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
+        let world_from_rest = run.rest.frame.world_from_frame();
+        let (d, ratio) = world_from_rest.direction(Direction::<Rest>::from_unit(drawn.l));
+        // From the event of the shot to the point, and off its surface.
+        let way = point.origin.displacement + point.ray.tangent * point.hit.s;
+        let gamma = run.rest.frame.velocity().gamma();
+        let size = gamma * (way.ct.abs() + way.x.abs().max_element())
+            + point.local.origin.x.abs().max_element()
+            + point.rest_event().x.abs().max_element();
+        let off = point.facing_normal() * (CLEARANCE * size);
+        let off = world_from_rest.displacement(Displacement::new(0.0, off));
+        self.drawn.push((k, drawn));
+        self.directions.push(d.unit());
+        self.ratios.push(ratio);
+        self.origins.push(RayOrigin {
+            displacement: way + off,
+            delay: 1.0,
+            weight: 1.0,
+        });
+        let ray = run.members[k] as usize;
+        self.pixels.push(run.traced.rays.samples.pixel(ray));
+    }
+}
+
+/// Puts the rays that have met something into `order`, by patch. Black backs are nothing that shines.
+fn sort(traced: &TracedRays, order: &mut Vec<(u32, u32, u32)>) {
+    order.clear();
+    for (ray, hit) in traced.hits.hits().iter().enumerate() {
+        let Some(hit) = hit else {
+            continue;
+        };
+        let frame = traced.hits.frame(ray);
+        let patch = traced.surfaces.rest(frame).patch(hit.triangle);
+        if hit.front || !patch.black_back {
+            order.push((frame, patch.first, ray as u32));
+        }
+    }
+    order.sort_unstable();
+}
+
+/// Adds what arrives at point `k` along `drawn` to what it reflects.
+fn add(emitted: &mut Emitted, k: usize, drawn: &Scattered, light: Incident) {
+    for (c, sum) in emitted.added[k].iter_mut().enumerate() {
+        *sum += drawn.weight[c] * light.irradiance[c];
+    }
+    // As an irradiance, like that of lamps.
+    emitted.incident[k].weigh(&light.scaled(PI));
+}
+
+/// The share of what is drawn with density `own`, where it could be drawn with density `other` too.
+#[inline]
+fn balance(own: f64, other: f64) -> f64 {
+    match own > 0.0 {
+        true => own / (own + other),
+        false => 0.0,
+    }
+}

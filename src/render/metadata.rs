@@ -150,7 +150,7 @@ pub fn motion(motion: &Motion) -> &'static str {
         Motion::Inertial => "inertial",
         Motion::Accelerated(_) => "acceleration",
         Motion::Segments(_) => "segments",
-        Motion::Profile(_) => "profile",
+        Motion::Profile { .. } => "profile",
         Motion::Keyframes(_) => "keyframes",
         Motion::Circular { .. } => "circle",
     }

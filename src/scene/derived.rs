@@ -85,7 +85,7 @@ impl Motion {
             Motion::Inertial => Ok(WorldLine::inertial(velocity, zero)),
             Motion::Accelerated(a) => WorldLine::hyperbolic(velocity, zero, *a),
             Motion::Segments(segments) => WorldLine::segments(velocity, zero, segments),
-            Motion::Profile(knots) => WorldLine::profile(velocity, zero, knots),
+            Motion::Profile { knots, axes } => WorldLine::profile(velocity, zero, knots, *axes),
             Motion::Keyframes(events) => WorldLine::keyframes(events),
             Motion::Circular { centre, axis, rate } => {
                 WorldLine::circular(zero, *centre, *axis, *rate)

@@ -112,7 +112,7 @@ fn motion_text(motion: &Motion) -> Option<String> {
                 segments.len()
             )
         }
-        Motion::Profile(knots) => {
+        Motion::Profile { knots, .. } => {
             let time = |knot: Option<&(f64, DVec3)>| knot.map_or(0.0, |(time, _)| *time);
             let (first, last) = (time(knots.first()), time(knots.last()));
             let count = knots.len();
@@ -217,11 +217,11 @@ fn motion_data(motion: &Motion) -> Value {
             );
             json!({ "kind": kind, "segments": entries.collect::<Vec<_>>() })
         }
-        Motion::Profile(knots) => {
+        Motion::Profile { knots, axes } => {
             let entries = knots
                 .iter()
                 .map(|(time, a)| json!({ "time": time, "proper_per_m": a.to_array() }));
-            json!({ "kind": kind, "knots": entries.collect::<Vec<_>>() })
+            json!({ "kind": kind, "axes": axes, "knots": entries.collect::<Vec<_>>() })
         }
         Motion::Keyframes(events) => {
             let entries = events

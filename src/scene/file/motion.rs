@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::at::At;
 use crate::scene::values::Vector;
 use crate::spacetime::units::{Acceleration, AngularRate, Time};
+use crate::spacetime::worldline::Axes;
 
 /// How a pinhole, or a light, moves on from `eye` (`position`), `velocity` and `clock_zero`, given in exactly
 /// one way. For a light read "light" for "camera" and "pinhole". Without
@@ -27,6 +28,11 @@ pub(in crate::scene) struct Motion {
     /// first time to the last, and has no more; 0 is one of the times, or lies between them. 2 to 100000
     /// entries.
     pub profile: Option<At<Vec<At<ProfileKnot>>>>,
+    /// The axes in which the directions of accelerations are given. "gyroscope": carried along without rotation from the
+    /// camera's time 0 on, when they are the world's, boosted, so that splitting a segment changes nothing. "world": the
+    /// world's, boosted, at each moment; `profile` alone can be computed in these where an acceleration is oblique to
+    /// the velocity. Default: "gyroscope".
+    pub axes: Option<At<Axes>>,
     /// World events through which the pinhole goes, smoothly, in place of `eye`, `velocity` and
     /// `clock_zero`: times ascend, and everything between is slower than light. The world line goes from
     /// the first event, where the camera's clock shows 0, to the last, and has no more. The forward axis
@@ -47,8 +53,7 @@ pub(in crate::scene) struct ProperAcceleration {
     /// Its magnitude, like "0.1 /m" (a/c²), "9.81 m/s2" or "0.03 c/ns"; a negative one is against
     /// `direction`. 0 is no acceleration.
     pub proper: At<Acceleration>,
-    /// Its direction in the camera's frame, whose axes are the world's, boosted without rotation; of any
-    /// length but 0. Needed unless `proper` is 0.
+    /// Its direction in the `axes` of the motion; of any length but 0. Needed unless `proper` is 0.
     pub direction: Option<At<Vector>>,
 }
 
@@ -63,8 +68,7 @@ pub(in crate::scene) struct MotionSegment {
     /// The camera's time that it takes, above 0. Only the last segment may leave it out: it then goes on
     /// for ever.
     pub duration: Option<At<Time>>,
-    /// The proper acceleration, in the camera's frame when the segment begins. Default: none; the camera
-    /// coasts.
+    /// The proper acceleration. Default: none; the camera coasts.
     pub acceleration: Option<At<ProperAcceleration>>,
 }
 
@@ -78,7 +82,7 @@ pub(in crate::scene) struct MotionSegment {
 pub(in crate::scene) struct ProfileKnot {
     /// The camera's time, above that of the entry before.
     pub time: At<Time>,
-    /// The proper acceleration then, in the camera's frame. Default: none.
+    /// The proper acceleration then. Default: none.
     pub acceleration: Option<At<ProperAcceleration>>,
 }
 

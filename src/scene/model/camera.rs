@@ -5,7 +5,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::spacetime::worldline::Segment;
+use crate::spacetime::worldline::{Axes, Segment};
 use crate::spacetime::{Event, Velocity, World};
 
 /// The camera: a pinhole on a world line, and a sensor behind it.
@@ -100,7 +100,12 @@ pub enum Motion {
     /// One segment after the other from proper time 0 on; without acceleration before and after.
     Segments(Vec<Segment>),
     /// Proper acceleration at proper times, linear between; from the first time to the last.
-    Profile(Vec<(f64, DVec3)>),
+    Profile {
+        /// Proper times, metres, and accelerations, 1/m.
+        knots: Vec<(f64, DVec3)>,
+        /// The axes of the accelerations.
+        axes: Axes,
+    },
     /// A smooth curve through world events, from the first to the last; the clock shows 0 at the first.
     Keyframes(Vec<Event<World>>),
     /// At constant speed around an axis.

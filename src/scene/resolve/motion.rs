@@ -12,7 +12,7 @@ use crate::scene::file;
 use crate::scene::model::Motion;
 use crate::scene::values::Vector;
 use crate::spacetime::units::Time;
-use crate::spacetime::worldline::{Segment, WorldLine};
+use crate::spacetime::worldline::{Axes, Segment, WorldLine};
 use crate::spacetime::{Event, Velocity, World};
 
 const HELP: &str =
@@ -73,12 +73,48 @@ pub(super) fn resolve(cx: &Context, mover: &Mover, position: DVec3) -> Result<Mo
     };
     let line = motion.world_line(velocity, origin);
     let line = line.map_err(|error| worldline::refusal(cx, mover, &error))?;
+    if let Some(axes) = mover.motion.as_ref().and_then(|m| m.value.axes.as_ref()) {
+        check_axes(cx, axes, &motion, &line)?;
+    }
     Ok(Moving {
         origin,
         velocity: line.state(0.0).map_or(velocity, |state| state.velocity),
         motion,
         line,
     })
+}
+
+/// Refuses axes that say nothing of this motion, or in which it has no closed form.
+fn check_axes(cx: &Context, axes: &At<Axes>, motion: &Motion, line: &WorldLine) -> Result<()> {
+    let starts: Vec<(f64, DVec3)> = match motion {
+        Motion::Inertial | Motion::Profile { .. } => return Ok(()),
+        Motion::Accelerated(a) => vec![(0.0, *a)],
+        Motion::Segments(segments) => {
+            let mut time = 0.0;
+            let start = |segment: &Segment| {
+                let begin = time;
+                time += segment.duration;
+                (begin, segment.acceleration)
+            };
+            segments.iter().map(start).collect()
+        }
+        Motion::Keyframes(_) | Motion::Circular { .. } => {
+            let what = "`axes` belongs to accelerations, and this motion has none";
+            return Err(cx.refuse(axes, what, "leave out `axes`"));
+        }
+    };
+    // Along the velocity both axes are the same; the bound is the rounding of directions in a file.
+    let is_oblique = |(time, a): &(f64, DVec3)| {
+        let u = line.state(*time).map_or(DVec3::ZERO, |s| s.velocity.beta());
+        a.cross(u).length() > 1e-12 * a.length() * u.length()
+    };
+    if axes.value == Axes::World && starts.iter().any(|start| is_oblique(start)) {
+        let what = "an acceleration oblique to the velocity and constant in the world's boosted axes is no \
+                    hyperbola: `acceleration` and `segments` are constant in those of a gyroscope";
+        let help = "give it as a `profile`, or take axes = \"gyroscope\"";
+        return Err(cx.refuse(axes, what, help));
+    }
+    Ok(())
 }
 
 fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
@@ -191,5 +227,9 @@ fn profile(cx: &Context, mover: &Mover, at: &At<Vec<At<file::ProfileKnot>>>) -> 
         );
         return Err(cx.refuse(at, what, help));
     }
-    Ok(Motion::Profile(knots))
+    let axes = mover.motion.as_ref().and_then(|m| m.value.axes.as_ref());
+    Ok(Motion::Profile {
+        knots,
+        axes: axes.map_or(Axes::default(), |axes| axes.value),
+    })
 }

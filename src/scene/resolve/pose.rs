@@ -194,11 +194,15 @@ pub(super) fn fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) ->
 /// The refusal of a field of view that is possible, and beyond what double precision tells apart.
 fn extreme(cx: &Context, hfov: &At<Angle>) -> Error {
     let what = format!(
-        "a field of view of {} is within a billionth of a radian of 0 or 180 degrees, where neighbouring pixels look the \
-         same way in double precision",
+        "a field of view of {} is within a billionth of a radian of 0 or 180 degrees: of the angle between \
+         neighbouring ones of a thousand pixels, double precision keeps four digits at most there",
         hfov.value
     );
-    cx.refuse(hfov, what, "give at least 1e-9 rad, and at most pi − 1e-9")
+    cx.refuse(
+        hfov,
+        what,
+        "give more than 1e-9 rad, and less than pi − 1e-9",
+    )
 }
 
 /// A field of view in radians, in (0, π] or (0, 2π].

@@ -190,7 +190,7 @@ fn refuse_horizon(
     let mut accelerations = match &model.motion {
         Motion::Accelerated(a) => vec![*a],
         Motion::Segments(segments) => segments.iter().map(|s| s.acceleration).collect(),
-        Motion::Profile(knots) => knots.iter().map(|(_, a)| *a).collect(),
+        Motion::Profile { knots, .. } => knots.iter().map(|(_, a)| *a).collect(),
         Motion::Inertial | Motion::Keyframes(_) | Motion::Circular { .. } => Vec::new(),
     };
     accelerations.extend(exposed(model));

@@ -12,6 +12,7 @@ use super::cone::past_cone;
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
 use super::hyperbola;
 use super::state::{Crossing, State};
+use super::taylor::combined;
 use super::vicinity::Vicinity;
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
 
@@ -20,7 +21,8 @@ use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, Wor
 pub struct Segment {
     /// Proper time that it takes, metres; infinite for the last.
     pub duration: f64,
-    /// Proper acceleration in the comoving frame's axes at its beginning, 1/m; zero is coasting.
+    /// Proper acceleration, 1/m, in axes that are carried along without rotation from proper time 0 on, where they are
+    /// the comoving frame's; zero is coasting.
     pub acceleration: DVec3,
 }
 
@@ -79,16 +81,19 @@ impl Arcs {
             return Err(WorldLineError::TooMany(segments.len()));
         }
         let mut state = State::new(0.0, zero, velocity, DVec3::ZERO);
+        // The gyroscope's axes in those of the comoving frame.
+        let mut axes = DVec3::AXES;
         let mut arcs = vec![Arc::eternal(state)];
         for (index, segment) in segments.iter().enumerate() {
             check(segment.acceleration, Some(index))?;
             check_duration(segments, index)?;
-            let begin = accelerating(&state, segment.acceleration);
+            let begin = accelerating(&state, combined(axes, segment.acceleration));
             if segment.duration.is_infinite() {
                 arcs.push(Arc::eternal(begin));
                 break;
             }
             state = end(&begin, segment.duration, index)?;
+            axes = axes.map(|axis| hyperbola::turned(&begin, segment.duration, axis));
             arcs.push(Arc { begin, end: state });
             if index + 1 == segments.len() {
                 arcs.push(Arc::eternal(accelerating(&state, DVec3::ZERO)));

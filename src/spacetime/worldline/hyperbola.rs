@@ -13,8 +13,7 @@ use crate::spacetime::{Displacement, Event, Velocity, World};
 /// (carried along without rotation); none where the rapidity is above [`crate::spacetime::MAX_RAPIDITY`].
 pub(super) fn after(start: &State, elapsed: f64) -> Option<State> {
     let (event, velocity) = place_after(start, elapsed)?;
-    let (phi, _) = start.thrust.rapidity(elapsed);
-    let acceleration = turned(start, phi);
+    let acceleration = turned(start, elapsed, start.acceleration);
     let proper_time = start.proper_time + elapsed;
     Some(State::new(proper_time, event, velocity, acceleration))
 }
@@ -35,17 +34,18 @@ pub(super) fn way(start: &State, elapsed: f64) -> Displacement<World> {
     start.frame().world_from_frame().displacement(own)
 }
 
-/// The acceleration of `start` in the comoving axes at rapidity `phi` further on.
+/// In the comoving axes, what becomes of a direction that is carried along without rotation, `a` at `start`, during proper
+/// time `elapsed` of its acceleration.
 ///
 /// Two boosts in a row are a boost after a rotation (Thomas, Wigner): with the halves
 /// t₀ = tanh(w₀/2) m and t₁ = tanh(φ/2) n it has the Gibbs vector tan(θ/2) r = −t₀ × t₁ / (1 + t₀·t₁).
-fn turned(start: &State, phi: f64) -> DVec3 {
+pub(super) fn turned(start: &State, elapsed: f64, a: DVec3) -> DVec3 {
+    let (phi, _) = start.thrust.rapidity(elapsed);
     let (m, w) = start.velocity.split();
     // The rotation by its Gibbs vector b: a + 2 (b × a + b × (b × a))/(1 + b²).
     let first = m * libm::tanh(0.5 * w);
     let second = start.thrust.n * libm::tanh(0.5 * phi);
     let gibbs = -first.cross(second) / (1.0 + first.dot(second));
-    let a = start.acceleration;
     let across = gibbs.cross(a);
     a + (across + gibbs.cross(across)) * (2.0 / (1.0 + gibbs.length_squared()))
 }

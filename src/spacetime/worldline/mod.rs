@@ -10,9 +10,10 @@
 //! | [circular](WorldLine::circular) | axis and rate | all |
 //!
 //! Proper time τ and world time ct are in metres, accelerations in 1/m (1 m⁻¹ is c²/m = 9·10¹⁶ m/s²).
-//! The comoving frame's axes are the world's, boosted without rotation; a *stretch of constant proper
-//! acceleration* is constant in axes carried along without rotation (Fermi–Walker), which turn against those
-//! when the acceleration is oblique to the velocity (Thomas precession).
+//! The comoving frame's axes are the world's, boosted without rotation. Axes carried along without rotation, those of
+//! a gyroscope (Fermi–Walker), turn against them when the acceleration is oblique to the velocity (Thomas
+//! precession). Accelerations are given in the gyroscope's, so that a stretch may be split anywhere without changing the
+//! path; a profile also in the others ([`Axes`]).
 //!
 //! For a line slower than light, t_E − t(τ) − |x_E − x(τ)| strictly decreases with τ, so that the past light
 //! cone of an event E crosses the line at most once. It may not cross at all: a line that accelerates for
@@ -61,6 +62,7 @@ mod world_line;
 
 pub use arcs::Segment;
 pub use error::{MAX_ACCELERATION, MAX_ENTRIES, MAX_KEYFRAME_SPEED, WorldLineError};
+pub use profile::Axes;
 pub use state::{Crossing, State};
 pub use vicinity::Vicinity;
 pub use world_line::WorldLine;

@@ -19,9 +19,24 @@ use crate::spacetime::{Displacement, Event, MAX_RAPIDITY, Velocity, World};
 /// The most steps in either direction: at most 120 MB of coefficients.
 const MAX_STEPS: usize = 150_000;
 
+/// The axes to which accelerations refer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Axes {
+    /// Those of a gyroscope: carried along without rotation from proper time 0 on, where they are the comoving
+    /// frame's, so that it makes no difference where a stretch is split.
+    #[default]
+    Gyroscope,
+    /// The world's, boosted without rotation, at each moment: those of the camera's own frame. They are the same as the
+    /// gyroscope's as long as the acceleration is along the velocity.
+    World,
+}
+
 /// Knots and the motion between them, by proper time.
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
+    axes: Axes,
     knots: Vec<(f64, DVec3)>,
     series: Series,
 }
@@ -31,6 +46,7 @@ impl Profile {
         velocity: Velocity,
         zero: Event<World>,
         knots: &[(f64, DVec3)],
+        axes: Axes,
     ) -> Result<Self, WorldLineError> {
         check_count(knots.len())?;
         for (index, (time, acceleration)) in knots.iter().enumerate() {
@@ -44,8 +60,9 @@ impl Profile {
         if !(first..=last).contains(&0.0) {
             return Err(WorldLineError::ZeroOutside { first, last });
         }
-        let series = integrate(velocity, zero, knots)?;
+        let series = integrate(velocity, zero, knots, axes)?;
         Ok(Profile {
+            axes,
             knots: knots.to_vec(),
             series,
         })
@@ -62,7 +79,15 @@ impl Profile {
             0.0 => Velocity::REST,
             _ => Velocity::along(tangent.x, rapidity).ok()?,
         };
-        let acceleration = acceleration(&self.knots, proper_time);
+        let acceleration = match self.axes {
+            Axes::World => acceleration(&self.knots, proper_time),
+            // a = U̇ − U (U·U̇)/(γ(1 + γ)): U̇ with its part along the motion divided by γ.
+            Axes::Gyroscope => {
+                let (n, _) = velocity.split();
+                let change = self.series.second(proper_time);
+                change - n * (change.dot(n) * (1.0 - 1.0 / velocity.gamma()))
+            }
+        };
         Some(State::new(proper_time, event, velocity, acceleration))
     }
 
@@ -100,16 +125,17 @@ fn integrate(
     velocity: Velocity,
     zero: Event<World>,
     knots: &[(f64, DVec3)],
+    axes: Axes,
 ) -> Result<Series, WorldLineError> {
     let (n, phi) = velocity.split();
     let start = n * libm::sinh(phi);
     // From proper time 0 to the first knot, and to the last.
     let middle = span_at(knots, 0.0);
-    let mut before = Walk::new(zero, start);
+    let mut before = Walk::new(zero, start, axes);
     for index in (0..=middle).rev() {
         before.along(knots, index, knots[index].0)?;
     }
-    let mut after = Walk::new(zero, start);
+    let mut after = Walk::new(zero, start, axes);
     for index in middle..knots.len() - 1 {
         after.along(knots, index, knots[index + 1].0)?;
     }
@@ -147,15 +173,20 @@ struct Walk {
     position: Sum,
     /// U after the last step.
     u: Sum,
+    /// The axes of the accelerations then, and whether they are carried along.
+    axes: [DVec3; 3],
+    carried: bool,
 }
 
 impl Walk {
-    fn new(zero: Event<World>, u: DVec3) -> Self {
+    fn new(zero: Event<World>, u: DVec3, axes: Axes) -> Self {
         Walk {
             nodes: vec![(0.0, zero)],
             steps: Vec::new(),
             position: Sum::new(zero.x.extend(zero.ct)),
             u: Sum::new(u.extend(0.0)),
+            axes: DVec3::AXES,
+            carried: axes == Axes::Gyroscope,
         }
     }
 
@@ -172,7 +203,8 @@ impl Walk {
         while time != target {
             let a = acceleration(&knots[index..=index + 1], time);
             // One step of the series, cut at the knot.
-            let step = taylor::step(self.u.value.truncate(), a, slope, target - time);
+            let u = self.u.value.truncate();
+            let step = taylor::step(u, (self.axes, self.carried), a, slope, target - time);
             let whole = step.length == target - time;
             let next = if whole { target } else { time + step.length };
             if next == time || self.steps.len() == MAX_STEPS {
@@ -197,6 +229,7 @@ impl Walk {
     fn take(&mut self, step: Step, time: f64) {
         self.position.add(step.coefficients.iter().rev().sum());
         self.u.add(step.gained.extend(0.0));
+        self.axes = step.axes;
         let Sum { value, .. } = self.position;
         self.nodes
             .push((time, Event::new(value.w, value.truncate())));

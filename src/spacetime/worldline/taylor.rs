@@ -6,11 +6,18 @@
 //! U̇ = a + s V,   γ̇ = s,   s = U·a,   V = U D,   D = 1/(1 + γ),   Ḋ = −D² s,   ẋ = U,   ct˙ = γ.
 //! ```
 //!
+//! Where a is given in axes eᵢ that are carried along without rotation, these turn against the boosted ones (Thomas),
+//!
+//! ```text
+//! a = Σ aᵢ eᵢ,   ėᵢ = Ω × eᵢ,   Ω = a × V.
+//! ```
+//!
 //! All right-hand sides are products, whose coefficients are sums of products of earlier ones. A step begins
-//! with |a| h ≤ 1 and is shortened until the last two coefficients of U are below rounding: the nearest
+//! with |a| h ≤ 1 and is shortened until the last two coefficients of U and of the axes are below rounding: the nearest
 //! singularities, those of D, lie at |a| h = π for constant a. γ² = 1 + U² is set anew at each step.
 //!
-//! Source: the Taylor-series method of recurrent power series, e.g. Jorba and Zou, Exp. Math. 14 (2005).
+//! Sources: the Taylor-series method of recurrent power series, e.g. Jorba and Zou, Exp. Math. 14 (2005); Thomas precession
+//! ω = γ²/(γ + 1) v̇ × v as in Jackson, Classical Electrodynamics, 11.8, of which Ω is that per proper time.
 
 use glam::{DVec3, DVec4};
 
@@ -28,21 +35,42 @@ pub(super) struct Step {
     pub coefficients: Vec<DVec4>,
     /// What it adds to U.
     pub gained: DVec3,
+    /// The axes in which accelerations are given, at its end.
+    pub axes: [DVec3; 3],
 }
 
 /// The series of U and γ.
 struct Motion {
     u: [DVec3; ORDER + 1],
     gamma: [f64; ORDER + 1],
+    /// Those of the axes, where they turn.
+    axes: [[DVec3; ORDER + 1]; 3],
 }
 
-/// A step from U = `start`, `length` long or less, with proper acceleration `a` + `slope` τ.
-pub(super) fn step(start: DVec3, a: DVec3, slope: DVec3, mut length: f64) -> Step {
+/// The vector with components `a` along `axes`.
+pub(super) fn combined(axes: [DVec3; 3], a: DVec3) -> DVec3 {
+    let [x, y, z] = axes;
+    x * a.x + y * a.y + z * a.z
+}
+
+/// A step from U = `start`, `length` long or less, with proper acceleration `a` + `slope` τ, whose components refer to
+/// `axes`, given in the boosted ones; those turn where they are `carried` along.
+pub(super) fn step(
+    start: DVec3,
+    (axes, carried): ([DVec3; 3], bool),
+    a: DVec3,
+    slope: DVec3,
+    mut length: f64,
+) -> Step {
     // |a| h ≤ 1 at both ends, and so between them: a is linear.
     while length.abs() * a.length().max((a + slope * length).length()) > 1.0 {
         length *= 0.5;
     }
-    let mut motion = Motion::new(start, a * length, slope * (length * length));
+    let (a, slope) = (a * length, slope * (length * length));
+    let mut motion = match carried {
+        true => Motion::carried(start, axes, a, slope),
+        false => Motion::new(start, axes, a, slope),
+    };
     let factor = motion.shortening();
     motion.shorten(factor);
     length *= factor;
@@ -50,12 +78,13 @@ pub(super) fn step(start: DVec3, a: DVec3, slope: DVec3, mut length: f64) -> Ste
         length,
         coefficients: motion.positions(length),
         gained: (1..=ORDER).rev().map(|k| motion.u[k]).sum(),
+        axes: motion.axes.map(|axis| axis.iter().rev().sum()),
     }
 }
 
 impl Motion {
-    /// With proper acceleration `a` + `slope` u.
-    fn new(start: DVec3, a: DVec3, slope: DVec3) -> Self {
+    /// With proper acceleration `a` + `slope` u in the boosted axes.
+    fn new(start: DVec3, axes: [DVec3; 3], a: DVec3, slope: DVec3) -> Self {
         let mut u = [DVec3::ZERO; ORDER + 1];
         let [mut gamma, mut d] = [[0.0; ORDER + 1]; 2];
         let mut v = [DVec3::ZERO; ORDER];
@@ -77,13 +106,51 @@ impl Motion {
             gamma[k + 1] = s[k] / next;
             d[k + 1] = -(0..=k).map(|i| sd[i] * d[k - i]).sum::<f64>() / next;
         }
-        Motion { u, gamma }
+        let axes = axes.map(|axis| {
+            let mut series = [DVec3::ZERO; ORDER + 1];
+            series[0] = axis;
+            series
+        });
+        Motion { u, gamma, axes }
+    }
+
+    /// With proper acceleration `a` + `slope` u in axes that are carried along, `axes` at the beginning.
+    fn carried(start: DVec3, axes: [DVec3; 3], a: DVec3, slope: DVec3) -> Self {
+        let mut motion = Motion::new(start, axes, DVec3::ZERO, DVec3::ZERO);
+        let Motion { u, gamma, axes } = &mut motion;
+        let mut d = [0.0; ORDER + 1];
+        let [mut own, mut v, mut turn] = [[DVec3::ZERO; ORDER]; 3];
+        let [mut s, mut sd] = [[0.0; ORDER]; 2];
+        d[0] = 1.0 / (1.0 + gamma[0]);
+        for k in 0..ORDER {
+            let next = (k + 1) as f64;
+            // Coefficient k of a = Σ (aᵢ + slopeᵢ u) eᵢ, s = U·a, V = U D, s D and Ω = a × V.
+            own[k] = combined(axes.map(|axis| axis[k]), a);
+            if k > 0 {
+                own[k] += combined(axes.map(|axis| axis[k - 1]), slope);
+            }
+            s[k] = (0..=k).map(|i| u[i].dot(own[k - i])).sum();
+            v[k] = (0..=k).map(|i| u[i] * d[k - i]).sum();
+            sd[k] = (0..=k).map(|i| s[i] * d[k - i]).sum();
+            turn[k] = (0..=k).map(|i| own[i].cross(v[k - i])).sum();
+            // Coefficients k + 1 of U̇ = a + s V, γ̇ = s, Ḋ = −D (s D) and ėᵢ = Ω × eᵢ.
+            let gained: DVec3 = (0..=k).map(|i| v[k - i] * s[i]).sum();
+            u[k + 1] = (own[k] + gained) / next;
+            gamma[k + 1] = s[k] / next;
+            d[k + 1] = -(0..=k).map(|i| sd[i] * d[k - i]).sum::<f64>() / next;
+            for axis in axes.iter_mut() {
+                let turned: DVec3 = (0..=k).map(|i| turn[i].cross(axis[k - i])).sum();
+                axis[k + 1] = turned / next;
+            }
+        }
+        motion
     }
 
     /// The factor on u that brings the last coefficients below rounding.
     fn shortening(&self) -> f64 {
         let factor = |k: usize| {
-            let size = self.u[k].length() / self.gamma[0];
+            let turned = self.axes.iter().map(|axis| axis[k].length());
+            let size = turned.fold(self.u[k].length() / self.gamma[0], f64::max);
             libm::pow(TOLERANCE / size, 1.0 / k as f64)
         };
         factor(ORDER).min(factor(ORDER - 1)).min(1.0)
@@ -95,6 +162,9 @@ impl Motion {
         for k in 0..=ORDER {
             self.u[k] *= power;
             self.gamma[k] *= power;
+            for axis in &mut self.axes {
+                axis[k] *= power;
+            }
             power *= factor;
         }
     }

@@ -6,7 +6,7 @@ use super::arcs::{Arcs, Segment};
 use super::circular::Circular;
 use super::error::WorldLineError;
 use super::keyframes::Keyframes;
-use super::profile::Profile;
+use super::profile::{Axes, Profile};
 use super::state::{Crossing, State};
 use super::vicinity::Vicinity;
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
@@ -51,15 +51,16 @@ impl WorldLine {
         Ok(Kind::Arcs(Arcs::segments(velocity, zero, segments)?).into())
     }
 
-    /// With the proper acceleration given at knots of proper time, in the comoving frame's axes of each moment
-    /// (the world's, boosted without rotation), and linear between them; from the first knot to the last.
+    /// With the proper acceleration given at knots of proper time, as components along `axes`, and linear between
+    /// them; from the first knot to the last.
     /// `velocity` and `zero` are the state at proper time 0, which must be among these times.
     pub fn profile(
         velocity: Velocity,
         zero: Event<World>,
         knots: &[(f64, DVec3)],
+        axes: Axes,
     ) -> Result<WorldLine, WorldLineError> {
-        Ok(Kind::Profile(Profile::new(velocity, zero, knots)?).into())
+        Ok(Kind::Profile(Profile::new(velocity, zero, knots, axes)?).into())
     }
 
     /// The natural cubic spline x(ct) through `events`, from the first, at proper time 0, to the last.

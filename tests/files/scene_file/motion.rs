@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use nullray::scene::model::*;
 use nullray::scene::{Overrides, parse};
-use nullray::spacetime::worldline::Segment;
+use nullray::spacetime::worldline::{Axes, Segment};
 use nullray::spacetime::{Event, Velocity};
 
 pub fn camera(keys: &str) -> CameraModel {
@@ -20,6 +20,14 @@ fn moving(motion: &str) -> CameraModel {
     camera(&format!(
         "eye = [3, 0, 4]\nlook_at = [0, 0, 0]\nclock_zero = '7 m'\nmotion = {{ {motion} }}"
     ))
+}
+
+fn refused(motion: &str) -> String {
+    let text = format!(
+        "[camera]\neye = [3, 0, 4]\nlook_at = [0, 0, 0]\nmotion = {{ {motion} }}\n[[object]]\nshape.sphere.radius = 1\n"
+    );
+    let scene = parse(&text, "test", Path::new(""), &Overrides::default());
+    scene.unwrap_err().to_string()
 }
 
 fn span(camera: &CameraModel) -> [f64; 2] {
@@ -87,9 +95,37 @@ fn a_profile_begins_and_ends_with_its_first_and_last_time() {
          { time = '4 ns' }]",
     );
     let expected = vec![(-1.0, DVec3::Y), (4.0, DVec3::ZERO)];
-    assert_eq!(camera.motion, Motion::Profile(expected));
+    let (knots, axes) = (expected, Axes::Gyroscope);
+    assert_eq!(camera.motion, Motion::Profile { knots, axes });
     assert_eq!(span(&camera), [-1.0, 4.0]);
     assert_eq!(camera.origin, Event::new(7.0, DVec3::new(3.0, 0.0, 4.0)));
+}
+
+#[test]
+fn accelerations_are_given_in_axes_of_a_gyroscope_or_of_the_world() {
+    let profile = "profile = [{ time = '0 m', acceleration = { proper = '1 /m', direction = [0, 1, 0] } }, \
+                   { time = '4 m' }]";
+    for (said, expected) in [("world", Axes::World), ("gyroscope", Axes::Gyroscope)] {
+        let camera = moving(&format!("axes = '{said}', {profile}"));
+        let Motion::Profile { axes, .. } = camera.motion else {
+            panic!("{:?}", camera.motion);
+        };
+        assert_eq!(axes, expected);
+    }
+    // The camera moves along x at the beginning or rests: the same axes for what is along it.
+    moving("axes = 'world', acceleration = { proper = '1 /m', direction = [0, 1, 0] }");
+    let turning = "axes = 'world', segments = [\
+        { duration = '1 m', acceleration = { proper = '1 /m', direction = [1, 0, 0] } }, \
+        { acceleration = { proper = '1 /m', direction = [0, 1, 0] } }]";
+    let error = refused(turning);
+    assert!(
+        error.contains("no hyperbola") && error.contains("gyroscope"),
+        "{error}"
+    );
+    let circle =
+        "axes = 'world', circle = { centre = [3, 9, 0], axis = [0, 2, 0], period = '60 m' }";
+    let error = refused(circle);
+    assert!(error.contains("belongs to accelerations"), "{error}");
 }
 
 #[test]

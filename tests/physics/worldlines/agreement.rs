@@ -127,12 +127,15 @@ fn right() -> Displacement<World> {
 
 #[test]
 fn segments_of_equal_acceleration_are_one_hyperbola() {
-    // Collinear with the velocity, so that no axes turn.
     let n = DVec3::new(2.0, -1.0, 2.0) / 3.0;
-    let (velocity, zero) = (
-        Velocity::along(n, -0.8).unwrap(),
-        event(0.4, 1.0, 2.0, -1.0),
-    );
+    // Collinear with the velocity, so that no axes turn, and oblique to it.
+    for velocity in [Velocity::along(n, -0.8).unwrap(), rapidity(0.9, 0.8, -0.3)] {
+        check_pieces(n, velocity);
+    }
+}
+
+fn check_pieces(n: DVec3, velocity: Velocity) {
+    let zero = event(0.4, 1.0, 2.0, -1.0);
     let whole = WorldLine::hyperbolic(velocity, zero, n * 0.7).unwrap();
     let piece = |duration| Segment {
         duration,
@@ -178,8 +181,8 @@ fn segments_coast_before_between_and_after() {
 }
 
 #[test]
-fn a_segment_accelerates_in_the_boosted_axes_of_its_beginning() {
-    // After rapidity 1 along x, acceleration along y: in the frame of that moment the velocity is along y, in
+fn a_segment_accelerates_in_axes_that_are_carried_along() {
+    // After rapidity 1 along x, acceleration along y, which has not turned: in the frame of that moment the velocity is along y, in
     // the world γ_y (γ_x β_x …): U = (sinh 1 cosh φ, sinh φ).
     let parts = [segment(1.0, 1.0, 0.0, 0.0), segment(2.0, 0.0, 0.5, 0.0)];
     let line = WorldLine::segments(Velocity::REST, Event::ORIGIN, &parts).unwrap();

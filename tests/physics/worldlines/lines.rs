@@ -1,7 +1,7 @@
 //! World lines of every kind, and what the tests need to know of them.
 
 use glam::DVec3;
-use nullray::spacetime::worldline::{Segment, State, WorldLine};
+use nullray::spacetime::worldline::{Axes, Segment, State, WorldLine};
 use nullray::spacetime::{Displacement, Event, Velocity, World};
 
 /// A fixed sequence of numbers in [0, 1) (splitmix64).
@@ -77,7 +77,7 @@ pub fn every_kind() -> Vec<(&'static str, WorldLine, [f64; 2])> {
         ),
         (
             "profile",
-            WorldLine::profile(velocity, zero, &knots).unwrap(),
+            WorldLine::profile(velocity, zero, &knots, Axes::World).unwrap(),
             [-2.0, 3.0],
         ),
         ("keyframes", turn(), turn().span()),

@@ -1,7 +1,7 @@
 //! What is no world line is refused, with its place.
 
 use glam::DVec3;
-use nullray::spacetime::worldline::{MAX_ENTRIES, Segment, WorldLine, WorldLineError};
+use nullray::spacetime::worldline::{Axes, MAX_ENTRIES, Segment, WorldLine, WorldLineError};
 use nullray::spacetime::{Event, Velocity, World};
 
 use crate::worldlines::lines::{event, segment};
@@ -11,7 +11,7 @@ fn segments(list: &[Segment]) -> WorldLineError {
 }
 
 fn profile(knots: &[(f64, DVec3)]) -> WorldLineError {
-    WorldLine::profile(Velocity::REST, Event::ORIGIN, knots).unwrap_err()
+    WorldLine::profile(Velocity::REST, Event::ORIGIN, knots, Axes::World).unwrap_err()
 }
 
 fn keyframes(events: &[Event<World>]) -> WorldLineError {

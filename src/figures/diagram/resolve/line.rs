@@ -14,7 +14,7 @@ use crate::figures::diagram::model::{NamedLine, Track};
 use crate::figures::diagram::spot::Place;
 use crate::scene::At;
 use crate::scene::{Number, Numbers};
-use crate::spacetime::worldline::{Segment, WorldLine, WorldLineError};
+use crate::spacetime::worldline::{Axes, Segment, WorldLine, WorldLineError};
 use crate::spacetime::{Event, World};
 
 const WHAT: &str = "this world line is given twice";
@@ -137,7 +137,7 @@ fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
     }
     if let Some(profile) = &line.profile {
         let knots: Vec<(f64, DVec3)> = knots(names, profile);
-        let track = WorldLine::profile(velocity, zero, &knots).map(Track::from);
+        let track = WorldLine::profile(velocity, zero, &knots, Axes::Gyroscope).map(Track::from);
         return track.map_err(|error| refusal(names, profile, &error));
     }
     if let Some(circle) = &line.circle {

@@ -61,13 +61,22 @@ fn stretch(model: &CameraModel, shot: &Shot) -> f64 {
     };
     let (_, rapidity) = shot.frame.velocity().split();
     let (speed, gamma) = (libm::tanh(rapidity), libm::cosh(rapidity));
-    match (sensor.assembly, &model.motion) {
+    let d = sensor.focal_length;
+    match (sensor.assembly, acceleration(model)) {
         (Assembly::Rigid, _) => 1.0,
-        (Assembly::Bell, Motion::Accelerated(a)) if *a != DVec3::ZERO => {
-            let d = sensor.focal_length;
-            paper2015::comoving_separation(a.length(), d, speed) / d
-        }
+        (Assembly::Bell, g) if g != 0.0 => paper2015::comoving_separation(g, d, speed) / d,
         (Assembly::WorldLength | Assembly::Bell, _) => gamma,
+    }
+}
+
+/// The proper acceleration at the model's time, 1/m: for ever, or from time 0 on.
+fn acceleration(model: &CameraModel) -> f64 {
+    match &model.motion {
+        Motion::Accelerated(a) => a.length(),
+        Motion::Segments(segments) if model.time >= 0.0 => segments
+            .first()
+            .map_or(0.0, |segment| segment.acceleration.length()),
+        _ => 0.0,
     }
 }
 

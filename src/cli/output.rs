@@ -279,6 +279,7 @@ fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
     let [width, height] = film.size();
     let options = isochrones::IsochroneOptions {
         step,
+        range: scene.times,
         speed_of_light: scene.speed_of_light,
         ..isochrones::IsochroneOptions::default()
     };

@@ -50,6 +50,8 @@ struct Figure {
 struct Part {
     scene: Scene,
     label: String,
+    /// Whether it begins a row.
+    new_row: bool,
     /// The panel's own file, where it is kept.
     outputs: Outputs,
     request: Request,
@@ -140,15 +142,15 @@ fn parts(
     arguments: &SheetArguments,
 ) -> Result<Vec<Part>> {
     if whole.panels.is_empty() {
-        let label = stem(Some(path)).display().to_string();
-        let show = Show::Picture;
-        return Ok(vec![part(
-            whole.clone(),
-            &label,
-            show,
-            arguments,
-            beside.into(),
-        )]);
+        let alone = Panel {
+            name: String::new(),
+            label: stem(Some(path)).display().to_string(),
+            show: Show::Picture,
+            new_row: false,
+            set: Vec::new(),
+            span: 0..0,
+        };
+        return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
     if arguments.same_exposure {
@@ -156,15 +158,15 @@ fn parts(
     }
     let part = |(panel, scene): (&Panel, Scene)| {
         let file = suffixed(beside, &panel.name);
-        part(scene, &panel.label, panel.show, arguments, file)
+        part(scene, panel, arguments, file)
     };
     Ok(whole.panels.iter().zip(scenes).map(part).collect())
 }
 
-fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file: PathBuf) -> Part {
+fn part(scene: Scene, panel: &Panel, arguments: &SheetArguments, file: PathBuf) -> Part {
     let outputs = Outputs {
         images: vec![file],
-        show,
+        show: panel.show,
         ..Outputs::default()
     };
     let request = Request {
@@ -177,7 +179,8 @@ fn part(scene: Scene, label: &str, show: Show, arguments: &SheetArguments, file:
     };
     Part {
         scene,
-        label: label.to_string(),
+        label: panel.label.clone(),
+        new_row: panel.new_row,
         outputs: Outputs { images, ..outputs },
         request,
     }
@@ -193,6 +196,7 @@ impl Part {
         Ok(contact_sheet::Panel {
             picture: image,
             label: self.label.clone(),
+            new_row: self.new_row,
         })
     }
 }

@@ -82,6 +82,8 @@ pub struct Scene {
     pub bits: u8,
     /// The observed wavelength that is shown as 555 nm, metres, all others in proportion; none: as they are seen.
     pub false_colour: Option<f64>,
+    /// What the colours of isochrones span, metres of ct; none for what each picture has.
+    pub times: Option<[f64; 2]>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).

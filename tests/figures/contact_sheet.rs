@@ -13,6 +13,7 @@ fn panel(width: u32, height: u32, label: &str) -> Panel {
             rgb: [200, 30, 10].repeat(pixels),
         },
         label: label.into(),
+        new_row: false,
     }
 }
 
@@ -231,4 +232,25 @@ fn what_cannot_be_drawn_is_refused() {
     };
     let error = compose(&large, &options).unwrap_err().to_string();
     assert!(error.contains("cannot be drawn"), "{error}");
+}
+
+#[test]
+fn a_panel_may_begin_a_row() {
+    // Rows of 3, 1 and 2 of at most 3 columns.
+    let mut panels = panels(6);
+    for k in [3, 4] {
+        panels[k].new_row = true;
+    }
+    let options = SheetOptions {
+        columns: Some(3),
+        ..SheetOptions::default()
+    };
+    let layout = laid_out(&panels, &options);
+    let tops: Vec<u32> = layout.cells.iter().map(|cell| cell.frame.top).collect();
+    let lefts: Vec<u32> = layout.cells.iter().map(|cell| cell.frame.left).collect();
+    assert!(tops[0] == tops[1] && tops[1] == tops[2] && tops[2] < tops[3]);
+    assert!(tops[3] < tops[4] && tops[4] == tops[5]);
+    assert!(lefts[0] == lefts[3] && lefts[3] == lefts[4] && lefts[1] == lefts[5]);
+    let bottom = layout.cells[5].frame.top + layout.cells[5].frame.height;
+    assert!(bottom < layout.size[1], "the page holds the last row");
 }

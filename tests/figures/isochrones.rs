@@ -178,3 +178,31 @@ fn impossible_requests_are_refused_with_a_reason() {
     );
     assert!(refusal.contains("U+2318"), "{refusal}");
 }
+
+#[test]
+fn one_range_gives_pictures_of_other_times_the_same_colours() {
+    // Times of 2 m in the one picture, of 2 m and 8 m in the other: on their own scales 2 m has different colours.
+    let [width, height] = [40, 40];
+    let flat = vec![2.0; 1600];
+    let steps: Vec<f64> = (0..1600)
+        .map(|i| if i % 40 < 20 { 2.0 } else { 8.0 })
+        .collect();
+    let colour = |ct: &[f64], range: Option<[f64; 2]>| {
+        let options = IsochroneOptions {
+            range,
+            ..IsochroneOptions::default()
+        };
+        let page = draw(width, height, ct, &options).unwrap();
+        // A point of the left part, some way below the title.
+        let at = 3 * ((page.height / 2) * page.width + page.width / 8) as usize;
+        page.rgb[at..at + 3].to_vec()
+    };
+    assert_ne!(colour(&flat, None), colour(&steps, None));
+    let range = Some([0.3, 10.3]);
+    assert_eq!(colour(&flat, range), colour(&steps, range));
+    let backwards = IsochroneOptions {
+        range: Some([3.0, 3.0]),
+        ..IsochroneOptions::default()
+    };
+    assert!(draw(width, height, &flat, &backwards).is_err());
+}

@@ -106,7 +106,7 @@ fn the_sheets_of_the_page_are_there_and_small() {
         assert!(size <= 250_000, "{} has {size} bytes", path.display());
         total += size;
     }
-    assert!(total <= 1_500_000, "{total}");
+    assert!(total <= 1_600_000, "{total}");
 }
 
 /// Rows of the README's table: identifier, the paper's number, the exact one.
@@ -289,20 +289,29 @@ fn focal_length(figure: u32, name: &str) -> f64 {
 #[test]
 fn accelerating_cameras_have_the_focal_lengths_that_their_figures_derive() {
     for (figure, name, expected) in [
-        (3, "alike-0", 0.5833),
+        (3, "alike-0", 0.5),
         (3, "alike-1.5", 0.6632),
         (3, "alike-3", 1.1795),
+        (3, "rigid-0", 0.5),
         (3, "rigid-3", 0.5833),
-        (6, "alike-2", 1.5845),
-        (6, "rigid-2", 1.5),
-        (6, "paper-2", 1.2234),
-        (7, "alike-constant", 0.7 * 1.25),
-        (7, "alike-accelerating", 0.7 * 1.3846),
-        (7, "alike-braking", 0.7 * 1.1852),
-        (7, "rigid-constant", 0.7),
-        (7, "rigid-accelerating", 0.7 * 2.1667),
-        (7, "rigid-braking", 0.7 * 0.7941),
-        (7, "paper-accelerating", 0.7 * 1.0651),
+        (6, "caption-0", 0.036),
+        (6, "caption-0.6", 0.036 * 1.25),
+        (6, "alike-0", 1.0),
+        (6, "alike-0.6", 1.3333),
+        (6, "rigid-0", 1.0),
+        (6, "rigid-0.6", 1.5),
+        (6, "rigid-0.9", 1.5),
+        (6, "paper-0.6", 1.1140),
+        (7, "constant-0.6", 0.7 * 1.25),
+        (7, "alike-0", 0.7 * 1.0),
+        (7, "alike-0.3", 0.7 * 1.2688),
+        (7, "alike-0.6", 0.7 * 1.3846),
+        (7, "alike-0.99", 0.7 * 7.0907),
+        (7, "rigid-0.3", 0.7 * 1.3346),
+        (7, "rigid-0.6", 0.7 * 1.7857),
+        (7, "rigid-0.9", 0.7 * 2.1667),
+        (7, "paper-0.6", 0.7 * 1.0651),
+        (7, "paper-0.99", 0.7 * 1.3555),
     ] {
         let length = focal_length(figure, name);
         assert!(
@@ -314,13 +323,13 @@ fn accelerating_cameras_have_the_focal_lengths_that_their_figures_derive() {
 
 #[test]
 fn a_camera_longer_in_its_own_frame_sees_as_from_further_back() {
-    // γ(0.99) = 7.0888: a focal length of 36 mm is 0.2552 m long, which γ makes 1.809 m of world time.
-    assert!((focal_length(5, "world-0.99") - 0.2552).abs() < 1e-4);
-    let scene = panel(5, "world-0.99");
+    // γ(0.9) = 2.2942: a focal length of 36 mm is 0.08259 m long, which γ makes 0.18947 m of world time.
+    assert!((focal_length(5, "bunny-world-0.9") - 0.08259).abs() < 1e-5);
+    let scene = panel(5, "bunny-world-0.9");
     let camera = Camera::new(&scene).unwrap();
     let [width, height] = scene.camera.size.map(f64::from);
     let from = camera.view.ray(0.5 * width, 0.5 * height, 0.5).origin;
-    assert!((from.displacement.ct + 1.809).abs() < 1e-3, "{from:?}");
+    assert!((from.displacement.ct + 0.18947).abs() < 1e-4, "{from:?}");
 }
 
 #[test]
@@ -372,7 +381,7 @@ fn tiles_turn(scene: &Scene) -> f64 {
 
 #[test]
 fn edges_of_a_turning_sensor_see_the_wavelengths_that_its_figure_derives() {
-    for (name, left, right) in [("exact-0.2", 466.1, 638.7), ("comoving-0.2", 473.7, 649.0)] {
+    for (name, left, right) in [("exact-0.4", 384.1, 733.0), ("comoving-0.4", 412.7, 787.5)] {
         let scene = panel(10, name);
         let camera = Camera::new(&scene).unwrap();
         let [width, height] = scene.camera.size.map(f64::from);
@@ -385,10 +394,10 @@ fn edges_of_a_turning_sensor_see_the_wavelengths_that_its_figure_derives() {
 
 #[test]
 fn a_turning_sensor_covers_what_its_figure_derives() {
-    // Uncovered, as parts of the half width: to 0.790 on the red side.
+    // Uncovered, as parts of the half width: to 0.741 on the red side.
     for (name, left, right) in [
-        ("aberrated-0.9", None, Some(0.790)),
-        ("paper-0.9", Some(0.790), None),
+        ("aberrated-0.99", None, Some(0.741)),
+        ("paper-0.99", Some(0.741), None),
     ] {
         let scene = panel(11, name);
         let camera = Camera::new(&scene).unwrap();
@@ -406,5 +415,203 @@ fn a_turning_sensor_covers_what_its_figure_derives() {
                 "{name} {side}"
             );
         }
+    }
+}
+
+/// Rows of the README's table of captions: file, beginning of the panels' names, what is listed, and the values.
+fn captions() -> Vec<[String; 4]> {
+    let text = std::fs::read_to_string(folder().join("README.md")).unwrap();
+    let rows = text.lines().filter(|line| line.contains("| `figure-"));
+    rows.map(|row| {
+        let cells: Vec<_> = row.split('|').map(str::trim).collect();
+        assert_eq!(cells.len(), 8, "{row}");
+        [cells[3], cells[4], cells[5], cells[6]].map(|cell| cell.trim_matches('`').to_string())
+    })
+    .collect()
+}
+
+/// What a row lists, of a diagram: the camera's speed, the sensor's times, or the speeds of the curves.
+fn in_diagram(file: &str) -> Vec<f64> {
+    let path = folder().join(file);
+    let model = nullray::figures::diagram::load(&path, &Overrides::default()).unwrap();
+    let unit = model.unit.metres;
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    match file {
+        "figure-03.toml" => {
+            let moving = model.frames.iter().find(|frame| frame.name == "S'");
+            vec![rounded(moving.unwrap().frame.velocity().beta().length())]
+        }
+        "figure-08.toml" => {
+            let sensor = &model.lines[0].track;
+            let time = |k: usize| {
+                let frame = &model.frames[k].frame;
+                let moment = sensor.where_zero(|event| event.ct - frame.origin().ct);
+                let moment = moment.unwrap();
+                assert!((moment.event.x - frame.origin().x).length() < 1e-6 * unit);
+                (moment.proper_time / unit).round()
+            };
+            (1..=3).map(time).collect()
+        }
+        _ => (0..model.curves.len()).map(|k| k as f64 / 10.0).collect(),
+    }
+}
+
+/// What a row lists, of one panel.
+fn listed(what: &str, scene: &Scene) -> f64 {
+    let camera = &scene.camera;
+    let shot = Camera::new(scene).unwrap().shot;
+    match what {
+        "β of the camera" => shot.frame.velocity().beta().length(),
+        "ΩR" => {
+            let sensor = camera.sensor.unwrap();
+            let half = sensor.focal_length * libm::tan(0.5 * camera.horizontal_fov);
+            camera.rotation.unwrap().rate * half
+        }
+        other => panic!("{other}: nothing that a test knows"),
+    }
+}
+
+#[test]
+fn panels_have_the_values_of_the_captions() {
+    let rows = captions();
+    assert_eq!(rows.len(), 26);
+    let mut checked = 0;
+    for [file, prefix, what, values] in rows {
+        let values: Vec<f64> = values
+            .split(", ")
+            .map(|value| value.replace('−', "-").parse().unwrap())
+            .collect();
+        if what == "diagram" {
+            assert_eq!(in_diagram(&file), values, "{file}");
+            continue;
+        }
+        let all = panels(&folder().join(&file), &Overrides::default());
+        let is_listed = |name: &str| {
+            let rest = name.strip_prefix(prefix.as_str());
+            rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+        };
+        let own: Vec<_> = all.iter().filter(|(name, _)| is_listed(name)).collect();
+        assert_eq!(own.len(), values.len(), "{file} {prefix}");
+        for ((name, scene), value) in own.into_iter().zip(values) {
+            let found = listed(&what, scene);
+            assert!((found - value).abs() < 1e-6, "{file} {name}: {found}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "{checked}");
+}
+
+#[test]
+fn each_figure_has_one_white_and_panels_of_one_size() {
+    for path in figures() {
+        let scenes = panels(&path, &Overrides::default());
+        let (_, first) = &scenes[0];
+        assert!(
+            matches!(first.exposure, nullray::scene::model::Exposure::White(_)),
+            "{}",
+            path.display()
+        );
+        for (name, scene) in &scenes {
+            assert_eq!(scene.exposure, first.exposure, "{} {name}", path.display());
+            assert_eq!(scene.times, first.times, "{} {name}", path.display());
+            let isochrones = name.starts_with("times");
+            assert!(
+                isochrones || scene.camera.size == first.camera.size,
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn lasers_have_the_wavelengths_of_the_caption() {
+    for (prefix, expected) in [("doppler", 670e-9), ("searchlight", 508e-9)] {
+        let path = folder().join("figure-04.toml");
+        for (name, scene) in panels(&path, &Overrides::default()) {
+            if name.starts_with(prefix) {
+                let Quantity::Line { wavelength } = scene.quantity else {
+                    panic!("{name} has no line");
+                };
+                assert!((wavelength / expected - 1.0).abs() < 1e-12, "{name}");
+            }
+        }
+    }
+}
+
+/// The one panel, or the panels, of a figure's diagram.
+fn diagram(figure: u32) -> Vec<nullray::figures::diagram::Panel> {
+    let path = folder().join(format!("figure-{figure:02}.toml"));
+    let model = nullray::figures::diagram::load(&path, &Overrides::default()).unwrap();
+    nullray::figures::diagram::layout(&model).panels
+}
+
+#[test]
+fn the_diagram_of_figure_3_has_the_numbers_of_its_header() {
+    // d/γ = 0.5 · √0.96 = 0.4899 m ahead; light under way for d/(γ(1 + β)) = 0.4082 m, along a line at 45°.
+    let panels = diagram(3);
+    let panel = &panels[0];
+    let [sensor, pinhole] = [0, 1].map(|i| &panel.world_lines[i].curve.points);
+    for line in [sensor, pinhole] {
+        let (a, b) = (line[0], line[line.len() - 1]);
+        assert!(((b.x - a.x) / (b.ct - a.ct) - 0.2).abs() < 1e-6);
+    }
+    let at = |line: &[nullray::figures::diagram::Point], ct: f64| {
+        let (a, b) = (line[0], line[line.len() - 1]);
+        a.x + (b.x - a.x) * (ct - a.ct) / (b.ct - a.ct)
+    };
+    assert!((at(pinhole, 0.3) - at(sensor, 0.3) - 0.4899).abs() < 1e-4);
+    assert!(at(sensor, 0.0).abs() < 1e-5);
+    let [from, to] = panel.signals[0].ends;
+    assert!((to.ct - from.ct - 0.4082).abs() < 1e-4);
+    assert!((from.x - to.x - 0.4082).abs() < 1e-4);
+    // The sensor's axes: its own line, and ct = β x.
+    let axes = panel.axes.iter().find(|axes| axes.frame > 0).unwrap();
+    let [a, b] = axes.space.ends;
+    assert!(((b.ct - a.ct) / (b.x - a.x) - 0.2).abs() < 1e-6);
+}
+
+#[test]
+fn the_four_diagrams_of_figure_8_are_those_of_the_caption() {
+    // Of the sensor at its times 200, 400, 600 s with g = 0.002 c/s.
+    let panels = diagram(8);
+    assert_eq!(panels.len(), 4);
+    let expected = [[205.38, 40.54], [444.05, 168.72], [754.73, 405.33]];
+    for (event, [ct, x]) in panels[0].events.iter().zip(expected) {
+        assert!((event.at.ct - ct).abs() < 0.01, "{:?}", event.at);
+        assert!((event.at.x - x).abs() < 0.01, "{:?}", event.at);
+    }
+    // In its own frame each is at the origin.
+    for (k, panel) in panels[1..].iter().enumerate() {
+        let at = panel.events[k].at;
+        assert!(at.ct.abs() < 1e-6 && at.x.abs() < 1e-6, "{at:?}");
+    }
+    // From rest: before time 0 the world lines are upright, 150 light-seconds apart.
+    let before: Vec<f64> = (0..2)
+        .map(|i| panels[0].world_lines[i].curve.points[0].x)
+        .collect();
+    assert!(before[0].abs() < 1e-9 && (before[1] - 150.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_plot_of_figure_9_is_the_aberrated_sensor() {
+    // Directions by composition of velocities, distances by Doppler: an element that moves with v′ is at the elevation
+    // arcsin V, V = (v − v′)/(1 − v v′), at the distance γ_V Δ, because the light's time in the element's frame is Δ.
+    let panels = diagram(9);
+    let panel = &panels[0];
+    assert_eq!(panel.curves.len(), 10);
+    let gamma = |v: f64| 1.0 / (1.0 - v * v).sqrt();
+    for (k, curve) in panel.curves.iter().enumerate() {
+        let v = k as f64 / 10.0;
+        for p in &curve.points {
+            let w = v * p.x;
+            let relative = (v - w) / (1.0 - v * w);
+            let height = gamma(relative) * (1.0 - p.x) * relative;
+            assert!((p.ct - height).abs() < 1e-4 * (1.0 + height), "{v} {p:?}");
+        }
+        // The pinhole, at rest at 45°: aberrated to arcsin (s + v)/(1 + s v), its distance from the axis kept.
+        let s = 0.5f64.sqrt();
+        let sine = (s + v) / (1.0 + s * v);
+        let at = panel.events[k].at;
+        assert!((at.ct - sine * gamma(sine)).abs() < 1e-4, "{v} {at:?}");
     }
 }

@@ -94,7 +94,8 @@ impl Layout {
 struct Draft {
     em: f64,
     columns: u32,
-    rows: u32,
+    /// Row and column of each panel.
+    slots: Vec<[u32; 2]>,
     /// Between cells, and around them.
     space: u32,
     /// The largest picture.
@@ -117,7 +118,7 @@ impl Draft {
         Ok(Draft {
             em,
             columns,
-            rows: count.div_ceil(columns),
+            slots: slots(panels, columns),
             space: (SPACE * em).round() as u32,
             picture,
             cell: [width, picture[1] + beneath],
@@ -131,10 +132,8 @@ impl Draft {
             let (count, cell, space) = (u64::from(count), u64::from(cell), u64::from(self.space));
             count * cell + (count - 1) * space
         };
-        [
-            side(self.columns, self.cell[0]),
-            side(self.rows, self.cell[1]),
-        ]
+        let rows = self.slots.last().map_or(1, |[row, _]| row + 1);
+        [side(self.columns, self.cell[0]), side(rows, self.cell[1])]
     }
 
     fn place(self, panels: &[Panel], options: &SheetOptions, scale: u32) -> Result<Layout> {
@@ -150,9 +149,9 @@ impl Draft {
             return Err(too_large(width, height));
         }
         let corner = [((width - across) / 2) as u32, (margin + above) as u32];
-        let numbered = panels.iter().zip(&self.labels).zip(0..);
-        let cells = numbered
-            .map(|((panel, label), index)| self.cell(panel, label, index, corner, scale))
+        let placed = panels.iter().zip(&self.labels).zip(&self.slots);
+        let cells = placed
+            .map(|((panel, label), slot)| self.cell(panel, label, *slot, corner, scale))
             .collect();
         Ok(Layout {
             size: [width as u32, height as u32],
@@ -166,11 +165,10 @@ impl Draft {
         &self,
         panel: &Panel,
         label: &[Measured],
-        index: u32,
+        [row, column]: [u32; 2],
         [left, top]: [u32; 2],
         scale: u32,
     ) -> Cell {
-        let (column, row) = (index % self.columns, index / self.columns);
         let [cell_width, cell_height] = self.cell;
         let frame = Rect {
             left: left + column * (cell_width + self.space),
@@ -193,6 +191,21 @@ impl Draft {
             label: lines(label.to_vec(), [middle, beneath], self.em),
         }
     }
+}
+
+/// Row and column of each panel: rows of `columns`, or shorter where a panel begins one.
+fn slots(panels: &[Panel], columns: u32) -> Vec<[u32; 2]> {
+    let mut next = [0, 0];
+    let slot = |panel: &Panel| {
+        let [row, column] = next;
+        let slot = match column == columns || panel.new_row && column > 0 {
+            true => [row + 1, 0],
+            false => [row, column],
+        };
+        next = [slot[0], slot[1] + 1];
+        slot
+    };
+    panels.iter().map(slot).collect()
 }
 
 /// All labels in lines, and the width in which each word of them has room.

@@ -29,6 +29,8 @@ pub struct Panel {
     pub picture: RgbImage,
     /// In Latin or Greek letters, digits and the signs of physics; may be empty.
     pub label: String,
+    /// Whether it begins a row, however many panels are in the row before.
+    pub new_row: bool,
 }
 
 /// How panels are put on a page.

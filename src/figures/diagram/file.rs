@@ -43,6 +43,8 @@ pub(super) struct Diagram {
     /// The frame, or several side by side, in whose coordinates all is drawn: "world", "camera", or the
     /// name of one. Default: "world".
     pub view: Option<At<OneOrMany>>,
+    /// What stands at the view's own axes, of ct and of x. Default: "*ct*" and "*x*", with their unit.
+    pub labels: Option<At<[At<String>; 2]>>,
     /// Frames of reference.
     pub frame: Vec<At<DiagramFrame>>,
     /// World lines.
@@ -61,6 +63,8 @@ pub(super) struct Diagram {
     pub interval: Vec<At<Interval>>,
     /// Hyperbolae of constant interval, which calibrate the axes of frames.
     pub hyperbola: Vec<At<Hyperbola>>,
+    /// Curves that are nobody's world line.
+    pub curve: Vec<At<DrawnCurve>>,
     /// World sheets: what lies between two world lines.
     pub sheet: Vec<At<Sheet>>,
     /// Shaded regions.
@@ -181,6 +185,8 @@ pub(super) struct DiagramLine {
     pub from: Option<At<Place>>,
     /// The event at whose world time it ends. Default: it has no end.
     pub to: Option<At<Place>>,
+    /// The world line at which it ends: the first that it meets after its own time 0 and after `from`. Excludes `to`.
+    pub until: Option<At<String>>,
     /// The distance of ticks of its own clock, above 0. Default: no ticks.
     pub ticks: Option<At<Number>>,
     /// Whether the ticks have numbers. Default: false.
@@ -248,6 +254,8 @@ pub(super) struct DiagramEvent {
     pub cross: Option<At<[At<String>; 2]>>,
     /// Whether it is marked by a dot. Default: true.
     pub dot: Option<bool>,
+    /// The colour of dot and label. Default: black.
+    pub colour: Option<Colour>,
 }
 
 /// How a diagram looks.
@@ -382,6 +390,24 @@ pub(super) struct Hyperbola {
     /// What stands beside it. Default: nothing.
     pub label: Option<At<String>>,
     /// The colour. Default: grey.
+    pub colour: Option<Colour>,
+}
+
+/// A curve that is nobody's world line: any events, joined by straight lines.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { through = [[0, 0], [1, 2]] }"
+)]
+pub(super) struct DrawnCurve {
+    /// The events, two at least.
+    pub through: At<Vec<At<Place>>>,
+    /// Whether it is dashed. Default: false.
+    pub dashed: Option<bool>,
+    /// What stands beside it. Default: nothing.
+    pub label: Option<At<String>>,
+    /// The colour. Default: black.
     pub colour: Option<Colour>,
 }
 

@@ -27,6 +27,8 @@ pub struct Diagram {
     pub across: Option<DVec3>,
     /// Along what x is, where that needs words at the view's axis; markup.
     pub meaning: Option<String>,
+    /// What stands at the view's own axes, of ct and of x, markup; none for what these are.
+    pub labels: Option<[String; 2]>,
     /// What the axes show of x, metres; none for as much as the contents need.
     pub x: Option<[f64; 2]>,
     /// What the axes show of y, metres.
@@ -51,6 +53,8 @@ pub struct Diagram {
     pub intervals: Vec<Segment>,
     /// Hyperbolae.
     pub hyperbolae: Vec<Hyperbola>,
+    /// Curves that are nobody's world line.
+    pub curves: Vec<DrawnCurve>,
     /// World sheets.
     pub sheets: Vec<WorldSheet>,
     /// Regions.
@@ -266,6 +270,19 @@ pub struct Hyperbola {
     pub colour: Option<Colour>,
 }
 
+/// Events joined by straight lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnCurve<P = Event<World>> {
+    /// The events, two at least.
+    pub points: Vec<P>,
+    /// Whether it is dashed.
+    pub dashed: bool,
+    /// What stands beside it.
+    pub label: Option<String>,
+    /// The colour; none for black.
+    pub colour: Option<Colour>,
+}
+
 /// What lies between two world lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldSheet {
@@ -360,11 +377,9 @@ pub struct Now {
     pub colour: Option<Colour>,
 }
 
-/// A colour of the palette.
+/// A colour of the palette, or any.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "schema", schemars(inline))]
+#[serde(try_from = "String", into = "String")]
 #[allow(missing_docs)]
 pub enum Colour {
     Black,
@@ -375,6 +390,77 @@ pub enum Colour {
     Orange,
     Sky,
     Purple,
+    /// sRGB; the same on white and on black.
+    Rgb([u8; 3]),
+}
+
+impl Colour {
+    /// The palette by name.
+    const PALETTE: [(&str, Colour); 8] = [
+        ("black", Colour::Black),
+        ("grey", Colour::Grey),
+        ("blue", Colour::Blue),
+        ("red", Colour::Red),
+        ("green", Colour::Green),
+        ("orange", Colour::Orange),
+        ("sky", Colour::Sky),
+        ("purple", Colour::Purple),
+    ];
+}
+
+impl TryFrom<String> for Colour {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Colour, String> {
+        let named = Self::PALETTE.iter().find(|(name, _)| *name == text);
+        if let Some((_, colour)) = named {
+            return Ok(*colour);
+        }
+        let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6);
+        let digits = digits.filter(|hex| hex.bytes().all(|b| b.is_ascii_hexdigit()));
+        let number = digits.and_then(|hex| u32::from_str_radix(hex, 16).ok());
+        if let Some([_, r, g, b]) = number.map(u32::to_be_bytes) {
+            return Ok(Colour::Rgb([r, g, b]));
+        }
+        let names = Self::PALETTE.map(|(name, _)| format!("\"{name}\""));
+        Err(format!(
+            "{} is not a colour: there are {}, and any as \"#0072b2\"",
+            crate::spacetime::units::quoted(&text),
+            names.join(", ")
+        ))
+    }
+}
+
+impl From<Colour> for String {
+    fn from(colour: Colour) -> String {
+        let named = Colour::PALETTE.iter().find(|(_, known)| *known == colour);
+        match (named, colour) {
+            (Some((name, _)), _) => name.to_string(),
+            (None, Colour::Rgb([r, g, b])) => format!("#{r:02x}{g:02x}{b:02x}"),
+            (None, _) => String::new(),
+        }
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for Colour {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Colour".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let names = Self::PALETTE.map(|(name, _)| name);
+        schemars::json_schema!({
+            "anyOf": [
+                { "type": "string", "enum": names },
+                { "type": "string", "pattern": "^#[0-9A-Fa-f]{6}$" },
+            ]
+        })
+    }
 }
 
 /// How a diagram looks.

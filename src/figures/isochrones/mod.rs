@@ -35,6 +35,8 @@ const MAX_LINES: f64 = 1000.0;
 pub struct IsochroneOptions {
     /// ct between two lines, metres; none for a round number that gives 10 to 80 lines.
     pub step: Option<f64>,
+    /// What the colours span, metres of ct, earliest first; none for what the picture has.
+    pub range: Option<[f64; 2]>,
     /// Speed of light, metres per second, for the legend's seconds.
     pub speed_of_light: f64,
     /// Above the picture.
@@ -85,6 +87,7 @@ impl Default for IsochroneOptions {
     fn default() -> Self {
         IsochroneOptions {
             step: None,
+            range: None,
             speed_of_light: crate::scene::model::SPEED_OF_LIGHT,
             title: "When the light left: retarded time".into(),
         }
@@ -97,10 +100,13 @@ impl Default for IsochroneOptions {
 ///
 /// # Errors
 /// A size that is 0, too large or not that of `ct`; a step that is not above 0 or gives more than 1000
-/// lines; a speed of light that is not above 0; characters in the title that the font does not have.
+/// lines; a range that spans nothing; a speed of light that is not above 0; characters in the title that the font does not have.
 pub fn draw(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> Result<RgbImage> {
     check(width, height, ct, options)?;
-    let range = Range::of(ct, options.step);
+    let range = match options.range {
+        Some(span) => Some(Range::spanning(span, ct, options.step)),
+        None => Range::of(ct, options.step),
+    };
     let lines = range.map_or(0.0, |range| range.line_count());
     if lines.is_nan() || lines > MAX_LINES {
         let what = format!(
@@ -124,6 +130,10 @@ fn check(width: u32, height: u32, ct: &[f64], options: &IsochroneOptions) -> Res
     let above_zero = |x: f64| x > 0.0 && x.is_finite();
     if let Some(step) = options.step.filter(|&step| !above_zero(step)) {
         return refuse("step", format!("{step} m is not a step above 0"));
+    }
+    let spans = |[low, high]: [f64; 2]| low < high && (high - low).is_finite();
+    if let Some([low, high]) = options.range.filter(|range| !spans(*range)) {
+        return refuse("range", format!("{low} m to {high} m span nothing"));
     }
     if !above_zero(options.speed_of_light) {
         let what = format!("{} m/s is not a speed of light", options.speed_of_light);

@@ -52,6 +52,18 @@ impl Range {
         })
     }
 
+    /// A range that is given, low first, and which of the finite values are outside it.
+    pub fn spanning([low, high]: [f64; 2], ct: &[f64], step: Option<f64>) -> Range {
+        let mut seen = ct.iter().filter(|x| x.is_finite());
+        Range {
+            low,
+            high,
+            step: step.unwrap_or_else(|| round_step((high - low) / (2.0 * LINES))),
+            more_below: seen.clone().any(|x| *x < low),
+            more_above: seen.any(|x| *x > high),
+        }
+    }
+
     /// A round step that suits both the middle half of the pixels and the whole.
     fn step(half: f64, whole: f64) -> f64 {
         let [fewest, most] = LINES_IN_ALL;

@@ -23,7 +23,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::at::At;
 use super::model::{BackFaces, Equations};
 use super::values::{Number, Vector};
-use crate::spacetime::units::{Percentage, Speed, Wavelength};
+use crate::spacetime::units::{Percentage, Speed, Time, Wavelength};
 
 pub(super) use camera::Camera;
 pub(crate) use camera::Velocity;
@@ -286,6 +286,9 @@ pub(in crate::scene) struct Display {
     /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
     /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.
     pub false_colour: Option<At<Wavelength>>,
+    /// What the colours of isochrones span, earliest time first, like ["0 m", "12 m"]: one scale for all pictures of a
+    /// series. Default: what each picture has.
+    pub times: Option<At<[At<Time>; 2]>>,
     /// Bits per sample of a .png file: 8 or 16. Default: 8.
     pub bits: At<u32>,
     /// Linear RGB radiance of rays that hit nothing, as observed. Excludes `sky`. Default: [0, 0, 0].
@@ -304,6 +307,7 @@ impl Default for Display {
             exposure: None,
             white: None,
             false_colour: None,
+            times: None,
             bits: At::nowhere(8),
             background: At::nowhere(super::values::Numbers([0.0; 3])),
             back_faces: BackFaces::AsFile,

@@ -38,6 +38,9 @@ pub(in crate::scene) struct Panel {
     /// Default: "picture".
     #[serde(default)]
     pub show: Show,
+    /// Whether it begins a row of the sheet, however many panels are in the row before. Default: false.
+    #[serde(default)]
+    pub new_row: bool,
     /// What is different from the scene: dotted keys and their values, as --set takes them, like
     /// { "camera.velocity.beta" = [0, 0, -0.9] }.
     #[serde(default)]

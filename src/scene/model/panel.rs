@@ -13,6 +13,8 @@ pub struct Panel {
     pub label: String,
     /// What its picture shows.
     pub show: Show,
+    /// Whether it begins a row of the sheet.
+    pub new_row: bool,
     /// Dotted keys and the TOML text of their values, as [`Overrides::set`](crate::scene::Overrides::set)
     /// takes them.
     pub set: Vec<(String, String)>,

@@ -57,21 +57,30 @@ fn motion(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<()> {
         Err(cx.report.refuse_two(&motion.span, other, what, help))
     };
     let camera = &scene.camera;
-    match camera.motion {
-        Motion::Inertial => Ok(()),
-        Motion::Accelerated(_) if camera.shutter.is_some() => refuse(
+    let acceleration = match &camera.motion {
+        Motion::Inertial => return Ok(()),
+        Motion::Accelerated(acceleration) => Some(*acceleration),
+        // One that has no end: from rest, or from constant speed.
+        Motion::Segments(segments) => match segments.as_slice() {
+            [only] if only.duration.is_infinite() => Some(only.acceleration),
+            _ => None,
+        },
+        _ => None,
+    };
+    match acceleration {
+        Some(_) if camera.shutter.is_some() => refuse(
             "the paper's exposures are of cameras at constant speed",
             "leave [camera.shutter] out, or give model = \"exact\"",
         ),
-        Motion::Accelerated(acceleration) if !speeds_up(camera, acceleration) => refuse(
+        Some(acceleration) if !speeds_up(camera, acceleration) => refuse(
             "the paper's cameras speed up along their motion, and this one is slowing down or turning when \
              its picture is taken",
             "accelerate along the motion, or give model = \"exact\"",
         ),
-        Motion::Accelerated(_) => Ok(()),
-        _ => refuse(
+        Some(_) => Ok(()),
+        None => refuse(
             "the paper's cameras are inertial or have one constant proper acceleration",
-            "give `acceleration`, no motion, or model = \"exact\"",
+            "give `acceleration`, or one segment without a duration, no motion, or model = \"exact\"",
         ),
     }
 }

@@ -66,6 +66,7 @@ fn resolve(
         name: name.to_string(),
         label: label.unwrap_or_else(|| name.to_string()),
         show: panel.show,
+        new_row: panel.new_row,
         set,
         span: match panel.set.span.is_empty() {
             true => at.span.clone(),

@@ -118,6 +118,24 @@ pub(super) fn false_colour(cx: &Context, at: &At<file::Display>) -> Result<Optio
     Err(cx.refuse(at, what, "like \"10 um\""))
 }
 
+/// What the colours of isochrones span, metres.
+pub(super) fn times(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64; 2]>> {
+    let Some(at) = &at.value.times else {
+        return Ok(None);
+    };
+    let [first, last] = &at.value;
+    let span = [cx.time(first)?, cx.time(last)?];
+    if span[0] < span[1] {
+        return Ok(Some(span));
+    }
+    let what = "these times span nothing";
+    Err(cx.refuse(
+        at,
+        what,
+        "give the earlier time first, like [\"0 m\", \"12 m\"]",
+    ))
+}
+
 pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {
     let samples = &at.value.samples_per_pixel;
     if (1..=MOST_SAMPLES).contains(&samples.value) {

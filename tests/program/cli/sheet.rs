@@ -23,6 +23,7 @@ fn expected(panels: &[([u32; 2], &str)], title: Option<&str>, columns: Option<u3
             rgb: vec![0; (3 * width * height) as usize],
         },
         label: label.to_string(),
+        new_row: false,
     };
     let panels: Vec<_> = panels.iter().map(panel).collect();
     let title = title.map(str::to_string);

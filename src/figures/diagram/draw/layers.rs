@@ -33,6 +33,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     clipped.extend(pen.hyperbolae());
     let axes = panel.axes.iter().flat_map(|axes| pen.axes(axes, style));
     let mut upper = pen.intervals();
+    upper.extend(pen.curves());
     upper.extend(pen.world_lines());
     upper.extend(pen.now());
     let clip = |items: Vec<Item>| Item::Clip {
@@ -175,6 +176,16 @@ impl Pen<'_> {
         all.collect()
     }
 
+    fn curves(&self) -> Vec<Item> {
+        let all = self.panel.curves.iter().map(|curve| {
+            let colour = self.named(curve.colour, Name::Black);
+            let dash: &[f64] = if curve.dashed { &[4.0, 2.2] } else { &[] };
+            let stroke = Stroke::new(colour, 0.8 * self.theme.width).rounded();
+            Item::stroked(self.map.polyline(&curve.points), stroke.dashed(dash))
+        });
+        all.collect()
+    }
+
     /// A broad band, which is seen beside an axis under it too, and the pattern of the kind on it.
     fn intervals(&self) -> Vec<Item> {
         let mut items = Vec::new();
@@ -280,7 +291,7 @@ impl Pen<'_> {
         let seen = marked.filter(|event| self.panel.limits.contains(event.at));
         let dots = seen.map(|event| {
             let path = Path::circle(self.map.at(event.at), DOT * self.theme.width);
-            Item::filled(path, self.theme.ink)
+            Item::filled(path, self.named(event.colour, Name::Black))
         });
         dots.collect()
     }

@@ -83,6 +83,9 @@ fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     for ends in straight {
         ground.line(map.points(&ends), THIN);
     }
+    for curve in &panel.curves {
+        ground.line(map.points(&curve.points), 1.0);
+    }
     for hyperbola in &panel.hyperbolae {
         ground.line(map.points(&hyperbola.curve.points), THIN);
     }

@@ -46,19 +46,21 @@ impl Page {
             Some(height) => (height - head - foot - above - below).max(1.0),
             None => HIGHEST * width_left,
         };
-        let scale = |panel: &Panel| {
+        // Lengths of views side by side can be compared: they have one scale.
+        let scales = panels.iter().map(|panel| {
             let [w, h] = extent(panel);
             (width_left / w).min(highest / h)
-        };
-        let heights = panels.iter().map(|panel| extent(panel)[1] * scale(panel));
+        });
+        let scale = scales.fold(f64::INFINITY, f64::min);
+        let heights = panels.iter().map(|panel| extent(panel)[1] * scale);
         let tallest = heights.fold(0.0, f64::max);
         let frames = panels.iter().enumerate().map(|(i, panel)| {
-            let w = extent(panel)[0] * scale(panel);
+            let [w, h] = extent(panel).map(|side| side * scale);
             Map {
                 page: panel.page(),
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
-                top: head + above,
-                scale: scale(panel),
+                top: head + above + tallest - h,
+                scale,
             }
         });
         Page {

@@ -89,6 +89,7 @@ impl Theme {
 fn hue(name: Name, dark: bool) -> Option<Colour> {
     let (on_white, on_black) = match name {
         Name::Black => return None,
+        Name::Rgb(rgb) => (rgb, rgb),
         Name::Grey => ([120, 120, 120], [150, 150, 150]),
         Name::Blue => ([0, 114, 178], [86, 160, 220]),
         Name::Red => ([213, 94, 0], [240, 125, 50]),

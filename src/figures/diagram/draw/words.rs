@@ -156,7 +156,8 @@ impl Words<'_> {
             .filter(|e| self.panel.limits.contains(e.at));
         let requests = seen.filter_map(|event| {
             let at = vec![self.map.at(event.at)];
-            Some(self.request(event.label.as_deref()?, self.theme.ink, at))
+            let colour = self.theme.colour(event.colour.unwrap_or(Name::Black));
+            Some(self.request(event.label.as_deref()?, colour, at))
         });
         requests.collect()
     }
@@ -263,19 +264,13 @@ impl Words<'_> {
             let colour = theme.colour(interval.colour.unwrap_or(Name::Black));
             all.push(self.beside_segment(&interval.label, colour, interval.ends, &MIDDLE));
         }
+        for curve in &panel.curves {
+            let colour = theme.colour(curve.colour.unwrap_or(Name::Black));
+            all.extend(self.beside_curve(&curve.label, colour, &curve.points));
+        }
         for hyperbola in &panel.hyperbolae {
             let colour = theme.colour(hyperbola.colour.unwrap_or(Name::Grey));
-            let points = self.within(&hyperbola.curve.points);
-            let anchors = ALONG
-                .iter()
-                .filter_map(|part| along(&points, *part))
-                .collect();
-            all.extend(
-                hyperbola
-                    .label
-                    .iter()
-                    .map(|text| self.request(text, colour, Vec::clone(&anchors))),
-            );
+            all.extend(self.beside_curve(&hyperbola.label, colour, &hyperbola.curve.points));
         }
         for area in &panel.areas {
             let colour = area_colour(panel, theme, area);
@@ -286,6 +281,18 @@ impl Words<'_> {
             );
         }
         all
+    }
+
+    fn beside_curve(
+        &self,
+        label: &Option<String>,
+        colour: Colour,
+        points: &[Point],
+    ) -> Option<Request> {
+        let text = label.as_deref()?;
+        let points = self.within(points);
+        let anchors = ALONG.iter().filter_map(|part| along(&points, *part));
+        Some(self.request(text, colour, anchors.collect()))
     }
 
     fn segment(&self, segment: &Segment<Point>, own: Colour, places: &[f64]) -> Option<Request> {

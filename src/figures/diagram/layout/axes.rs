@@ -190,6 +190,9 @@ fn labels(view: &View, frame: &Reference) -> [String; 3] {
         (Some(names), true) => names.map(|name| format!(" ({name})")),
         _ => [String::new(), String::new()],
     };
+    if let (Some([time, space]), true) = (&view.diagram.labels, own) {
+        return [time.clone(), space.clone(), format!("*y*{below}")];
+    }
     let [time_unit, space_unit] = units;
     let meaning = match &view.diagram.meaning {
         Some(words) if own => format!(", {words}"),

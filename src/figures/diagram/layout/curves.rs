@@ -7,7 +7,7 @@ use super::solid;
 use super::types::Limits;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
 use super::view::View;
-use crate::figures::diagram::model::{self as model, NamedLine, Side, Track};
+use crate::figures::diagram::model::{self as model, DrawnCurve, NamedLine, Side, Track};
 use crate::spacetime::Displacement;
 
 /// The largest deviation from straight, in parts of the diagram's size: 0.02 mm on 200 mm.
@@ -188,6 +188,20 @@ pub(super) fn hyperbolae(view: &View, limits: &Limits) -> Vec<Hyperbola> {
         curve: hyperbola_curve(view, limits, hyperbola),
         label: hyperbola.label.clone(),
         colour: hyperbola.colour,
+    });
+    all.collect()
+}
+
+pub(super) fn drawn(view: &View) -> Vec<DrawnCurve<Point>> {
+    let all = view.diagram.curves.iter().map(|curve| DrawnCurve {
+        points: curve
+            .points
+            .iter()
+            .map(|event| view.point(*event))
+            .collect(),
+        dashed: curve.dashed,
+        label: curve.label.clone(),
+        colour: curve.colour,
     });
     all.collect()
 }

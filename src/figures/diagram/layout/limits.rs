@@ -99,6 +99,7 @@ fn contents(view: &View) -> Vec<Point> {
             .flatten(),
     );
     events.extend(d.regions.iter().flat_map(|r| r.corners.iter().copied()));
+    events.extend(d.curves.iter().flat_map(|c| c.points.iter().copied()));
     events.extend(d.texts.iter().map(|words| words.at));
     events.extend(d.cones.iter().map(|cone| cone.event));
     events.extend(d.hyperbolae.iter().flat_map(|h| [h.about, h.vertex]));

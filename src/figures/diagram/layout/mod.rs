@@ -45,6 +45,7 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
         world_lines,
         cones: curves::cones(&view, &limits),
         hyperbolae: curves::hyperbolae(&view, &limits),
+        curves: curves::drawn(&view),
         areas: curves::areas(&view, &limits),
         slices: slices(&view, &limits),
         planes: solid::planes(&view, &limits),

@@ -1,6 +1,6 @@
 //! The parts of a layout.
 
-use crate::figures::diagram::model::{Colour, Segment, Spot};
+use crate::figures::diagram::model::{Colour, DrawnCurve, Segment, Spot};
 
 /// One along y on the page: to the right and upwards. It is 0.5 long.
 pub(super) const ASIDE: f64 = 0.4;
@@ -50,6 +50,8 @@ pub struct Panel {
     pub cones: Vec<Cone>,
     /// Hyperbolae of constant interval.
     pub hyperbolae: Vec<Hyperbola>,
+    /// Curves that are nobody's world line.
+    pub curves: Vec<DrawnCurve<Point>>,
     /// World sheets, regions and wedges, lowest first.
     pub areas: Vec<Area>,
     /// Lines of equal time and equal place; their owners are frames.

@@ -54,6 +54,10 @@ fn things(said: &file::Diagram) -> usize {
         said.place.len(),
         said.interval.len(),
         said.hyperbola.len(),
+        said.curve
+            .iter()
+            .map(|at| at.value.through.value.len())
+            .sum(),
         said.sheet.len(),
         said.region.len(),
         said.arrow.len(),

@@ -8,8 +8,8 @@ use super::settings::{self, words};
 use crate::error::Result;
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{
-    Cone, Diagram, Hyperbola, Region, Segment, Side, Slice, SliceKind, Spot, Track, Wedge,
-    WorldSheet,
+    Cone, Diagram, DrawnCurve, Hyperbola, Region, Segment, Side, Slice, SliceKind, Spot, Track,
+    Wedge, WorldSheet,
 };
 use crate::figures::diagram::spot::{OneOrMany, Place};
 use crate::scene::{At, Number};
@@ -35,6 +35,7 @@ pub(super) fn resolve_all(
     diagram.slices.extend(places);
     diagram.intervals = each(&file.interval, |at| interval(names, at))?;
     diagram.hyperbolae = each(&file.hyperbola, |at| hyperbola(names, at))?;
+    diagram.curves = each(&file.curve, |at| curve(names, at))?;
     diagram.sheets = each(&file.sheet, |at| sheet(names, at))?;
     diagram.regions = each(&file.region, |at| region(names, at))?;
     diagram.arrows = each(&file.arrow, |at| arrow(names, at))?;
@@ -289,6 +290,20 @@ fn nonzero(names: &Names, at: &At<Number>) -> Result<f64> {
         }
         number => Ok(number * names.unit),
     }
+}
+
+fn curve(names: &mut Names, at: &At<file::DrawnCurve>) -> Result<DrawnCurve> {
+    let through = &at.value.through;
+    if through.value.len() < 2 {
+        let what = "a curve goes through two events at least";
+        return Err(names.cx.refuse(through, what, "name more events"));
+    }
+    Ok(DrawnCurve {
+        points: each(&through.value, |spot| names.event(spot))?,
+        dashed: at.value.dashed.unwrap_or(false),
+        label: words(names.cx, &at.value.label)?,
+        colour: at.value.colour,
+    })
 }
 
 fn sheet(names: &mut Names, at: &At<file::Sheet>) -> Result<WorldSheet> {

@@ -20,7 +20,7 @@ pub(super) fn resolve(names: &mut Names, at: &At<DiagramEvent>) -> Result<Spot> 
         label: names.label(&said.label, &said.name)?,
         at: event(names, at)?,
         dot: said.dot.unwrap_or(true),
-        colour: None,
+        colour: said.colour,
     })
 }
 

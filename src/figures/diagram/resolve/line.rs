@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::event::given_twice;
+use super::event::{found, given_twice, meeting};
 use super::names::Names;
 use super::scene;
 use super::settings;
@@ -190,7 +190,13 @@ fn refusal<T>(names: &Names, at: &At<Vec<At<T>>>, error: &WorldLineError) -> Err
 /// The part from the world time of one event to that of another.
 fn ended(names: &mut Names, line: &DiagramLine, track: Track) -> Result<Track> {
     let from = end(names, &line.from, &track)?.unwrap_or(f64::NEG_INFINITY);
-    let to = end(names, &line.to, &track)?.unwrap_or(f64::INFINITY);
+    names
+        .cx
+        .exclusive((&line.to, "to"), (&line.until, "until"))?;
+    let to = match &line.until {
+        Some(other) => meets(names, other, &track.clone().part([from, f64::INFINITY]))?,
+        None => end(names, &line.to, &track)?.unwrap_or(f64::INFINITY),
+    };
     if from < to {
         return Ok(track.part([from, to]));
     }
@@ -200,6 +206,14 @@ fn ended(names: &mut Names, line: &DiagramLine, track: Track) -> Result<Track> {
         (Some(at), _) | (None, Some(at)) => names.cx.refuse(at, what, help),
         (None, None) => names.cx.refuse(&line.name, what, help),
     })
+}
+
+/// The own time at which `track` meets the world line `other`.
+fn meets(names: &mut Names, other: &At<String>, track: &Track) -> Result<f64> {
+    let line = names.track(other)?;
+    let moment = meeting(names, track, &line);
+    let never = "the two world lines do not meet";
+    Ok(found(names, moment, &other.span, never)?.proper_time)
 }
 
 fn end(names: &mut Names, spot: &Option<At<Place>>, track: &Track) -> Result<Option<f64>> {

@@ -10,6 +10,7 @@ mod event;
 mod frame;
 mod line;
 mod names;
+mod placeholder;
 mod scene;
 mod settings;
 
@@ -39,6 +40,7 @@ pub(super) fn resolve(
         unit,
         direction,
         across,
+        labels: settings::labels(cx, &said.labels)?,
         x: settings::limits(cx, &said.x, unit.metres)?,
         y: settings::limits(cx, &said.y, unit.metres)?,
         ct: settings::limits(cx, &said.ct, unit.metres)?,

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::placeholder::filled;
 use crate::error::{Error, Result};
 use crate::figures::diagram::file;
 use crate::figures::diagram::model::{Style, Unit, part_across};
@@ -118,6 +119,19 @@ pub(super) fn limits(
     Err(cx.refuse(at, what, "give the smaller number first, like [-1, 4]"))
 }
 
+/// What stands at the axes.
+pub(super) fn labels(
+    cx: &Context,
+    at: &Option<At<[At<String>; 2]>>,
+) -> Result<Option<[String; 2]>> {
+    let Some(at) = at else { return Ok(None) };
+    let [time, space] = &at.value;
+    Ok(Some([
+        settable(cx, time, &time.value)?,
+        settable(cx, space, &space.value)?,
+    ]))
+}
+
 /// A number above 0.
 pub(super) fn positive(cx: &Context, at: &Option<At<Number>>, name: &str) -> Result<Option<f64>> {
     at.as_ref().map(|at| cx.positive(at, name)).transpose()
@@ -134,8 +148,9 @@ pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<Stri
 
 /// `text`, which comes from `at`, where it is markup that can be set.
 pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
-    match RichText::parse(text) {
-        Ok(_) => Ok(text.to_string()),
+    let text = filled(cx, at, text)?;
+    match RichText::parse(&text) {
+        Ok(_) => Ok(text),
         Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {
             Err(cx.refuse(at, problem.what, problem.help))
         }

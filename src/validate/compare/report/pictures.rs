@@ -244,6 +244,7 @@ pub fn strip(reference: &Picture, map: &ErrorMap, candidate: &Picture) -> Result
     let panel = |picture, label: &str| Panel {
         picture,
         label: label.into(),
+        new_row: false,
     };
     let difference = format!("{}, 0 to {}", map.title, metrics::number(map.most));
     let panels = [

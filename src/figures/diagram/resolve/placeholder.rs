@@ -1,0 +1,119 @@
+//! Keys within words: `{frame.S'.velocity}` stands for the value that this key of `[diagram]` has, after `--set`.
+//!
+//! An entry of a list goes by its name, or by its number from 0, as in `--set`. Braces of subscripts and superscripts,
+//! and those without a dot, group as ever.
+
+use std::str::FromStr;
+
+use toml_edit::{DocumentMut, Item, Table, Value};
+
+use crate::error::Result;
+use crate::figures::diagram::layout::number;
+use crate::figures::text::rich::escaped;
+use crate::scene::{At, Context};
+use crate::spacetime::units::quoted;
+
+/// `text` with the values of its keys; it comes from `at`.
+pub(super) fn filled<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
+    let mut filled = String::new();
+    let mut rest = text;
+    let mut before = None;
+    while let Some(c) = rest.chars().next() {
+        let key = match (c, before) {
+            ('{', Some('_' | '^' | '\\')) => None,
+            ('{', _) => key(rest),
+            _ => None,
+        };
+        match key {
+            Some(key) => {
+                filled.push_str(&value(cx, at, key)?);
+                rest = &rest[key.len() + 2..];
+                before = Some('}');
+            }
+            None => {
+                filled.push(c);
+                rest = &rest[c.len_utf8()..];
+                // A backslash after a backslash is one that escapes nothing.
+                before = Some(if before == Some('\\') { ' ' } else { c });
+            }
+        }
+    }
+    Ok(filled)
+}
+
+/// The key in the braces with which `text` begins.
+fn key(text: &str) -> Option<&str> {
+    let inner = text.strip_prefix('{')?;
+    let key = &inner[..inner.find('}')?];
+    let plain = |c: char| !c.is_whitespace() && !['{', '*', '\\', '^'].contains(&c);
+    let is_dotted = key.split('.').count() > 1 && key.split('.').all(|part| !part.is_empty());
+    (is_dotted && key.chars().all(plain)).then_some(key)
+}
+
+/// Markup of the value of `key` in `[diagram]`.
+fn value<T>(cx: &Context, at: &At<T>, key: &str) -> Result<String> {
+    let document = DocumentMut::from_str(&cx.report.text).unwrap_or_default();
+    let mut found = document.get("diagram").map(Node::Item);
+    for part in key.split('.') {
+        found = found.and_then(|node| node.entry(part));
+    }
+    let value = match &found {
+        Some(Node::Item(item)) => item.as_value(),
+        Some(Node::Value(value)) => Some(*value),
+        _ => None,
+    };
+    match value {
+        Some(Value::Integer(value)) => Ok(signed(&value.value().to_string())),
+        Some(Value::Float(value)) => Ok(signed(&number(*value.value()))),
+        Some(Value::String(value)) => Ok(escaped(value.value())),
+        _ => {
+            let what = match found {
+                Some(_) => format!("{} is neither a number nor words", quoted(key)),
+                None => format!("[diagram] has no key {}", quoted(key)),
+            };
+            let help = "name a key as --set does without \"diagram.\", like {frame.S'.velocity}";
+            Err(cx.refuse(at, what, help))
+        }
+    }
+}
+
+/// With a minus sign in place of a hyphen.
+fn signed(number: &str) -> String {
+    number.replace('-', "−")
+}
+
+/// A part of the file: tables and their lists are written in two ways each.
+enum Node<'d> {
+    Item(&'d Item),
+    Table(&'d Table),
+    Value(&'d Value),
+}
+
+impl<'d> Node<'d> {
+    /// What a part of a key names in a table, or in a list of them.
+    fn entry(self, part: &str) -> Option<Node<'d>> {
+        match self {
+            Node::Item(Item::Table(table)) | Node::Table(table) => table.get(part).map(Node::Item),
+            Node::Item(Item::Value(Value::InlineTable(table)))
+            | Node::Value(Value::InlineTable(table)) => table.get(part).map(Node::Value),
+            Node::Item(Item::ArrayOfTables(list)) => {
+                let name = |table: &&Table| table.get("name").and_then(Item::as_str) == Some(part);
+                let numbered = || list.get(part.parse().ok()?);
+                list.iter().find(name).or_else(numbered).map(Node::Table)
+            }
+            Node::Item(Item::Value(Value::Array(list))) | Node::Value(Value::Array(list)) => {
+                let table = |value: &Value| {
+                    value
+                        .as_inline_table()?
+                        .get("name")?
+                        .as_str()
+                        .map(str::to_owned)
+                };
+                let named = |value: &&Value| table(value).as_deref() == Some(part);
+                let numbered = || list.get(part.parse().ok()?);
+                list.iter().find(named).or_else(numbered).map(Node::Value)
+            }
+            _ => None,
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use nullray::io::cube::{is_sequence, pictures};
 use nullray::io::files;
 use nullray::render::plan::Plan;
 use nullray::scene::model::{Scene, SourceKind};
@@ -9,8 +10,12 @@ use nullray::scene::model::{Scene, SourceKind};
 /// All files that `scene` and `plan` name, sources that light nothing included.
 pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
     let cubes = scene.sources.iter().filter_map(|s| match &s.kind {
-        SourceKind::Cube(cube) => cube.data.path().map(PathBuf::from),
+        SourceKind::Cube(cube) => cube.data.path(),
         SourceKind::Pulse(_) => None,
+    });
+    let cubes = cubes.flat_map(|path| match is_sequence(path) {
+        true => pictures(path).unwrap_or_default(),
+        false => vec![path.to_path_buf()],
     });
     let meshes = plan
         .objects

@@ -12,6 +12,7 @@ use glam::DVec3;
 use super::at::At;
 use super::memory::Memory;
 use crate::error::Result;
+use crate::io::cube::FileTimes;
 
 /// Where a camera is and where it looks.
 #[derive(Debug, Clone)]
@@ -34,6 +35,8 @@ pub(super) struct Seen {
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
     numbers: Mutex<HashMap<InFile, Vec<f64>>>,
+    /// Time axes that files of cubes say.
+    times: Mutex<HashMap<PathBuf, Option<FileTimes>>>,
 }
 
 /// A file, and what it is called that is looked for in it.
@@ -67,6 +70,15 @@ impl Seen {
     /// The rows of the table in the file at `path`, as they were first read; `read` reads them.
     pub fn table(&self, path: &Path, read: impl FnOnce() -> Result<Rows>) -> Result<Rows> {
         once(&self.tables, path.to_path_buf(), read)
+    }
+
+    /// What the file of a cube at `path` says of its time axis, as it was first read; `read` reads it.
+    pub fn times(
+        &self,
+        path: &Path,
+        read: impl FnOnce() -> Result<Option<FileTimes>>,
+    ) -> Result<Option<FileTimes>> {
+        once(&self.times, path.to_path_buf(), read)
     }
 
     /// The numbers of an array of the file at `path`, as they were first read; `read` reads them.
@@ -113,6 +125,8 @@ pub(super) struct Inputs {
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
     /// By place in the text: the numbers in the file that is named there.
     numbers: RefCell<HashMap<usize, Result<Vec<f64>>>>,
+    /// By place in the text: what the file of a cube that is named there says of its time axis.
+    times: RefCell<HashMap<usize, Result<Option<FileTimes>>>>,
 }
 
 impl Inputs {
@@ -138,6 +152,16 @@ impl Inputs {
     /// The table of a spectrum in the file named at `file` has these rows, or cannot be read.
     pub fn add_table(&mut self, file: &At<String>, rows: Result<Vec<[f64; 2]>>) {
         self.tables.get_mut().insert(file.span.start, rows);
+    }
+
+    /// The cube in the file named at `file` has this time axis, or cannot be read.
+    pub fn add_times(&mut self, file: &At<String>, times: Result<Option<FileTimes>>) {
+        self.times.get_mut().insert(file.span.start, times);
+    }
+
+    /// The time axis of the cube in the file named at `file`, if that was looked for. Asked once.
+    pub fn times(&self, file: &At<String>) -> Option<Result<Option<FileTimes>>> {
+        self.times.borrow_mut().remove(&file.span.start)
     }
 
     /// The file named at `file` holds these numbers, or cannot be read.

@@ -16,7 +16,7 @@ use super::report::Report;
 use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::{files, gltf, npy, spectrum};
+use crate::io::{cube, files, gltf, npy, spectrum};
 use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
@@ -113,8 +113,11 @@ pub(super) fn scene(
     inputs.allow_outside = allow_outside;
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
     let cubes = || file.source.iter().filter_map(|at| at.value.cube.as_ref());
-    for name in meshes.chain(cubes().map(|cube| &cube.value.file)) {
+    for name in meshes {
         look_for(&mut inputs, seen, name);
+    }
+    for cube in cubes() {
+        look_for_cube(&mut inputs, seen, &cube.value);
     }
     let sky = file.sky.as_ref().map(|at| &at.value);
     let image = sky.and_then(|sky| Some(&sky.image.as_ref()?.value.file));
@@ -147,6 +150,31 @@ fn read_spectrum(inputs: &mut Inputs, seen: &Seen, spectrum: &Option<At<file::Sp
     let path = inputs.base.join(&name.value);
     if inputs.problem(name).is_none() && resolve::has_extension(&path, SPECTRUM) {
         inputs.add_table(name, seen.table(&path, || spectrum::load(&path)));
+    }
+}
+
+/// Looks for the file of a cube or for the pictures of a sequence, and reads what the file says of its time axis where the
+/// scene does not.
+fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
+    let name = &cube.file;
+    if name.value.starts_with(memory::PREFIX) {
+        return;
+    }
+    let path = inputs.base.join(&name.value);
+    if cube::is_sequence(&path) {
+        if let Err(error) = cube::pictures(&path) {
+            inputs.add_problem(name, error.to_string());
+        }
+        return;
+    }
+    look_for(inputs, seen, name);
+    let is_cube = || {
+        cube::FORMATS
+            .iter()
+            .any(|f| resolve::has_extension(&path, &[f.extension]))
+    };
+    if cube.bin_width.is_none() && inputs.problem(name).is_none() && is_cube() {
+        inputs.add_times(name, seen.times(&path, || cube::times(&path)));
     }
 }
 

@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::{Axes, Cube};
+use crate::io::cube::{Axes, Cube, Transfer, Wanted};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -211,6 +211,8 @@ pub struct CubeSource {
     pub filter: TimeFilter,
     /// Factor on all values.
     pub scale: f64,
+    /// The keys that the scene leaves out and its file says, with what it says.
+    pub read: Vec<String>,
     /// The keys that the scene leaves out, with what is assumed in their place.
     pub assumed: Vec<String>,
 }
@@ -266,24 +268,41 @@ impl TimeBins {
 /// Where the samples of a cube are.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CubeData {
-    /// In a file.
-    File {
-        /// `.npy` or `.npz` file, relative paths already resolved against the scene file.
-        path: PathBuf,
-        /// The array of an `.npz`; needed where it holds several.
-        array: Option<String>,
-        /// The order of its axes, where the scene says it.
-        axes: Option<Axes>,
-    },
+    /// In a file, or a sequence of pictures.
+    File(CubeFile),
     /// In memory.
     Memory(Arc<Cube>),
+}
+
+/// A file of a cube, or a sequence of pictures.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct CubeFile {
+    /// Relative paths are already resolved against the scene file.
+    pub path: PathBuf,
+    /// The array of an `.npz`; needed where it holds several.
+    pub array: Option<String>,
+    /// The order of its axes, where the scene says it.
+    pub axes: Option<Axes>,
+    /// How codes of PNG pictures stand for radiance.
+    pub transfer: Option<Transfer>,
+}
+
+impl CubeFile {
+    /// What is wanted of the file.
+    pub fn wanted(&self) -> Wanted<'_> {
+        Wanted {
+            array: self.array.as_deref(),
+            axes: self.axes.as_ref(),
+            transfer: self.transfer,
+        }
+    }
 }
 
 impl CubeData {
     /// The file that holds them, if one does.
     pub fn path(&self) -> Option<&Path> {
         match self {
-            CubeData::File { path, .. } => Some(path),
+            CubeData::File(file) => Some(&file.path),
             CubeData::Memory(_) => None,
         }
     }

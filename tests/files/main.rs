@@ -5,6 +5,7 @@ mod common {
     pub mod png;
 }
 
+mod cubes;
 mod gltf;
 mod image_files;
 mod invalid;

@@ -58,7 +58,10 @@ fn import_gltf(bytes: &[u8]) -> bool {
 }
 
 fn import_array(bytes: &[u8], array: Option<&str>) -> bool {
-    let wanted = Wanted { array, axes: None };
+    let wanted = Wanted {
+        array,
+        ..Wanted::default()
+    };
     cube::load_bytes(bytes, "mutated", wanted).is_ok()
 }
 

@@ -48,8 +48,8 @@ fn axes_in_another_order_are_brought_into_that_of_a_cube() {
     let samples: Vec<f32> = expected().map(|s| s as f32).collect();
     let axes = "T H W".parse().unwrap();
     let wanted = Wanted {
-        array: None,
         axes: Some(&axes),
+        ..Wanted::default()
     };
     let file = valid("time-first-f4.npy");
     let cube = cube::load(&file, wanted).unwrap();
@@ -67,8 +67,8 @@ fn axes_in_another_order_are_brought_into_that_of_a_cube() {
 fn axes_without_time_are_a_steady_picture() {
     let axes = "H W".parse().unwrap();
     let wanted = Wanted {
-        array: None,
         axes: Some(&axes),
+        ..Wanted::default()
     };
     let cube = cube::load(&valid("steady-f4.npy"), wanted).unwrap();
     assert_eq!(cube.shape, [4, 6, 1, 1]);

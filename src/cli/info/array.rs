@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use nullray::io::cube::{self, CubeFormat, CubeInfo, Wanted};
+use nullray::io::cube::{self, CubeFormat, CubeInfo, Transfer, Wanted};
 use nullray::io::npy::{Dtype, Header};
-use nullray::light::time_texture::survey;
+use nullray::light::time_texture::survey::{self, Order};
 use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
@@ -20,7 +20,12 @@ pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
         [_] => format!("{} of 1 array", format.name),
         headers => format!("{} of {} arrays", format.name, headers.len()),
     };
-    let mut info = Info::new("numpy", &title);
+    let kind = if format.extension == "ti" {
+        "transient_image"
+    } else {
+        "numpy"
+    };
+    let mut info = Info::new(kind, &title);
     let arrays = headers.iter().map(|header| {
         let cube = (!is_picture).then(|| inspected(path, header));
         describe(&mut info, header, cube.as_ref());
@@ -34,14 +39,39 @@ pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
     Ok(info)
 }
 
+/// A sequence of pictures as a cube.
+pub fn sequence(path: &Path) -> Result<Info> {
+    let mut info = Info::new("pictures", "sequence of pictures");
+    // PNG pictures have no size without a transfer, and any will do to look at them.
+    let wanted = Wanted {
+        transfer: Some(Transfer::Linear),
+        ..Wanted::default()
+    };
+    let cube = cube::inspect(path, wanted)?;
+    let remarks = match cube.bytes > MOST_READ {
+        true => None,
+        false => Some(survey::of_samples(
+            &cube::load(path, wanted)?,
+            Order::Pictures,
+        )),
+    };
+    let cube = (remarks, cube);
+    as_cube(&mut info, &cube);
+    info.data("cube", usable(&cube));
+    Ok(info)
+}
+
 /// What is known of a cube: what looks wrong about its samples (none where they were not read), and its header.
-type Cube = Result<(Option<Vec<String>>, CubeInfo)>;
+type Cube = Result<Known>;
+
+/// What looks wrong about a cube, and its header.
+type Known = (Option<Vec<String>>, CubeInfo);
 
 /// The array as a cube.
 fn inspected(path: &Path, header: &Header) -> Cube {
     let wanted = Wanted {
         array: header.name.as_deref(),
-        axes: None,
+        ..Wanted::default()
     };
     let info = cube::inspect(path, wanted)?;
     Ok((samples(path, wanted, &info)?, info))
@@ -56,7 +86,11 @@ fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<St
         return Ok(None);
     }
     let cube = cube::load(path, wanted)?;
-    Ok(Some(survey::of_samples(&cube, info.assumed)))
+    let order = match info.assumed {
+        true => Order::Array,
+        false => Order::Stated,
+    };
+    Ok(Some(survey::of_samples(&cube, order)))
 }
 
 /// Whether these are the arrays of a picture, as `render` writes one: channels, and a text of metadata.
@@ -87,26 +121,7 @@ fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     );
     match cube {
         None => {}
-        Some(Ok((remarks, cube))) => {
-            let [h, w, t, c] = cube.shape;
-            let colours = if c == 1 { "grey" } else { "red, green, blue" };
-            info.row(
-                "as a cube",
-                format!("H = {h} rows, W = {w} columns, T = {t} time bins, C = {c} ({colours})"),
-            );
-            if cube.assumed {
-                let text = format!(
-                    "{}, assumed; another order is said by `axes` of the source",
-                    cube.axes
-                );
-                info.row("axes", text);
-            }
-            info.row("usable", "yes: as the file of a [source.cube]");
-            let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
-            for remark in remarks.clone().unwrap_or_else(unread) {
-                info.row("remark", remark);
-            }
-        }
+        Some(Ok(cube)) => as_cube(info, cube),
         Some(Err(error)) => {
             let (why, help) = why(error);
             info.row("usable", format!("no: {why}"));
@@ -117,16 +132,42 @@ fn describe(info: &mut Info, header: &Header, cube: Option<&Cube>) {
     }
 }
 
+/// What the samples are as a cube.
+fn as_cube(info: &mut Info, (remarks, cube): &Known) {
+    let [h, w, t, c] = cube.shape;
+    let colours = if c == 1 { "grey" } else { "red, green, blue" };
+    info.row(
+        "as a cube",
+        format!("H = {h} rows, W = {w} columns, T = {t} time bins, C = {c} ({colours})"),
+    );
+    if cube.assumed {
+        let text = format!(
+            "{}, assumed; another order is said by `axes` of the source",
+            cube.axes
+        );
+        info.row("axes", text);
+    }
+    for note in &cube.notes {
+        info.row("says", note);
+    }
+    info.row("usable", "yes: as the file of a [source.cube]");
+    let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
+    for remark in remarks.clone().unwrap_or_else(unread) {
+        info.row("remark", remark);
+    }
+}
+
+fn usable((remarks, cube): &Known) -> Value {
+    let [h, w, t, c] = cube.shape;
+    json!({
+        "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
+        "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "notes": cube.notes,
+        "remarks": remarks,
+    })
+}
+
 fn data(header: &Header, cube: Option<&Cube>) -> Value {
-    let usable = cube
-        .and_then(|cube| cube.as_ref().ok())
-        .map(|(remarks, cube)| {
-            let [h, w, t, c] = cube.shape;
-            json!({
-                "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
-                "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "remarks": remarks,
-            })
-        });
+    let usable = cube.and_then(|cube| cube.as_ref().ok()).map(usable);
     let problem = cube.and_then(|cube| cube.as_ref().err());
     let problem = problem.map(|error| why(error).0);
     json!({

@@ -9,7 +9,7 @@ mod scene;
 use std::io::Read;
 use std::path::Path;
 
-use nullray::io::cube::{CubeFormat, format_of};
+use nullray::io::cube::{CubeFormat, format_of, is_sequence};
 use nullray::io::files;
 use nullray::{Error, Result};
 use serde_json::{Map, Value};
@@ -25,6 +25,7 @@ const MOST: usize = 20;
 pub fn run(arguments: &InfoArguments) -> Result<()> {
     let path = arguments.file.as_path();
     let info = match Kind::of(path)? {
+        Kind::Pictures => array::sequence(path),
         Kind::Gltf => gltf::info(path),
         Kind::Array(format) => array::info(path, format),
         Kind::Exr => picture::exr(path),
@@ -143,6 +144,7 @@ pub(super) fn is_reordering(c: char) -> bool {
 }
 
 enum Kind {
+    Pictures,
     Gltf,
     Array(&'static CubeFormat),
     Exr,
@@ -154,6 +156,9 @@ impl Kind {
     /// By the first bytes; by the extension where these say nothing, so that the reader of that kind
     /// tells what is wrong.
     fn of(path: &Path) -> Result<Kind> {
+        if is_sequence(path) {
+            return Ok(Kind::Pictures);
+        }
         let start = start(path)?;
         let extension = path.extension().map(|e| e.to_ascii_lowercase());
         let extension = extension.as_ref().and_then(|e| e.to_str()).unwrap_or("");
@@ -175,7 +180,7 @@ impl Kind {
                     path,
                     "",
                     "this is no kind of file that nullray knows",
-                    "give a .gltf, .glb, .npy, .npz, .exr, .png or a scene (.toml)",
+                    "give a .gltf, .glb, .npy, .npz, .ti, .exr, .png, a folder of numbered pictures or a scene (.toml)",
                 )),
             },
         }

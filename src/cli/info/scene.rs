@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::io::cube::{self, CubeInfo, Wanted};
+use nullray::io::cube::{self, CubeInfo};
 use nullray::render::metadata;
 use nullray::render::plan::bytes;
 use nullray::scene::model::{
@@ -106,6 +106,9 @@ fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
         Err(error) => format!("{name}: cannot be read: {error}"),
     };
     info.row("  read", read);
+    if !cube.read.is_empty() {
+        info.row("  by file", cube.read.join(", "));
+    }
     let values = match cube.values {
         BinValues::PerBin => "energy per bin",
         BinValues::Density => "energy per metre",
@@ -130,13 +133,7 @@ fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
 /// What the file's header says.
 fn header(cube: &CubeSource) -> Result<CubeInfo> {
     match &cube.data {
-        CubeData::File { path, array, axes } => cube::inspect(
-            path,
-            Wanted {
-                array: array.as_deref(),
-                axes: axes.as_ref(),
-            },
-        ),
+        CubeData::File(file) => cube::inspect(&file.path, file.wanted()),
         CubeData::Memory(cube) => Ok(CubeInfo::of(cube)),
     }
 }
@@ -255,6 +252,7 @@ fn cube_data(cube: &CubeSource) -> Value {
         "clock": cube.clock,
         "filter": cube.filter,
         "scale": cube.scale,
+        "read": cube.read,
         "assumed": cube.assumed,
     })
 }

@@ -45,6 +45,24 @@ impl Axes {
         matches!(count, 3 | 4).then(|| Axes(all[..count].to_vec()))
     }
 
+    /// (T, H, W): those of a folder of frames.
+    pub(super) fn of_frames() -> Axes {
+        Axes(vec![Axis::Time, Axis::Row, Axis::Column])
+    }
+
+    /// (H, W, T).
+    pub(super) fn of_array() -> Axes {
+        Axes(vec![Axis::Row, Axis::Column, Axis::Time])
+    }
+
+    /// With an axis of channels, the fastest, unless there is one.
+    pub(super) fn with_channels(mut self) -> Axes {
+        if !self.0.contains(&Axis::Channel) {
+            self.0.push(Axis::Channel);
+        }
+        self
+    }
+
     /// (H, W, T, C): those of a cube in memory.
     pub(super) fn all() -> Axes {
         Axes(vec![Axis::Row, Axis::Column, Axis::Time, Axis::Channel])

@@ -2,6 +2,10 @@
 
 use std::path::Path;
 
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::axes::Axes;
 use super::samples::{Cube, Samples};
 use crate::Result;
@@ -26,6 +30,28 @@ pub struct CubeFormat {
     pub(super) load: fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
+    /// What a file says of its time axis.
+    pub(super) times: fn(&mut dyn ReadSeek, &Path) -> Result<Option<FileTimes>>,
+}
+
+/// The time axis of a file that says where its bins lie, metres of light path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FileTimes {
+    /// Time at the start of bin 0.
+    pub start: f64,
+    /// Width of a bin, above 0.
+    pub width: f64,
+}
+
+/// How codes of a PNG picture stand for radiance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Transfer {
+    /// In proportion.
+    Linear,
+    /// By the transfer function of sRGB.
+    Srgb,
 }
 
 /// What is asked of a file.
@@ -35,6 +61,8 @@ pub struct Wanted<'a> {
     pub array: Option<&'a str>,
     /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
     pub axes: Option<&'a Axes>,
+    /// How codes of PNG pictures stand for radiance.
+    pub transfer: Option<Transfer>,
 }
 
 impl<'a> Wanted<'a> {
@@ -42,7 +70,7 @@ impl<'a> Wanted<'a> {
     pub fn array(name: &'a str) -> Self {
         Wanted {
             array: Some(name),
-            axes: None,
+            ..Wanted::default()
         }
     }
 }
@@ -61,6 +89,7 @@ impl CubeInfo {
             bytes: cube.samples.bytes(),
             axes: Axes::all(),
             assumed: false,
+            notes: Vec::new(),
         }
     }
 }
@@ -78,4 +107,6 @@ pub struct CubeInfo {
     pub axes: Axes,
     /// Whether that order was assumed: neither the file nor the caller said it.
     pub assumed: bool,
+    /// What else the file says of itself, for people.
+    pub notes: Vec<String>,
 }

@@ -6,9 +6,12 @@ mod axes;
 mod format;
 mod npy;
 mod samples;
+mod sequence;
 mod table;
+mod transient_image;
 
 pub use axes::{Axes, Axis};
-pub use format::{CubeFormat, CubeInfo, Wanted};
+pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use samples::{Cube, CubeError, Samples};
-pub use table::{FORMATS, format_of, inspect, load, load_bytes};
+pub use sequence::{is_sequence, pictures};
+pub use table::{FORMATS, format_of, inspect, load, load_bytes, times};

@@ -23,6 +23,7 @@ pub(super) const ARRAY: CubeFormat = CubeFormat {
     inspect,
     load,
     arrays,
+    times: |_, _| Ok(None),
 };
 
 /// `.npz`: a zip archive of arrays.
@@ -203,6 +204,7 @@ impl Layout {
             dtype,
             axes: self.axes,
             assumed: self.assumed,
+            notes: Vec::new(),
         }
     }
 }

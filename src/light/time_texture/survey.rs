@@ -23,9 +23,19 @@ const FEWEST: usize = 8;
 /// The part of all light that may be where none should be.
 const TOLERATED: f64 = 0.05;
 
-/// What looks wrong about the samples of `cube` by themselves. `assumed` says that the order of its axes is not
-/// stated anywhere.
-pub fn of_samples(cube: &Cube, assumed: bool) -> Vec<String> {
+/// How the order of axes came about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// It was stated.
+    Stated,
+    /// That of an array was assumed, (H, W, T).
+    Array,
+    /// That of a sequence of pictures was assumed, a frame per bin.
+    Pictures,
+}
+
+/// What looks wrong about the samples of `cube` by themselves.
+pub fn of_samples(cube: &Cube, order: Order) -> Vec<String> {
     let light = Light::of(cube);
     let mut remarks = Vec::new();
     if light.total == 0.0 {
@@ -38,8 +48,8 @@ pub fn of_samples(cube: &Cube, assumed: bool) -> Vec<String> {
         ));
     }
     remarks.extend(ends(&light.per_bin));
-    if assumed {
-        remarks.extend(order(cube));
+    if order != Order::Stated {
+        remarks.extend(self::order(cube, order == Order::Pictures));
     }
     remarks
 }
@@ -151,7 +161,7 @@ fn ends(per_bin: &[f64]) -> Option<String> {
 }
 
 /// Whether another axis looks more like time than that which is taken for it.
-fn order(cube: &Cube) -> Option<String> {
+fn order(cube: &Cube, pictures: bool) -> Option<String> {
     let [h, w, t, _] = cube.shape;
     if h.min(w).min(t) < FEWEST {
         return None;
@@ -161,6 +171,17 @@ fn order(cube: &Cube) -> Option<String> {
         true => (rows, "T H W"),
         false => (columns, "H T W"),
     };
+    if pictures {
+        return (least < 0.5 * time).then(|| {
+            format!(
+                "the pictures are taken for frames, but 90 % of the light of a pixel fill {} of the frames and only {} of \
+                 another axis: if they are streaks, each a row of the camera with time along x, say axes = \"H W T\", and \
+                 if they are frames, say axes = \"T H W\"",
+                percent(time),
+                percent(least)
+            )
+        });
+    }
     (least < 0.5 * time).then(|| {
         format!(
             "the axes are taken for (H, W, T), but 90 % of a line's light fill {} of the axis taken for T and only {} of \

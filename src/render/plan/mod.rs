@@ -13,7 +13,7 @@ mod report;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Wanted};
+use crate::io::cube as cubes;
 use crate::io::gltf;
 use crate::mesh::shapes;
 use crate::render::aov::Aov;
@@ -190,13 +190,14 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
                 return Ok(None);
             }
             let (shape, bytes, file, array) = match &cube.data {
-                CubeData::File { path, array, axes } => {
-                    let wanted = Wanted {
-                        array: array.as_deref(),
-                        axes: axes.as_ref(),
-                    };
-                    let info = cubes::inspect(path, wanted)?;
-                    (info.shape, info.bytes, Some(path.clone()), array.clone())
+                CubeData::File(file) => {
+                    let info = cubes::inspect(&file.path, file.wanted())?;
+                    (
+                        info.shape,
+                        info.bytes,
+                        Some(file.path.clone()),
+                        file.array.clone(),
+                    )
                 }
                 CubeData::Memory(cube) => (cube.shape, cube.samples.bytes(), None, None),
             };

@@ -9,13 +9,14 @@ use glam::DVec3;
 use crate::accel::{Facing, Ray};
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Axes, Cube, Wanted};
+use crate::io::cube::{self as cubes, Cube};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
 use crate::light::Received;
 use crate::light::lamp::Lamp;
 use crate::light::sky::Sky;
-use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture, survey};
+use crate::light::time_texture::survey::{self, Order};
+use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::mesh::{Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
@@ -24,8 +25,8 @@ use crate::render::trace::{
     Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeData, CubeSource, Effects, Equations, Geometry, LightKind,
-    Mapping, Scene, SourceKind,
+    Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Equations, Geometry,
+    LightKind, Mapping, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -449,7 +450,7 @@ impl Textures {
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
 struct Stores {
-    files: HashMap<(PathBuf, Option<String>, Option<Axes>), Arc<Cube>>,
+    files: HashMap<CubeFile, Arc<Cube>>,
     cubes: Vec<TimeTexture>,
     /// By cube: the source that it is.
     sources: Vec<usize>,
@@ -469,7 +470,12 @@ impl Stores {
         let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?;
         let size = texture.size();
-        let assumed = matches!(cube.data, CubeData::File { axes: None, .. });
+        let assumed = match &cube.data {
+            CubeData::File(file) if file.axes.is_some() => Order::Stated,
+            CubeData::File(file) if cubes::is_sequence(&file.path) => Order::Pictures,
+            CubeData::File(_) => Order::Array,
+            CubeData::Memory(_) => Order::Stated,
+        };
         self.warn(scene, source, survey::of_samples(texture.cube(), assumed));
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
@@ -509,20 +515,15 @@ impl Stores {
     }
 
     fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
-        let (path, array, axes) = match &cube.data {
-            CubeData::File { path, array, axes } => (path, array, axes),
+        let file = match &cube.data {
+            CubeData::File(file) => file,
             CubeData::Memory(cube) => return Ok(cube.clone()),
         };
-        let key = (path.clone(), array.clone(), axes.clone());
-        if let Some(loaded) = self.files.get(&key) {
+        if let Some(loaded) = self.files.get(file) {
             return Ok(loaded.clone());
         }
-        let wanted = Wanted {
-            array: array.as_deref(),
-            axes: axes.as_ref(),
-        };
-        let loaded = Arc::new(cubes::load(path, wanted)?);
-        self.files.insert(key, loaded.clone());
+        let loaded = Arc::new(cubes::load(&file.path, file.wanted())?);
+        self.files.insert(file.clone(), loaded.clone());
         Ok(loaded)
     }
 }

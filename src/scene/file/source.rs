@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::radiance::Radiance;
+use crate::io::cube::Transfer;
 use crate::scene::at::At;
 use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
@@ -42,19 +43,23 @@ pub(in crate::scene) struct Source {
     expecting = "a table like { file = \"a.npy\", bin_width = \"0.05 m\" }"
 )]
 pub(in crate::scene) struct Cube {
-    /// A .npy or .npz file, relative to the scene file.
+    /// A .npy, .npz or .ti file, relative to the scene file; or a folder of numbered pictures (.exr, .png, .hdr), or a
+    /// pattern for their names, like "frames/{i:03d}.exr" or "streak_%04d.hdr".
     pub file: At<String>,
     /// The array of an .npz file. Default: its only array.
     pub array: Option<At<String>>,
+    /// How codes of .png pictures stand for radiance, "linear" or "srgb"; required for them.
+    pub transfer: Option<At<Transfer>>,
     /// The order of the array's axes, the slowest first as numpy has it, like "T H W": H rows, W columns, T time
     /// bins, C channels, 1 an axis of one entry. Without T it is a steady picture: radiance that does not change
-    /// with time. Default: "H W T", or "H W T C" for four axes.
+    /// with time. Default: "H W T", or "H W T C" for four axes. Of pictures, it names files, rows and columns,
+    /// and colours need no name: "T H W", the default, are frames, "H W T" streaks with time along x.
     pub axes: Option<At<String>>,
     /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
     pub start: Option<At<Time>>,
     /// Time at the centre of bin 0, in place of `start`.
     pub first_center: Option<At<Time>>,
-    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures.
+    /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures and where the file says it (.ti).
     pub bin_width: Option<At<Time>>,
     /// Bins of different widths, in place of `start` and `bin_width`: the start of each bin, and the end of the last,
     /// like ["0 m", "0.1 m", "0.3 m"].

@@ -1,14 +1,16 @@
 //! Time-resolved sources.
 
+use std::path::PathBuf;
+
 use super::context::{Context, has_extension};
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
-use crate::io::cube::{Axes, FORMATS};
+use crate::io::cube::{Axes, FORMATS, is_sequence};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeSource, FovAxis, Mapping, Object,
-    ProjectionKind, Pulse, Source, SourceKind, TimeBins, TimeFilter,
+    BinValues, CaptureCamera, Clock, Crop, CubeData, CubeFile, CubeSource, FovAxis, Mapping,
+    Object, ProjectionKind, Pulse, Source, SourceKind, TimeBins, TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
@@ -80,7 +82,12 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         values: time.values,
         filter: time.filter,
         scale: cube.scale.0,
-        assumed: assumed(cube, steady),
+        read: time.read,
+        assumed: time
+            .assumed
+            .into_iter()
+            .chain(assumed(cube, steady))
+            .collect(),
     })
 }
 
@@ -88,11 +95,11 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
 fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
     let mut assumed = Vec::new();
     let mut says = |said: bool, what: &str| assumed.extend((!said).then(|| what.to_string()));
-    says(cube.axes.is_some(), "axes = \"H W T\" or \"H W T C\"");
+    says(
+        cube.axes.is_some(),
+        "axes (\"H W T\" of arrays, \"T H W\" of pictures)",
+    );
     if !steady {
-        let table = cube.edges.is_some() || cube.edges_file.is_some();
-        let starts = cube.start.is_some() || cube.first_center.is_some() || table;
-        says(starts, "start = \"0 m\"");
         says(cube.clock.is_some(), "clock = \"world\"");
         says(cube.values.is_some(), "values = \"per_bin\"");
         says(cube.filter.is_some(), "filter = \"linear\"");
@@ -104,6 +111,9 @@ fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
 /// The keys of the time axis, resolved.
 struct TimeKeys {
     bins: TimeBins,
+    /// What the file says, and what is assumed.
+    read: Vec<String>,
+    assumed: Vec<String>,
     values: BinValues,
     filter: TimeFilter,
 }
@@ -111,8 +121,10 @@ struct TimeKeys {
 fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     let cube = &at.value;
     cx.exclusive((&cube.start, "start"), (&cube.first_center, "first_center"))?;
-    let keys = |bins| TimeKeys {
+    let keys = |bins, read, assumed| TimeKeys {
         bins,
+        read,
+        assumed,
         values: cube
             .values
             .as_ref()
@@ -123,23 +135,40 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
             .map_or_else(Default::default, |at| at.value),
     };
     if let Some(edges) = edges(cx, cube)? {
-        return Ok(keys(edges));
+        return Ok(keys(edges, Vec::new(), Vec::new()));
     }
-    let Some(bin_width) = &cube.bin_width else {
+    let times = cx.inputs.times(&cube.file).transpose()?.flatten();
+    let (mut read, mut assumed) = (Vec::new(), Vec::new());
+    let width = match (&cube.bin_width, &times) {
+        (Some(width), _) => Some(cx.duration(width, "`bin_width`")?),
+        (None, Some(times)) => {
+            read.push(format!("bin_width = \"{} m\"", times.width));
+            Some(times.width)
+        }
+        (None, None) => None,
+    };
+    let Some(bin_width) = width else {
         let help = "add the width of a bin, like bin_width = \"0.05 m\", or `edges` where widths differ; a picture that does not change with time \
                     is declared by axes = \"H W\"";
         return Err(cx.refuse(at, "the key `bin_width` is missing", help));
     };
-    let bin_width = cx.duration(bin_width, "`bin_width`")?;
-    let start = match (&cube.start, &cube.first_center) {
-        (Some(start), _) => cx.time(start)?,
-        (None, Some(center)) => cx.time(center)? - 0.5 * bin_width,
-        (None, None) => 0.0,
+    let start = match (&cube.start, &cube.first_center, times) {
+        (Some(start), _, _) => cx.time(start)?,
+        (None, Some(center), _) => cx.time(center)? - 0.5 * bin_width,
+        (None, None, Some(times)) => {
+            read.push(format!("start = \"{} m\"", times.start));
+            times.start
+        }
+        (None, None, None) => {
+            assumed.push("start = \"0 m\"".into());
+            0.0
+        }
     };
-    Ok(keys(TimeBins::Uniform {
+    let bins = TimeBins::Uniform {
         start,
         width: bin_width,
-    }))
+    };
+    Ok(keys(bins, read, assumed))
 }
 
 /// The table of edges, where there is one.
@@ -214,6 +243,8 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
             start: -0.5 * LARGEST,
             width: LARGEST,
         },
+        read: Vec::new(),
+        assumed: Vec::new(),
         values: BinValues::Density,
         filter: TimeFilter::Nearest,
     })
@@ -247,17 +278,37 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         }
         return Ok(CubeData::Memory(in_memory));
     }
-    let extensions: Vec<_> = FORMATS.iter().map(|format| format.extension).collect();
-    let path = cx.path(&cube.file, &extensions)?;
+    let path = cube_path(cx, &cube.file)?;
     if !FORMATS
         .iter()
         .any(|f| f.named && has_extension(&path, &[f.extension]))
     {
-        alone("an .npy file holds a single array without a name")?;
+        alone("only the arrays of an .npz file have names: this is without a name")?;
     }
     let array = cx.optional_text(&cube.array, "the array's name")?;
-    Ok(CubeData::File { path, array, axes })
+    Ok(CubeData::File(CubeFile {
+        path,
+        array,
+        axes,
+        transfer: cube.transfer.as_ref().map(|at| at.value),
+    }))
 }
+
+/// The path of a file of a cube, or of a sequence of pictures.
+fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
+    let path = cx.inputs.base.join(cx.text(file, "the file's name")?);
+    if is_sequence(&path) {
+        return match cx.inputs.problem(file) {
+            Some(problem) => Err(cx.refuse(file, problem, SEQUENCE)),
+            None => Ok(path),
+        };
+    }
+    let extensions: Vec<_> = FORMATS.iter().map(|format| format.extension).collect();
+    cx.path(file, &extensions)
+}
+
+/// What names a sequence of pictures.
+const SEQUENCE: &str = "name a folder of numbered pictures (.exr, .png, .hdr), or a pattern like \"frames/{i:03d}.exr\"";
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     cx.exclusive((&cube.uv, "uv"), (&cube.capture, "capture"))?;

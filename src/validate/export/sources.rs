@@ -7,14 +7,13 @@ use std::path::{Path, PathBuf};
 use super::bundle::{CubeEntry, LightEntry, SourceEntry};
 use super::{Cubes, Files, describe, stop_if_cancelled};
 use crate::error::{Error, Result};
-use crate::io::cube::Cube;
-use crate::io::cube::format_of;
+use crate::io::cube::{self, Cube, format_of};
 use crate::io::files;
 use crate::io::image::{npz, write_atomically};
 use crate::render::metadata::sha256_of;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
-use crate::scene::model::{CubeData, CubeSource, Scene, SourceKind, TimeBins};
+use crate::scene::model::{CubeData, CubeFile, CubeSource, Scene, SourceKind, TimeBins};
 
 /// Writes what the sources of `scene` need, and describes them.
 pub(super) fn write(
@@ -32,7 +31,12 @@ pub(super) fn write(
             SourceKind::Pulse(pulse) => describe::pulse(pulse),
             SourceKind::Cube(cube) => {
                 let place = match &cube.data {
-                    CubeData::File { path, .. } => stored.place(path, cubes, files)?,
+                    CubeData::File(file) if is_numpy(file) => {
+                        stored.place(&file.path, cubes, files)?
+                    }
+                    CubeData::File(file) => {
+                        write_out(&cube::load(&file.path, file.wanted())?, index, files)?
+                    }
                     CubeData::Memory(cube) => write_out(cube, index, files)?,
                 };
                 let shape = plan.cubes.get(index).and_then(Option::as_ref);
@@ -54,12 +58,14 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
         is_copied: place.is_copied,
         sha256: place.sha256,
         array: match &cube.data {
-            CubeData::File { array, .. } => array.clone(),
+            CubeData::File(file) => file.array.clone(),
             CubeData::Memory(_) => None,
         },
         axes: match &cube.data {
-            CubeData::File { axes, .. } => axes.as_ref().map(|axes| axes.to_string()),
-            CubeData::Memory(_) => None,
+            CubeData::File(file) if is_numpy(file) => {
+                file.axes.as_ref().map(|axes| axes.to_string())
+            }
+            CubeData::File(_) | CubeData::Memory(_) => None,
         },
         shape,
         start: cube.bins.edge(0),
@@ -77,6 +83,13 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
         clock: cube.clock,
         mapping: describe::mapping(&cube.mapping, shape.unwrap_or([1; 4])),
     }
+}
+
+/// Whether these are arrays, which a bundle holds as they are; all else becomes one.
+fn is_numpy(file: &CubeFile) -> bool {
+    let extension = file.path.extension();
+    let named = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
+    (named("npy") || named("npz")) && !cube::is_sequence(&file.path)
 }
 
 /// Where a cube's file is.
@@ -109,7 +122,7 @@ impl Stored {
     }
 }
 
-/// Writes the cube of source `index`, which is in no file yet.
+/// Writes the cube of source `index`, which is in no file of arrays.
 fn write_out(cube: &Cube, index: usize, files: &mut Files) -> Result<Place> {
     files.folder.subfolder("sources")?;
     let name = format!("sources/memory-{index:03}.npy");

@@ -1,0 +1,613 @@
+//! Numbered pictures as cubes: a frame per time bin, or, from streak cameras, a picture per row.
+//!
+//! A sequence is named by its folder, where that holds one only, or by a pattern for the names of its files in which a
+//! placeholder stands for the number: `{i:03d}` as Python has it, `%04d` as C does, or `####`. Files are taken in the
+//! order of their numbers, whatever their zeros; none may be missing between the first and the last.
+//!
+//! Axes are named for (files, rows, columns) of the pictures, "T H W" unless the caller says otherwise; colours follow.
+//! Streaks are "H W T": a file per row of the camera, in it a row per column of the camera, time along x.
+//! Codes of PNG become linear by the transfer that the caller declares; EXR and Radiance HDR are linear.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::axes::{Arrangement, Axes};
+use super::format::{CubeInfo, Transfer, Wanted};
+use super::samples::{Cube, Samples};
+use crate::colour::srgb_decode;
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::image::{self, Layers};
+use crate::io::npy::Dtype;
+
+/// Extensions of pictures that frames may be, lower case.
+const PICTURES: [&str; 3] = ["exr", "png", "hdr"];
+
+/// The most pictures.
+const MOST: usize = 1 << 20;
+
+/// The longest file of a picture that is read as a whole, bytes.
+const LONGEST: u64 = 1 << 30;
+
+/// Pictures that are decoded at a time.
+const TOGETHER: usize = 16;
+
+/// How to name a sequence.
+const NAME_IT: &str = "name a folder of pictures with numbered names, or a pattern like \"frames/{i:03d}.exr\" or \
+                       \"streak_%04d.hdr\"";
+
+/// Whether `path` names a sequence of pictures and not a file.
+pub fn is_sequence(path: &Path) -> bool {
+    Pattern::of(path).is_some() || path.is_dir()
+}
+
+/// The pictures of a sequence, in the order of their numbers.
+///
+/// # Errors
+/// There is no such folder, or no such picture in it; it holds several sequences; a number is missing or there twice.
+pub fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
+    let mut numbered = match Pattern::of(path) {
+        Some(pattern) => pattern.find(path)?,
+        None => in_folder(path)?,
+    };
+    numbered.sort();
+    if let Some(pair) = numbered.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        let [first, second] = [&pair[0].1, &pair[1].1].map(|file| file.display().to_string());
+        let what = format!("{first} and {second} have the same number");
+        return Err(Error::invalid(path, "", what, "remove one of them"));
+    }
+    let missing = missing(&numbered);
+    if !missing.is_empty() {
+        let what = format!("between the first picture and the last are missing: {missing}");
+        let help = "add these files; a frame without light is a black picture";
+        return Err(Error::invalid(path, "", what, help));
+    }
+    Ok(numbered.into_iter().map(|(_, file)| file).collect())
+}
+
+/// The first few numbers that are missing, and how many are.
+fn missing(numbered: &[(u64, PathBuf)]) -> String {
+    const SHOWN: usize = 10;
+    let mut shown = Vec::new();
+    let mut count = 0;
+    for pair in numbered.windows(2) {
+        let gap = pair[0].0 + 1..pair[1].0;
+        count += gap.end - gap.start;
+        let room = SHOWN - shown.len();
+        shown.extend(gap.take(room).map(|number| number.to_string()));
+    }
+    match count.saturating_sub(shown.len() as u64) {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// What stands before and after the number in the names of files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Pattern {
+    before: String,
+    after: String,
+}
+
+impl Pattern {
+    /// That of a name with a placeholder.
+    fn of(path: &Path) -> Option<Pattern> {
+        let name = path.file_name()?.to_str()?;
+        let (start, end) = braces(name)
+            .or_else(|| printf(name))
+            .or_else(|| hashes(name))?;
+        Some(Pattern {
+            before: name[..start].into(),
+            after: name[end..].into(),
+        })
+    }
+
+    /// The number in a name of this pattern.
+    fn number(&self, name: &str) -> Option<u64> {
+        let digits = name.strip_prefix(&self.before)?.strip_suffix(&self.after)?;
+        number(digits)
+    }
+
+    /// The files of this pattern.
+    fn find(&self, path: &Path) -> Result<Vec<(u64, PathBuf)>> {
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        let numbered: Vec<_> = names(folder.unwrap_or(Path::new(".")), path)?
+            .into_iter()
+            .filter_map(|(name, file)| Some((self.number(&name)?, file)))
+            .collect();
+        if numbered.is_empty() {
+            let what = format!("there is no file {}number{}", self.before, self.after);
+            return Err(Error::invalid(path, "", what, NAME_IT));
+        }
+        Ok(numbered)
+    }
+}
+
+/// `{i:03d}`, `{:d}`, `{i}`, `{}`: where it begins and ends.
+fn braces(name: &str) -> Option<(usize, usize)> {
+    let start = name.find('{')?;
+    let end = start + name[start..].find('}')? + 1;
+    let (variable, format) = name[start + 1..end - 1]
+        .split_once(':')
+        .unwrap_or((&name[start + 1..end - 1], "d"));
+    let is_variable = variable
+        .chars()
+        .all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let is_integer = format
+        .strip_suffix('d')
+        .is_some_and(|width| width.chars().all(|c| c.is_ascii_digit()));
+    (is_variable && is_integer).then_some((start, end))
+}
+
+/// `%04d`, `%d`.
+fn printf(name: &str) -> Option<(usize, usize)> {
+    let start = name.find('%')?;
+    let width = name[start + 1..].find(|c: char| !c.is_ascii_digit())?;
+    let end = start + 1 + width;
+    name[end..].starts_with('d').then_some((start, end + 1))
+}
+
+/// `####`.
+fn hashes(name: &str) -> Option<(usize, usize)> {
+    let start = name.find('#')?;
+    let length = name[start..].find(|c| c != '#')?;
+    Some((start, start + length))
+}
+
+/// Digits only, few enough for a u64.
+fn number(digits: &str) -> Option<u64> {
+    let plain =
+        !digits.is_empty() && digits.len() <= 18 && digits.bytes().all(|b| b.is_ascii_digit());
+    plain.then(|| digits.parse().ok()).flatten()
+}
+
+/// Names and paths of what is in `folder`; `path` is for messages.
+fn names(folder: &Path, path: &Path) -> Result<Vec<(String, PathBuf)>> {
+    let failed = || Error::io(path, "cannot read the folder of");
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed())? {
+        let entry = entry.map_err(failed())?;
+        if let Ok(name) = entry.file_name().into_string() {
+            names.push((name, entry.path()));
+        }
+        if names.len() > MOST {
+            let what = format!("there are more than {MOST} files in the folder");
+            return Err(Error::unsupported(
+                path,
+                "",
+                what,
+                "put the frames into a folder of their own",
+            ));
+        }
+    }
+    Ok(names)
+}
+
+/// The numbered pictures of a folder, which are of one pattern: names whose last digits are the number.
+fn in_folder(path: &Path) -> Result<Vec<(u64, PathBuf)>> {
+    let mut found: Option<Pattern> = None;
+    let mut numbered = Vec::new();
+    for (name, file) in names(path, path)? {
+        let Some((pattern, number)) = told_apart(&name) else {
+            continue;
+        };
+        match &found {
+            Some(found) if *found != pattern => {
+                let [one, other] = [found, &pattern].map(|p| format!("{}#{}", p.before, p.after));
+                let what = format!(
+                    "the folder holds several sequences: {} and {}",
+                    one.min(other.clone()),
+                    other
+                );
+                return Err(Error::invalid(path, "", what, NAME_IT));
+            }
+            _ => found = Some(pattern),
+        }
+        numbered.push((number, file));
+    }
+    match numbered.is_empty() {
+        true => Err(Error::invalid(
+            path,
+            "",
+            "the folder holds no numbered pictures (.exr, .png, .hdr)",
+            NAME_IT,
+        )),
+        false => Ok(numbered),
+    }
+}
+
+/// The pattern of a picture's name, and its number.
+fn told_apart(name: &str) -> Option<(Pattern, u64)> {
+    let (stem, extension) = name.rsplit_once('.')?;
+    if !PICTURES.contains(&extension.to_ascii_lowercase().as_str()) {
+        return None;
+    }
+    let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
+    let start = stem[..end]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |at| {
+            at + stem[at..].chars().next().map_or(1, char::len_utf8)
+        });
+    let pattern = Pattern {
+        before: name[..start].into(),
+        after: name[end..].into(),
+    };
+    Some((pattern, number(&stem[start..end])?))
+}
+
+/// What would be loaded, by the number of pictures and the first of them.
+pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
+    refuse_array(path, wanted)?;
+    let files = pictures(path)?;
+    let first = Picture::read(&files[0], wanted.transfer)?;
+    let layout = Layout::new(path, &files, &first, wanted)?;
+    let [h, w, t, c] = layout.arrangement.shape;
+    Ok(CubeInfo {
+        shape: layout.arrangement.shape,
+        dtype: Dtype::F32,
+        bytes: 4 * (h * w * t * c) as u64,
+        axes: layout.axes,
+        assumed: wanted.axes.is_none(),
+        notes: vec![format!(
+            "{} pictures, {} to {}",
+            files.len(),
+            file_name(&files[0]),
+            file_name(&files[files.len() - 1])
+        )],
+    })
+}
+
+/// The cube.
+pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
+    refuse_array(path, wanted)?;
+    let files = pictures(path)?;
+    let first = Picture::read(&files[0], wanted.transfer)?;
+    let Layout { arrangement, .. } = Layout::new(path, &files, &first, wanted)?;
+    let count: usize = arrangement.shape.iter().product();
+    let mut samples = Vec::new();
+    samples.try_reserve_exact(count).map_err(|_| {
+        let what = format!("there is not enough memory for {count} samples");
+        Error::unsupported(path, "", what, "fewer or smaller pictures")
+    })?;
+    samples.resize(count, 0.0f32);
+    // Some at a time, and then in their order, so that the first broken one is refused.
+    for (group, chunk) in files.chunks(TOGETHER).enumerate() {
+        let decode = |file: &PathBuf| Picture::read(file, wanted.transfer);
+        let decoded: Vec<_> = chunk.par_iter().map(decode).collect();
+        for (place, picture) in decoded.into_iter().enumerate() {
+            let number = group * TOGETHER + place;
+            let picture = picture?;
+            picture.refuse_other_than(&first, &files[number], &files[0])?;
+            arrangement.put(
+                number * picture.samples.len(),
+                &picture.samples,
+                &mut samples,
+            );
+        }
+    }
+    Ok(Cube {
+        shape: arrangement.shape,
+        samples: Samples::F32(samples),
+    })
+}
+
+fn refuse_array(path: &Path, wanted: Wanted) -> Result<()> {
+    match wanted.array {
+        Some(array) => Err(Error::invalid(
+            path,
+            format!("array {array:?}"),
+            "pictures have no arrays with names",
+            "leave out the name of the array",
+        )),
+        None => Ok(()),
+    }
+}
+
+fn file_name(file: &Path) -> String {
+    file.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// How the pictures become a cube.
+struct Layout {
+    arrangement: Arrangement,
+    axes: Axes,
+}
+
+impl Layout {
+    fn new(path: &Path, files: &[PathBuf], first: &Picture, wanted: Wanted) -> Result<Layout> {
+        let help =
+            "name the axes of (files, rows, columns): \"T H W\" for frames, \"H W T\" for streaks";
+        let axes = wanted
+            .axes
+            .cloned()
+            .unwrap_or_else(Axes::of_frames)
+            .with_channels();
+        let sizes = [files.len(), first.size[1], first.size[0], first.channels];
+        let product = sizes
+            .iter()
+            .try_fold(1usize, |product, n| product.checked_mul(*n));
+        if product.is_none_or(|count| count > isize::MAX as usize / 8) {
+            let what = "the pictures have more samples than memory can address";
+            return Err(Error::unsupported(
+                path,
+                "",
+                what,
+                "fewer or smaller pictures",
+            ));
+        }
+        let arrangement = Arrangement::of(&sizes, &axes, false).map_err(|what| {
+            Error::invalid(
+                path,
+                "",
+                format!("as (files, rows, columns, colours): {what}"),
+                help,
+            )
+        })?;
+        Ok(Layout { arrangement, axes })
+    }
+}
+
+/// A decoded picture, linear.
+struct Picture {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// 1 or 3.
+    channels: usize,
+    /// By rows, colours fastest; all finite.
+    samples: Vec<f32>,
+}
+
+impl Picture {
+    fn read(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
+        let picture = match extension.to_ascii_lowercase().as_str() {
+            "exr" => {
+                refuse_transfer(file, transfer)?;
+                Picture::of_exr(file, &image::exr::read(file, &Budget::default())?)?
+            }
+            "hdr" => {
+                refuse_transfer(file, transfer)?;
+                let (size, pixels) = image::hdr::read(&bytes(file)?, file, &Budget::default())?;
+                Picture {
+                    size,
+                    channels: 3,
+                    samples: pixels.into_iter().flatten().collect(),
+                }
+            }
+            "png" => Picture::of_png(file, transfer)?,
+            _ => {
+                let what = "frames are .exr, .png or .hdr pictures";
+                return Err(Error::unsupported(
+                    file,
+                    "",
+                    what,
+                    "convert the frames to EXR",
+                ));
+            }
+        };
+        let width = picture.size[0] * picture.channels;
+        match picture
+            .samples
+            .iter()
+            .position(|sample| !sample.is_finite())
+        {
+            Some(bad) => Err(Error::invalid(
+                file,
+                format!(
+                    "row {}, column {}",
+                    bad / width,
+                    bad % width / picture.channels
+                ),
+                "the sample is not a finite number",
+                "radiance must be finite",
+            )),
+            None => Ok(picture),
+        }
+    }
+
+    /// R, G and B, or else the only channel that is not alpha or depth.
+    fn of_exr(file: &Path, layers: &Layers) -> Result<Picture> {
+        let size = [layers.width as usize, layers.height as usize];
+        if let Some(rgb) = layers.radiance() {
+            return Ok(Picture {
+                size,
+                channels: 3,
+                samples: rgb.into_iter().flatten().map(|x| x as f32).collect(),
+            });
+        }
+        let others = ["A", "alpha", "Z", "distance"];
+        let mut grey = layers
+            .channels
+            .iter()
+            .filter(|c| !others.contains(&c.name.as_str()));
+        match (grey.next(), grey.next()) {
+            (Some(channel), None) => Ok(Picture {
+                size,
+                channels: 1,
+                samples: channel
+                    .samples
+                    .to_f64()
+                    .into_iter()
+                    .map(|x| x as f32)
+                    .collect(),
+            }),
+            _ => {
+                let names: Vec<_> = layers
+                    .channels
+                    .iter()
+                    .take(10)
+                    .map(|c| c.name.as_str())
+                    .collect();
+                let what = format!(
+                    "its channels are {}, neither R, G, B nor a single one",
+                    names.join(", ")
+                );
+                Err(Error::unsupported(
+                    file,
+                    "",
+                    what,
+                    "write frames with the channels R, G, B, or Y alone",
+                ))
+            }
+        }
+    }
+
+    fn of_png(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+        let Some(transfer) = transfer else {
+            let what = "the codes of a PNG picture are not radiance by themselves";
+            let help =
+                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
+            return Err(Error::invalid(file, "", what, help));
+        };
+        let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
+        let layers = image::png::read(file, &Budget::default())?;
+        let channels = if is_grey { 1 } else { 3 };
+        let linear = |code: f64| match transfer {
+            Transfer::Linear => code as f32,
+            Transfer::Srgb => srgb_decode(code) as f32,
+        };
+        let rgb = layers.radiance().unwrap_or_default();
+        let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
+        Ok(Picture {
+            size: [layers.width as usize, layers.height as usize],
+            channels,
+            samples: samples.map(|code| linear(*code)).collect(),
+        })
+    }
+
+    fn refuse_other_than(&self, first: &Picture, file: &Path, first_file: &Path) -> Result<()> {
+        if (self.size, self.channels) == (first.size, first.channels) {
+            return Ok(());
+        }
+        let said = |p: &Picture| {
+            format!(
+                "{} × {} pixels of {} channels",
+                p.size[0], p.size[1], p.channels
+            )
+        };
+        let what = format!(
+            "it has {}, and {} has {}",
+            said(self),
+            file_name(first_file),
+            said(first)
+        );
+        Err(Error::invalid(
+            file,
+            "",
+            what,
+            "all pictures of a sequence have one size and the same channels",
+        ))
+    }
+}
+
+fn refuse_transfer(file: &Path, transfer: Option<Transfer>) -> Result<()> {
+    match transfer {
+        Some(Transfer::Srgb) => Err(Error::invalid(
+            file,
+            "",
+            "this picture is linear by its format",
+            "leave out `transfer`",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A whole file.
+fn bytes(file: &Path) -> Result<Vec<u8>> {
+    use std::io::Read;
+    let (reader, length) = crate::io::open::open_regular(file)?;
+    if length > LONGEST {
+        return Err(Error::unsupported(
+            file,
+            "",
+            "the picture is longer than 1 GiB",
+            "convert the frames to EXR",
+        ));
+    }
+    let mut bytes = Vec::new();
+    reader
+        .take(LONGEST)
+        .read_to_end(&mut bytes)
+        .map_err(Error::io(file, "cannot read"))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pattern(name: &str) -> Option<(String, String)> {
+        Pattern::of(Path::new(name)).map(|p| (p.before, p.after))
+    }
+
+    #[test]
+    fn placeholders_of_python_c_and_hashes_are_known() {
+        for name in [
+            "a/f_{i:03d}.exr",
+            "f_{:d}.exr",
+            "f_{}.exr",
+            "f_{frame}.exr",
+            "f_%04d.exr",
+            "f_%d.exr",
+            "f_###.exr",
+        ] {
+            assert_eq!(pattern(name), Some(("f_".into(), ".exr".into())), "{name}");
+        }
+        for name in [
+            "f.exr",
+            "f_{i:03f}.exr",
+            "f_%s.exr",
+            "f_100%.exr",
+            "a%04d/f.exr",
+        ] {
+            assert_eq!(pattern(name), None, "{name}");
+        }
+    }
+
+    fn folder(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn files_are_ordered_by_their_numbers_and_none_is_missing() {
+        let found = folder(&["f8.exr", "f10.exr", "f9.exr", "notes.txt", "steady.exr"]);
+        let names: Vec<_> = pictures(found.path())
+            .unwrap()
+            .iter()
+            .map(|f| file_name(f))
+            .collect();
+        assert_eq!(names, ["f8.exr", "f9.exr", "f10.exr"]);
+        for (names, wrong) in [
+            (&["f1.exr", "f4.exr", "f05.exr"][..], "missing: 2, 3"),
+            (&["f1.exr", "f01.exr"], "same number"),
+            (&["f1.exr", "g1.exr"], "several sequences"),
+            (&["f1.exr", "f1.png"], "several sequences"),
+            (&["a.exr"], "no numbered pictures"),
+            (
+                &["f1.exr", "f900000000000000000.exr"],
+                "899999999999999988 more",
+            ),
+        ] {
+            let error = pictures(folder(names).path()).unwrap_err().to_string();
+            assert!(error.contains(wrong), "{names:?}: {error}");
+        }
+        let several = folder(&["f_0001.exr", "f_0002.exr", "f_0001_variance.exr"]);
+        let named = pictures(&several.path().join("f_%04d.exr")).unwrap();
+        assert_eq!(named.len(), 2);
+        let error = pictures(&several.path().join("g_%04d.exr"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("no file g_number.exr"), "{error}");
+    }
+}

@@ -1,0 +1,232 @@
+//! Cubes that are no NumPy arrays: folders of pictures, streaks, transient images.
+
+use std::fs;
+use std::path::Path;
+
+use nullray::io::cube::{self, Axes, Cube, Samples, Transfer, Wanted};
+use nullray::io::image::png;
+use nullray::scene::model::{SourceKind, TimeBins};
+use nullray::scene::{self, Overrides};
+
+fn load(path: &Path, axes: Option<&str>, transfer: Option<Transfer>) -> Result<Cube, String> {
+    let axes: Option<Axes> = axes.map(|axes| axes.parse().unwrap());
+    let wanted = Wanted {
+        axes: axes.as_ref(),
+        transfer,
+        ..Wanted::default()
+    };
+    cube::load(path, wanted).map_err(|error| error.to_string())
+}
+
+fn single(cube: &Cube) -> &[f32] {
+    match &cube.samples {
+        Samples::F32(samples) => samples,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn frames_of_mitransient_are_the_array_that_they_were_written_from() {
+    let folder = Path::new("tests/data/mitransient");
+    let whole = cube::load(&folder.join("unwarped.npz"), Wanted::default()).unwrap();
+    let [_, width, bins, _] = whole.shape;
+    for name in [
+        "frames",
+        "frames/{i:03d}.exr",
+        "frames/%03d.exr",
+        "frames/###.exr",
+    ] {
+        let frames = load(&folder.join(name), None, None).unwrap();
+        assert_eq!(frames.shape, [16, 20, 10, 1], "{name}");
+        let mut samples = single(&frames).iter();
+        for (row, column, bin) in
+            (0..16).flat_map(|i| (0..20).flat_map(move |j| (0..10).map(move |k| (i, j, k))))
+        {
+            // make_frames.py: rows from 4, columns from 10, bins from 18 on.
+            let place = ((row + 4) * width + column + 10) * bins + bin + 18;
+            assert_eq!(
+                samples.next().copied().map(f64::from),
+                whole.samples.get(place)
+            );
+        }
+    }
+    let info = cube::inspect(&folder.join("frames"), Wanted::default()).unwrap();
+    assert_eq!(
+        (info.shape, info.bytes),
+        ([16, 20, 10, 1], 4 * 16 * 20 * 10)
+    );
+}
+
+#[test]
+fn frames_without_numbers_between_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in [0, 1, 3] {
+        let name = format!("{number:03}.exr");
+        fs::copy(
+            Path::new("tests/data/mitransient/frames").join(&name),
+            folder.path().join(&name),
+        )
+        .unwrap();
+    }
+    let error = load(folder.path(), None, None).unwrap_err();
+    assert!(error.contains("are missing: 2"), "{error}");
+    fs::write(folder.path().join("002.exr"), "no picture").unwrap();
+    let error = load(folder.path(), None, None).unwrap_err();
+    assert!(error.contains("002.exr"), "{error}");
+}
+
+/// sRGB: ((188/255 + 0.055)/1.055)^2.4 = 0.502886.
+#[test]
+fn codes_of_png_frames_are_linear_by_the_declared_transfer() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 0..2u8 {
+        let rgb = [188, 0, 255, 10 * number, 188, 188];
+        png::write(
+            &folder.path().join(format!("f{number}.png")),
+            2,
+            1,
+            &rgb,
+            &[],
+        )
+        .unwrap();
+    }
+    let error = load(folder.path(), None, None).unwrap_err();
+    assert!(error.contains("transfer"), "{error}");
+    let linear = load(folder.path(), None, Some(Transfer::Linear)).unwrap();
+    assert_eq!(linear.shape, [1, 2, 2, 3]);
+    // Column 1, bin 1, red.
+    assert_eq!(single(&linear)[9], 10.0 / 255.0);
+    let srgb = load(folder.path(), None, Some(Transfer::Srgb)).unwrap();
+    assert!((single(&srgb)[0] - 0.502886).abs() < 1e-6);
+    assert_eq!(single(&srgb)[2], 1.0);
+}
+
+/// A Radiance picture of uncompressed pixels, (m + ½) 2^(e − 136) in each colour.
+fn hdr(path: &Path, width: usize, pixels: &[[u8; 4]]) {
+    let header = format!(
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {width}\n",
+        pixels.len() / width
+    );
+    fs::write(path, [header.as_bytes(), &pixels.concat()].concat()).unwrap();
+}
+
+#[test]
+fn streaks_have_a_file_per_row_and_time_along_x() {
+    let folder = tempfile::tempdir().unwrap();
+    // Rows 0 and 1 of the camera, 3 columns, 4 bins: mantissa 16 row + 4 column + bin + 128 and exponent 136.
+    let mantissa = |row: u8, column: u8, bin: u8| 128 + 16 * row + 4 * column + bin;
+    for row in 0..2 {
+        let pixels = (0..3).flat_map(|j| (0..4).map(move |k| [mantissa(row, j, k), 128, 128, 136]));
+        hdr(
+            &folder.path().join(format!("streak_{row:04}.hdr")),
+            4,
+            &pixels.collect::<Vec<_>>(),
+        );
+    }
+    hdr(
+        &folder.path().join("streak.hdr"),
+        1,
+        &[[128, 128, 128, 128]],
+    );
+    let cube = load(&folder.path().join("streak_%04d.hdr"), Some("H W T"), None).unwrap();
+    assert_eq!(cube.shape, [2, 3, 4, 3]);
+    let place = |row: usize, column: usize, bin: usize| ((row * 3 + column) * 4 + bin) * 3;
+    assert_eq!(
+        single(&cube)[place(1, 2, 3)],
+        f32::from(mantissa(1, 2, 3)) + 0.5
+    );
+    assert_eq!(
+        single(&cube)[place(0, 1, 2)],
+        f32::from(mantissa(0, 1, 2)) + 0.5
+    );
+    let error = load(folder.path(), Some("H T"), None);
+    assert!(error.is_err());
+}
+
+/// A transient image of version 4: 2 rows, 3 columns and 4 bins, bin 0 centred at 1 m, 0.5 m wide.
+fn transient_image() -> Vec<u8> {
+    let mut file = b"TI04".to_vec();
+    for number in [10u32, 6, 4] {
+        file.extend(number.to_le_bytes());
+    }
+    for number in [1.0f32, 0.5] {
+        file.extend(number.to_le_bytes());
+    }
+    file.extend(68u32.to_le_bytes());
+    file.extend((0..24u8).flat_map(|n| f32::from(n).to_le_bytes()));
+    for number in [3u32, 2] {
+        file.extend(number.to_le_bytes());
+    }
+    file.extend((0..15u8).flat_map(|n| f32::from(n).to_le_bytes()));
+    file.extend(b"{ \"Name\": \"wall\" }");
+    file
+}
+
+#[test]
+fn transient_images_say_their_times() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wall.ti");
+    fs::write(&path, transient_image()).unwrap();
+    let cube = load(&path, None, None).unwrap();
+    assert_eq!(cube.shape, [2, 3, 4, 1]);
+    assert!(single(&cube).iter().copied().eq((0..24u8).map(f32::from)));
+    let info = cube::inspect(&path, Wanted::default()).unwrap();
+    assert_eq!(info.notes[1], "top right (3, 4, 5)");
+    assert_eq!(info.notes[5], "properties { \"Name\": \"wall\" }");
+
+    let parse = |keys: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 1, 5]\nlook_at = [0, 0, 0]\nhfov = \"40 deg\"\nsize = [8, 8]\n[[object]]\n\
+             shape = {{ plane = {{ size = [1, 1] }} }}\n[[source]]\ncube = {{ file = \"wall.ti\"{keys} }}\n"
+        );
+        scene::parse(&text, "scene.toml", folder.path(), &Overrides::default())
+    };
+    let bins = |keys: &str| match parse(keys).unwrap().sources.remove(0).kind {
+        SourceKind::Cube(cube) => (cube.bins, cube.read.len(), cube.assumed.len()),
+        other => panic!("{other:?}"),
+    };
+    // From the centre of bin 0, half a bin back.
+    let uniform = |start, width| TimeBins::Uniform { start, width };
+    assert_eq!(bins("").0, uniform(0.75, 0.5));
+    assert_eq!(bins("").1, 2);
+    assert_eq!(bins(", start = \"3 m\"").0, uniform(3.0, 0.5));
+    assert_eq!(
+        bins(", start = \"3 m\", bin_width = \"1 m\"").0,
+        uniform(3.0, 1.0)
+    );
+    fs::write(&path, "TI04").unwrap();
+    assert!(
+        parse("")
+            .unwrap_err()
+            .to_string()
+            .contains("ends within it")
+    );
+}
+
+#[test]
+fn broken_transient_images_are_refused() {
+    let whole = transient_image();
+    let refused = |bytes: &[u8]| {
+        let loaded = cube::load_bytes(bytes, "a.ti", Wanted::default());
+        loaded.unwrap_err().to_string()
+    };
+    let least = 28 + 4 * 24 + 68;
+    for length in 4..least {
+        refused(&whole[..length]);
+    }
+    assert!(cube::load_bytes(&whole[..least], "a.ti", Wanted::default()).is_ok());
+    let changed = |at: usize, bytes: [u8; 4]| {
+        let mut file = whole.clone();
+        file[at..at + 4].copy_from_slice(&bytes);
+        refused(&file)
+    };
+    assert!(changed(4, 11u32.to_le_bytes()).contains("mode 11"));
+    assert!(changed(8, u32::MAX.to_le_bytes()).contains("truncated"));
+    assert!(changed(12, 0u32.to_le_bytes()).contains("truncated"));
+    assert!(changed(20, 0f32.to_le_bytes()).contains("no time axis"));
+    assert!(changed(20, f32::NAN.to_le_bytes()).contains("no time axis"));
+    assert!(changed(24, 4u32.to_le_bytes()).contains("68 bytes"));
+    assert!(changed(28 + 4 * 5, f32::INFINITY.to_le_bytes()).contains("[0, 1, 1]"));
+    assert!(changed(28 + 96, 7u32.to_le_bytes()).contains("grid of 7 columns"));
+    assert!(changed(28 + 96, u32::MAX.to_le_bytes()).contains("grid"));
+}

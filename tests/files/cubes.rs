@@ -91,7 +91,7 @@ fn codes_of_png_frames_are_linear_by_the_declared_transfer() {
         .unwrap();
     }
     let error = load(folder.path(), None, None).unwrap_err();
-    assert!(error.contains("transfer"), "{error}");
+    assert!(error.contains("not radiance by themselves"), "{error}");
     let linear = load(folder.path(), None, Some(Transfer::Linear)).unwrap();
     assert_eq!(linear.shape, [1, 2, 2, 3]);
     // Column 1, bin 1, red.
@@ -139,8 +139,6 @@ fn streaks_have_a_file_per_row_and_time_along_x() {
         single(&cube)[place(0, 1, 2)],
         f32::from(mantissa(0, 1, 2)) + 0.5
     );
-    let error = load(folder.path(), Some("H T"), None);
-    assert!(error.is_err());
 }
 
 /// A transient image of version 4: 2 rows, 3 columns and 4 bins, bin 0 centred at 1 m, 0.5 m wide.

@@ -251,6 +251,7 @@ fn cube_data(cube: &CubeSource) -> Value {
         "values": cube.values,
         "clock": cube.clock,
         "filter": cube.filter,
+        "reconstruction": cube.reconstruction,
         "scale": cube.scale,
         "read": cube.read,
         "assumed": cube.assumed,

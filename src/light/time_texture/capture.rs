@@ -64,6 +64,8 @@ pub struct Capture {
     delay: f64,
     /// Row by row.
     seen: Vec<Seen>,
+    /// Per pixel, where that is asked: whether both neighbours in its row saw its surface, and both in its column.
+    joined: Vec<[bool; 2]>,
 }
 
 #[derive(Debug, Clone)]
@@ -106,7 +108,7 @@ pub(super) struct Aim {
 
 impl Capture {
     /// Bytes held per pixel.
-    pub const BYTES_PER_PIXEL: u64 = size_of::<Seen>() as u64;
+    pub const BYTES_PER_PIXEL: u64 = (size_of::<Seen>() + size_of::<[bool; 2]>()) as u64;
 
     /// Sends one ray through the centre of each of `size` (width, height: those of the cube) pixels,
     /// in parallel. `trace` takes the pinhole and a unit direction. `warped` says that the cube's
@@ -136,7 +138,45 @@ impl Capture {
             lens,
             delay: if warped { index } else { 0.0 },
             seen,
+            joined: Vec::new(),
         }
+    }
+
+    /// The same, with what [`Reconstruction::Sharp`](crate::scene::model::Reconstruction::Sharp) has to know of neighbours.
+    #[must_use]
+    pub fn with_neighbours(mut self) -> Capture {
+        let [width, height] = [self.lens.width, self.seen.len() / self.lens.width.max(1)];
+        let joined = |pixel: usize| {
+            let aim = self.aim_of(pixel);
+            let all = |apart: usize| {
+                aim.is_some_and(|aim| {
+                    self.saw(pixel - apart, &aim) && self.saw(pixel + apart, &aim)
+                })
+            };
+            let within = |at: usize, count: usize| at > 0 && at + 1 < count;
+            [
+                within(pixel % width, width) && all(1),
+                within(pixel / width, height) && all(width),
+            ]
+        };
+        self.joined = (0..self.seen.len()).into_par_iter().map(joined).collect();
+        self
+    }
+
+    /// Whether both neighbours of a pixel in its row saw its surface, and both in its column.
+    pub(super) fn joined(&self, pixel: usize) -> [bool; 2] {
+        self.joined.get(pixel).copied().unwrap_or_default()
+    }
+
+    /// What a pixel saw, to be compared with what others saw.
+    fn aim_of(&self, pixel: usize) -> Option<Aim> {
+        let seen = self.seen.get(pixel).filter(|seen| seen.distance > 0.0)?;
+        let position = Vec3::from_array(seen.position).as_dvec3();
+        Some(Aim {
+            position,
+            normal: Vec3::from_array(seen.normal).as_dvec3(),
+            footprint: self.lens.projection.footprint(position),
+        })
     }
 
     /// The pinhole.

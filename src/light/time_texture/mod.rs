@@ -16,7 +16,7 @@
 //! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras; `reader` alone touches samples; `lookups` carries out many
+//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
 //! lookups at a time, with `places` for where they read and `gather` for what. All that `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
 //! integral over prefix sums) is another producer of such runs.
 
@@ -29,6 +29,7 @@ mod irregular;
 mod lookups;
 mod places;
 mod reader;
+mod sharp;
 pub mod survey;
 mod texture;
 

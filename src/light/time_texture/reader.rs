@@ -65,6 +65,27 @@ pub(super) fn read(cube: &Cube, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64;
     }
 }
 
+/// The weighted sum over the bins of one texel; one channel is given to all three.
+pub(super) fn read_texel(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] {
+    fn of<S: Sample>(
+        samples: &[S],
+        [_, _, bins, channels]: [usize; 4],
+        texel: usize,
+        moment: &Moment,
+    ) -> [f64; 3] {
+        if channels == 3 {
+            return along_time::<S, 3>(samples, texel * bins, &moment.bins);
+        }
+        let [grey] = along_time::<S, 1>(samples, texel * bins, &moment.bins);
+        [grey; 3]
+    }
+    match &cube.samples {
+        Samples::F16(samples) => of(samples, cube.shape, texel, moment),
+        Samples::F32(samples) => of(samples, cube.shape, texel, moment),
+        Samples::F64(samples) => of(samples, cube.shape, texel, moment),
+    }
+}
+
 #[inline]
 fn by_channels<S: Sample>(
     samples: &[S],

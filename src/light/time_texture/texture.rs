@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::model::{Fill, Outside};
+use crate::scene::model::{Fill, Outside, Reconstruction};
 
 use super::axis::TimeAxis;
 use super::axis::{Moment, Phase, Timeline};
@@ -36,6 +36,8 @@ pub struct Located(Spot);
 enum Spot {
     /// On it, and these pixels saw the surface around the point.
     Seen([f64; 2], [Tap; 4]),
+    /// The same, to be read as the means that pixels are; whether all 4 × 4 about it saw the surface.
+    Sharp([f64; 2], [Tap; 4], bool),
     /// On it, where no pixel saw the surface.
     Unseen([f64; 2]),
     /// Outside it.
@@ -47,7 +49,7 @@ enum Spot {
 impl Located {
     /// Whether it remains to be asked if the scene blocks the line to the camera.
     pub fn is_seen(&self) -> bool {
-        matches!(self.0, Spot::Seen(..))
+        matches!(self.0, Spot::Seen(..) | Spot::Sharp(..))
     }
 }
 
@@ -59,6 +61,7 @@ pub struct TimeTexture {
     outside: Outside,
     timeline: Timeline,
     factor: f64,
+    reconstruction: Reconstruction,
 }
 
 impl TimeTexture {
@@ -81,10 +84,20 @@ impl TimeTexture {
         Ok(TimeTexture {
             timeline: Timeline::new(&axis, bins, &outside)?,
             factor: axis.factor(),
+            reconstruction: Reconstruction::default(),
             cube,
             axis,
             outside,
         })
+    }
+
+    /// The same, with pixels of captures read in this way.
+    #[must_use]
+    pub fn with_reconstruction(self, reconstruction: Reconstruction) -> TimeTexture {
+        TimeTexture {
+            reconstruction,
+            ..self
+        }
     }
 
     /// The cube.
@@ -163,9 +176,16 @@ impl TimeTexture {
         if !self.on_image(place) {
             return Located(Spot::Beside(place));
         }
-        Located(match self.taps_on(capture, place, point) {
-            Some(taps) => Spot::Seen(place, taps),
-            None => Spot::Unseen(place),
+        let Some(aim) = capture.aim(point) else {
+            return Located(Spot::Unseen(place));
+        };
+        let taps = self.taps_where(place, |pixel| capture.saw(pixel, &aim));
+        Located(match (taps, self.reconstruction) {
+            (Some(taps), Reconstruction::Bilinear) => Spot::Seen(place, taps),
+            (Some(taps), Reconstruction::Sharp) => {
+                Spot::Sharp(place, taps, self.is_sharp_at(capture, place, &aim))
+            }
+            (None, _) => Spot::Unseen(place),
         })
     }
 
@@ -181,7 +201,10 @@ impl TimeTexture {
     ) -> Sampled {
         match &located.0 {
             Spot::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
-            Spot::Seen(place, _) | Spot::Unseen(place) => {
+            Spot::Sharp(place, taps, all) if !occluded => {
+                self.sample_means(capture, (*place, *all), taps, t)
+            }
+            Spot::Seen(place, _) | Spot::Sharp(place, ..) | Spot::Unseen(place) => {
                 self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
                     self.sample_anything(capture, *place, t)
                 })
@@ -200,18 +223,6 @@ impl TimeTexture {
     fn on_image(&self, [x, y]: [f64; 2]) -> bool {
         let [width, height] = self.size().map(|n| n as f64);
         x >= 0.0 && x <= width && y >= 0.0 && y <= height
-    }
-
-    /// The bilinear taps that saw the surface around `point`, if any did.
-    #[inline]
-    fn taps_on(
-        &self,
-        capture: &Capture,
-        place: [f64; 2],
-        point: &SurfacePoint,
-    ) -> Option<[Tap; 4]> {
-        let aim = capture.aim(point)?;
-        self.taps_where(place, |pixel| capture.saw(pixel, &aim))
     }
 
     /// The nearest pixels that saw anything.
@@ -294,7 +305,7 @@ impl TimeTexture {
 
     /// Books a tap's weight where its time lies, with the colour that marks it.
     #[inline]
-    fn account(&self, sampled: &mut Sampled, weight: f64, phase: Phase) {
+    pub(super) fn account(&self, sampled: &mut Sampled, weight: f64, phase: Phase) {
         let fill = match phase {
             Phase::Inside => {
                 sampled.coverage.held += weight;

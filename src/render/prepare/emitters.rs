@@ -26,7 +26,7 @@ use crate::render::trace::{
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Equations, Geometry,
-    LightKind, Mapping, Scene, SourceKind,
+    LightKind, Mapping, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -468,7 +468,8 @@ impl Stores {
         frames: &[RestFrame],
     ) -> Result<Emitter> {
         let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
-            .map_err(|e| refused(scene, source, e))?;
+            .map_err(|e| refused(scene, source, e))?
+            .with_reconstruction(cube.reconstruction);
         let size = texture.size();
         let assumed = match &cube.data {
             CubeData::File(file) if file.axes.is_some() => Order::Stated,
@@ -494,6 +495,10 @@ impl Stores {
                 let warped = cube.clock == Clock::Capture;
                 let trace = |origin, direction| place.seen(origin, direction);
                 let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
+                let capture = match cube.reconstruction {
+                    Reconstruction::Bilinear => capture,
+                    Reconstruction::Sharp => capture.with_neighbours(),
+                };
                 self.warn(scene, source, survey::of_capture(&texture, &capture));
                 self.captures.push(capture);
                 Emitter::Capture {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::radiance::Radiance;
 use crate::io::cube::Transfer;
 use crate::scene::at::At;
-use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, TimeFilter};
+use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, Reconstruction, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::{Angle, Time};
 
@@ -76,6 +76,9 @@ pub(in crate::scene) struct Cube {
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
     /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "linear".
     pub filter: Option<At<TimeFilter>>,
+    /// Reconstruction across the picture of a `capture`: "bilinear", or "sharp" (cubic, with each pixel taken as the mean
+    /// over its square: less error, more of the data's noise). Default: "bilinear".
+    pub reconstruction: Option<At<Reconstruction>>,
     /// Factor on all values. Default: 1.
     #[serde(default = "Cube::scale")]
     pub scale: Number,

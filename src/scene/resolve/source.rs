@@ -10,7 +10,7 @@ use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
     BinValues, CaptureCamera, Clock, Crop, CubeData, CubeFile, CubeSource, FovAxis, Mapping,
-    Object, ProjectionKind, Pulse, Source, SourceKind, TimeBins, TimeFilter,
+    Object, ProjectionKind, Pulse, Reconstruction, Source, SourceKind, TimeBins, TimeFilter,
 };
 use crate::scene::names;
 use crate::scene::values::NumberOrVector;
@@ -55,7 +55,7 @@ fn entry_names(source: &file::Source) -> (Option<String>, String) {
 
 fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
     match (&at.value.cube, &at.value.pulse) {
-        (Some(source), None) => cube(cx, source).map(SourceKind::Cube),
+        (Some(source), None) => cube(cx, source).map(Box::new).map(SourceKind::Cube),
         (None, Some(source)) => pulse(cx, &source.value).map(SourceKind::Pulse),
         (Some(cube), Some(pulse)) => Err(cx.refuse_both((cube, "cube"), (pulse, "pulse"))),
         (None, None) => {
@@ -81,6 +81,7 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         bins: time.bins,
         values: time.values,
         filter: time.filter,
+        reconstruction: reconstruction(cx, cube)?,
         scale: cube.scale.0,
         read: time.read,
         assumed: time
@@ -103,6 +104,12 @@ fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
         says(cube.clock.is_some(), "clock = \"world\"");
         says(cube.values.is_some(), "values = \"per_bin\"");
         says(cube.filter.is_some(), "filter = \"linear\"");
+    }
+    if cube.capture.is_some() {
+        says(
+            cube.reconstruction.is_some(),
+            "reconstruction = \"bilinear\"",
+        );
     }
     says(cube.uv.is_some() || cube.capture.is_some(), "uv = 0");
     assumed
@@ -447,6 +454,17 @@ fn clock(cx: &Context, cube: &file::Cube) -> Result<Clock> {
         }
         clock => Ok(clock),
     }
+}
+
+fn reconstruction(cx: &Context, cube: &file::Cube) -> Result<Reconstruction> {
+    let Some(at) = &cube.reconstruction else {
+        return Ok(Reconstruction::default());
+    };
+    if at.value == Reconstruction::Sharp && cube.capture.is_none() {
+        let what = "only the pixels of a capture are known to be means over their squares";
+        return Err(cx.refuse(at, what, "leave `reconstruction` out, or add `capture`"));
+    }
+    Ok(at.value)
 }
 
 fn pulse(cx: &Context, pulse: &file::Pulse) -> Result<Pulse> {

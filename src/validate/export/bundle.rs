@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::camera;
 use crate::scene::model::{
     Assembly, BackFaces, BinValues, Clock, Effects, Elements, Equations, Outside, Pivot,
-    ProjectionKind, Records, TimeFilter,
+    ProjectionKind, Reconstruction, Records, TimeFilter,
 };
 
 /// (ct, x, y, z), metres.
@@ -292,6 +292,8 @@ pub struct CubeEntry {
     pub scale: f64,
     /// Reconstruction along time from the centres of bins.
     pub filter: TimeFilter,
+    /// Reconstruction across the picture of a capture: "bilinear", or "sharp": cubic, of pixels as means over their squares.
+    pub reconstruction: Reconstruction,
     /// The clock of the time axis: "world" and "object" are times of emission; "capture" is arrival at the
     /// capture camera, the time of emission in its frame plus η times the distance to its pinhole.
     pub clock: Clock,

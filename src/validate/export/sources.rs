@@ -80,6 +80,7 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
         values: cube.values,
         scale: cube.scale,
         filter: cube.filter,
+        reconstruction: cube.reconstruction,
         clock: cube.clock,
         mapping: describe::mapping(&cube.mapping, shape.unwrap_or([1; 4])),
     }

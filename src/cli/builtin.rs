@@ -31,11 +31,21 @@ pub fn is_model(path: &Path) -> bool {
 
 /// The scene that a model stands for, seen as `view` says.
 pub fn open_model(path: &Path, view: &ModelView, overrides: &Overrides) -> Result<SceneFile> {
+    open_model_with(path, view, overrides, "")
+}
+
+/// The same, with further tables at its end.
+pub fn open_model_with(
+    path: &Path,
+    view: &ModelView,
+    overrides: &Overrides,
+    more: &str,
+) -> Result<SceneFile> {
     let view = ModelView {
         size: overrides.size,
         ..view.clone()
     };
-    let text = scene::model_scene(path, &view)?;
+    let text = scene::model_scene(path, &view)? + more;
     let name = path.display().to_string();
     Ok(SceneFile::of_text(&text, &name, Path::new("")))
 }

@@ -2,6 +2,8 @@
 
 use nullray::Result;
 use nullray::render;
+use nullray::render::aov::Aov;
+use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -23,23 +25,36 @@ pub fn common(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
     let mut pixels = Vec::new();
     for scene in scenes {
         interrupt::check()?;
-        pixels.extend(preview(scene, request)?);
+        pixels.extend(preview(scene, request, Vec::new())?.radiance());
     }
     tonemap::white(&pixels, Exposure::Percentile(percentile)).map(Some)
 }
 
-/// The radiance of a small picture, a ray through the centre of each pixel.
-fn preview(scene: &Scene, request: &Request) -> Result<Vec<[f64; 3]>> {
+/// The radiance that is white where surfaces of `scene` are exposed for, whatever the sky is like: the 99th percentile of
+/// their brightest channel in a small picture, to three digits; none where nothing is seen of them.
+pub fn of_surfaces(scene: &Scene) -> Result<Option<f64>> {
+    let film = preview(scene, &Request::default(), vec![Aov::Alpha])?;
+    let alpha = film.aov(Aov::Alpha).unwrap_or_default();
+    let pixels = film.radiance().iter().zip(alpha);
+    let seen: Vec<[f64; 3]> = pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p).collect();
+    if seen.iter().all(|pixel| *pixel == [0.0; 3]) {
+        return Ok(None);
+    }
+    let white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
+    Ok(format!("{white:.2e}").parse().ok())
+}
+
+/// A small picture, a ray through the centre of each pixel.
+fn preview(scene: &Scene, request: &Request, aovs: Vec<Aov>) -> Result<Film> {
     let mut small = scene.clone();
     let [width, height] = scene.camera.size;
     let step = width.max(height).div_ceil(PREVIEW);
     small.camera.size = [width.div_ceil(step), height.div_ceil(step)];
     let request = Request {
-        aovs: Vec::new(),
+        aovs,
         pixel_centers: true,
         ..request.clone()
     };
     let plan = Plan::new(&small, &request)?;
-    let film = render::render(&Prepared::new(&small, &plan, &Silent)?, &Silent)?;
-    Ok(film.radiance().to_vec())
+    render::render(&Prepared::new(&small, &plan, &Silent)?, &Silent)
 }

@@ -1,6 +1,6 @@
 //! `nullray render`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
 use nullray::render::plan::{Plan, Request};
@@ -16,7 +16,7 @@ use super::frames::{self, Frames};
 use super::names::{named_after, suffixed};
 use super::output::Outputs;
 use super::stats::Account;
-use super::{builtin, inputs, panels, print, say};
+use super::{builtin, exposure, inputs, panels, print, say};
 
 pub fn run(arguments: &RenderArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
@@ -91,7 +91,12 @@ fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile>
                 flyby: model.flyby,
                 size: None,
             };
-            builtin::open_model(path, &view, overrides)
+            let file = builtin::open_model(path, &view, overrides)?;
+            // A fly-by has one exposure for all of its frames.
+            match model.flyby {
+                true => Ok(file),
+                false => exposed(file, path, &view, overrides),
+            }
         }
         path => {
             let option = match model.flyby {
@@ -106,6 +111,31 @@ fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile>
             }
             builtin::open(path, overrides)
         }
+    }
+}
+
+/// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead.
+fn exposed(
+    file: SceneFile,
+    path: &Path,
+    view: &ModelView,
+    overrides: &Overrides,
+) -> Result<SceneFile> {
+    let is_exposed = |(key, _): &(String, String)| key.starts_with("display");
+    if overrides.white.is_some()
+        || overrides.exposure.is_some()
+        || overrides.set.iter().any(is_exposed)
+    {
+        return Ok(file);
+    }
+    match exposure::of_surfaces(&file.scene(overrides)?)? {
+        None => Ok(file),
+        Some(white) => builtin::open_model_with(
+            path,
+            view,
+            overrides,
+            &format!("\n[display]\nwhite = {white:?}\n"),
+        ),
     }
 }
 

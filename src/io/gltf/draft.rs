@@ -30,7 +30,7 @@ impl Draft {
         let mut warnings = Warnings::default();
         let hierarchy = Hierarchy::new(document, &mut warnings)?;
         let placed = hierarchy.select(document, node, &mut warnings)?;
-        warn_of_unread(document, &placed, &mut warnings);
+        warn_of_unread(document, &placed, want, &mut warnings);
         let nodes: Vec<usize> = placed.iter().map(|placed| placed.node).collect();
         let used = materials_of(document, &nodes)?;
         let materials = resolve(document, used, want, &mut warnings)?;
@@ -62,7 +62,7 @@ impl Draft {
 }
 
 /// Says what of the file is passed over as a whole.
-fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warnings) {
+fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {
     for name in document.unread_extensions() {
         let what = format!("the extension {:?} is not read", shortened(name));
         warnings.add(what, "extensionsUsed");
@@ -72,7 +72,8 @@ fn warn_of_unread(document: &Document, placed: &[Placed], warnings: &mut Warning
     warnings.add_many(what, "animation 0", animations);
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
-    if let Some(first) = lights.first() {
+    // Without shading nothing is lit, so that no light is missed.
+    if let Some(first) = lights.first().filter(|_| want.shading) {
         let what = "the lights of a scene are its [[light]] tables, and not those of the file";
         let place = document.node_label(first.node);
         warnings.add_many(what, &place, lights.len() as u64);

@@ -34,7 +34,7 @@ pub(super) fn frame(
         let want = gltf::Want {
             uvs: planned.uvs,
             textures: planned.textures,
-            shading: false,
+            shading: scene.is_lit(),
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, want, warnings)?;

@@ -21,8 +21,10 @@ pub fn npy(path: &Path, shape: &[usize], values: impl IntoIterator<Item = f64>) 
 pub struct Quad<'a> {
     /// Texture coordinates, NaN in place of numbers.
     pub nan_uvs: bool,
-    /// The bytes of its base colour image.
+    /// The bytes of its image, the only texture: that of the base colour where no material says otherwise.
     pub image: Option<&'a [u8]>,
+    /// The material in JSON, in place of one with the base colour (0.5, 0.25, 0.125).
+    pub material: Option<&'a str>,
     /// Indices of triangles into the corners (−1,−1), (1,−1), (1,1), (−1,1) of the plane z = 0.
     pub indices: &'a [u16],
 }
@@ -32,11 +34,12 @@ impl Quad<'_> {
     pub const PLAIN: Quad<'static> = Quad {
         nan_uvs: false,
         image: None,
+        material: None,
         indices: &[0, 1, 2, 0, 2, 3],
     };
 }
 
-/// Writes a square of one material "paint", base colour (0.5, 0.25, 0.125).
+/// Writes a square of one material "paint".
 pub fn glb(path: &Path, quad: &Quad) {
     let floats = |v: &[f32]| v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let positions = floats(&[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.]);
@@ -75,7 +78,11 @@ pub fn glb(path: &Path, quad: &Quad) {
         json["textures"] = serde_json::json!([{ "source": 0 }]);
         json["images"] = serde_json::json!([{ "bufferView": 3, "mimeType": "image/png" }]);
     }
-    json["materials"] = serde_json::json!([{ "name": "paint", "pbrMetallicRoughness": paint }]);
+    let paint = serde_json::json!({ "name": "paint", "pbrMetallicRoughness": paint });
+    let material = quad
+        .material
+        .map(|text| serde_json::from_str(text).unwrap());
+    json["materials"] = serde_json::json!([material.unwrap_or(paint)]);
     std::fs::write(path, container(json.to_string().into_bytes(), &bin)).unwrap();
 }
 

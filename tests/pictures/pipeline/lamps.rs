@@ -7,6 +7,7 @@
 use glam::DVec3;
 use nullray::scene::model::Scene;
 
+use crate::pipeline::files::{self, Quad};
 use crate::pipeline::lorentz;
 use crate::pipeline::stage::{self, assert_relative};
 
@@ -311,5 +312,53 @@ fn what_no_light_can_be_is_refused_in_words() {
     ] {
         let error = refused(light);
         assert!(error.contains(words), "{light}: {error}");
+    }
+}
+
+#[test]
+fn textures_of_metal_roughness_and_emission_are_factors_on_those_of_the_material() {
+    // One texel (200, 128, 64): roughness 128/255 and metalness 64/255 as they are, emission by sRGB's curve.
+    let mut image = Vec::new();
+    let mut encoder = png::Encoder::new(&mut image, 1, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[200, 128, 64]).unwrap();
+    writer.finish().unwrap();
+    let linear = |code: f64| ((code / 255.0 + 0.055) / 1.055).powf(2.4);
+    let textured = r#"{ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 0.125, 1], "metallicFactor": 0.9,
+        "roughnessFactor": 0.8, "metallicRoughnessTexture": { "index": 0 } },
+        "emissiveFactor": [0.5, 1, 0.25], "emissiveTexture": { "index": 0 } }"#;
+    let plain = format!(
+        r#"{{ "pbrMetallicRoughness": {{ "baseColorFactor": [0.5, 0.25, 0.125, 1], "metallicFactor": {},
+        "roughnessFactor": {} }}, "emissiveFactor": [{}, {}, {}] }}"#,
+        0.9 * 64.0 / 255.0,
+        0.8 * 128.0 / 255.0,
+        0.5 * linear(200.0),
+        linear(128.0),
+        0.25 * linear(64.0)
+    );
+    let films = [textured, &plain].map(|material| {
+        let folder = tempfile::tempdir().unwrap();
+        let quad = Quad {
+            image: Some(&image),
+            material: Some(material),
+            ..Quad::PLAIN
+        };
+        files::glb(&folder.path().join("quad.glb"), &quad);
+        let scene = stage::scene_in(
+            folder.path(),
+            "[camera]\neye = [1, 0.5, 2]\nlook_at = [0, 0, 0]\nsize = [24, 16]\n\
+             [[light]]\nposition = [-1, 0.5, 2]\nintensity = 3\n[[object]]\ngltf = 'quad.glb'\n",
+        );
+        stage::film(&scene)
+    });
+    let met = stage::met(&films[0]);
+    assert!(met.len() > 50, "{}", met.len());
+    for i in met {
+        for c in 0..3 {
+            let [a, b] = [&films[0], &films[1]].map(|film| film.radiance()[i][c]);
+            // Factors and texels are f32.
+            assert!((a / b - 1.0).abs() < 1e-5, "pixel {i}: {a} and {b}");
+        }
     }
 }

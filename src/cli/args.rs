@@ -34,12 +34,18 @@ pub enum Command {
     /// Render a scene to pictures.
     #[command(after_help = help::RENDER, after_long_help = help::render_long())]
     Render(Box<RenderArguments>),
+    /// Make a film of a scene in one line: a fly-by, an acceleration, a row of speeds, or light in flight.
+    #[command(after_help = help::FILM)]
+    Film(Box<FilmArguments>),
+    /// Make a page of HTML with a slider for the speed of the camera, which needs no network.
+    #[command(after_help = help::PAGE)]
+    Page(Box<PageArguments>),
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
     #[command(after_help = help::DIAGRAM)]
-    Diagram(DiagramArguments),
+    Diagram(Box<DiagramArguments>),
     /// Write a scene as a bundle for other programs: geometry, camera, sources, reference pictures.
     #[command(after_help = help::EXPORT)]
     Export(ExportArguments),
@@ -191,6 +197,174 @@ pub struct FrameArguments {
     pub interval: Option<Time>,
 }
 
+#[derive(Debug, Args)]
+pub struct FilmArguments {
+    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub motion: MotionArguments,
+    /// Where to write: .apng (animated PNG), .y4m (raw video), or - for raw video on standard output. Repeatable.
+    /// Default: the scene's name with .apng, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Pictures of the film.
+    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub pictures: u32,
+    /// Pictures per second.
+    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate, allow_hyphen_values = true)]
+    pub fps: f64,
+    /// Beside each picture: what a camera at rest in the same place sees ("rest"), or the scene's space-time diagram in the
+    /// camera's frame ("diagram", with --speeds).
+    #[arg(long, value_name = "WHAT")]
+    pub beside: Option<Beside>,
+    /// Words in front of the speed or the time beneath each picture.
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+    /// Nothing beneath the pictures.
+    #[arg(long, conflicts_with = "caption")]
+    pub no_captions: bool,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// How the camera of a film moves.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motions")]
+pub struct MotionArguments {
+    /// Pass the scene's camera position at this speed v/c, which is reached in the middle of the film.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub flyby: Option<f64>,
+    /// Start at rest at the scene's camera position, and accelerate evenly to this speed v/c.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub accelerate: Option<f64>,
+    /// Stay at one place and moment, seen at speeds from 0 to this v/c in equal steps of rapidity.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub speeds: Option<f64>,
+    /// Leave the camera to its own motion while light passes by.
+    #[arg(long, group = "moves")]
+    pub light: bool,
+    /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
+    #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
+    pub direction: Option<Heading>,
+    /// How far the camera goes, with its unit: "6 m". Default: twice the distance to the point that it looks at.
+    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
+    pub distance: Option<Time>,
+    /// The camera's time of the first picture of --light. Default: when light comes into view.
+    #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
+    pub from: Option<Time>,
+    /// The camera's time of the last picture of --light.
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "from",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<Time>,
+}
+
+/// What stands beside the pictures of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Beside {
+    /// Those of a camera at rest.
+    Rest,
+    /// The space-time diagram.
+    Diagram,
+}
+
+impl Beside {
+    /// As the command line has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Beside::Rest => "rest",
+            Beside::Diagram => "diagram",
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct PageArguments {
+    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// The directory for index.html; created if it does not exist.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// The greatest speed v/c of the slider.
+    #[arg(
+        long,
+        value_name = "BETA",
+        default_value_t = 0.9,
+        allow_negative_numbers = true
+    )]
+    pub beta: f64,
+    /// Speeds of the slider, from 0, in equal steps of rapidity.
+    #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u32).range(2..=200))]
+    pub steps: u32,
+    /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: ahead.
+    #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
+    pub direction: Option<Heading>,
+    /// A second slider, for the camera's time, from here …
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "to",
+        conflicts_with = "time",
+        allow_hyphen_values = true
+    )]
+    pub from: Option<Time>,
+    /// … to here.
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "from",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<Time>,
+    /// Times of the second slider.
+    #[arg(long, value_name = "N", default_value_t = 9, requires = "from", value_parser = clap::value_parser!(u32).range(2..=200))]
+    pub times: u32,
+    /// Diagrams of so many columns and rows of pixels, which a click on the picture shows: 4x3.
+    #[arg(long, value_name = "CxR", value_parser = values::grid, allow_hyphen_values = true)]
+    pub grid: Option<[u32; 2]>,
+    /// No space-time diagram beside the picture.
+    #[arg(long)]
+    pub no_diagram: bool,
+    /// The heading. Default: the scene's name.
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+    /// Words beneath the heading.
+    #[arg(long, value_name = "TEXT")]
+    pub text: Option<String>,
+    /// One exposure for all pictures. Default: each has its own, so that none is black or white.
+    #[arg(long)]
+    pub same_exposure: bool,
+    /// The most that the page may have, megabytes.
+    #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::seconds)]
+    pub max_size: f64,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
 impl FrameArguments {
     /// Those of a fly-by for which none are given.
     pub fn all_of_flyby() -> Self {
@@ -213,7 +387,8 @@ pub struct RenderArguments {
     pub changes: Changes,
     #[command(flatten)]
     pub channels: ChannelArguments,
-    /// Where to write: .png (display), .exr (linear, all channels), .npz (f64). Repeatable.
+    /// Where to write: .png (display), .exr (linear, all channels), .npz (f64); of a sequence also a film, .apng or .y4m,
+    /// or - for .y4m on standard output. Repeatable.
     /// Default: the scene's name with .png, in the current directory.
     /// An existing file is replaced once the new one is complete.
     #[arg(short, long, value_name = "FILE")]
@@ -245,6 +420,12 @@ pub struct RenderArguments {
     /// over small previews of them all.
     #[arg(long)]
     pub same_exposure: bool,
+    /// Beneath each picture of a film: these words, and the camera's time.
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+    /// Pictures per second of a film when it is played. Default: 24.
+    #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
+    pub play_fps: Option<f64>,
     /// Render this panel of the scene. Default: all panels. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub panel: Vec<String>,
@@ -438,8 +619,8 @@ pub struct DiagramArguments {
     /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Where to write: .svg, .pdf, .png, or .apng (animated PNG). Repeatable. Default: the scene's
-    /// name with .svg, in the current directory.
+    /// Where to write: .svg, .pdf, .png, .apng (animated PNG), .y4m (raw video), or - for .y4m on standard output.
+    /// Repeatable. Default: the scene's name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Draw in the coordinates of this frame: "world", "camera", or one of the file's; with --pixel also the
@@ -449,11 +630,11 @@ pub struct DiagramArguments {
     /// Boost the view to this frame step by step, picture by picture.
     #[arg(long, value_name = "NAME")]
     pub boost_to: Option<String>,
-    /// Pictures A to B of the animation, B not included, as numbered files ("name-####.svg"); an .apng
+    /// Pictures A to B of the animation, B not included, as numbered files ("name-####.svg"); a film
     /// holds these alone.
     #[arg(long, value_name = "A..B", value_parser = values::frames, allow_hyphen_values = true)]
     pub frames: Option<Range<u64>>,
-    /// Pictures per second in an .apng. Default: diagram.animation.fps.
+    /// Pictures per second in a film. Default: diagram.animation.fps.
     #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
     pub fps: Option<f64>,
     /// Show ct and one direction of space, or two: "1+1" or "2+1".

@@ -9,6 +9,8 @@ Examples:
   nullray                            render the built-in scene into nullray-out/
   nullray render scene.toml          write scene.png
   nullray render model.glb --beta 0.9  see a model at 0.9 c, without a scene
+  nullray film scene.toml --flyby 0.9  make a film, scene.apng
+  nullray page scene.toml -o DIR     make a page of HTML with a slider for the speed
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
@@ -31,12 +33,39 @@ Examples:
   nullray render scene.toml --overlay figure.pdf --overlay-parts outlines,beta
   nullray render scene.toml --from \"0 ns\" --to \"10 ns\" --fps 5e9 --white 0.5 -o \"frame-####.png\"
   nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
+  nullray render scene.toml --frames 0..72 --interval \"2 cm\" --same-exposure -o film.apng --caption \"a crate\"
+  nullray render scene.toml --frames 0..72 --interval \"2 cm\" --same-exposure -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4
   nullray render figure.toml --panel beta-0.9 -o right.png
   nullray render model.glb --beta 0.9 --direction x
   nullray render model.glb --flyby -o \"frame-####.png\"
   nullray render model.glb --beta 0.9 --print-scene > scene.toml
 
 `nullray help render` lists formats and channels.";
+
+pub const FILM: &str = "\
+Examples:
+  nullray film scene.toml --flyby 0.9
+  nullray film scene.toml --accelerate 0.9 --distance \"20 m\" -o start.apng
+  nullray film scene.toml --speeds 0.99 --beside rest --caption \"a street\"
+  nullray film scene.toml --speeds 0.9 --beside diagram --size 640x360
+  nullray film scene.toml --light --from \"5 m\" --to \"12 m\"
+  nullray film scene.toml --flyby 0.9 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4
+
+An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
+pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
+All pictures have one exposure, but those of --speeds, which each have their own; --white sets it.
+
+--time gives the moment that --flyby is centred on, and at which the others begin, as world time after camera.clock_zero.";
+
+pub const PAGE: &str = "\
+Examples:
+  nullray page scene.toml -o page
+  nullray page scene.toml -o page --beta 0.99 --steps 21 --direction x --title \"A street\"
+  nullray page scene.toml -o page --from \"0 m\" --to \"6 m\" --times 7 --steps 7
+  nullray page scene.toml -o page --grid 4x3
+
+DIR/index.html holds pictures, diagrams and script in one file and loads nothing else, so that it opens from a disk and goes \
+onto any course page. Finished pictures are kept in DIR/index.html.frames until the page is complete.";
 
 pub const SHEET: &str = "\
 Examples:
@@ -53,6 +82,7 @@ Examples:
   nullray diagram twin-paradox.toml --set \"diagram.event.turn.at=[5,4]\" --dark
   nullray diagram scene.toml --frame camera
   nullray diagram twin-paradox.toml --boost-to out -o twins.apng
+  nullray diagram twin-paradox.toml --boost-to out -o - | ffmpeg -i - -pix_fmt yuv420p twins.mp4
   nullray diagram twin-paradox.toml --boost-to out --frames 0..49 -o twins-####.svg
   nullray diagram scene.toml --pixel 320,240 -o pixel.svg
   nullray diagram scene.toml --pixel 320,240 --dimensions 2+1 -o cone.pdf
@@ -149,6 +179,10 @@ Sequences: --frames, or --from and --to, write one picture per frame. A run of #
 numbered k whatever part of the sequence is rendered, so two machines can render 0..50 and 50..100 of the same \
 sequence. Frames whose files are already complete, from the same version, scene and options, are skipped: to \
 resume after an interruption, run the same command again.
+
+Films: -o FILE.apng (animated PNG) or FILE.y4m (raw video: 8-bit YCbCr 4:4:4, BT.709, limited range; - for standard output) puts \
+the frames of a sequence together, --play-fps of them a second. Unless -o also names a .png, they are kept in FILE.frames \
+until the film is complete, to be resumed from.
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name added before the \
 extension. With a single --panel and -o, the file name is used as given.";

@@ -16,12 +16,15 @@ mod info;
 mod inputs;
 mod interrupt;
 mod memory;
+mod motion;
 mod names;
 mod output;
 mod overlay;
+mod page;
 mod panels;
 mod plan;
 mod progress;
+mod reel;
 mod reference;
 mod remarks;
 mod render;
@@ -54,9 +57,11 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
     let done = match command {
         Some(Command::Compare(compare)) => return compare::run(&compare),
         None => demo::run(),
-        Some(Command::Render(render)) => render::run(&render),
+        Some(Command::Render(render)) => render::run(*render),
+        Some(Command::Film(film)) => motion::run(*film),
+        Some(Command::Page(page)) => page::run(&page),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
-        Some(Command::Diagram(diagram)) => diagram::run(&diagram),
+        Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::io::IsTerminal;
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use nullray::render::progress::Progress;
@@ -33,6 +34,12 @@ impl Bar {
             bar.set_style(style.with_key("rate", rate));
         }
         Bar(bar)
+    }
+
+    /// The same, as a part of more work that began at `since`: `rays` of it are done.
+    pub fn after(self, rays: u64, since: Instant) -> Self {
+        self.0.set_position(rays);
+        Bar(self.0.clone().with_elapsed(since.elapsed()))
     }
 
     /// The same, with what it is of in front.

@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
+use nullray::figures::contact_sheet::{self, Panel, SheetOptions};
+use nullray::io::image::RgbImage;
+use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
 use nullray::scene::{ModelView, Overrides, SceneFile};
@@ -12,13 +15,24 @@ use super::args::{FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
 use super::film::{in_pool, one};
-use super::frames::{self, Frames};
-use super::names::{named_after, suffixed};
-use super::output::Outputs;
+use super::frames::{self, Frames, Job};
+use super::names::{named_after, numbered, suffixed};
+use super::output::{Outputs, extension};
+use super::reel::{self, Folder, Reel};
 use super::stats::Account;
 use super::{builtin, exposure, inputs, panels, print, say};
 
-pub fn run(arguments: &RenderArguments) -> Result<()> {
+/// Pictures per second of a film for which nothing else is said.
+pub const PLAY_FPS: f64 = 24.0;
+
+pub fn run(mut arguments: RenderArguments) -> Result<()> {
+    let (films, images) = arguments
+        .output
+        .into_iter()
+        .partition(|path| reel::is_film(path));
+    arguments.output = images;
+    arguments.work.quiet |= films.iter().any(|path| reel::is_pipe(path));
+    let arguments = &arguments;
     let overrides = arguments.changes.overrides();
     let file = file(arguments, &overrides)?;
     let scene = file.scene(&overrides)?;
@@ -32,11 +46,20 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
     if arguments.print_scene {
         return print(&scene.text);
     }
-    let outputs = outputs(arguments, &scene);
+    let mut outputs = outputs(arguments, &scene);
+    if !films.is_empty() && arguments.output.is_empty() {
+        outputs.images.clear();
+    }
     let frames = match Frames::of(&arguments.frames, &scene)? {
         None if arguments.model.flyby => Frames::of(&FrameArguments::all_of_flyby(), &scene)?,
         frames => frames,
     };
+    let film = Film {
+        films: &films,
+        caption: arguments.caption.as_deref(),
+        fps: arguments.play_fps.unwrap_or(PLAY_FPS),
+    };
+    film.check(frames.is_some())?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if let Some(path) = &arguments.stats_json {
         let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;
@@ -55,10 +78,18 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
             let request = request(arguments, &outputs, &scene);
-            let account = account.as_mut();
-            frames::run(
-                arguments, &file, &scene, &frames, &request, &outputs, account,
-            )
+            let job = Job {
+                changes: &arguments.changes,
+                same_exposure: arguments.same_exposure,
+                warns: true,
+                quiet: arguments.work.quiet,
+                file: &file,
+                scene: &scene,
+                frames: &frames,
+                request: &request,
+                outputs: &outputs,
+            };
+            film.make(&job, account.as_mut())
         }
         None if of_panels => all_panels(arguments, &file, &scene, &outputs, account.as_mut()),
         None => {
@@ -73,6 +104,101 @@ pub fn run(arguments: &RenderArguments) -> Result<()> {
         }
     })?;
     account.map_or(Ok(()), |account| settle(arguments, &account))
+}
+
+/// The films of a sequence.
+struct Film<'a> {
+    films: &'a [PathBuf],
+    caption: Option<&'a str>,
+    fps: f64,
+}
+
+impl Film<'_> {
+    /// Refuses films of nothing that moves, and options of films without a film.
+    fn check(&self, is_sequence: bool) -> Result<()> {
+        match (self.films.first(), self.caption) {
+            (None, Some(_)) => {
+                let what = "it stands beneath the pictures of a film, and there is none";
+                Err(refused(
+                    "--caption",
+                    what,
+                    "add a film: -o FILE.apng or -o FILE.y4m",
+                ))
+            }
+            (Some(film), _) if !is_sequence => {
+                let option = format!("-o {}", film.display());
+                let what = "a film is made of the frames of a sequence";
+                let help = "say which, like --from \"0 m\" --to \"5 m\" --interval \"5 cm\", or let `nullray film` choose a motion";
+                Err(refused(option, what, help))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Renders the sequence, and puts the films together from its pictures.
+    fn make(&self, job: &Job, account: Option<&mut Account>) -> Result<()> {
+        if self.films.is_empty() {
+            return frames::run(job, account);
+        }
+        let plan = Plan::new(job.scene, job.request)?;
+        reel::check(self.films, &inputs::of(job.scene, &plan))?;
+        let kept = job
+            .outputs
+            .images
+            .iter()
+            .find(|path| extension(path) == "png");
+        let (pattern, folder) = match kept {
+            Some(path) => (path.clone(), None),
+            None => {
+                let folder = Folder::of(self.films)?;
+                (folder.pattern("film"), Some(folder))
+            }
+        };
+        let mut outputs = job.outputs.clone();
+        if kept.is_none() {
+            outputs.images.push(pattern.clone());
+        }
+        frames::run(
+            &Job {
+                outputs: &outputs,
+                ..*job
+            },
+            account,
+        )?;
+        let numbers = job.frames.numbers.clone();
+        let name = |k: u64| numbered(&pattern, numbers.start + k);
+        let reel = Reel {
+            films: self.films,
+            count: numbers.end - numbers.start,
+            fps: self.fps,
+            metadata: &metadata::of_text(&job.scene.name, &job.scene.text),
+            quiet: job.quiet,
+        };
+        reel.write(|k| self.picture(job, numbers.start + k, reel::read(&name(k))?))?;
+        if let Some(folder) = folder {
+            folder.remove((0..reel.count).map(name));
+        }
+        Ok(())
+    }
+
+    /// The picture of a frame, with its caption.
+    fn picture(&self, job: &Job, number: u64, picture: RgbImage) -> Result<RgbImage> {
+        let Some(text) = self.caption else {
+            return Ok(picture);
+        };
+        let time = job.frames.time(number).unwrap_or_default();
+        let time = format!("t′ = {time:.3} m").replace('-', "−");
+        let separator = if text.is_empty() { "" } else { ", " };
+        let label = format!("{text}{separator}{time}");
+        contact_sheet::compose(
+            &[Panel {
+                picture,
+                label,
+                new_row: false,
+            }],
+            &SheetOptions::default(),
+        )
+    }
 }
 
 /// The scene file that is named, or that a model stands for.

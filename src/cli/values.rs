@@ -57,6 +57,14 @@ pub fn heading(text: &str) -> Result<Heading, String> {
     }
 }
 
+/// Columns and rows of a grid.
+pub fn grid(text: &str) -> Result<[u32; 2], String> {
+    match size(text)? {
+        [columns, rows] if columns * rows <= 400 => Ok([columns, rows]),
+        _ => Err("more than 400 pixels; write columns and rows like 4x3".into()),
+    }
+}
+
 /// Column and row of a pixel.
 pub fn pixel(text: &str) -> Result<[u32; 2], String> {
     let help = "write COLUMN,ROW, whole numbers from 0, for instance 320,240";

@@ -8,6 +8,7 @@ pub mod diagram;
 pub mod drawing;
 pub mod isochrones;
 pub mod overlay;
+pub mod page;
 pub mod pixel_probe;
 pub mod text;
 pub(crate) mod ticks;

@@ -12,6 +12,7 @@ mod accel;
 mod cameras;
 mod capture;
 mod exposures;
+mod gallery;
 mod in_memory;
 mod lookups;
 mod mitransient;

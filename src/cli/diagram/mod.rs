@@ -17,10 +17,10 @@ use super::check::Names;
 use super::failure::refused;
 use super::names::named_after;
 use super::output::{encoded, extension};
-use super::{builtin, interrupt, say};
+use super::{builtin, interrupt, reel, say};
 
 /// The kinds of files, by extension.
-const KINDS: [&str; 4] = ["svg", "pdf", "png", "apng"];
+const KINDS: [&str; 5] = ["svg", "pdf", "png", "apng", "y4m"];
 
 /// A file to be written.
 pub struct Output {
@@ -29,7 +29,10 @@ pub struct Output {
     kind: String,
 }
 
-pub fn run(arguments: &DiagramArguments) -> Result<()> {
+pub fn run(mut arguments: DiagramArguments) -> Result<()> {
+    // Pictures and words do not share standard output.
+    arguments.quiet |= arguments.output.iter().any(|path| reel::is_pipe(path));
+    let arguments = &arguments;
     let outputs = outputs(arguments)?;
     let mut model = match arguments.pixel.pixel {
         Some(pixel) => pixel::model(arguments, pixel)?,
@@ -110,12 +113,15 @@ impl Output {
     fn of(path: &Path) -> Output {
         Output {
             path: path.into(),
-            kind: extension(path),
+            kind: match reel::is_pipe(path) {
+                true => "y4m".into(),
+                false => extension(path),
+            },
         }
     }
 
     fn is_animated(&self) -> bool {
-        self.kind == "apng"
+        matches!(self.kind.as_str(), "apng" | "y4m")
     }
 }
 
@@ -132,8 +138,11 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
             let what = "the name does not say which kind of drawing to write";
-            let help = "end it in .svg, .pdf, .png, or .apng (animated)";
+            let help = "end it in .svg, .pdf, .png, .apng (animated) or .y4m (raw video)";
             return Err(refused(option, what, help));
+        }
+        if reel::is_pipe(&output.path) {
+            continue;
         }
         for name in series::names(arguments, output) {
             names.check(&option, &name)?;

@@ -1,21 +1,21 @@
 //! Series of pictures of a diagram: numbered files, and animated ones.
 
+use std::io::Write;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use nullray::figures::diagram::Series;
 use nullray::figures::diagram::model::Diagram;
+use nullray::figures::drawing::png::Raster;
 use nullray::figures::drawing::{self, apng, png};
+use nullray::io::image::film::{Delay, FilmWriter};
 use nullray::{Error, Result};
 
 use super::{Output, Pages};
 use crate::cli::args::DiagramArguments;
 use crate::cli::failure::refused;
 use crate::cli::names::numbered;
-use crate::cli::{interrupt, say};
-
-/// The greatest numerator and denominator of a delay in an animated file.
-const MOST: f64 = 65_535.0;
+use crate::cli::{interrupt, reel, say};
 
 /// Writes the animated files among `outputs`, and the numbered pictures of all others if frames are asked
 /// for.
@@ -30,7 +30,7 @@ pub fn write(pages: &Pages, model: &Diagram) -> Result<()> {
         pictures(pages, series()?, &frames)?;
     }
     for output in pages.animated() {
-        animate(pages, series()?, &output.path, &frames)?;
+        animate(pages, series()?, output, &frames)?;
     }
     Ok(())
 }
@@ -84,8 +84,8 @@ fn pictures(pages: &Pages, series: Series, frames: &Range<u64>) -> Result<()> {
     Ok(())
 }
 
-fn animate(pages: &Pages, series: Series, path: &Path, frames: &Range<u64>) -> Result<()> {
-    let arguments = pages.arguments;
+fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) -> Result<()> {
+    let (arguments, path) = (pages.arguments, output.path.as_path());
     let fps = arguments.fps.unwrap_or(series.animation().fps);
     let count = (frames.end - frames.start) as usize;
     let mut size = [0.0; 2];
@@ -96,23 +96,33 @@ fn animate(pages: &Pages, series: Series, path: &Path, frames: &Range<u64>) -> R
         size = [drawing.width, drawing.height];
         png::render(&drawing, arguments.scale)
     });
-    let bytes = apng::write(count as u32, rasters, delay(fps))?;
-    drawing::save(path, bytes)?;
+    let delay = Delay::of_rate(fps);
+    if output.kind == "y4m" {
+        reel::pipe_or_save(path, |out| video(out, count as u32, rasters, delay))?;
+    } else {
+        drawing::save(path, apng::write(count as u32, rasters, delay)?)?;
+    }
     let [width, height] = size.map(f64::round);
     let path = path.display();
     let what = format!("wrote {path} ({width} × {height} points, {count} pictures)\n");
     say(arguments.quiet, &what)
 }
 
-/// The time of a picture, in whole milliseconds or, where these are too coarse, as a fraction.
-fn delay(fps: f64) -> apng::Delay {
-    let (numerator, denominator) = match fps {
-        fps if fps == fps.round() && fps <= MOST => (1.0, fps),
-        fps if fps > 100.0 => (1.0, fps.round().min(MOST)),
-        fps => ((1000.0 / fps).round().clamp(1.0, MOST), 1000.0),
+/// Raw video of the pictures.
+fn video(
+    out: &mut dyn Write,
+    count: u32,
+    mut rasters: impl Iterator<Item = Result<Raster>>,
+    delay: Delay,
+) -> Result<()> {
+    let Some(first) = rasters.next() else {
+        return Ok(());
     };
-    apng::Delay {
-        numerator: numerator as u16,
-        denominator: denominator as u16,
+    let first = reel::opaque(&first?);
+    let mut film = FilmWriter::y4m(out, [first.width, first.height], count, delay)?;
+    film.picture(&first)?;
+    for raster in rasters {
+        film.picture(&reel::opaque(&raster?))?;
     }
+    film.finish()
 }

@@ -11,11 +11,11 @@ use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
+use nullray::scene::SceneFile;
 use nullray::scene::model::{Exposure, Scene};
-use nullray::scene::{Overrides, SceneFile};
 use nullray::{Error, Result};
 
-use super::args::RenderArguments;
+use super::args::Changes;
 use super::check::check_all;
 use super::names::numbered;
 use super::output::{Identity, Inputs, Kind, Outputs, Stamp};
@@ -23,21 +23,36 @@ use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
 
-pub use range::Frames;
+pub use range::{Frames, Shot};
 
 /// How many frames are looked at for one exposure.
 const MEASURED: u64 = 9;
 
-/// Renders the frames of `scene`; `outputs` have names to be numbered.
-pub fn run(
-    arguments: &RenderArguments,
-    file: &SceneFile,
-    scene: &Scene,
-    frames: &Frames,
-    request: &Request,
-    outputs: &Outputs,
-    account: Option<&mut Account>,
-) -> Result<()> {
+/// What a sequence is made of, and how.
+pub struct Job<'a> {
+    pub changes: &'a Changes,
+    /// Whether one exposure is measured for all frames.
+    pub same_exposure: bool,
+    /// Whether brightness that may jump from frame to frame is worth a warning.
+    pub warns: bool,
+    pub quiet: bool,
+    pub file: &'a SceneFile,
+    pub scene: &'a Scene,
+    pub frames: &'a Frames,
+    pub request: &'a Request,
+    /// Their names are to be numbered.
+    pub outputs: &'a Outputs,
+}
+
+/// Renders the frames of a scene.
+pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
+    let Job {
+        scene,
+        frames,
+        request,
+        outputs,
+        ..
+    } = *job;
     let plan = Plan::new(scene, request)?;
     outputs.method.check(&plan)?;
     overlay::check(outputs, scene)?;
@@ -49,28 +64,25 @@ pub fn run(
     )?;
     interrupt::can_resume();
     let mut sequence = Sequence {
-        arguments,
-        file,
-        frames,
-        request,
-        outputs,
+        job,
         plan,
         // The scene's own text counts as it is after its changes.
         inputs: Inputs::read(read.get(1..).unwrap_or_default()),
         scene_file: Stamp::of(read.iter().take(1)),
         prepared: None,
+        began: Instant::now(),
         done: Done::default(),
         account,
         white: None,
     };
-    if !arguments.same_exposure {
+    if job.warns && !job.same_exposure {
         sequence.say(&flicker(scene, outputs))?;
     }
     // A sequence that goes beyond the camera's motion is not begun.
     if let Some(last) = frames.numbers.clone().last() {
-        sequence.scene_at(frames.time(last))?;
+        sequence.scene_at(last)?;
     }
-    if arguments.same_exposure {
+    if job.same_exposure {
         sequence.measure()?;
     }
     for number in frames.numbers.clone() {
@@ -82,17 +94,15 @@ pub fn run(
 
 /// A sequence that is being rendered.
 struct Sequence<'a> {
-    arguments: &'a RenderArguments,
-    frames: &'a Frames,
-    request: &'a Request,
-    outputs: &'a Outputs,
-    file: &'a SceneFile,
+    job: &'a Job<'a>,
     plan: Plan,
     inputs: Inputs,
     /// The scene file as it was.
     scene_file: Stamp,
     /// None until the first frame that is not there.
     prepared: Option<Prepared>,
+    /// When the first frame was begun.
+    began: Instant,
     done: Done,
     account: Option<&'a mut Account>,
     /// The radiance of white in all frames, where it was measured.
@@ -114,19 +124,24 @@ struct Done {
 
 impl Sequence<'_> {
     fn say(&self, text: &str) -> Result<()> {
-        say(self.arguments.work.quiet, text)
+        say(self.job.quiet, text)
     }
 
     fn frame(&mut self, number: u64) -> Result<()> {
-        let scene = self.scene_at(self.frames.time(number))?;
-        let mut outputs = self.outputs.renamed(|path| numbered(path, number));
-        outputs.identity = Some(Identity::new(&scene, self.request, &outputs, &self.inputs));
+        let scene = self.scene_at(number)?;
+        let mut outputs = self.job.outputs.renamed(|path| numbered(path, number));
+        outputs.identity = Some(Identity::new(
+            &scene,
+            self.job.request,
+            &outputs,
+            &self.inputs,
+        ));
         if existing::all(&outputs) {
             self.done.skipped += 1;
             return self.say(&format!("frame {number} exists already\n"));
         }
         let film = self.film(&scene, number)?;
-        let quiet = self.arguments.work.quiet;
+        let quiet = self.job.quiet;
         outputs.write(&scene, &film, quiet)?;
         if let Some(prepared) = &mut self.prepared {
             overlay::write(&outputs, &scene, &film, prepared, quiet)?;
@@ -135,13 +150,17 @@ impl Sequence<'_> {
         Ok(())
     }
 
-    /// The scene with its shot at camera time `time`, metres.
-    fn scene_at(&self, time: f64) -> Result<Scene> {
-        let overrides = Overrides {
-            time: Some(format!("{time} m")),
-            ..self.arguments.changes.overrides()
-        };
-        let mut scene = self.file.scene(&overrides)?;
+    /// The scene as a frame shows it.
+    fn scene_at(&self, number: u64) -> Result<Scene> {
+        let Job { frames, file, .. } = self.job;
+        let mut overrides = self.job.changes.overrides();
+        if let Some(time) = frames.time(number) {
+            overrides.time = Some(format!("{time} m"));
+        }
+        let mut scene = file.scene(&overrides)?;
+        if let Some(shot) = frames.shot(number) {
+            scene = shot.seen(&scene);
+        }
         if let Some(white) = self.white {
             scene.exposure = Exposure::White(white);
         }
@@ -150,16 +169,16 @@ impl Sequence<'_> {
 
     /// Measures one exposure for all frames, at [`MEASURED`] of them at most, the first and the last included.
     fn measure(&mut self) -> Result<()> {
-        let numbers = self.frames.numbers.clone();
+        let numbers = self.job.frames.numbers.clone();
         let count = numbers.end - numbers.start;
         let measured = count.min(MEASURED);
         let number = |k: u64| match measured {
             0 | 1 => numbers.start,
             _ => numbers.start + k * (count - 1) / (measured - 1),
         };
-        let scenes = (0..measured).map(|k| self.scene_at(self.frames.time(number(k))));
+        let scenes = (0..measured).map(|k| self.scene_at(number(k)));
         let scenes = scenes.collect::<Result<Vec<_>>>()?;
-        self.white = exposure::common(&scenes, self.request)?;
+        self.white = exposure::common(&scenes, self.job.request)?;
         match self.white {
             Some(white) => self.say(&format!(
                 "one exposure for all frames: white is radiance {white}\n"
@@ -169,10 +188,13 @@ impl Sequence<'_> {
     }
 
     fn film(&mut self, scene: &Scene, number: u64) -> Result<Film> {
-        let Frames { numbers, .. } = self.frames;
+        let Frames { numbers, .. } = self.job.frames;
         let (index, count) = (number - numbers.start + 1, numbers.end - numbers.start);
         let what = format!("frame {index} of {count}");
-        let bar = Bar::new(self.plan.rays.camera, self.arguments.work.quiet).named(what);
+        let rays = self.plan.rays.camera;
+        let bar = Bar::new(rays.saturating_mul(count), self.job.quiet)
+            .after(rays.saturating_mul(index - 1), self.began)
+            .named(what);
         let start = Instant::now();
         let prepared = match &mut self.prepared {
             Some(prepared) => prepared,
@@ -195,11 +217,10 @@ impl Sequence<'_> {
             }
         };
         let start = Instant::now();
-        bar.start();
         prepared.retake(scene)?;
         let film = film::picture(
             prepared,
-            &self.outputs.method,
+            &self.job.outputs.method,
             &bar,
             self.account.as_deref_mut(),
         )?;
@@ -248,7 +269,7 @@ impl Sequence<'_> {
         }
         self.say(&done.remark)?;
         let warnings = self.prepared.iter().flat_map(|p| &p.warnings);
-        warn(self.arguments.work.quiet, warnings)
+        warn(self.job.quiet, warnings)
     }
 }
 

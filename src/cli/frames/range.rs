@@ -8,8 +8,9 @@
 use std::ops::Range;
 
 use nullray::Result;
-use nullray::scene::model::Scene;
+use nullray::scene::model::{Motion, Scene};
 use nullray::spacetime::units::Time;
+use nullray::spacetime::{Event, Velocity, World};
 
 use crate::cli::args::FrameArguments;
 use crate::cli::failure::refused;
@@ -28,9 +29,40 @@ pub struct Frames {
     pace: Pace,
 }
 
-/// How frames follow each other.
+/// Where and how fast the camera is in one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shot {
+    /// The pinhole's event.
+    pub event: Event<World>,
+    /// The camera's velocity in the world.
+    pub velocity: Velocity,
+}
+
+impl Shot {
+    /// The scene as a camera without acceleration sees it here.
+    pub fn seen(self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        scene.camera.origin = self.event;
+        scene.camera.velocity = self.velocity;
+        scene.camera.motion = Motion::Inertial;
+        scene.camera.time = 0.0;
+        scene
+    }
+
+    /// The same at a later time of the world, in metres.
+    pub fn later(self, time: f64) -> Shot {
+        Shot {
+            event: Event::new(self.event.ct + time, self.event.x),
+            ..self
+        }
+    }
+}
+
+/// How frames follow each other.
+#[derive(Debug, Clone, PartialEq)]
 enum Pace {
+    /// Each is given.
+    Shots(Vec<Shot>),
     /// So many per second of camera time.
     Rate {
         per_second: f64,
@@ -41,25 +73,27 @@ enum Pace {
 }
 
 impl Pace {
-    fn interval(self) -> f64 {
+    fn interval(&self) -> f64 {
         match self {
             Pace::Rate {
                 per_second,
                 metres_per_second,
             } => metres_per_second / per_second,
-            Pace::Interval(interval) => interval,
+            Pace::Interval(interval) => *interval,
+            Pace::Shots(_) => 0.0,
         }
     }
 
-    /// Camera time from frame 0 to frame `number`, metres.
-    fn offset(self, number: u64) -> f64 {
+    /// Camera time from frame 0 to frame `number`, metres; none where frames have no common clock.
+    fn offset(&self, number: u64) -> Option<f64> {
         let number = number as f64;
         match self {
             Pace::Rate {
                 per_second,
                 metres_per_second,
-            } => number / per_second * metres_per_second,
-            Pace::Interval(interval) => number * interval,
+            } => Some(number / per_second * metres_per_second),
+            Pace::Interval(interval) => Some(number * interval),
+            Pace::Shots(_) => None,
         }
     }
 }
@@ -89,8 +123,7 @@ impl Frames {
     fn between(from: f64, to: f64, pace: Pace) -> Result<Frames> {
         let count = ((to - from) / pace.interval() - AT_THE_END).ceil();
         if count < 1.0 {
-            let what = "it is not after --from, so that there is no frame between them";
-            return Err(refused("--to", what, "give a later time"));
+            return Err(not_after());
         }
         // Also a count beyond all numbers.
         if count > MOST_FRAMES as f64 {
@@ -103,9 +136,42 @@ impl Frames {
         })
     }
 
-    /// The camera time of a frame, metres.
-    pub fn time(&self, number: u64) -> f64 {
-        self.start + self.pace.offset(number)
+    /// One frame for each shot.
+    pub fn of_shots(shots: Vec<Shot>) -> Frames {
+        Frames {
+            numbers: 0..shots.len() as u64,
+            start: 0.0,
+            pace: Pace::Shots(shots),
+        }
+    }
+
+    /// So many frames, the first at one camera time and the last at the other, metres.
+    ///
+    /// # Errors
+    /// A last time that is not after the first.
+    pub fn evenly([from, to]: [f64; 2], count: u32) -> Result<Frames> {
+        if to <= from {
+            return Err(not_after());
+        }
+        let steps = f64::from(count.saturating_sub(1).max(1));
+        Ok(Frames {
+            numbers: 0..count.into(),
+            start: from,
+            pace: Pace::Interval((to - from) / steps),
+        })
+    }
+
+    /// The camera time of a frame, metres; none where it is given by its shot.
+    pub fn time(&self, number: u64) -> Option<f64> {
+        Some(self.start + self.pace.offset(number)?)
+    }
+
+    /// The shot of a frame; none where it is given by its time.
+    pub fn shot(&self, number: u64) -> Option<Shot> {
+        match &self.pace {
+            Pace::Shots(shots) => shots.get(usize::try_from(number).ok()?).copied(),
+            _ => None,
+        }
     }
 }
 
@@ -131,6 +197,11 @@ fn pace(arguments: &FrameArguments, scene: &Scene) -> Result<Pace> {
             "give --interval TIME or --fps N, or camera.frame_interval in the scene",
         )),
     }
+}
+
+fn not_after() -> nullray::Error {
+    let what = "it is not after --from, so that there is no frame between them";
+    refused("--to", what, "give a later time")
 }
 
 fn too_many(count: f64) -> nullray::Error {
@@ -183,12 +254,12 @@ mod tests {
             start: 2.0,
             pace: rate(3.0),
         };
-        assert_eq!(frames.time(9), 2.0 + 3.0 * C);
+        assert_eq!(frames.time(9), Some(2.0 + 3.0 * C));
         let frames = Frames {
             pace: Pace::Interval(0.1),
             ..frames
         };
-        assert_eq!(frames.time(10), 3.0);
+        assert_eq!(frames.time(10), Some(3.0));
     }
 
     #[test]
@@ -207,7 +278,7 @@ mod tests {
         };
         let time = |arguments: &FrameArguments| {
             let frames = Frames::of(arguments, &scene).unwrap().unwrap();
-            (frames.numbers.clone(), frames.time(4))
+            (frames.numbers.clone(), frames.time(4).unwrap())
         };
         assert_eq!(time(&arguments), (4..8, 3.0));
         arguments.interval = Some("1 m".parse().unwrap());

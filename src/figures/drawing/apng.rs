@@ -8,14 +8,7 @@ use ::png::{BlendOp, ColorType, DisposeOp, EncodingError};
 use super::png::{Raster, encoder};
 use crate::error::{Error, Result};
 
-/// How long a frame is shown, as a fraction of a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Delay {
-    /// The numerator.
-    pub numerator: u16,
-    /// The denominator; not 0.
-    pub denominator: u16,
-}
+pub use crate::io::image::film::Delay;
 
 /// The frames as one file, its origin being that of the first; `count` of them are taken one after another, so that one is held at a time.
 ///

@@ -10,6 +10,7 @@
 mod decoder;
 pub mod exr;
 mod file;
+pub mod film;
 pub mod hdr;
 mod layers;
 pub mod npz;

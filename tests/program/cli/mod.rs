@@ -3,6 +3,7 @@
 mod builtin;
 mod diagram;
 mod export;
+mod film;
 mod frames;
 mod info;
 mod interrupt;
@@ -10,6 +11,7 @@ mod light;
 mod methods;
 mod models;
 mod overlay;
+mod page;
 mod panels;
 mod pixel;
 mod plan;

@@ -1,0 +1,425 @@
+//! `nullray film`: the common motions of a camera, as a film of one line.
+//!
+//! Every picture is that of a camera without acceleration that is, at the moment of the picture, where the moving one is and as fast. With
+//! the scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
+//!
+//! ```text
+//! fly-by:        P + n x,  x from −s/2 to s/2,  at t₀ + x/β
+//! acceleration:  β(τ) = tanh aτ,  x = (cosh aτ − 1)/a,  t = t₀ + sinh(aτ)/a,  a = (γ − 1)/s,  until β, γ are reached
+//! speeds:        P at t₀;  β = tanh(k φ/(N − 1)),  tanh φ the greatest, so that each step is the same boost
+//! light:         the scene's own camera, at times of its own clock
+//! ```
+//!
+//! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7.)
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use glam::DVec3;
+use nullray::figures::contact_sheet::{self, Panel, SheetOptions};
+use nullray::figures::diagram::Series;
+use nullray::figures::drawing::png;
+use nullray::io::image::RgbImage;
+use nullray::render::metadata;
+use nullray::render::plan::Plan;
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::survey;
+use nullray::scene::model::Scene;
+use nullray::scene::{Heading, Overrides, SceneFile};
+use nullray::spacetime::{Event, Velocity};
+use nullray::{Error, Result};
+
+use super::args::{Beside, FilmArguments, MotionArguments};
+use super::failure::refused;
+use super::film::in_pool;
+use super::frames::{self, Frames, Job, Shot};
+use super::names::{named_after, numbered};
+use super::output::Outputs;
+use super::reel::{self, Folder, Reel};
+use super::{builtin, inputs};
+
+pub fn run(mut arguments: FilmArguments) -> Result<()> {
+    if arguments.output.is_empty() {
+        arguments.output = vec![named_after(arguments.scene.as_deref(), ".apng")];
+    }
+    arguments.work.quiet |= arguments.output.iter().any(|path| reel::is_pipe(path));
+    let overrides = arguments.changes.overrides();
+    let file = builtin::open(arguments.scene.as_deref(), &overrides)?;
+    let scene = file.scene(&overrides)?;
+    let plan = Plan::new(&scene, &arguments.changes.request())?;
+    reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
+    let takes = takes(&arguments, &scene)?;
+    in_pool(arguments.work.threads, || {
+        film(&arguments, &file, &scene, &takes)
+    })
+}
+
+/// One of the pictures that a film shows side by side, from its first moment to its last.
+struct Take {
+    /// Part of the names of its pictures.
+    name: &'static str,
+    frames: Frames,
+    /// What stands beneath each picture.
+    captions: Vec<String>,
+}
+
+/// The takes of a film, the moving one first.
+fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
+    let pictures = arguments.pictures;
+    let Some(motion) = motion(&arguments.motion, scene, pictures)? else {
+        return match arguments.motion.light {
+            true => Ok(vec![light(arguments, scene)?]),
+            false => Err(no_motion()),
+        };
+    };
+    let mut takes = Vec::new();
+    if arguments.beside == Some(Beside::Rest) {
+        let shots = motion.iter().map(|shot| Shot {
+            velocity: Velocity::REST,
+            ..*shot
+        });
+        takes.push(Take {
+            name: "rest",
+            frames: Frames::of_shots(shots.collect()),
+            captions: vec!["at rest".into(); motion.len()],
+        });
+    }
+    let captions = motion.iter().map(caption);
+    takes.push(Take {
+        name: "film",
+        captions: captions.collect(),
+        frames: Frames::of_shots(motion),
+    });
+    Ok(takes)
+}
+
+fn no_motion() -> Error {
+    let what = "it is not said how the camera moves";
+    let help = "give --flyby 0.9, --accelerate 0.9, --speeds 0.9 or --light";
+    refused("film", what, help)
+}
+
+/// The speed in three digits.
+pub fn caption(shot: &Shot) -> String {
+    let beta = shot.velocity.beta().length();
+    match beta {
+        b if b > 0.999 => format!("γ = {:.2}", shot.velocity.gamma()),
+        b => format!("β = {b:.3}"),
+    }
+}
+
+/// The moments of a moving camera; none where it is the scene's own.
+fn motion(motion: &MotionArguments, scene: &Scene, pictures: u32) -> Result<Option<Vec<Shot>>> {
+    let last = f64::from(pictures.saturating_sub(1).max(1));
+    let part = |k: u32| f64::from(k) / last;
+    let [right, _, forward] = scene.camera.axes;
+    if let Some(beta) = motion.flyby {
+        let n = heading(motion.direction, right)?;
+        let distance = distance(motion, scene)?;
+        let velocity = velocity("--flyby", beta, n)?;
+        let shot = |k| {
+            let x = (part(k) - 0.5) * distance;
+            Ok(shot(scene, x / beta, x * n, velocity))
+        };
+        return (0..pictures).map(shot).collect::<Result<_>>().map(Some);
+    }
+    if let Some(beta) = motion.accelerate {
+        let n = heading(motion.direction, forward)?;
+        let greatest = velocity("--accelerate", beta, n)?;
+        let a = (greatest.gamma() - 1.0) / distance(motion, scene)?;
+        let rapidity = greatest.rapidity().length();
+        let shot = |k| {
+            let w = part(k) * rapidity;
+            // cosh w − 1 = 2 sinh²(w/2), without cancellation.
+            let x = 2.0 * libm::sinh(w / 2.0).powi(2) / a;
+            let velocity = moving("--accelerate", n * w)?;
+            Ok(shot(scene, libm::sinh(w) / a, x * n, velocity))
+        };
+        return (0..pictures).map(shot).collect::<Result<_>>().map(Some);
+    }
+    let Some(beta) = motion.speeds else {
+        return Ok(None);
+    };
+    speeds("--speeds", motion.direction, scene, beta, pictures).map(Some)
+}
+
+/// One place and moment, at speeds from 0 to `beta`, in equal steps of rapidity.
+pub fn speeds(
+    option: &str,
+    direction: Option<Heading>,
+    scene: &Scene,
+    beta: f64,
+    steps: u32,
+) -> Result<Vec<Shot>> {
+    let n = heading(direction, scene.camera.axes[2])?;
+    let rapidity = velocity(option, beta, n)?.rapidity();
+    let last = f64::from(steps.saturating_sub(1).max(1));
+    let step = |k| {
+        let velocity = moving(option, rapidity * (f64::from(k) / last))?;
+        Ok(shot(scene, 0.0, DVec3::ZERO, velocity))
+    };
+    (0..steps).map(step).collect()
+}
+
+/// The camera of `scene` when its clock shows its time, as if it rested, with this displacement.
+fn shot(scene: &Scene, ct: f64, x: DVec3, velocity: Velocity) -> Shot {
+    let origin = scene.camera.origin;
+    Shot {
+        event: Event::new(origin.ct + scene.camera.time + ct, origin.x + x),
+        velocity,
+    }
+}
+
+fn velocity(option: &str, beta: f64, n: DVec3) -> Result<Velocity> {
+    if !(beta > 0.0 && beta < 1.0) {
+        let what = format!("{beta} is not a speed v/c above 0 and below 1");
+        return Err(refused(
+            format!("{option} {beta}"),
+            what,
+            "give a speed like 0.9",
+        ));
+    }
+    let velocity = Velocity::from_beta(n * beta);
+    velocity.map_err(|e| {
+        refused(
+            format!("{option} {beta}"),
+            e.to_string(),
+            "give a lower speed",
+        )
+    })
+}
+
+fn moving(option: &str, rapidity: DVec3) -> Result<Velocity> {
+    let velocity = Velocity::from_rapidity(rapidity);
+    velocity.map_err(|e| refused(option, e.to_string(), "give a lower speed"))
+}
+
+fn heading(direction: Option<Heading>, default: DVec3) -> Result<DVec3> {
+    match direction {
+        None => Ok(default.normalize_or(DVec3::NEG_Z)),
+        Some(Heading::Along(n)) => Ok(n.normalize_or(DVec3::NEG_Z)),
+        Some(_) => Err(refused(
+            "--direction",
+            "\"towards\" and \"away\" are for models without a scene",
+            "give x, y, z, -x, -y, -z or a vector like 1,0,-1",
+        )),
+    }
+}
+
+/// How far the camera goes, metres: what is said, or twice the distance from its eye to the point that it looks at.
+fn distance(motion: &MotionArguments, scene: &Scene) -> Result<f64> {
+    if let Some(distance) = motion.distance {
+        let metres = distance.metres(scene.speed_of_light);
+        return match metres > 0.0 {
+            true => Ok(metres),
+            false => Err(refused(
+                "--distance",
+                "it is not above 0",
+                "give a length like \"6 m\"",
+            )),
+        };
+    }
+    let look_at = looked_at(&scene.text);
+    look_at.map(|point| 2.0 * point.distance(scene.camera.origin.x)).ok_or_else(|| {
+        let what = "the scene does not say what its camera looks at (camera.look_at), and so not how far to go";
+        refused("--distance", what, "give the length of the way, like --distance \"6 m\"")
+    })
+}
+
+fn looked_at(text: &str) -> Option<DVec3> {
+    let document = toml_edit::DocumentMut::from_str(text).ok()?;
+    let point = document.get("camera")?.get("look_at")?.as_array()?;
+    let number = |k| {
+        let value = point.get(k)?;
+        value
+            .as_float()
+            .or_else(|| value.as_integer().map(|n| n as f64))
+    };
+    Some(DVec3::new(number(0)?, number(1)?, number(2)?))
+}
+
+/// The scene's own camera while light passes by.
+fn light(arguments: &FilmArguments, scene: &Scene) -> Result<Take> {
+    if let Some(beside) = arguments.beside {
+        let what = "there is nothing to compare with: --light leaves the camera as it is";
+        return Err(refused(
+            format!("--beside {}", beside.word()),
+            what,
+            "leave it out",
+        ));
+    }
+    let metres = |time: nullray::spacetime::units::Time| time.metres(scene.speed_of_light);
+    let [from, to] = match (arguments.motion.from, arguments.motion.to) {
+        (Some(from), Some(to)) => [metres(from), metres(to)],
+        _ => passing(arguments, scene)?,
+    };
+    let frames = Frames::evenly([from, to], arguments.pictures)?;
+    let captions = frames.numbers.clone().map(|k| {
+        let time = frames.time(k).unwrap_or_default();
+        format!("t′ = {time:.2} m").replace('-', "−")
+    });
+    Ok(Take {
+        name: "film",
+        captions: captions.collect(),
+        frames,
+    })
+}
+
+/// The camera times between which light of some source is in view, by a small picture.
+fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
+    let mut small = scene.clone();
+    let [width, height] = scene.camera.size;
+    let step = width.max(height).div_ceil(64);
+    small.camera.size = [width.div_ceil(step), height.div_ceil(step)];
+    let plan = Plan::new(&small, &arguments.changes.request())?;
+    let mut prepared = Prepared::new(&small, &plan, &Silent)?;
+    let seen = survey::seen_times(&mut prepared);
+    let times = seen
+        .iter()
+        .filter_map(|times| survey::meeting_times(&small, &mut prepared, times));
+    let all = times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    all.ok_or_else(|| {
+        let what = "no source of the scene says when its light is in view";
+        let help = "give the camera's times, like --from \"0 m\" --to \"5 m\", or another motion: --flyby 0.9";
+        refused("--light", what, help)
+    })
+}
+
+/// Renders all takes, and puts the film together.
+fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Take]) -> Result<()> {
+    let count = u64::from(arguments.pictures);
+    let folder = Folder::of(&arguments.output)?;
+    let request = arguments.changes.request();
+    for take in takes {
+        let outputs = Outputs {
+            images: vec![folder.pattern(take.name)],
+            ..Outputs::default()
+        };
+        let job = Job {
+            changes: &arguments.changes,
+            // The searchlight effect makes one place at many speeds too dark or too bright for one exposure.
+            same_exposure: arguments.motion.speeds.is_none(),
+            warns: false,
+            quiet: arguments.work.quiet,
+            file,
+            scene,
+            frames: &take.frames,
+            request: &request,
+            outputs: &outputs,
+        };
+        frames::run(&job, None)?;
+    }
+    let diagrams = match arguments.beside {
+        Some(Beside::Diagram) => diagrams(arguments, scene)?,
+        _ => Vec::new(),
+    };
+    let picture = |k: u64| {
+        let mut panels = Vec::new();
+        for take in takes {
+            panels.push(Panel {
+                picture: reel::read(&numbered(&folder.pattern(take.name), k))?,
+                label: label(arguments, take, k),
+                new_row: false,
+            });
+        }
+        if let Some(picture) = diagrams.get(k as usize) {
+            let label = "its space-time diagram".into();
+            panels.push(Panel {
+                picture: picture.clone(),
+                label,
+                new_row: false,
+            });
+        }
+        match panels.len() {
+            1 if arguments.no_captions => Ok(panels.remove(0).picture),
+            n => contact_sheet::compose(
+                &panels,
+                &SheetOptions {
+                    title: None,
+                    columns: Some(n as u32),
+                },
+            ),
+        }
+    };
+    let reel = Reel {
+        films: &arguments.output,
+        count,
+        fps: arguments.fps,
+        metadata: &metadata::of_text(&scene.name, &scene.text),
+        quiet: arguments.work.quiet,
+    };
+    reel.write(picture)?;
+    let names = takes.iter().map(|take| folder.pattern(take.name));
+    let pictures = names.flat_map(|path| (0..count).map(move |k| numbered(&path, k)));
+    let pictures: Vec<PathBuf> = pictures.collect();
+    folder.remove(pictures);
+    Ok(())
+}
+
+/// What stands beneath picture `k` of a take.
+fn label(arguments: &FilmArguments, take: &Take, k: u64) -> String {
+    let caption = take.captions.get(k as usize).cloned().unwrap_or_default();
+    match (&arguments.caption, arguments.no_captions) {
+        (_, true) => String::new(),
+        (Some(text), false) => format!("{text}, {caption}"),
+        (None, false) => caption,
+    }
+}
+
+/// The diagram of the scene in the frames of the camera's speeds, as high as its pictures.
+fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
+    let Some(beta) = arguments.motion.speeds else {
+        let what = "a diagram is boosted along with the speeds of one place and moment";
+        return Err(refused(
+            "--beside diagram",
+            what,
+            "give --speeds 0.9 as the motion",
+        ));
+    };
+    let n = heading(arguments.motion.direction, scene.camera.axes[2])?;
+    let series = boosts(
+        arguments.scene.as_deref(),
+        &arguments.changes.overrides(),
+        n * beta,
+        arguments.pictures,
+    )?;
+    let height = f64::from(scene.camera.size[1]);
+    let picture = |drawing: Result<nullray::figures::drawing::Drawing>| {
+        let drawing = drawing?;
+        let raster = png::render(&drawing, height / drawing.height)?;
+        Ok(reel::opaque(&raster))
+    };
+    series.map(picture).collect()
+}
+
+/// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`.
+pub fn boosts(
+    path: Option<&std::path::Path>,
+    overrides: &Overrides,
+    beta: DVec3,
+    steps: u32,
+) -> Result<Series> {
+    let mut overrides = Overrides {
+        set: overrides.set.clone(),
+        time: overrides.time.clone(),
+        ..Overrides::default()
+    };
+    let DVec3 { x, y, z } = beta;
+    let set = [
+        (
+            "camera.velocity",
+            format!("{{ beta = [{x:?}, {y:?}, {z:?}] }}"),
+        ),
+        ("diagram.animation.boost_to", "\"camera\"".into()),
+        ("diagram.animation.frames", steps.to_string()),
+    ];
+    overrides
+        .set
+        .extend(set.map(|(key, value)| (key.to_string(), value)));
+    let diagram = builtin::load_diagram(path, &overrides)?;
+    Series::new(&diagram).ok_or_else(|| {
+        let what = "the diagram of this scene cannot be boosted";
+        Error::invalid("diagram", "", what, "leave out --beside diagram")
+    })
+}

@@ -1,0 +1,192 @@
+//! `nullray page`: a page of HTML that shows a scene at many speeds.
+
+use std::path::Path;
+
+use nullray::figures::diagram;
+use nullray::figures::drawing::{png, svg};
+use nullray::figures::page::{self, Page};
+use nullray::figures::pixel_probe;
+use nullray::io::files;
+use nullray::io::image::write_atomically;
+use nullray::render::plan::Plan;
+use nullray::scene::model::Scene;
+use nullray::scene::{Overrides, SceneFile};
+use nullray::{Error, Result};
+
+use super::args::PageArguments;
+use super::check::Names;
+use super::failure::refused;
+use super::film::in_pool;
+use super::frames::{self, Frames, Job, Shot};
+use super::names::{numbered, stem};
+use super::output::Outputs;
+use super::progress::Bar;
+use super::reel::Folder;
+use super::{builtin, inputs, interrupt, memory, motion, say};
+
+/// Pixels of a point in the diagrams of pixels.
+const PROBE_SCALE: f64 = 1.6;
+
+pub fn run(arguments: &PageArguments) -> Result<()> {
+    let overrides = arguments.changes.overrides();
+    let file = builtin::open(arguments.scene.as_deref(), &overrides)?;
+    let scene = file.scene(&overrides)?;
+    let directory = &arguments.output;
+    std::fs::create_dir_all(directory)
+        .map_err(Error::io(directory, "cannot create the directory"))?;
+    let path = directory.join("index.html");
+    let plan = Plan::new(&scene, &arguments.changes.request())?;
+    let read = inputs::of(&scene, &plan);
+    let overwritten = "this is a file that the page is made of: it would be overwritten";
+    let option = format!("-o {}", directory.display());
+    Names::new(&read, overwritten, " page").check(&option, &path)?;
+    in_pool(arguments.work.threads, || {
+        make(arguments, &file, &scene, &path)
+    })
+}
+
+fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path) -> Result<()> {
+    let quiet = arguments.work.quiet;
+    let steps = arguments.steps;
+    let still = motion::speeds("--beta", arguments.direction, scene, arguments.beta, steps)?;
+    let times = times(arguments, scene)?;
+    let moment = |time: &f64| {
+        let later = time - scene.camera.time;
+        still.iter().map(move |shot| shot.later(later))
+    };
+    let frames = Frames::of_shots(times.iter().flat_map(moment).collect());
+    let folder = Folder::of(&[path.to_path_buf()])?;
+    let pattern = folder.pattern("page");
+    let outputs = Outputs {
+        images: vec![pattern.clone()],
+        ..Outputs::default()
+    };
+    let job = Job {
+        changes: &arguments.changes,
+        same_exposure: arguments.same_exposure,
+        warns: false,
+        quiet,
+        file,
+        scene,
+        frames: &frames,
+        request: &arguments.changes.request(),
+        outputs: &outputs,
+    };
+    frames::run(&job, None)?;
+    let files = frames.numbers.clone().map(|k| numbered(&pattern, k));
+    // Base 64 has four characters for three bytes. What is too large is not read.
+    let bytes = files
+        .clone()
+        .map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));
+    check_size(bytes.sum::<u64>() as f64 / 0.75e6, arguments)?;
+    let pictures = files
+        .clone()
+        .map(|path| std::fs::read(&path).map_err(Error::io(&path, "cannot read")));
+    let title = arguments.title.clone();
+    let page = Page {
+        title: title.unwrap_or_else(|| stem(arguments.scene.as_deref()).display().to_string()),
+        text: arguments.text.clone().unwrap_or_default(),
+        betas: still
+            .iter()
+            .map(|shot| shot.velocity.beta().length())
+            .collect(),
+        times,
+        size: scene.camera.size,
+        pictures: pictures.collect::<Result<_>>()?,
+        diagrams: diagrams(arguments, &still)?,
+        grid: arguments.grid.unwrap_or_default(),
+        probes: probes(arguments, scene, &still)?,
+    };
+    let html = page::html(&page)?;
+    let megabytes = html.len() as f64 / 1e6;
+    check_size(megabytes, arguments)?;
+    interrupt::check()?;
+    write_atomically(path, |out| {
+        std::io::Write::write_all(out, html.as_bytes()).map_err(Error::io(path, "cannot write"))
+    })?;
+    folder.remove(files);
+    let count = page.pictures.len();
+    say(
+        quiet,
+        &format!(
+            "wrote {} ({megabytes:.1} MB, {count} pictures)\n",
+            path.display()
+        ),
+    )
+}
+
+fn check_size(megabytes: f64, arguments: &PageArguments) -> Result<()> {
+    if megabytes <= arguments.max_size {
+        return Ok(());
+    }
+    let what = format!(
+        "the page would have {megabytes:.3} MB, more than {}",
+        arguments.max_size
+    );
+    let help = "make it of fewer --steps, with a smaller --size or --grid, or with more --spp (less noise), or give a larger --max-size";
+    Err(refused("--max-size", what, help))
+}
+
+/// The camera times of the pictures: the scene's own, or several.
+fn times(arguments: &PageArguments, scene: &Scene) -> Result<Vec<f64>> {
+    let metres = |time: nullray::spacetime::units::Time| time.metres(scene.speed_of_light);
+    let (Some(from), Some(to)) = (arguments.from, arguments.to) else {
+        return Ok(vec![scene.camera.time]);
+    };
+    let frames = Frames::evenly([metres(from), metres(to)], arguments.times)?;
+    Ok(frames
+        .numbers
+        .clone()
+        .filter_map(|k| frames.time(k))
+        .collect())
+}
+
+/// The scene's diagram in the frame of each speed.
+fn diagrams(arguments: &PageArguments, shots: &[Shot]) -> Result<Vec<String>> {
+    let Some(last) = shots.last().filter(|_| !arguments.no_diagram) else {
+        return Ok(Vec::new());
+    };
+    let overrides = arguments.changes.overrides();
+    let path = arguments.scene.as_deref();
+    let series = motion::boosts(path, &overrides, last.velocity.beta(), shots.len() as u32);
+    series?.map(|drawing| svg::write(&drawing?)).collect()
+}
+
+/// The diagrams of the pixels in the middle of the cells of the grid, for each speed.
+fn probes(arguments: &PageArguments, scene: &Scene, shots: &[Shot]) -> Result<Vec<Vec<u8>>> {
+    let Some([columns, rows]) = arguments.grid else {
+        return Ok(Vec::new());
+    };
+    let base = match arguments.scene.as_deref() {
+        Some(path) => path.parent().unwrap_or(Path::new("")),
+        None => Path::new(files::BUILT_IN),
+    };
+    let base = diagram::parse(&scene.text, &scene.name, base, &Overrides::default())?;
+    let limit = memory::limit(arguments.changes.max_memory);
+    let [width, height] = scene.camera.size;
+    let middle =
+        |k: u32, count: u32, length: u32| ((2 * k + 1) * length / (2 * count)).min(length - 1);
+    let mut probes = Vec::new();
+    for shot in shots {
+        let scene = shot.seen(scene);
+        for row in 0..rows {
+            for column in 0..columns {
+                interrupt::check()?;
+                let pixel = [middle(column, columns, width), middle(row, rows, height)];
+                let probe = pixel_probe::trace(&scene, pixel, limit, &Bar::new(0, true))?;
+                let model = pixel_probe::diagram(&probe, base.clone(), None);
+                let model = model.ok_or_else(|| {
+                    Error::invalid(
+                        &scene.name,
+                        "camera",
+                        "a pixel has no diagram",
+                        "leave out --grid",
+                    )
+                })?;
+                let drawing = diagram::draw(&diagram::layout(&model), &model.style)?;
+                probes.push(png::write(&png::render(&drawing, PROBE_SCALE)?)?);
+            }
+        }
+    }
+    Ok(probes)
+}

@@ -1,0 +1,213 @@
+//! Films of finished pictures: animated PNG and raw video, to files or to a pipe.
+//!
+//! The pictures of a film are numbered PNG files first, in a folder beside it: what was stopped goes on where it was, as sequences
+//! do. The folder goes once the film is complete.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use nullray::figures::drawing::png::Raster;
+use nullray::io::budget::Budget;
+use nullray::io::image::film::{Delay, FilmWriter};
+use nullray::io::image::{RgbImage, Samples, png, write_atomically};
+use nullray::{Error, Result};
+use tempfile::TempDir;
+
+use super::check::Names;
+use super::failure::refused;
+use super::output::extension;
+use super::{interrupt, memory, say};
+
+/// The name of a film that goes to standard output.
+const PIPE: &str = "-";
+
+/// What a film is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Apng,
+    Y4m,
+}
+
+/// Whether an output of this name is a film.
+pub fn is_film(path: &Path) -> bool {
+    is_pipe(path) || ["apng", "y4m"].contains(&extension(path).as_str())
+}
+
+/// Whether an output of this name is standard output.
+pub fn is_pipe(path: &Path) -> bool {
+    path.as_os_str() == PIPE
+}
+
+/// Refuses names that are no films, and those that could not be written or would be written over what is `read`.
+pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
+    let overwritten = "this is a file that the film is made of: it would be overwritten";
+    let mut names = Names::new(read, overwritten, " film");
+    let mut pipes = 0;
+    for path in films {
+        let option = format!("-o {}", path.display());
+        if !is_film(path) {
+            let what = "the name does not say which kind of film to write";
+            let help = "end it in .apng (animated PNG) or .y4m (raw video), or write - for raw video on standard output";
+            return Err(refused(option, what, help));
+        }
+        if !is_pipe(path) {
+            names.check(&option, path)?;
+            continue;
+        }
+        pipes += 1;
+        if pipes > 1 {
+            return Err(refused(
+                option,
+                "two films go to standard output",
+                "give it once",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The folder of a film's pictures.
+pub enum Folder {
+    /// Beside the film, to be resumed from.
+    Beside(PathBuf),
+    /// Of a film that nobody can resume.
+    Passing(TempDir),
+}
+
+impl Folder {
+    /// That of the first of `films` that is a file, or one that goes with the program.
+    pub fn of(films: &[PathBuf]) -> Result<Folder> {
+        let Some(film) = films.iter().find(|path| !is_pipe(path)) else {
+            let made = tempfile::tempdir();
+            return made.map(Folder::Passing).map_err(Error::io(
+                "standard output",
+                "no folder can be made for the pictures of the film",
+            ));
+        };
+        let mut name = film.file_name().unwrap_or_default().to_os_string();
+        name.push(".frames");
+        let path = film.with_file_name(name);
+        fs::create_dir_all(&path).map_err(Error::io(&path, "cannot create the directory"))?;
+        Ok(Folder::Beside(path))
+    }
+
+    /// A name for numbered pictures in it.
+    pub fn pattern(&self, name: &str) -> PathBuf {
+        let path = match self {
+            Folder::Beside(path) => path.as_path(),
+            Folder::Passing(folder) => folder.path(),
+        };
+        path.join(format!("{name}-######.png"))
+    }
+
+    /// Takes these pictures away, and the folder if nothing else is in it.
+    pub fn remove(self, pictures: impl IntoIterator<Item = PathBuf>) {
+        // What stays costs space and nothing else.
+        if let Folder::Beside(path) = self {
+            for picture in pictures {
+                let _ = fs::remove_file(picture);
+            }
+            let _ = fs::remove_dir(path);
+        }
+    }
+}
+
+/// A picture that was written before.
+pub fn read(path: &Path) -> Result<RgbImage> {
+    let layers = png::read(path, &Budget::new(memory::limit(None)))?;
+    let mut rgb = vec![0; 3 * layers.width as usize * layers.height as usize];
+    for (index, channel) in layers.channels.iter().take(3).enumerate() {
+        if let Samples::F32(codes) = &channel.samples {
+            for (pixel, code) in rgb.chunks_exact_mut(3).zip(codes) {
+                pixel[index] = (code * 255.0).round() as u8;
+            }
+        }
+    }
+    Ok(RgbImage {
+        width: layers.width,
+        height: layers.height,
+        rgb,
+    })
+}
+
+/// What is drawn, on white.
+pub fn opaque(raster: &Raster) -> RgbImage {
+    let (pixels, _) = raster.rgba.as_chunks::<4>();
+    let over_white = |[r, g, b, alpha]: [u8; 4]| {
+        let alpha = u32::from(alpha);
+        [r, g, b].map(|c| ((u32::from(c) * alpha + 255 * (255 - alpha) + 127) / 255) as u8)
+    };
+    RgbImage {
+        width: raster.width,
+        height: raster.height,
+        rgb: pixels.iter().flat_map(|pixel| over_white(*pixel)).collect(),
+    }
+}
+
+/// Has `write` write a film to a file, or to standard output.
+pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    match is_pipe(path) {
+        true => write(&mut BufWriter::new(io::stdout().lock())),
+        false => write_atomically(path, |file| write(file)),
+    }
+}
+
+/// How films are written.
+pub struct Reel<'a> {
+    pub films: &'a [PathBuf],
+    /// Pictures of each.
+    pub count: u64,
+    /// Pictures per second.
+    pub fps: f64,
+    /// Texts of those that hold texts.
+    pub metadata: &'a [(String, String)],
+    pub quiet: bool,
+}
+
+impl Reel<'_> {
+    /// Writes all films of what `picture` gives by its number, from 0.
+    pub fn write(&self, mut picture: impl FnMut(u64) -> Result<RgbImage>) -> Result<()> {
+        for film in self.films {
+            let kind = match extension(film).as_str() {
+                "apng" => Kind::Apng,
+                _ => Kind::Y4m,
+            };
+            let mut size = [0; 2];
+            pipe_or_save(film, |out| {
+                size = self.film(out, kind, &mut picture)?;
+                Ok(())
+            })?;
+            let [width, height] = size;
+            let (name, count, fps) = (film.display(), self.count, self.fps);
+            let what = format!(
+                "wrote {name} ({width} × {height} pixels, {count} pictures, {fps} per second)\n"
+            );
+            say(self.quiet, &what)?;
+        }
+        Ok(())
+    }
+
+    fn film(
+        &self,
+        out: impl Write,
+        kind: Kind,
+        picture: &mut impl FnMut(u64) -> Result<RgbImage>,
+    ) -> Result<[u32; 2]> {
+        let first = picture(0)?;
+        let size = [first.width, first.height];
+        let count = u32::try_from(self.count).unwrap_or(u32::MAX);
+        let delay = Delay::of_rate(self.fps);
+        let mut film = match kind {
+            Kind::Apng => FilmWriter::apng(out, size, count, delay, self.metadata)?,
+            Kind::Y4m => FilmWriter::y4m(out, size, count, delay)?,
+        };
+        film.picture(&first)?;
+        for number in 1..self.count {
+            interrupt::check()?;
+            film.picture(&picture(number)?)?;
+        }
+        film.finish()?;
+        Ok(size)
+    }
+}

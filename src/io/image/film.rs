@@ -1,0 +1,264 @@
+//! Films: pictures of one size, one after the other, as animated PNG or as raw video.
+//!
+//! Animated PNG holds the pictures bit by bit. Raw video is YUV4MPEG2 of 8 bits without subsampling (C444), which ffmpeg and other
+//! encoders read from a pipe. Its components are those of BT.709 in the limited range; with R′, G′, B′ the codes of sRGB,
+//!
+//! ```text
+//! Y′ = 0.2126 R′ + 0.7152 G′ + 0.0722 B′,   Cb = (B′ − Y′)/1.8556,   Cr = (R′ − Y′)/1.5748,
+//! codes: 16 + 219/255 Y′,   128 + 224/255 Cb,   128 + 224/255 Cr,   each rounded.
+//! ```
+//!
+//! Undone, each component of a picture is within 2 codes: the roundings make up to ½·255/219 + 1.8556·½·255/224 = 1.64 of B′,
+//! less of the others, and its own rounding to a code cannot make 3 of that.
+//!
+//! Sources: ITU-R BT.709-6, 3; yuv4mpeg(5) of the MJPEG tools; the PNG specification, third edition, 11.3.6.
+
+use std::io::Write;
+
+use ::png::{BitDepth, BlendOp, ColorType, DisposeOp, EncodingError};
+
+use super::RgbImage;
+use super::png::encoder;
+use crate::error::{Error, Result};
+
+/// How long a picture is shown, as a fraction of a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Delay {
+    /// The numerator.
+    pub numerator: u16,
+    /// The denominator; not 0.
+    pub denominator: u16,
+}
+
+impl Delay {
+    /// That of so many pictures per second, in whole milliseconds or, where these are too coarse, as a fraction.
+    pub fn of_rate(fps: f64) -> Delay {
+        let most = f64::from(u16::MAX);
+        let (numerator, denominator) = match fps {
+            fps if fps == fps.round() && fps <= most => (1.0, fps),
+            fps if fps > 100.0 => (1.0, fps.round().min(most)),
+            fps => ((1000.0 / fps).round().clamp(1.0, most), 1000.0),
+        };
+        Delay {
+            numerator: numerator as u16,
+            denominator: (denominator as u16).max(1),
+        }
+    }
+}
+
+/// A film that is being written.
+pub struct FilmWriter<W: Write> {
+    format: Format<W>,
+    size: [u32; 2],
+    /// Pictures that are still to come.
+    left: u32,
+}
+
+enum Format<W: Write> {
+    Apng(Box<::png::Writer<W>>),
+    Y4m(W),
+}
+
+impl<W: Write> FilmWriter<W> {
+    /// An animated PNG of `count` pictures of this size, which repeats for ever. `text` entries become text chunks, as those of
+    /// [`png::write`](super::png::write()).
+    ///
+    /// # Errors
+    /// A size or a count of 0, keys that PNG does not hold, and I/O errors.
+    pub fn apng(
+        writer: W,
+        size: [u32; 2],
+        count: u32,
+        delay: Delay,
+        text: &[(String, String)],
+    ) -> Result<Self> {
+        checked(size, count)?;
+        let mut encoder = encoder(writer, size, ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        let mut set_up = || {
+            encoder.set_animated(count, 0)?;
+            encoder.set_frame_delay(delay.numerator, delay.denominator.max(1))?;
+            encoder.set_dispose_op(DisposeOp::None)?;
+            encoder.set_blend_op(BlendOp::Source)?;
+            for (key, value) in text {
+                encoder.add_itxt_chunk(key.clone(), value.clone())?;
+            }
+            Ok(())
+        };
+        set_up().map_err(failure)?;
+        let writer = encoder.write_header().map_err(failure)?;
+        Ok(FilmWriter {
+            format: Format::Apng(Box::new(writer)),
+            size,
+            left: count,
+        })
+    }
+
+    /// Raw video of `count` pictures of this size.
+    ///
+    /// # Errors
+    /// A size or a count of 0, and I/O errors.
+    pub fn y4m(mut writer: W, size: [u32; 2], count: u32, delay: Delay) -> Result<Self> {
+        checked(size, count)?;
+        let [width, height] = size;
+        let (numerator, denominator) = (delay.denominator.max(1), delay.numerator);
+        writeln!(
+            writer,
+            "YUV4MPEG2 W{width} H{height} F{numerator}:{denominator} Ip A1:1 C444 XCOLORRANGE=LIMITED"
+        )
+        .map_err(unwritten)?;
+        Ok(FilmWriter {
+            format: Format::Y4m(writer),
+            size,
+            left: count,
+        })
+    }
+
+    /// The next picture.
+    ///
+    /// # Errors
+    /// Another size than the film's, more pictures than announced, and I/O errors.
+    pub fn picture(&mut self, picture: &RgbImage) -> Result<()> {
+        let [width, height] = self.size;
+        let length = 3 * width as usize * height as usize;
+        if [picture.width, picture.height] != self.size || picture.rgb.len() != length {
+            let what = format!(
+                "a picture of {} × {} pixels in a film of {width} × {height}",
+                picture.width, picture.height
+            );
+            return Err(wrong(&what, "pictures of one size"));
+        }
+        self.left = self
+            .left
+            .checked_sub(1)
+            .ok_or_else(|| wrong("more pictures than announced", "as many as announced"))?;
+        match &mut self.format {
+            Format::Apng(writer) => writer.write_image_data(&picture.rgb).map_err(failure),
+            Format::Y4m(writer) => {
+                writer.write_all(b"FRAME\n").map_err(unwritten)?;
+                writer.write_all(&planes(&picture.rgb)).map_err(unwritten)
+            }
+        }
+    }
+
+    /// Ends the film.
+    ///
+    /// # Errors
+    /// Fewer pictures than announced, and I/O errors.
+    pub fn finish(self) -> Result<()> {
+        if self.left > 0 {
+            let what = format!("{} pictures are missing", self.left);
+            return Err(wrong(&what, "as many as announced"));
+        }
+        match self.format {
+            Format::Apng(writer) => writer.finish().map_err(failure),
+            Format::Y4m(mut writer) => writer.flush().map_err(unwritten),
+        }
+    }
+}
+
+fn checked([width, height]: [u32; 2], count: u32) -> Result<()> {
+    if width == 0 || height == 0 || count == 0 {
+        return Err(wrong(
+            "a film without a pixel",
+            "one picture or more of one pixel or more",
+        ));
+    }
+    Ok(())
+}
+
+/// All codes of Y′, then those of Cb, then those of Cr.
+fn planes(rgb: &[u8]) -> Vec<u8> {
+    let (pixels, _) = rgb.as_chunks::<3>();
+    let mut out = vec![0; rgb.len()];
+    let (luma, chroma) = out.split_at_mut(pixels.len());
+    let (blue, red) = chroma.split_at_mut(pixels.len());
+    for (((pixel, y), cb), cr) in pixels.iter().zip(luma).zip(blue).zip(red) {
+        let [r, g, b] = pixel.map(f64::from);
+        let brightness = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let code = |offset: f64, value: f64| (offset + value + 0.5).floor() as u8;
+        *y = code(16.0, 219.0 / 255.0 * brightness);
+        *cb = code(128.0, 224.0 / 255.0 * (b - brightness) / 1.8556);
+        *cr = code(128.0, 224.0 / 255.0 * (r - brightness) / 1.5748);
+    }
+    out
+}
+
+fn wrong(what: &str, help: &str) -> Error {
+    Error::invalid("film", "", what, help)
+}
+
+fn unwritten(error: std::io::Error) -> Error {
+    Error::io("film", "cannot write")(error)
+}
+
+fn failure(error: EncodingError) -> Error {
+    match error {
+        EncodingError::IoError(error) => unwritten(error),
+        other => wrong(&format!("cannot be written as PNG: {other}"), ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_become_fractions_of_a_second() {
+        let delay = |fps| {
+            let Delay {
+                numerator,
+                denominator,
+            } = Delay::of_rate(fps);
+            (numerator, denominator)
+        };
+        assert_eq!(delay(24.0), (1, 24));
+        assert_eq!(delay(12.5), (80, 1000));
+        assert_eq!(delay(1e9), (1, 65535));
+        assert_eq!(delay(1e-9), (65535, 1000));
+    }
+
+    #[test]
+    fn raw_video_has_the_codes_of_bt_709() {
+        // White, black and the primaries by the equations above: red has Y′ = 54.213, so 16 + 46.56; Cb −29.216, so
+        // 128 − 25.66; Cr 127.5, so 128 + 112.
+        let rgb = [255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 0, 255];
+        let mut file = Vec::new();
+        let delay = Delay::of_rate(25.0);
+        let mut film = FilmWriter::y4m(&mut file, [4, 1], 1, delay).unwrap();
+        film.picture(&RgbImage {
+            width: 4,
+            height: 1,
+            rgb: rgb.into(),
+        })
+        .unwrap();
+        film.finish().unwrap();
+        let header = "YUV4MPEG2 W4 H1 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\nFRAME\n";
+        let (head, codes) = file.split_at(header.len());
+        assert_eq!(head, header.as_bytes());
+        // Blue: Y′ = 18.411, so 16 + 15.81; Cb 127.5, so 240; Cr −11.691, so 128 − 10.27.
+        assert_eq!(
+            codes,
+            [235, 16, 63, 32, 128, 128, 102, 240, 128, 128, 240, 118]
+        );
+    }
+
+    #[test]
+    fn films_hold_as_many_pictures_of_their_size_as_they_say() {
+        let picture = |width| RgbImage {
+            width,
+            height: 1,
+            rgb: vec![7; 3 * width as usize],
+        };
+        let film = |count| FilmWriter::apng(Vec::new(), [2, 1], count, Delay::of_rate(10.0), &[]);
+        assert!(film(0).is_err());
+        let mut two = film(2).unwrap();
+        assert!(two.picture(&picture(3)).is_err());
+        two.picture(&picture(2)).unwrap();
+        assert!(two.finish().is_err());
+        let mut one = film(1).unwrap();
+        one.picture(&picture(2)).unwrap();
+        assert!(one.picture(&picture(2)).is_err());
+        one.finish().unwrap();
+    }
+}

@@ -1,0 +1,275 @@
+//! Films: they decode to the pictures that they are made of, whatever made them.
+
+use std::io::Cursor;
+
+use super::Folder;
+use super::frames::{FOUR, folder, sequence};
+use super::refused::refused;
+
+/// A picture: columns, rows, and three bytes for each pixel.
+type Rgb = (u32, u32, Vec<u8>);
+
+/// All pictures of an animated PNG.
+fn apng(file: &[u8]) -> Vec<Rgb> {
+    let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+    let count = reader.info().animation_control.unwrap().num_frames;
+    let (width, height) = reader.info().size();
+    let picture = |_| {
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut bytes).unwrap();
+        let samples = bytes.len() / (width * height) as usize;
+        let rgb = bytes.chunks_exact(samples).flat_map(|pixel| &pixel[..3]);
+        (width, height, rgb.copied().collect())
+    };
+    (0..count).map(picture).collect()
+}
+
+/// The picture of a PNG.
+fn picture(folder: &Folder, name: &str) -> Rgb {
+    let file = folder.read(name);
+    let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut bytes).unwrap();
+    (frame.width, frame.height, bytes)
+}
+
+/// All pictures of raw video, by the inverse of BT.709: with y, b, r the components from 0 to 1 and from −½ to ½,
+/// R = y + 1.5748 r, B = y + 1.8556 b, and G from y = 0.2126 R + 0.7152 G + 0.0722 B.
+fn y4m(file: &[u8]) -> Vec<Rgb> {
+    let end = file.iter().position(|byte| *byte == b'\n').unwrap();
+    let header = std::str::from_utf8(&file[..end]).unwrap();
+    let words: Vec<_> = header.split(' ').collect();
+    assert_eq!((words[0], words[6]), ("YUV4MPEG2", "C444"), "{header}");
+    let [width, height] = [1, 2].map(|k| words[k][1..].parse::<u32>().unwrap());
+    let pixels = (width * height) as usize;
+    let frames = file[end + 1..].chunks_exact(6 + 3 * pixels);
+    assert!(frames.remainder().is_empty());
+    let decode = |frame: &[u8]| {
+        let codes = frame.strip_prefix(b"FRAME\n").unwrap();
+        let colour = |k: usize| {
+            let y = (f64::from(codes[k]) - 16.0) / 219.0;
+            let b = (f64::from(codes[pixels + k]) - 128.0) / 224.0;
+            let r = (f64::from(codes[2 * pixels + k]) - 128.0) / 224.0;
+            let (red, blue) = (y + 1.5748 * r, y + 1.8556 * b);
+            let green = (y - 0.2126 * red - 0.0722 * blue) / 0.7152;
+            [red, green, blue].map(|c| (255.0 * c).round().clamp(0.0, 255.0) as u8)
+        };
+        (width, height, (0..pixels).flat_map(colour).collect())
+    };
+    frames.map(decode).collect()
+}
+
+/// Equal but for so many codes.
+fn assert_near(a: &Rgb, b: &Rgb, codes: u8) {
+    assert_eq!((a.0, a.1), (b.0, b.1));
+    let worst = a.2.iter().zip(&b.2).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(worst.unwrap() <= codes, "{worst:?}");
+}
+
+#[test]
+fn a_sequence_as_a_film_is_its_pictures() {
+    let folder = folder();
+    let outputs = [
+        "-o",
+        "a.apng",
+        "-o",
+        "a.y4m",
+        "-o",
+        "f-#.png",
+        "--play-fps",
+        "12.5",
+    ];
+    folder.ok(&sequence(&[&FOUR[..], &outputs].concat()));
+    let (exact, raw) = (apng(&folder.read("a.apng")), y4m(&folder.read("a.y4m")));
+    assert_eq!((exact.len(), raw.len()), (4, 4));
+    for k in 0..4 {
+        let still = picture(&folder, &format!("f-{k}.png"));
+        assert_near(&exact[k], &still, 0);
+        // The bound of two codes is derived in io/image/film.rs.
+        assert_near(&raw[k], &still, 2);
+    }
+    assert!(
+        folder
+            .read("a.y4m")
+            .starts_with(b"YUV4MPEG2 W12 H9 F1000:80 ")
+    );
+    // Of a part of a sequence, and to a pipe, without numbered pictures that stay.
+    let part = ["--frames", "2..4", "--interval", "10 cm", "-o", "-"];
+    let run = folder.command(&sequence(&part)).output().unwrap();
+    assert!(run.status.success() && run.stderr.is_empty());
+    assert_eq!(y4m(&run.stdout), raw[2..]);
+    assert_eq!(
+        folder.names(),
+        [
+            "a.apng",
+            "a.y4m",
+            "f-0.png",
+            "f-1.png",
+            "f-2.png",
+            "f-3.png",
+            "scene.toml"
+        ]
+    );
+}
+
+#[test]
+fn the_pictures_of_a_fly_by_are_those_of_a_camera_that_passes() {
+    let folder = Folder::new();
+    let film = "film scene.toml --flyby 0.6 --direction x --distance";
+    let film: Vec<_> = film
+        .split(' ')
+        .chain(["3 m", "--pictures", "5", "--white", "0.5", "--no-captions"])
+        .collect();
+    folder.ok(&film);
+    let film = apng(&folder.read("scene.apng"));
+    assert_eq!(film.len(), 5);
+    // Picture 3 is 0.75 m on, 0.75/0.6 = 1.25 m of time later.
+    for (k, eye, time) in [(2, "[0,1,4]", "0 m"), (3, "[0.75,1,4]", "1.25 m")] {
+        let eye = format!("camera.eye={eye}");
+        let time = format!("camera.clock_zero={time}");
+        // The same forward axis as that of the scene.
+        let mut arguments = vec![
+            "render",
+            "scene.toml",
+            "--white",
+            "0.5",
+            "-o",
+            "still.png",
+            "--set",
+            &eye,
+            "--set",
+            &time,
+        ];
+        let look_at = if k == 2 {
+            "camera.look_at=[0,0.5,0]"
+        } else {
+            "camera.look_at=[0.75,0.5,0]"
+        };
+        arguments.extend([
+            "--set",
+            look_at,
+            "--set",
+            "camera.velocity={beta=[0.6,0,0]}",
+        ]);
+        folder.ok(&arguments);
+        assert_near(&film[k], &picture(&folder, "still.png"), 1);
+    }
+    assert_eq!(folder.names(), ["scene.apng", "scene.toml", "still.png"]);
+}
+
+#[test]
+fn an_acceleration_from_rest_ends_with_the_speed_after_the_distance() {
+    let folder = Folder::new();
+    let film = "film scene.toml --accelerate 0.6 --direction -z --pictures 4 --white 0.5 --no-captions -o a.apng --distance";
+    let film: Vec<_> = film.split(' ').chain(["1 m"]).collect();
+    folder.ok(&film);
+    let film = apng(&folder.read("a.apng"));
+    // a = (γ − 1)/s = 0.25/m, so that 0.6 is reached after γβ/a = 3 m of time.
+    let changes = [
+        "camera.eye=[0,1,3]",
+        "camera.look_at=[0,0.5,-1]",
+        "camera.clock_zero=3 m",
+        "camera.velocity={beta=[0,0,-0.6]}",
+    ];
+    let rest = ["camera.velocity={beta=[0,0,0]}"];
+    for (picture_of, changes) in [(&film[0], &rest[..]), (&film[3], &changes[..])] {
+        let mut arguments = vec!["render", "scene.toml", "--white", "0.5", "-o", "still.png"];
+        changes
+            .iter()
+            .for_each(|change| arguments.extend(["--set", change]));
+        folder.ok(&arguments);
+        assert_near(picture_of, &picture(&folder, "still.png"), 1);
+    }
+}
+
+#[test]
+fn a_film_can_show_rest_or_a_diagram_beside_its_pictures() {
+    let folder = Folder::new();
+    folder.ok(&"film scene.toml --speeds 0.9 --pictures 3 -o one.apng"
+        .split(' ')
+        .collect::<Vec<_>>());
+    let one = apng(&folder.read("one.apng"));
+    for what in ["rest", "diagram"] {
+        let words = format!(
+            "film scene.toml --speeds 0.9 --pictures 3 -o two.apng --beside {what} --caption here"
+        );
+        folder.ok(&words.split(' ').collect::<Vec<_>>());
+        let two = apng(&folder.read("two.apng"));
+        assert_eq!(two.len(), 3);
+        assert!(two[0].0 > one[0].0 + 32, "{what}");
+        assert!(two[0] != two[2], "{what}");
+    }
+    assert_eq!(folder.names(), ["one.apng", "scene.toml", "two.apng"]);
+}
+
+#[test]
+fn light_in_flight_is_found_where_no_times_are_given() {
+    let folder = Folder::new();
+    let film = "film scene.toml --light --pictures 5 --no-captions -o a.apng --set source.lamp.pulse.sigma=\"0.2 m\"";
+    let film: Vec<_> = film.splitn(10, ' ').collect();
+    folder.ok(&film);
+    let pictures = apng(&folder.read("a.apng"));
+    // From before the pulse to after it, with light between.
+    let lit = |rgb: &Rgb| rgb.2.iter().any(|code| *code > 20);
+    assert!(pictures[1..4].iter().any(lit));
+    assert!(pictures.iter().any(|picture| *picture != pictures[0]));
+}
+
+#[test]
+fn diagrams_are_the_same_as_raw_video_and_as_animated_png() {
+    let folder = Folder::new();
+    let words = "diagram scene.toml --boost-to camera --frames 0..3 --scale 0.5 -o a.apng -o a.y4m";
+    folder.ok(&words.split(' ').collect::<Vec<_>>());
+    let (exact, raw) = (apng(&folder.read("a.apng")), y4m(&folder.read("a.y4m")));
+    assert_eq!(exact.len(), 3);
+    for (a, b) in exact.iter().zip(&raw) {
+        assert_near(a, b, 2);
+    }
+    let piped = words.replace("-o a.apng -o a.y4m", "-o -");
+    let run = folder
+        .command(&piped.split(' ').collect::<Vec<_>>())
+        .output()
+        .unwrap();
+    assert_eq!(y4m(&run.stdout), raw);
+}
+
+#[test]
+fn films_that_cannot_be_made_are_refused() {
+    let folder = folder();
+    let cases: &[(&str, &[&str])] = &[
+        (
+            "render scene.toml -o a.apng",
+            &["-o a.apng", "frames of a sequence", "nullray film"],
+        ),
+        (
+            "render scene.toml --caption x",
+            &["--caption", "-o FILE.apng"],
+        ),
+        ("film scene.toml", &["--flyby", "--light"]),
+        ("film scene.toml --flyby 0.5 --light", &["cannot be used"]),
+        ("film scene.toml --flyby 1", &["--flyby 1", "below 1"]),
+        (
+            "film scene.toml --flyby 0.5 -o a.gif",
+            &["-o a.gif", ".apng", ".y4m"],
+        ),
+        (
+            "film scene.toml --flyby 0.5 -o - -o -",
+            &["-o -", "two films"],
+        ),
+        (
+            "film scene.toml --flyby 0.5 -o no/a.apng",
+            &["-o no/a.apng", "there is no directory"],
+        ),
+        (
+            "film scene.toml --accelerate 0.5 --direction away",
+            &["--direction", "-x"],
+        ),
+        (
+            "film scene.toml --light --beside rest",
+            &["--beside rest", "--light"],
+        ),
+    ];
+    for (words, parts) in cases {
+        refused(&folder, &words.split(' ').collect::<Vec<_>>(), parts);
+    }
+}

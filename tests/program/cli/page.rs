@@ -1,0 +1,147 @@
+//! Pages of HTML: whole, alone, and alive in a browser.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::Folder;
+use super::refused::refused;
+
+const SPEEDS: usize = 3;
+
+/// A page of three speeds and two times, with diagrams of four pixels.
+fn page(folder: &Folder) -> String {
+    let words = "page scene.toml -o page --beta 0.6 --steps 3 --times 2 --grid 2x2 --from|0 m|--to|1 m|--title|A <crate>";
+    let (front, back) = words.split_once("--from").unwrap();
+    let mut arguments: Vec<_> = front.trim().split(' ').collect();
+    arguments.push("--from");
+    arguments.extend(back.split('|').filter(|word| !word.is_empty()));
+    folder.ok(&arguments);
+    String::from_utf8(folder.read("page/index.html")).unwrap()
+}
+
+#[test]
+fn a_page_is_one_file_that_refers_to_nothing() {
+    let folder = Folder::new();
+    let html = page(&folder);
+    let names = std::fs::read_dir(folder.path("page"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name());
+    assert_eq!(names.collect::<Vec<_>>(), ["index.html"]);
+    let lower = html.to_lowercase();
+    // No address of another file: what is in data is base 64, which has no colon and no bracket.
+    for address in [
+        "http:", "https:", "file:", "src=\"/", "@import", "url(", "fetch(",
+    ] {
+        assert!(!lower.contains(address), "{address}");
+    }
+    let count = |what: &str| html.matches(what).count();
+    // The first picture stands in the page's text, too.
+    assert_eq!(count("\"data:image/svg+xml;base64,"), SPEEDS);
+    assert_eq!(
+        count("\"data:image/png;base64,"),
+        2 * SPEEDS + 4 * SPEEDS + 1
+    );
+    assert!(html.contains("<h1>A &lt;crate&gt;</h1>"));
+    // Equal steps of rapidity: half of artanh 0.6 is artanh 1/3.
+    assert!(
+        html.contains("const betas = [0.0, 0.333333333333"),
+        "{}",
+        &html[..400]
+    );
+    for part in [
+        "lang=\"en\"",
+        "<label for=\"speed\">",
+        "type=\"range\"",
+        "aria-live",
+        "name=\"viewport\"",
+        "<noscript>",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn a_page_that_is_too_large_is_refused_and_its_pictures_are_kept() {
+    let folder = Folder::new();
+    let words = "page scene.toml -o . --steps 2 --no-diagram --max-size";
+    let with = |size| [words.split(' ').collect(), vec![size]].concat();
+    let run = folder.run(&with("0.001"));
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("--max-size"), "{}", run.message());
+    let said = folder.ok(&with("1"));
+    assert!(said.contains("0 rendered, 2 existed already"), "{said}");
+    assert_eq!(folder.names(), ["index.html", "scene.toml"]);
+    refused(
+        &folder,
+        &["page", "scene.toml", "-o", "x", "--grid", "99x99"],
+        &["--grid", "400"],
+    );
+}
+
+/// Moves the sliders through all their values, clicks on a pixel, and says in the title what happened.
+const VISITOR: &str = r##"<script>
+const shown = new Set();
+for (let j = 0; j <= Number(time.max); j++) for (let i = 0; i <= Number(speed.max); i++) {
+  time.value = j; speed.value = i;
+  speed.dispatchEvent(new Event("input"));
+  shown.add(at("picture").src + at("speed-said").value + at("time-said").value + at("diagram").src.length);
+}
+document.querySelectorAll("#cells button")[3].click();
+const loaded = performance.getEntriesByType("resource").filter(entry => !entry.name.startsWith("data:"));
+setTimeout(() => document.title = `shown ${shown.size}, probe ${at("probe").hidden}, ` +
+  `${at("probe-picture").naturalWidth > 100}, failed ${failed.length}, loaded ${loaded.length}`, 500);
+</script></body>"##;
+
+/// Collects errors and requests that the page's policy forbids.
+const WATCH: &str = r#"<script>
+const failed = [];
+addEventListener("error", event => failed.push(event.message));
+addEventListener("securitypolicyviolation", event => failed.push(event.blockedURI));
+</script><style>"#;
+
+#[test]
+fn a_page_lives_in_a_browser() {
+    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+    let works = |name: &&&str| {
+        Command::new(name)
+            .arg("--version")
+            .output()
+            .is_ok_and(|o| o.status.success())
+    };
+    let Some(browser) = names.iter().find(works) else {
+        eprintln!("skipped: a_page_lives_in_a_browser (none of {names:?} is installed)");
+        return;
+    };
+    let folder = Folder::new();
+    let html = page(&folder);
+    let visited = html
+        .replacen("<style>", WATCH, 1)
+        .replacen("</body>", VISITOR, 1);
+    folder.write("page/visited.html", visited);
+    let address = format!("file://{}", folder.path("page/visited.html").display());
+    let profile = format!("--user-data-dir={}", folder.path("profile").display());
+    let options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--virtual-time-budget=5000",
+        "--dump-dom",
+    ];
+    let run = Command::new(browser)
+        .args(options)
+        .arg(profile)
+        .arg(address)
+        .output()
+        .unwrap();
+    let dom = String::from_utf8_lossy(&run.stdout);
+    let title = dom
+        .split_once("<title>")
+        .and_then(|(_, rest)| rest.split_once("</title>"));
+    let title = title.map_or("", |(title, _)| title);
+    assert_eq!(
+        title,
+        "shown 6, probe false, true, failed 0, loaded 0",
+        "{}",
+        Path::new(browser).display()
+    );
+}

@@ -104,6 +104,15 @@ The directory holds GLB files, bundle.json with its JSON schema, cubes, referenc
 channels (one ray through each pixel's centre, whatever --spp says), and README.md, which tells authors of \
 other renderers how to read it and how to compare. A directory that is not an export is never replaced.";
 
+pub const BAKE: &str = "\
+Examples:
+  nullray bake scene.toml --camera --bin-width \"5 cm\" --bins 200 --set render.bounces=4 --spp 256 -o light.npy
+  nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
+
+Each sample is a path of `render.bounces` surfaces after the first, and its light goes into all bins of time in which it arrives. \
+What was written is told as a [[source]] table for a scene file. How much of the energy the bins miss is told too: then move --start, \
+or give more or wider bins.";
+
 pub const STUDY: &str = "\
 Examples:
   nullray study scene.toml

@@ -1,6 +1,7 @@
 //! One thin file per command; [`run`] is the spine.
 
 mod args;
+mod bake;
 mod builtin;
 mod check;
 mod compare;
@@ -61,6 +62,7 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
         Some(Command::Film(film)) => motion::run(*film),
         Some(Command::Page(page)) => page::run(&page),
         Some(Command::Sheet(sheet)) => sheet::run(&sheet),
+        Some(Command::Bake(bake)) => bake::run(&bake),
         Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Plan(plan)) => plan::run(&plan),

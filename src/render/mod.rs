@@ -5,6 +5,7 @@
 //! ```
 
 pub mod aov;
+pub mod bake;
 pub mod film;
 pub mod metadata;
 pub mod plan;

@@ -9,6 +9,7 @@ mod common {
 }
 
 mod accel;
+mod baked;
 mod cameras;
 mod capture;
 mod exposures;

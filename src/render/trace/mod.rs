@@ -28,6 +28,7 @@ mod run;
 mod shading;
 mod stats;
 mod surfaces;
+mod timed_paths;
 
 pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
 pub(crate) use channels::record;
@@ -50,3 +51,4 @@ pub(crate) use shading::{RadianceSink, Shading};
 pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};
 pub(crate) use surfaces::Surfaces;
+pub(crate) use timed_paths::TimedPaths;

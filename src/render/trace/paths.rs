@@ -419,6 +419,19 @@ pub(super) fn reflection(
     }
 }
 
+/// The diffuse part alone of how a surface reflects.
+pub(super) fn diffuse_part(
+    base: &BaseColours,
+    finish: &Finish,
+    (rest, patch, hit): (&RestFrame, &Patch, &Hit),
+    normal: DVec3,
+) -> Reflection {
+    let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
+    let metallic = finish.gloss.as_ref();
+    let metallic = metallic.map_or(0.0, |gloss| base.gloss(gloss, rest, patch, hit)[0]);
+    Reflection::diffuse(normal, colour.map(|c| c * (1.0 - metallic)))
+}
+
 impl Onward {
     /// Forgets all rays; those to come have left `depth` surfaces behind.
     fn start(&mut self, depth: u32) {

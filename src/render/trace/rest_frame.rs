@@ -122,7 +122,7 @@ impl RestFrame {
 
     /// Texture coordinates of set `set` at a hit on `patch`, where the object has them.
     #[inline(always)]
-    pub(super) fn uv(&self, patch: &Patch, set: usize, hit: &Hit) -> Option<DVec2> {
+    pub(crate) fn uv(&self, patch: &Patch, set: usize, hit: &Hit) -> Option<DVec2> {
         let mesh = self.meshes.get(patch.mesh as usize)?;
         mesh.uv(set, hit.triangle - patch.object_first, [hit.u, hit.v])
     }

@@ -1,5 +1,6 @@
 //! The program as its users meet it: what it prints, writes, refuses, and with which exit code.
 
+mod bake;
 mod builtin;
 mod diagram;
 mod export;

@@ -1,0 +1,240 @@
+//! `nullray bake`.
+
+use std::path::{Path, PathBuf};
+
+use nullray::io::cube::{Cube, Samples};
+use nullray::io::image::npz;
+use nullray::render::aov::Aov;
+use nullray::render::bake::{self, Baked, Bins, Surface};
+use nullray::render::plan::{Lit, Plan, Request, lit_by};
+use nullray::render::prepare::Prepared;
+use nullray::scene::model::Scene;
+use nullray::{Error, Result};
+
+use super::args::BakeArguments;
+use super::check::Names;
+use super::failure::refused;
+use super::film::in_pool;
+use super::names::{named_after, suffixed};
+use super::output::extension;
+use super::progress::Bar;
+use super::{inputs, interrupt, memory, say, warn};
+
+/// What is baked into one file.
+struct Job {
+    path: PathBuf,
+    /// An object's surface; none for what the camera sees.
+    surface: Option<Surface>,
+}
+
+pub fn run(arguments: &BakeArguments) -> Result<()> {
+    let scene = arguments.scene.load()?;
+    bake::check(&scene)?;
+    let bins = bins(arguments, &scene)?;
+    let jobs = jobs(arguments, &scene)?;
+    let limit = memory::limit(arguments.scene.changes.max_memory);
+    let size = |job: &Job| {
+        job.surface
+            .map_or(scene.camera.size, |surface| surface.size)
+    };
+    let largest = jobs.iter().map(|job| bake::bytes(size(job), &bins)).max();
+    let request = Request {
+        // Texture coordinates are loaded where a channel shows them.
+        aovs: match arguments.camera {
+            true => Vec::new(),
+            false => vec![Aov::UvU],
+        },
+        memory_limit: limit,
+        beside: largest.unwrap_or(0),
+        ..arguments.scene.changes.request()
+    };
+    let plan = Plan::new(&scene, &request)?;
+    check_names(arguments, &jobs, &inputs::of(&scene, &plan))?;
+    let quiet = arguments.work.quiet;
+    in_pool(arguments.work.threads, || {
+        let samples = u64::from(plan.film.samples);
+        let texels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h) * samples;
+        let bar = Bar::new(jobs.iter().map(|job| texels(size(job))).sum(), quiet);
+        let prepared = Prepared::new(&scene, &plan, &bar)?;
+        bar.start();
+        for job in &jobs {
+            let baked = match &job.surface {
+                None => bake::camera_cube(&scene, &prepared, &bins, &bar)?,
+                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, &bar)?,
+            };
+            interrupt::check()?;
+            let told = report(&scene, &prepared, job, &bins, &baked);
+            write(&job.path, baked.cube, arguments.half)?;
+            say(quiet, &told)?;
+        }
+        warn(quiet, &prepared.warnings)
+    })
+}
+
+fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
+    let metres = |time: &nullray::spacetime::units::Time| time.metres(scene.speed_of_light);
+    let bins = Bins {
+        start: arguments.start.as_ref().map_or(0.0, metres),
+        width: metres(&arguments.bin_width),
+        count: arguments.bins as usize,
+    };
+    if !(bins.width > 0.0 && bins.width.is_finite()) {
+        let what = "bins need a width above 0";
+        return Err(refused("--bin-width", what, "like \"5 cm\""));
+    }
+    // Bins that f64 can tell apart.
+    let end = bins.start + bins.width * bins.count as f64;
+    let far = bins.start.abs().max(end.abs());
+    if far >= 1e12 * bins.width || !far.is_finite() {
+        let what = "bins so narrow cannot be told apart so far from time 0";
+        return Err(refused(
+            "--start",
+            what,
+            "a start nearer to 0, or wider bins",
+        ));
+    }
+    Ok(bins)
+}
+
+/// One file for the camera, or one for each object.
+fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
+    let path = match &arguments.output {
+        Some(path) => path.clone(),
+        None => named_after(arguments.scene.scene.as_deref(), "-light.npy"),
+    };
+    if extension(&path) != "npy" {
+        let what = "a cube is written as .npy";
+        return Err(refused(
+            format!("-o {}", path.display()),
+            what,
+            "end it in .npy",
+        ));
+    }
+    if arguments.camera {
+        return Ok(vec![Job {
+            path,
+            surface: None,
+        }]);
+    }
+    let objects = objects(arguments, scene)?;
+    let alone = objects.len() == 1;
+    let job = |object: usize| Job {
+        path: match alone {
+            true => path.clone(),
+            false => suffixed(&path, &scene.objects[object].name),
+        },
+        surface: Some(Surface {
+            object,
+            uv_set: usize::from(arguments.uv),
+            size: arguments.texels,
+        }),
+    };
+    Ok(objects.into_iter().map(job).collect())
+}
+
+/// The objects that are named, or all that reflect light.
+fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
+    let reflects = |k: &usize| matches!(lit_by(scene, *k, ""), Lit::Reflecting(_));
+    if arguments.object.is_empty() {
+        return Ok((0..scene.objects.len()).filter(reflects).collect());
+    }
+    let index = |name: &String| {
+        let found = scene.objects.iter().position(|o| o.name == *name);
+        found.ok_or_else(|| {
+            let names: Vec<_> = scene.objects.iter().map(|o| o.name.as_str()).collect();
+            let what = "no object is called so";
+            let help = format!("one of {}", names.join(", "));
+            refused(format!("--object {name}"), what, &help)
+        })
+    };
+    arguments.object.iter().map(index).collect()
+}
+
+fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> Result<()> {
+    let overwritten = "the scene reads this file: it would be overwritten";
+    let mut names = Names::new(
+        arguments.scene.scene.as_ref().into_iter().chain(inputs),
+        overwritten,
+        "cube",
+    );
+    for job in jobs {
+        names.check(&format!("-o {}", job.path.display()), &job.path)?;
+    }
+    Ok(())
+}
+
+fn write(path: &Path, cube: Cube, half: bool) -> Result<()> {
+    let samples = match (half, cube.samples) {
+        (true, Samples::F32(values)) => {
+            let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
+            if most > f32::from(half::f16::MAX) {
+                let what = format!("energies up to {most:e} do not fit half precision");
+                return Err(Error::invalid(path, "--half", what, "leave --half out"));
+            }
+            Samples::F16(values.into_iter().map(half::f16::from_f32).collect())
+        }
+        (_, samples) => samples,
+    };
+    npz::write_cube(path, &Cube { samples, ..cube })
+}
+
+/// What was written, what is not in it, and how a scene uses it.
+fn report(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Baked) -> String {
+    let [h, w, t, _] = baked.cube.shape;
+    let energy = &baked.energy;
+    let all = energy.held + energy.before + energy.after;
+    let mut text = format!(
+        "wrote {}: {h} rows × {w} columns × {t} bins\n",
+        job.path.display()
+    );
+    let Some([from, to]) = energy.span else {
+        return text + "warning: no light arrives: it is black\n";
+    };
+    let part = |energy: f64| 100.0 * energy / all;
+    text += &format!("light arrives between {from:.6} m and {to:.6} m");
+    if energy.before > 1e-4 * all || energy.after > 1e-4 * all {
+        text += &format!(
+            "\nwarning: the bins miss {:.2} % of its energy before them and {:.2} % after them",
+            part(energy.before),
+            part(energy.after)
+        );
+    }
+    text += "\n\n";
+    text + &source(scene, prepared, job, bins, baked)
+}
+
+/// The table of a scene file that reads the cube.
+fn source(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Baked) -> String {
+    let file = job.path.file_name().unwrap_or_default().to_string_lossy();
+    let axis = format!(
+        "file = {file:?}, start = \"{} m\", bin_width = \"{} m\"",
+        bins.start, bins.width
+    );
+    match &job.surface {
+        Some(surface) => {
+            let object = &scene.objects[surface.object].name;
+            let clock = match baked.own_clock {
+                true => "object",
+                false => "world",
+            };
+            format!(
+                "[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {} }}\n",
+                format!("light on {object}"),
+                surface.uv_set
+            )
+        }
+        None => {
+            let eye = bake::eye(scene, prepared);
+            let [_, up, forward] = scene.camera.axes;
+            let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+            format!(
+                "[[source]]\nname = \"light\"\ncube = {{ {axis}, clock = \"capture\", capture = {{ eye = {}, look_at = {}, up = {}, \
+                 hfov = \"{} deg\" }} }}\n",
+                vector(eye),
+                vector(eye + forward),
+                vector(up),
+                scene.camera.horizontal_fov.to_degrees()
+            )
+        }
+    }
+}

@@ -1,0 +1,352 @@
+//! Baked light: against an independent renderer of transient light, closed forms, and path tracing in space-time.
+
+use std::path::Path;
+
+use nullray::error::Result;
+use nullray::io::cube::{self, Cube, Samples, Wanted};
+use nullray::io::image::npz;
+use nullray::render::aov::Aov;
+use nullray::render::bake::{self, Baked, Bins, Surface};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::scene::model::Scene;
+
+use crate::pipeline::stage;
+
+const PI: f64 = std::f64::consts::PI;
+
+/// The corner of tests/data/transient, as its second camera sees it.
+const CORNER: &str = "
+render = { bounces = 2 }
+display = { back_faces = \"black\", samples_per_pixel = 16 }
+[camera]
+eye = [0.3, 3.4, 6.0]
+look_at = [-0.4, 0.9, -0.6]
+hfov = \"45 deg\"
+size = [64, 64]
+[[object]]
+name = \"corner\"
+gltf = \"scenes/corner/corner.glb\"
+[[source]]
+name = \"flash\"
+pulse = { position = [1.2, 2.8, 1.0], sigma = \"0.1 m\", intensity = 10 }
+";
+
+fn prepared(scene: &Scene) -> Prepared {
+    let request = Request {
+        aovs: vec![Aov::UvU],
+        ..Request::default()
+    };
+    let plan = Plan::new(scene, &request).unwrap();
+    Prepared::new(scene, &plan, &Silent).unwrap()
+}
+
+fn camera_cube(scene: &Scene, bins: &Bins) -> Result<Baked> {
+    bake::camera_cube(scene, &prepared(scene), bins, &Silent)
+}
+
+fn surface_cube(scene: &Scene, object: usize, size: [u32; 2], bins: &Bins) -> Result<Baked> {
+    let surface = Surface {
+        object,
+        uv_set: 0,
+        size,
+    };
+    bake::surface_cube(scene, &prepared(scene), &surface, bins, &Silent)
+}
+
+/// A reference cube of one channel: shape and values.
+fn reference(file: &str) -> Cube {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    cube::load(&path, Wanted::default()).unwrap()
+}
+
+/// The mean of the channels of bin `bin` of pixel `pixel`.
+fn value(cube: &Cube, pixel: usize, bin: usize) -> f64 {
+    cube.total(pixel, bin) / cube.shape[3] as f64
+}
+
+/// √(Σ(a−b)²/Σb²) of the sums over so many `pixels` in a row and `bins`, where `counts`.
+fn relative_rmse(
+    a: &Cube,
+    b: &Cube,
+    [pixels, bins]: [usize; 2],
+    counts: impl Fn(usize) -> bool,
+) -> f64 {
+    let [h, w, t, _] = b.shape;
+    let (mut squares, mut all) = (0.0, 0.0);
+    for first in (0..h * w).step_by(pixels).filter(|p| counts(*p)) {
+        for begin in (0..t).step_by(bins) {
+            let sum = |cube: &Cube| -> f64 {
+                let pixels = first..(first + pixels).min(h * w);
+                let each = pixels.flat_map(|p| (begin..(begin + bins).min(t)).map(move |k| (p, k)));
+                each.map(|(p, k)| value(cube, p, k)).sum()
+            };
+            let (a, b) = (sum(a), sum(b));
+            squares += (a - b) * (a - b);
+            all += b * b;
+        }
+    }
+    (squares / all).sqrt()
+}
+
+#[test]
+fn a_baked_camera_cube_is_that_of_an_independent_renderer_wavefront_by_wavefront() {
+    let scene = stage::scene(CORNER);
+    let bins = Bins {
+        start: 7.85,
+        width: 0.05,
+        count: 183,
+    };
+    let baked = camera_cube(&scene, &bins).unwrap();
+    let expected = reference("tests/data/transient/reference_cube.npz");
+    assert_eq!(baked.cube.shape[..3], expected.shape[..3]);
+    // Each bin of all pixels, and each pixel of all bins; then bins of 0.2 m in rows of 16 pixels, with the noise of 256 paths.
+    let all = |_| true;
+    let [h, w, t, _] = expected.shape;
+    let by_time = relative_rmse(&baked.cube, &expected, [h * w, 1], all);
+    let by_place = relative_rmse(&baked.cube, &expected, [1, t], all);
+    let both = relative_rmse(&baked.cube, &expected, [16, 4], all);
+    assert!(by_time < 4e-3, "{by_time}");
+    assert!(by_place < 4e-2, "{by_place}");
+    assert!(both < 3e-2, "{both}");
+    // Without the last bounce it would be off by far.
+    let mut less = scene;
+    less.bounces = 1;
+    let less = camera_cube(&less, &bins).unwrap();
+    let by_time = relative_rmse(&less.cube, &expected, [h * w, 1], all);
+    assert!(by_time > 1e-2, "{by_time}");
+    // The bins hold 99.51 % of the energy, by the description of the data.
+    let energy = baked.energy;
+    let missed = (energy.before + energy.after) / (energy.held + energy.before + energy.after);
+    assert!((missed - 0.0049).abs() < 5e-4, "{missed}");
+}
+
+#[test]
+fn a_baked_surface_is_that_of_an_independent_renderer() {
+    // The lightmap of the corner: charts of 64 and 20 texels between gutters, row by row.
+    let mut scene = stage::scene(CORNER);
+    scene.samples_per_pixel = 64;
+    let bins = Bins {
+        start: 1.75,
+        width: 0.05,
+        count: 153,
+    };
+    let expected = reference("scenes/corner/lightmap.npz");
+    let [h, w, ..] = expected.shape;
+    let baked = surface_cube(&scene, 0, [w as u32, h as u32], &bins).unwrap();
+    // Texels of the floor's chart, from (1, 1) on.
+    let floor = |texel: usize| (1..65).contains(&(texel / w)) && (1..65).contains(&(texel % w));
+    let by_place = relative_rmse(&baked.cube, &expected, [1, 153], floor);
+    assert!(by_place < 3e-2, "{by_place}");
+    let by_time = relative_rmse(&baked.cube, &expected, [h * w, 1], |_| true);
+    assert!(by_time < 1e-2, "{by_time}");
+    // Bilinear lookups beside a chart find its edge's light.
+    let edge = value(&baked.cube, 32 * w + 1, 60);
+    let gutter = value(&baked.cube, 32 * w, 60);
+    assert!(
+        edge > 0.0 && (gutter / edge - 1.0).abs() < 0.2,
+        "{edge} {gutter}"
+    );
+}
+
+#[test]
+fn light_in_a_sphere_arrives_by_the_density_of_its_chords() {
+    // A flash at the centre of a sphere comes back from the wall to a camera there at 2R, and by one more bounce at 2R + s, the chord s with
+    // the density s/(2R²) up to 2R. Of intensity 1: L = ρ/(πR²), and ρ²/(πR²) (b² − a²)/(4R²) within a < s < b.
+    let (radius, albedo) = (1.5, 0.8);
+    for beta in [0.0, 0.9] {
+        let scene = stage::scene(&format!(
+            "
+render = {{ bounces = 1 }}
+display = {{ back_faces = \"two_sided\", samples_per_pixel = 64 }}
+[camera]
+eye = [0, 0, 0]
+look_at = [1, 0.3, 0.4]
+hfov = \"70 deg\"
+size = [24, 16]
+velocity = {{ beta = [{beta}, 0, 0] }}
+[[object]]
+name = \"sphere\"
+shape = {{ sphere = {{ radius = {radius}, subdivisions = 5 }} }}
+colour = [{albedo}, {albedo}, {albedo}]
+velocity = {{ beta = [{beta}, 0, 0] }}
+[[light]]
+position = [0, 0, 0]
+velocity = {{ beta = [{beta}, 0, 0] }}
+emission = {{ gaussian = {{ sigma = \"1 cm\" }} }}"
+        ));
+        let bins = Bins {
+            start: 2.0 * radius - 0.15,
+            width: 0.3,
+            count: 12,
+        };
+        let baked = camera_cube(&scene, &bins).unwrap();
+        let mean = |bin: usize| {
+            let sum: f64 = (0..24 * 16).map(|p| value(&baked.cube, p, bin)).sum();
+            sum / (24.0 * 16.0)
+        };
+        // The integral of a Gaussian of peak 1.
+        let energy = 0.01 * (2.0 * PI).sqrt();
+        let direct = albedo / (PI * radius * radius) * energy;
+        let chords = |a: f64, b: f64| direct * albedo * (b * b - a * a) / (4.0 * radius * radius);
+        stage::assert_relative(mean(0), direct + chords(0.0, 0.15), 3e-3, beta);
+        for bin in 1..10 {
+            let a = -0.15 + 0.3 * bin as f64;
+            // So many of the paths end in the bin: four standard deviations.
+            let part = chords(a, a + 0.3) / (direct * albedo);
+            let deviation = (24.0 * 16.0 * 64.0 * part).sqrt().recip();
+            let what = format!("{beta} {bin}");
+            stage::assert_relative(mean(bin), chords(a, a + 0.3), 4.0 * deviation, what);
+        }
+        assert_eq!(mean(11), 0.0);
+        assert_eq!(baked.own_clock, beta != 0.0);
+        let all = direct * (1.0 + albedo);
+        stage::assert_relative(baked.energy.held / (24.0 * 16.0 * 64.0), all, 5e-3, beta);
+        let [from, to] = baked.energy.span.unwrap();
+        assert!((from - 2.0 * radius + 0.08).abs() < 0.01 && to < 4.0 * radius + 0.09);
+    }
+}
+
+#[test]
+fn a_film_through_baked_light_is_the_path_traced_one() {
+    // A floor and a wall, a flash, and a camera at 0.7 c: once through cubes of both, once by following light.
+    let head = "
+[camera]
+eye = [0.5, 1.2, 4]
+look_at = [-0.3, 0.5, 0]
+hfov = \"50 deg\"
+size = [32, 24]
+velocity = { beta = [0.2, 0, -0.7] }
+clock_zero = \"8.5 m\"
+[display]
+samples_per_pixel = 1024
+[[object]]
+name = \"floor\"
+shape = { plane = { size = [3, 3] } }
+colour = [0.8, 0.8, 0.8]
+[[object]]
+name = \"wall\"
+shape = { plane = { size = [3, 2] } }
+transform = { translate = [0, 1, -1.5], rotate = { axis = [1, 0, 0], angle = \"90 deg\" } }
+colour = [0.9, 0.5, 0.3]
+";
+    let light = "[[light]]\nposition = [0.4, 1.5, 0.3]\nintensity = 2\nemission = { gaussian = { sigma = \"0.3 m\" } }\n";
+    let lit = stage::scene(&format!("render = {{ bounces = 2 }}\n{head}{light}"));
+    let bins = Bins {
+        start: -2.0,
+        width: 0.1,
+        count: 120,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mut sources = String::new();
+    for (object, name) in ["floor", "wall"].into_iter().enumerate() {
+        let mut scene = lit.clone();
+        scene.samples_per_pixel = 16;
+        let baked = surface_cube(&scene, object, [48, 48], &bins).unwrap();
+        let file = folder.path().join(format!("{name}.npy"));
+        npz::write_cube(&file, &baked.cube).unwrap();
+        sources += &format!(
+            "[[source]]\nobjects = [\"{name}\"]\ncube = {{ file = {:?}, start = \"-2 m\", bin_width = \"0.1 m\", clock = \"world\", uv = 0 }}\n",
+            file.to_str().unwrap()
+        );
+    }
+    let stored = stage::scene(&format!("{head}{sources}"));
+    let film = |scene: &Scene| stage::rendered(scene, &stage::sampled()).unwrap();
+    let (traced, stored) = (film(&lit), film(&stored));
+    let (mut squares, mut all, mut sums) = (0.0, 0.0, [0.0; 2]);
+    for (a, b) in stored.radiance().iter().zip(traced.radiance()) {
+        for c in 0..3 {
+            squares += (a[c] - b[c]).powi(2);
+            all += b[c] * b[c];
+            sums[0] += a[c];
+            sums[1] += b[c];
+        }
+    }
+    // Half of it has been reflected more than once.
+    let mut direct = lit.clone();
+    direct.bounces = 0;
+    let direct: f64 = film(&direct).radiance().iter().flatten().sum();
+    assert!(direct < 0.6 * sums[1], "{direct} {sums:?}");
+    let error = f64::sqrt(squares / all);
+    assert!(all > 0.0 && error < 5e-2, "{error}");
+    stage::assert_relative(sums[0], sums[1], 1e-2, "whole film");
+}
+
+#[test]
+fn baked_light_is_the_same_on_any_number_of_threads() {
+    let mut scene = stage::scene(CORNER);
+    scene.camera.size = [24, 18];
+    let bins = Bins {
+        start: 7.0,
+        width: 0.2,
+        count: 50,
+    };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let bake = || {
+            let camera = camera_cube(&scene, &bins).unwrap();
+            let surface = surface_cube(&scene, 0, [33, 121], &bins).unwrap();
+            (camera.cube.samples, camera.energy, surface.cube.samples)
+        };
+        pool.build().unwrap().install(bake)
+    };
+    let (one, three) = (on(1), on(3));
+    assert_eq!(one.1, three.1);
+    let values = |samples: Samples| match samples {
+        Samples::F32(values) => values,
+        _ => Vec::new(),
+    };
+    let all = |(a, _, b)| [values(a), values(b)].concat();
+    let (one, three) = (all(one), all(three));
+    assert!(!one.is_empty() && one == three);
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused_in_words() {
+    let bins = Bins {
+        start: 0.0,
+        width: 0.1,
+        count: 4,
+    };
+    let plane = "[[object]]\nname = \"floor\"\nshape = { plane = { size = [1, 1] } }\n";
+    let flash = "[[light]]\nposition = [0, 1, 0]\nemission = { gaussian = { sigma = \"5 cm\" } }\n";
+    let refused = |more: &str| {
+        let scene = stage::scene(&format!(
+            "camera = {{ eye = [0, 1, 5], look_at = [0, 0, 0], size = [4, 4] }}\n{more}"
+        ));
+        let size = [8, 8];
+        let surface = surface_cube(&scene, 0, size, &bins);
+        surface
+            .and(camera_cube(&scene, &bins))
+            .unwrap_err()
+            .to_string()
+    };
+    let moving =
+        "[[object]]\nshape = { plane = { size = [1, 1] } }\nvelocity = { beta = [0.5, 0, 0] }\n";
+    let cases = [
+        (
+            format!("{plane}{moving}{flash}"),
+            "moves relative to \"floor\"",
+        ),
+        (format!("{moving}{flash}"), "moves relative to"),
+        (plane.into(), "no light to bake"),
+        (
+            format!("{plane}[[light]]\nposition = [0, 1, 0]\n"),
+            "shines for ever",
+        ),
+        (format!("{plane}{flash}[sky]\n"), "lights surfaces steadily"),
+        (
+            format!("[[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n{flash}"),
+            "charts overlap",
+        ),
+        (
+            format!("{plane}[[light]]\ntype = \"area\"\nobject = \"floor\"\n"),
+            "does so steadily",
+        ),
+    ];
+    for (scene, words) in cases {
+        let error = refused(&scene);
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}

@@ -1,0 +1,90 @@
+//! `nullray bake`: what it writes is a source as it says.
+
+use nullray::io::budget::Budget;
+use nullray::io::image::exr;
+
+use super::Folder;
+
+/// A floor and a flash.
+const FLASH: &str = r#"
+[camera]
+eye = [0, 2, 4]
+look_at = [0, 0, 0]
+hfov = "50 deg"
+size = [24, 18]
+time = "7 m"
+[[object]]
+name = "floor"
+shape = { plane = { size = [4, 4] } }
+"#;
+
+const LIGHT: &str = r#"
+[[light]]
+position = [0.5, 1.5, 0]
+intensity = 5
+emission = { gaussian = { sigma = "30 cm" } }
+"#;
+
+#[test]
+fn what_bake_prints_reads_what_it_has_written() {
+    for (options, file) in [
+        (["--camera", "--spp=16"], "cube.npy"),
+        (["--texels=32x32", "--spp=4"], "floor.npy"),
+    ] {
+        let folder = Folder::empty();
+        folder.write("lit.toml", FLASH.to_string() + LIGHT);
+        let bins = ["--start=-2 m", "--bin-width=10 cm", "--bins=150"];
+        let arguments = [&["bake", "lit.toml", "-o", file], &options[..], &bins].concat();
+        let said = folder.ok(&arguments);
+        assert!(said.starts_with(&format!("wrote {file}: ")), "{said}");
+        assert!(said.contains("light arrives between"), "{said}");
+        assert!(!said.contains("warning"), "{said}");
+        // The picture through the cube is that of the light itself, but for the width of its bins and texels.
+        let source = said.split_once("\n\n").unwrap().1;
+        folder.write("baked.toml", FLASH.to_string() + source);
+        let mean = |scene: &str| {
+            folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
+            let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+            let radiance = layers.radiance().unwrap();
+            radiance.iter().map(|rgb| rgb[0]).sum::<f64>() / radiance.len() as f64
+        };
+        let (baked, lit) = (mean("baked.toml"), mean("lit.toml"));
+        assert!(
+            lit > 0.0 && (baked / lit - 1.0).abs() < 0.02,
+            "{baked} {lit}"
+        );
+    }
+}
+
+#[test]
+fn bins_that_miss_light_say_how_much() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", FLASH.to_string() + LIGHT);
+    let said = folder.ok(&[
+        "bake",
+        "lit.toml",
+        "--bin-width=10 cm",
+        "--bins=14",
+        "--texels=8x8",
+    ]);
+    assert!(said.starts_with("wrote lit-light.npy"), "{said}");
+    assert!(
+        said.contains("warning: the bins miss 0.00 % of its energy before them"),
+        "{said}"
+    );
+    let run = folder.run(&["bake", "lit.toml", "--bin-width=0 m"]);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("width above 0"), "{}", run.stderr);
+    folder.write("dark.toml", FLASH);
+    let run = folder.run(&["bake", "dark.toml", "--bin-width=1 cm"]);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("no light to bake"), "{}", run.stderr);
+    let memory = ["--bins=60000", "--texels=4000x4000", "--max-memory=1GB"];
+    let run = folder.run(&[&["bake", "lit.toml", "--bin-width=1 cm"], &memory[..]].concat());
+    assert_eq!(run.code, 2);
+    assert!(
+        run.message().contains("more than the limit"),
+        "{}",
+        run.stderr
+    );
+}

@@ -274,7 +274,7 @@ fn passing(arguments: &FilmArguments, scene: &Scene) -> Result<[f64; 2]> {
     small.camera.size = [width.div_ceil(step), height.div_ceil(step)];
     let plan = Plan::new(&small, &arguments.changes.request())?;
     let mut prepared = Prepared::new(&small, &plan, &Silent)?;
-    let seen = survey::seen_times(&mut prepared);
+    let seen = survey::seen_times(&prepared);
     let times = seen
         .iter()
         .filter_map(|times| survey::meeting_times(&small, &mut prepared, times));

@@ -113,6 +113,18 @@ Each sample is a path of `render.bounces` surfaces after the first, and its ligh
 What was written is told as a [[source]] table for a scene file. How much of the energy the bins miss is told too: then move --start, \
 or give more or wider bins.";
 
+pub const CONVERT: &str = "\
+Examples:
+  nullray convert capture.npz -o frames
+  nullray convert frames --axes \"T H W\" -o capture.npy --type f16
+  nullray convert capture.npy -o small.npz --rows 0:64 --columns 0:64 --merge 2
+  nullray convert capture.npy --unwarp seen.npz --bin-width \"0.05 m\" --start \"7 m\" -o world.npy
+
+Data go through in parts, so that files larger than memory can be converted; what is not in place in a file (archives, \
+pictures) is written to a temporary file first. A picture of distances comes from rendering the scene as the capture camera \
+sees it: nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Bins that a shift splits are shared out, so that \
+sums stay what they are. Outputs appear once they are complete.";
+
 pub const STUDY: &str = "\
 Examples:
   nullray study scene.toml

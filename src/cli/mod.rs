@@ -5,6 +5,7 @@ mod bake;
 mod builtin;
 mod check;
 mod compare;
+mod convert;
 mod demo;
 mod diagram;
 mod export;
@@ -65,6 +66,7 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
         Some(Command::Bake(bake)) => bake::run(&bake),
         Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),
+        Some(Command::Convert(convert)) => convert::run(&convert),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),
         Some(Command::Info(info)) => info::run(&info),

@@ -9,10 +9,12 @@ use nullray::render::progress::Progress;
 
 use super::interrupt;
 
-/// Writes the rays per second.
-fn rate(state: &ProgressState, out: &mut dyn Write) {
+/// Writes how many of a `unit` are done per second.
+fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn Write) + Clone + Send + Sync {
     // Fails only where `out` does, and then there is nobody to tell.
-    let _ = write!(out, "{:.1} Mrays/s", state.per_sec() / 1e6);
+    move |state, out| {
+        let _ = write!(out, "{:.1} M{unit}/s", state.per_sec() / 1e6);
+    }
 }
 
 /// Shows rays done on standard error, and passes Ctrl-C on.
@@ -21,17 +23,33 @@ pub struct Bar(ProgressBar);
 impl Bar {
     /// A bar of `rays` rays; invisible where standard error is no terminal, or if `quiet`.
     pub fn new(rays: u64, quiet: bool) -> Self {
+        Bar::of(rays, "rays", quiet)
+    }
+
+    /// The same for samples that are written.
+    pub fn samples(samples: u64, quiet: bool) -> Self {
+        Bar::of(samples, "samples", quiet)
+    }
+
+    /// That so many samples are written; whether to go on.
+    pub fn reached(&self, samples: u64, of: u64) -> bool {
+        self.0.set_length(of);
+        self.0.set_position(samples);
+        !interrupt::is_stopping()
+    }
+
+    fn of(count: u64, unit: &'static str, quiet: bool) -> Self {
         let visible = !quiet && std::io::stderr().is_terminal();
         let target = if visible {
             ProgressDrawTarget::stderr_with_hz(8)
         } else {
             ProgressDrawTarget::hidden()
         };
-        let bar = ProgressBar::with_draw_target(Some(rays), target);
+        let bar = ProgressBar::with_draw_target(Some(count), target);
         if let Ok(style) =
             ProgressStyle::with_template("{prefix}{wide_bar} {percent:>3} %  {rate}  {eta} left")
         {
-            bar.set_style(style.with_key("rate", rate));
+            bar.set_style(style.with_key("rate", rate(unit)));
         }
         Bar(bar)
     }

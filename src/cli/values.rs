@@ -33,6 +33,24 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// A range of indices.
+pub fn range(text: &str) -> Result<Range<usize>, String> {
+    let numbers = text
+        .split_once(':')
+        .map(|(from, to)| (from.trim().parse(), to.trim().parse()));
+    match numbers {
+        Some((Ok(from), Ok(to))) if from < to => Ok(from..to),
+        _ => Err("write FROM:TO, like 0:64, FROM below TO".into()),
+    }
+}
+
+/// A number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    let fits = number.filter(|number| *number > 0.0 && number.is_finite());
+    fits.ok_or_else(|| "write a number above 0".into())
+}
+
 /// Where a camera moves to.
 pub fn heading(text: &str) -> Result<Heading, String> {
     let (sign, axis) = match text.strip_prefix('-') {

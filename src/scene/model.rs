@@ -447,12 +447,13 @@ pub enum TimeFilter {
     /// The bin's own value.
     Nearest,
     /// Linear between bin centres.
-    #[default]
     Linear,
     /// Cubic (Catmull–Rom) through bin centres.
     Cubic,
     /// Cubic, with each bin's value taken as the mean that it is rather than as the value at its centre:
-    /// sharper on smooth data, and six bins wide.
+    /// sharper on smooth data, and six bins wide. Of the four it has the least error on all frames of an independent
+    /// renderer, by factors of 1.07 to 3.4 over linear.
+    #[default]
     CubicMeans,
 }
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::Error;
+
 /// What the entries along an axis of an array are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
@@ -43,6 +45,17 @@ impl Axes {
     pub(super) fn usual(count: usize) -> Option<Axes> {
         let all = [Axis::Row, Axis::Column, Axis::Time, Axis::Channel];
         matches!(count, 3 | 4).then(|| Axes(all[..count].to_vec()))
+    }
+
+    /// Of each axis, where it stands in (H, W, T, C).
+    pub(super) fn slots(&self) -> Vec<Option<usize>> {
+        self.0.iter().map(|axis| slot(*axis)).collect()
+    }
+
+    /// The last axis first.
+    pub(super) fn reversed(mut self) -> Axes {
+        self.0.reverse();
+        self
     }
 
     /// (T, H, W): those of a folder of frames.
@@ -189,6 +202,28 @@ impl Arrangement {
                 *count = 0;
             }
         }
+    }
+
+    /// Gives to `take` where in the cube each sample of the file lies, in the file's order.
+    pub fn each_place(
+        &self,
+        mut take: impl FnMut(usize) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut counts = vec![0; self.axes.len()];
+        let mut place = 0;
+        for _ in 0..self.axes.iter().map(|axis| axis.0).product() {
+            take(place)?;
+            for (count, &(size, stride)) in counts.iter_mut().zip(&self.axes).rev() {
+                *count += 1;
+                place += stride;
+                if *count < size {
+                    break;
+                }
+                place -= size * stride;
+                *count = 0;
+            }
+        }
+        Ok(())
     }
 
     /// Where the `index`-th sample of the file lies in the cube.

@@ -1,5 +1,6 @@
 //! What a format of cubes has to say for itself.
 
+use std::io::Read;
 use std::path::Path;
 
 #[cfg(feature = "schema")]
@@ -8,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::samples::{Cube, Samples};
-use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header};
+use crate::{Error, Result};
 
 /// A format of files that hold cubes. The readers get an open file, its name for messages, and what is
 /// asked of it.
@@ -72,6 +73,19 @@ impl<'a> Wanted<'a> {
             array: Some(name),
             ..Wanted::default()
         }
+    }
+}
+
+impl CubeFormat {
+    /// Whether the file begins as those of this format do; leaves the reader at the start.
+    pub(super) fn is(&self, reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
+        let mut start = Vec::new();
+        (&mut *reader)
+            .take(8)
+            .read_to_end(&mut start)
+            .and_then(|_| reader.rewind())
+            .map_err(Error::io(file, "cannot read"))?;
+        Ok(self.magic.iter().any(|magic| start.starts_with(magic)))
     }
 }
 

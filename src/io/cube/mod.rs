@@ -3,14 +3,17 @@
 //! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`].
 
 mod axes;
+mod convert;
 mod format;
 mod npy;
 mod samples;
 mod sequence;
+mod store;
 mod table;
 mod transient_image;
 
 pub use axes::{Axes, Axis};
+pub use convert::{Changes, Converted, convert};
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use samples::{Cube, CubeError, Samples};
 pub use sequence::{is_sequence, pictures};

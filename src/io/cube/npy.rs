@@ -3,6 +3,7 @@
 //!
 //! Samples go to their places in the cube as they are read, so that no second copy is held.
 
+use std::io::Write;
 use std::path::Path;
 
 use half::f16;
@@ -10,6 +11,7 @@ use half::f16;
 use super::axes::{Arrangement, Axes};
 use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::samples::{Cube, Samples, place_of};
+use super::store::StoredLayout;
 use crate::Result;
 use crate::io::files::ReadSeek;
 use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
@@ -54,6 +56,35 @@ fn load(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cu
             shape: layout.arrangement.shape,
             samples,
         })
+    })
+}
+
+/// How the samples of a file of one array lie in it.
+pub(super) fn stored(
+    mut reader: &mut dyn ReadSeek,
+    file: &Path,
+    wanted: Wanted,
+) -> Result<StoredLayout> {
+    npy::with_array(&mut reader, file, wanted.array, |stored| {
+        Ok(layout(stored, wanted.axes)?.stored())
+    })
+}
+
+/// Writes the samples of an array of an archive to `to`, where they begin at 0.
+pub(super) fn write_out(
+    mut reader: &mut dyn ReadSeek,
+    file: &Path,
+    wanted: Wanted,
+    to: &mut dyn Write,
+) -> Result<StoredLayout> {
+    npy::with_array(&mut reader, file, wanted.array, |stored| {
+        let layout = layout(stored, wanted.axes)?.stored();
+        let count = layout.sizes.iter().product::<usize>() * layout.number.stored() as usize;
+        stored.pieces(count, |_, _, bytes: &[[u8; 1]]| {
+            let failed = crate::Error::io(file, "cannot write a temporary file for");
+            to.write_all(bytes.as_flattened()).map_err(failed)
+        })?;
+        Ok(StoredLayout { start: 0, ..layout })
     })
 }
 
@@ -133,7 +164,7 @@ fn finite<const N: usize, T: Copy + Default + Into<f64>>(
 
 /// The types of samples that are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Number {
+pub(super) enum Number {
     F16,
     F32,
     F64,
@@ -147,7 +178,7 @@ enum Number {
 
 impl Number {
     /// Bytes in the file.
-    fn stored(self) -> u64 {
+    pub fn stored(self) -> u64 {
         match self {
             Number::U8 | Number::I8 => 1,
             Number::F16 | Number::U16 | Number::I16 => 2,
@@ -157,11 +188,36 @@ impl Number {
     }
 
     /// The type in memory. Every integer is exact in it.
-    fn loaded(self) -> (Dtype, u64) {
+    pub fn loaded(self) -> (Dtype, u64) {
         match self {
             Number::F16 => (Dtype::F16, 2),
             Number::F32 | Number::U8 | Number::I8 | Number::U16 | Number::I16 => (Dtype::F32, 4),
             Number::F64 | Number::U32 | Number::I32 => (Dtype::F64, 8),
+        }
+    }
+
+    /// The numbers that `bytes` are, behind what is in `to`.
+    pub fn decode(self, bytes: &[u8], big_endian: bool, to: &mut Vec<f64>) {
+        fn each<const N: usize>(bytes: &[u8], to: &mut Vec<f64>, number: impl Fn([u8; N]) -> f64) {
+            to.extend(bytes.as_chunks::<N>().0.iter().map(|b| number(*b)));
+        }
+        match (self, big_endian) {
+            (Number::F16, true) => each(bytes, to, |b| f16::from_be_bytes(b).to_f64()),
+            (Number::F16, false) => each(bytes, to, |b| f16::from_le_bytes(b).to_f64()),
+            (Number::F32, true) => each(bytes, to, |b| f32::from_be_bytes(b).into()),
+            (Number::F32, false) => each(bytes, to, |b| f32::from_le_bytes(b).into()),
+            (Number::F64, true) => each(bytes, to, f64::from_be_bytes),
+            (Number::F64, false) => each(bytes, to, f64::from_le_bytes),
+            (Number::U8, _) => each(bytes, to, |[b]| b.into()),
+            (Number::I8, _) => each(bytes, to, |b| i8::from_le_bytes(b).into()),
+            (Number::U16, true) => each(bytes, to, |b| u16::from_be_bytes(b).into()),
+            (Number::U16, false) => each(bytes, to, |b| u16::from_le_bytes(b).into()),
+            (Number::I16, true) => each(bytes, to, |b| i16::from_be_bytes(b).into()),
+            (Number::I16, false) => each(bytes, to, |b| i16::from_le_bytes(b).into()),
+            (Number::U32, true) => each(bytes, to, |b| u32::from_be_bytes(b).into()),
+            (Number::U32, false) => each(bytes, to, |b| u32::from_le_bytes(b).into()),
+            (Number::I32, true) => each(bytes, to, |b| i32::from_be_bytes(b).into()),
+            (Number::I32, false) => each(bytes, to, |b| i32::from_le_bytes(b).into()),
         }
     }
 
@@ -192,9 +248,24 @@ struct Layout {
     assumed: bool,
     number: Number,
     big_endian: bool,
+    /// Bytes before the samples.
+    start: u64,
+    /// Sizes and axes in the order of the file, the slowest first.
+    sizes: Vec<usize>,
+    stored_axes: Axes,
 }
 
 impl Layout {
+    fn stored(self) -> StoredLayout {
+        StoredLayout {
+            start: self.start,
+            number: self.number,
+            big_endian: self.big_endian,
+            sizes: self.sizes,
+            axes: self.stored_axes,
+        }
+    }
+
     fn info(self) -> CubeInfo {
         let (dtype, each) = self.number.loaded();
         let count = |n: u64, size: &usize| n.saturating_mul(*size as u64);
@@ -253,8 +324,16 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
         ));
     }
     stored.check_length(header_bytes.saturating_add(count * number.stored()))?;
+    let (mut sizes, mut stored_axes) = (header.shape, named.clone());
+    if header.fortran_order {
+        sizes.reverse();
+        stored_axes = stored_axes.reversed();
+    }
     Ok(Layout {
         arrangement,
+        start: header_bytes,
+        sizes,
+        stored_axes,
         assumed: axes.is_none(),
         axes: named,
         number,

@@ -9,13 +9,16 @@
 //! Codes of PNG become linear by the transfer that the caller declares; EXR and Radiance HDR are linear.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
 use super::format::{CubeInfo, Transfer, Wanted};
+use super::npy::Number;
 use super::samples::{Cube, Samples};
+use super::store::StoredLayout;
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
@@ -292,6 +295,29 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     Ok(Cube {
         shape: arrangement.shape,
         samples: Samples::F32(samples),
+    })
+}
+
+/// Writes the samples of all pictures to `to`, in single precision, one picture after the other.
+pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
+    refuse_array(path, wanted)?;
+    let files = pictures(path)?;
+    let first = Picture::read(&files[0], wanted.transfer)?;
+    let Layout { axes, .. } = Layout::new(path, &files, &first, wanted)?;
+    for file in &files {
+        let picture = Picture::read(file, wanted.transfer)?;
+        picture.refuse_other_than(&first, file, &files[0])?;
+        for sample in &picture.samples {
+            let failed = Error::io(path, "cannot write a temporary file for");
+            to.write_all(&sample.to_le_bytes()).map_err(failed)?;
+        }
+    }
+    Ok(StoredLayout {
+        start: 0,
+        number: Number::F32,
+        big_endian: false,
+        sizes: vec![files.len(), first.size[1], first.size[0], first.channels],
+        axes,
     })
 }
 

@@ -13,7 +13,9 @@ use std::path::Path;
 
 use super::axes::Axes;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
+use super::npy::Number;
 use super::samples::{Cube, Samples, place_of};
+use super::store::StoredLayout;
 use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header as ArrayHeader};
@@ -260,6 +262,23 @@ fn refuse_wishes(file: &Path, wanted: Wanted) -> Result<()> {
         ),
         None => Ok(()),
     }
+}
+
+/// How the samples lie in the file.
+pub(super) fn stored(
+    reader: &mut dyn ReadSeek,
+    file: &Path,
+    wanted: Wanted,
+) -> Result<StoredLayout> {
+    refuse_wishes(file, wanted)?;
+    let header = header(reader, file)?;
+    Ok(StoredLayout {
+        start: header.start,
+        number: Number::F32,
+        big_endian: false,
+        sizes: header.shape()[..3].to_vec(),
+        axes: Axes::of_array(),
+    })
 }
 
 fn inspect(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<CubeInfo> {

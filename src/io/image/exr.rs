@@ -72,7 +72,7 @@ fn name_in_memory(name: &str, is_own: bool) -> String {
 /// What a file says and holds beyond its layers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// Radiance and alpha in half precision.
+    /// Radiance (also grey, `Y`) and alpha in half precision.
     pub half: bool,
     /// Row-major matrices for points as rows, of the standard's attributes `worldToCamera` and `worldToNDC`.
     pub matrices: [Option<[f32; 16]>; 2],
@@ -325,7 +325,7 @@ fn image(layers: &Layers, options: &Options) -> Image<Layer<AnyChannels<FlatSamp
 }
 
 fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
-    if half && matches!(name_in_file(&channel.name), "R" | "G" | "B" | "A") {
+    if half && matches!(name_in_file(&channel.name), "R" | "G" | "B" | "A" | "Y") {
         let samples = channel.samples.to_f64().into_iter().map(half_of).collect();
         return AnyChannel::new(text(name_in_file(&channel.name)), FlatSamples::F16(samples));
     }

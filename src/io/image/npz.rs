@@ -103,6 +103,40 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
     })
 }
 
+/// Writes an array that `write` gives as bytes, a `.npz` file in which it is called `radiance` or else a `.npy` file, whole or
+/// not at all. `shape` is as Python has it.
+///
+/// # Errors
+/// Those of `write`; I/O errors.
+pub(crate) fn write_stream(
+    path: &Path,
+    descriptor: &str,
+    shape: &str,
+    write: &mut dyn FnMut(&mut dyn Write) -> Result<()>,
+) -> Result<()> {
+    let header = npy_header(descriptor, shape);
+    let is_archive = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    write_atomically(path, |writer| {
+        if !is_archive {
+            write_all(writer, path, &header)?;
+            return write(writer);
+        }
+        let failed = RefCell::new(None);
+        let mut archive = ZipWriter::new(Unfailing::new(writer, &failed));
+        // How long it will be is not known: of any length.
+        start(&mut archive, path, "radiance", u64::MAX)?;
+        write_all(&mut archive, path, &header)?;
+        let written = write(&mut archive);
+        let finished = archive.finish().map(drop).map_err(|e| failure(path, e));
+        match failed.into_inner() {
+            None => written.and(finished),
+            Some(failure) => Err(write_failed(path)(failure)),
+        }
+    })
+}
+
 /// A writer that keeps its first failure to itself and lets what follows go nowhere: an archive that meets a failure
 /// complains on standard error when it is dropped.
 struct Unfailing<'a> {

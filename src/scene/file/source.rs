@@ -74,7 +74,7 @@ pub(in crate::scene) struct Cube {
     /// Default: "per_bin".
     pub values: Option<At<BinValues>>,
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
-    /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "linear".
+    /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "cubic_means".
     pub filter: Option<At<TimeFilter>>,
     /// Reconstruction across the picture of a `capture`: "bilinear", or "sharp" (cubic, with each pixel taken as the mean
     /// over its square: less error, more of the data's noise). Default: "bilinear".

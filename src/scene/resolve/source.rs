@@ -103,7 +103,7 @@ fn assumed(cube: &file::Cube, steady: bool) -> Vec<String> {
     if !steady {
         says(cube.clock.is_some(), "clock = \"world\"");
         says(cube.values.is_some(), "values = \"per_bin\"");
-        says(cube.filter.is_some(), "filter = \"linear\"");
+        says(cube.filter.is_some(), "filter = \"cubic_means\"");
     }
     if cube.capture.is_some() {
         says(

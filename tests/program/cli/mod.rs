@@ -2,6 +2,7 @@
 
 mod bake;
 mod builtin;
+mod convert;
 mod diagram;
 mod export;
 mod film;

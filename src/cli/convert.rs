@@ -1,0 +1,182 @@
+//! `nullray convert`.
+
+use std::path::{Path, PathBuf};
+
+use nullray::io::budget::Budget;
+use nullray::io::cube::{self, Changes, Converted, Wanted};
+use nullray::io::npy::{self, Dtype, Numbers};
+use nullray::render::plan::bytes;
+use nullray::scene::model::SPEED_OF_LIGHT;
+use nullray::{Error, Result};
+
+use super::args::{ConvertArguments, SampleType};
+use super::failure::refused;
+use super::progress::Bar;
+use super::{inputs, memory, print, warn};
+
+pub fn run(arguments: &ConvertArguments) -> Result<()> {
+    let wanted = Wanted {
+        array: arguments.array.as_deref(),
+        axes: arguments.axes.as_ref(),
+        transfer: arguments.transfer.map(Into::into),
+    };
+    let info = cube::inspect(&arguments.input, wanted)?;
+    let times = Times::of(arguments)?;
+    refuse_input(arguments)?;
+    let [h, w, ..] = info.shape;
+    let changes = Changes {
+        rows: arguments.rows.clone(),
+        columns: arguments.columns.clone(),
+        bins: arguments.bins.clone(),
+        merge: arguments.merge.unwrap_or(1) as usize,
+        density: arguments.density,
+        shift: shift(arguments, &times, [h, w])?,
+        dtype: arguments.sample_type.map(|kind| match kind {
+            SampleType::F16 => Dtype::F16,
+            SampleType::F32 => Dtype::F32,
+            SampleType::F64 => Dtype::F64,
+        }),
+        axes: arguments.to_axes.clone(),
+    };
+    let bar = Bar::samples(
+        info.shape.iter().map(|n| *n as u64).product(),
+        arguments.quiet,
+    );
+    let mut done = |written, of| bar.reached(written, of);
+    let converted = cube::convert(
+        (&arguments.input, wanted),
+        &arguments.output,
+        &changes,
+        &mut done,
+    )?;
+    drop(bar);
+    match arguments.quiet {
+        true => Ok(()),
+        false => report(arguments, &converted, &times),
+    }
+}
+
+/// The time axis of the input, metres, as far as it is known.
+struct Times {
+    start: Option<f64>,
+    width: Option<f64>,
+}
+
+impl Times {
+    fn of(arguments: &ConvertArguments) -> Result<Times> {
+        let metres = |time: &Option<_>| {
+            time.as_ref()
+                .map(|time: &nullray::spacetime::units::Time| time.metres(SPEED_OF_LIGHT))
+        };
+        let said = cube::times(&arguments.input)?;
+        Ok(Times {
+            start: metres(&arguments.start).or(said.map(|said| said.start)),
+            width: metres(&arguments.bin_width).or(said.map(|said| said.width)),
+        })
+    }
+}
+
+/// Refuses to write over what is read.
+fn refuse_input(arguments: &ConvertArguments) -> Result<()> {
+    let maps = arguments.unwarp.iter().chain(&arguments.warp);
+    let target = inputs::identity(&arguments.output);
+    match maps
+        .chain([&arguments.input])
+        .find(|path| inputs::identity(path) == target)
+    {
+        None => Ok(()),
+        Some(path) => Err(refused(
+            format!("-o {}", arguments.output.display()),
+            format!("{} is read", path.display()),
+            "write to another name",
+        )),
+    }
+}
+
+/// By how many bins each pixel is later: ∓ η r/w.
+fn shift(
+    arguments: &ConvertArguments,
+    times: &Times,
+    size: [usize; 2],
+) -> Result<Option<Vec<f64>>> {
+    let (file, sign, option) = match (&arguments.unwarp, &arguments.warp) {
+        (None, None) => return Ok(None),
+        (Some(file), _) => (file, -1.0, "--unwarp"),
+        (None, Some(file)) => (file, 1.0, "--warp"),
+    };
+    let Some(width) = times.width.filter(|width| *width > 0.0) else {
+        let what = "the width of a bin is not known, or not above 0";
+        return Err(refused(option, what, "add it, like --bin-width \"0.05 m\""));
+    };
+    let index = arguments.medium_index;
+    let distances = distances(file, size)?;
+    let shift = |distance: f64| match distance > 0.0 && distance.is_finite() {
+        true => sign * index * distance / width,
+        false => f64::NAN,
+    };
+    Ok(Some(distances.into_iter().map(shift).collect()))
+}
+
+/// Distances per pixel, row by row.
+fn distances(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
+    let budget = Budget::new(memory::limit(None));
+    let is_archive = file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    let map = npy::load_plain(file, is_archive.then_some("distance"), &budget)?;
+    if map.shape != size {
+        let what = format!(
+            "distances of shape {:?} for a picture of {} rows and {} columns",
+            map.shape, size[0], size[1]
+        );
+        return Err(Error::invalid(
+            file,
+            "",
+            what,
+            "give a distance per pixel of the whole picture",
+        ));
+    }
+    Ok(match map.samples {
+        Numbers::F32(v) => v.into_iter().map(f64::from).collect(),
+        Numbers::F64(v) => v,
+        Numbers::I32(v) => v.into_iter().map(f64::from).collect(),
+        Numbers::U32(v) => v.into_iter().map(f64::from).collect(),
+    })
+}
+
+fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {
+    let [h, w, t, c] = converted.shape;
+    let (name, size) = match converted.dtype {
+        Dtype::F16 => ("f16", 2),
+        Dtype::F64 => ("f64", 8),
+        _ => ("f32", 4),
+    };
+    let colours = if c == 1 { "grey" } else { "red, green, blue" };
+    let output: &PathBuf = &arguments.output;
+    let mut text = format!(
+        "wrote {}: {h} rows, {w} columns, {t} time bins, {colours}; {name}, {}\n",
+        output.display(),
+        bytes((h * w * t * c * size) as u64)
+    );
+    let merged = converted.merged as f64;
+    text += &match (times.start, times.width) {
+        (Some(start), Some(width)) => format!(
+            "start = \"{} m\", bin_width = \"{} m\"\n",
+            start + converted.later * width,
+            width * merged
+        ),
+        _ => format!(
+            "bin 0 begins {} bins of the input later; a bin is {merged} of its bins wide\n",
+            converted.later
+        ),
+    };
+    print(&text)?;
+    if converted.dropped != 0.0 {
+        let warning = format!(
+            "samples of pixels without a distance were left out; their sum is {}",
+            converted.dropped
+        );
+        warn(false, [&warning])?;
+    }
+    Ok(())
+}

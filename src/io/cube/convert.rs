@@ -1,0 +1,537 @@
+//! From a cube on disk to another, in bounded memory: parts of it, bins merged, times shifted pixel by pixel.
+//!
+//! A shift by s bins, which need not be whole, moves bin k over [k + s, k + s + 1]. With i = ⌊s⌋ and f = s − i that lies on
+//! two bins, which get (1 − f) and f of its value: out_j = (1 − f) a_(j−i) + f a_(j−i−1). The sum of all bins stays what
+//! it is, and their mean time moves by exactly s, while a step is blurred over one bin more. It is the same for energies
+//! per bin and for densities.
+//!
+//! Unwarping takes from the time of arrival at a camera, t + η r with r the *distance* (along the ray, not the depth),
+//! the way: s = −η r/w for bins of the width w. Warping puts it back. All shifts are made ≥ 0 by a whole number of bins
+//! that all pixels share, by which the start of the data moves.
+
+use std::ops::Range;
+use std::path::Path;
+
+use half::f16;
+
+use super::axes::{Arrangement, Axes};
+use super::format::Wanted;
+use super::store::Store;
+use crate::error::{Error, Result};
+use crate::io::image::{self, Channel, Layers, Samples as Pixels, npz};
+use crate::io::npy::Dtype;
+use crate::io::temporary::Temporary;
+
+/// What becomes of a cube on its way.
+#[derive(Debug, Clone, Default)]
+pub struct Changes {
+    /// The rows that are kept; all by default.
+    pub rows: Option<Range<usize>>,
+    /// The columns that are kept.
+    pub columns: Option<Range<usize>>,
+    /// The bins that are kept.
+    pub bins: Option<Range<usize>>,
+    /// How many neighbouring bins become one; none or one leaves them.
+    pub merge: usize,
+    /// Merged bins are means and not sums: values are densities.
+    pub density: bool,
+    /// By how many bins each pixel of the whole picture is later; NaN where it is not known.
+    pub shift: Option<Vec<f64>>,
+    /// The type of the samples; that of the input by default.
+    pub dtype: Option<Dtype>,
+    /// The order of the axes of an array, H or T the slowest.
+    pub axes: Option<Axes>,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Converted {
+    /// H, W, T, C.
+    pub shape: [usize; 4],
+    /// The type of the samples.
+    pub dtype: Dtype,
+    /// By how many bins of the input bin 0 begins later than that of the input.
+    pub later: f64,
+    /// How many bins of the input are one.
+    pub merged: usize,
+    /// The sum of what lay in pixels whose shift is not known, and was left out.
+    pub dropped: f64,
+}
+
+/// Memory that the parts may take together, bytes; in tests so little that there are many parts.
+const ROOM: usize = if cfg!(test) { 1 << 10 } else { 256 << 20 };
+
+/// Writes the cube at `from` to `to`: a `.npy` or `.npz` file, or, of any name without an extension, a new folder of EXR
+/// frames. `done` is told of samples that were written and of all of them; it returns whether to go on.
+///
+/// # Errors
+/// What is wrong with the input, as of loading it; parts that it has not; a type that cannot hold its samples; I/O
+/// errors; [`Error::Cancelled`]. Nothing appears at `to` then.
+pub fn convert(
+    (from, wanted): (&Path, Wanted),
+    to: &Path,
+    changes: &Changes,
+    done: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<Converted> {
+    let store = Store::open(from, wanted)?;
+    let mut work = Work::new(store, from, changes)?;
+    let extension = to.extension().and_then(|e| e.to_str()).unwrap_or("");
+    match extension.to_ascii_lowercase().as_str() {
+        "npy" | "npz" => work.array(to, changes.axes.as_ref(), done)?,
+        "" => work.frames(to, done)?,
+        _ => {
+            let what = format!(".{extension} is no form of cube that is written");
+            let help =
+                "a .npy or .npz file, or a folder, a name without an extension, for EXR frames";
+            return Err(Error::unsupported(to, "", what, help));
+        }
+    }
+    Ok(Converted {
+        shape: work.shape,
+        later: work.kept[2].start as f64 - work.ahead as f64,
+        merged: work.merge,
+        dropped: work.dropped,
+        dtype: work.dtype,
+    })
+}
+
+/// Takes a part of the output: its sizes, its samples in the order of a cube, the type to write them in.
+type Take<'t> = dyn FnMut([usize; 4], &[f64], &Dtype) -> Result<()> + 't;
+
+struct Work<'a> {
+    store: Store,
+    to_come: &'a Changes,
+    /// Rows, columns and bins of the input that are kept.
+    kept: [Range<usize>; 3],
+    merge: usize,
+    dtype: Dtype,
+    /// Bins by which all shifts are larger, so that none is below 0.
+    ahead: i64,
+    /// The largest shift, in whole bins, after that.
+    largest: usize,
+    shape: [usize; 4],
+    dropped: f64,
+    input: Vec<f64>,
+}
+
+impl<'a> Work<'a> {
+    fn new(store: Store, from: &Path, changes: &'a Changes) -> Result<Work<'a>> {
+        let [h, w, t, c] = store.shape;
+        let part = |range: &Option<Range<usize>>, count: usize, name: &str| match range {
+            None => Ok(0..count),
+            Some(range) if range.start < range.end && range.end <= count => Ok(range.clone()),
+            Some(range) => Err(Error::invalid(
+                from,
+                "",
+                format!("it has no {name} {}:{}", range.start, range.end),
+                format!(
+                    "{name} are counted from 0 to {count}; the second number is the first that is left out"
+                ),
+            )),
+        };
+        let kept = [
+            part(&changes.rows, h, "rows")?,
+            part(&changes.columns, w, "columns")?,
+            part(&changes.bins, t, "bins")?,
+        ];
+        let (ahead, largest) = match &changes.shift {
+            None => (0, 0),
+            Some(shift) => shifts(from, shift, [h, w], &kept)?,
+        };
+        let merge = changes.merge.max(1);
+        let bins = kept[2].len() + largest;
+        // Shifted data end in the dark, so that bins may be added; others are not cut or added to silently.
+        if !bins.is_multiple_of(merge) && changes.shift.is_none() {
+            let what = format!("{bins} bins cannot be merged by {merge}");
+            let help = format!(
+                "keep a multiple of {merge}, like --bins {}:{}",
+                kept[2].start,
+                kept[2].end - bins % merge
+            );
+            return Err(Error::invalid(from, "", what, help));
+        }
+        Ok(Work {
+            shape: [kept[0].len(), kept[1].len(), bins.div_ceil(merge), c],
+            dtype: changes.dtype.clone().unwrap_or_else(|| store.dtype()),
+            store,
+            to_come: changes,
+            kept,
+            merge,
+            ahead,
+            largest,
+            dropped: 0.0,
+            input: Vec::new(),
+        })
+    }
+
+    /// The rows and bins `rows`, `bins` of the output, in the order of a cube, in place of what is in `out`.
+    fn part(&mut self, rows: Range<usize>, bins: Range<usize>, out: &mut Vec<f64>) -> Result<()> {
+        let [_, width, _, channels] = self.shape;
+        let merge = self.merge;
+        // In bins before merging, which reach back over the largest shift.
+        let fine = bins.start * merge..bins.end * merge;
+        let count = self.kept[2].len();
+        let begin = fine.start.saturating_sub(self.largest).min(count);
+        let end = fine.end.min(count);
+        let offset = |range: Range<usize>, start: usize| range.start + start..range.end + start;
+        self.store.read(
+            offset(rows.clone(), self.kept[0].start),
+            self.kept[1].clone(),
+            offset(begin..end.max(begin), self.kept[2].start),
+            &mut self.input,
+        )?;
+        out.clear();
+        out.resize(rows.len() * width * bins.len() * channels, 0.0);
+        let stride = (end.max(begin) - begin) * channels;
+        if stride == 0 {
+            return Ok(());
+        }
+        let factor = if self.to_come.density {
+            1.0 / merge as f64
+        } else {
+            1.0
+        };
+        let pixels = self
+            .input
+            .chunks(stride)
+            .zip(out.chunks_mut(bins.len() * channels));
+        for (number, (samples, out)) in pixels.enumerate() {
+            let (row, column) = (rows.start + number / width, number % width);
+            let Some((whole, part)) = shift_of(
+                self.to_come,
+                &self.kept,
+                self.store.shape[1],
+                self.ahead,
+                row,
+                column,
+            ) else {
+                // What belongs to this part of the output only, so that nothing is counted twice.
+                let own = samples
+                    .iter()
+                    .enumerate()
+                    .filter(|(at, _)| fine.contains(&(begin + at / channels)));
+                self.dropped += own.map(|(_, sample)| sample).sum::<f64>();
+                continue;
+            };
+            for (at, sample) in samples.iter().enumerate() {
+                let (bin, channel) = (begin + at / channels + whole, at % channels);
+                for (bin, weight) in [(bin, 1.0 - part), (bin + 1, part)] {
+                    if weight != 0.0 && fine.contains(&bin) {
+                        let place = (bin / merge - bins.start) * channels + channel;
+                        out[place] += weight * factor * sample;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn array(
+        &mut self,
+        to: &Path,
+        axes: Option<&Axes>,
+        done: &mut dyn FnMut(u64, u64) -> bool,
+    ) -> Result<()> {
+        let all = Axes::all();
+        let axes = axes.unwrap_or(&all);
+        let slots = axes.slots();
+        let help = "name H, W, T and C once each, H or T first, like \"T H W C\"; C may be left out where there is one channel";
+        let refuse = |what: String| Err(Error::invalid(to, format!("axes {axes}"), what, help));
+        let by_time = match slots.first() {
+            Some(Some(0)) => false,
+            Some(Some(2)) => true,
+            _ => return refuse("arrays are written row by row or bin by bin".into()),
+        };
+        for (slot, name) in [(2, "bins"), (3, "channels")] {
+            if self.shape[slot] != 1 && !slots.contains(&Some(slot)) {
+                return refuse(format!("there are {} {name}", self.shape[slot]));
+            }
+        }
+        let sizes: Vec<usize> = slots
+            .iter()
+            .map(|slot| slot.map_or(1, |slot| self.shape[slot]))
+            .collect();
+        let shape: Vec<String> = sizes.iter().map(usize::to_string).collect();
+        let shape = format!("({})", shape.join(", "));
+        let descriptor = descriptor(&self.dtype);
+        npz::write_stream(to, descriptor, &shape, &mut |writer| {
+            let failed = || Error::io(to, "cannot write");
+            let mut bytes = Vec::new();
+            self.parts(by_time, done, &mut |window, part, dtype| {
+                // From the order of a cube to that of the file.
+                let sizes: Vec<usize> = slots
+                    .iter()
+                    .map(|slot| slot.map_or(1, |slot| window[slot]))
+                    .collect();
+                let arrangement = Arrangement::of(&sizes, axes, false)
+                    .map_err(|what| Error::invalid(to, "", what, help))?;
+                bytes.clear();
+                arrangement.each_place(|place| {
+                    let sample = part[place];
+                    encode(sample, dtype, &mut bytes).ok_or_else(|| too_large(to, sample, dtype))
+                })?;
+                writer.write_all(&bytes).map_err(failed())
+            })
+        })
+    }
+
+    fn frames(&mut self, to: &Path, done: &mut dyn FnMut(u64, u64) -> bool) -> Result<()> {
+        let failed = || Error::io(to, "cannot write");
+        if self.dtype == Dtype::F64 && self.to_come.dtype.is_some() {
+            let what = "EXR has no samples of double precision";
+            return Err(Error::unsupported(
+                to,
+                "",
+                what,
+                "choose f16 or f32, or write a .npy file",
+            ));
+        }
+        if std::fs::symlink_metadata(to).is_ok() {
+            let what = "there is something of this name";
+            return Err(Error::invalid(to, "", what, "name a new folder"));
+        }
+        let folder = Temporary::folder(to).map_err(failed())?;
+        let digits = (self.shape[2] - 1).to_string().len().max(3);
+        let options = image::exr::Options {
+            half: self.dtype == Dtype::F16,
+            ..image::exr::Options::default()
+        };
+        let mut number = 0;
+        self.parts(true, done, &mut |[h, w, bins, channels], part, dtype| {
+            for bin in 0..bins {
+                let channel = |channel: usize| {
+                    let samples =
+                        (0..h * w).map(|pixel| part[(pixel * bins + bin) * channels + channel]);
+                    samples
+                        .map(|sample| match fits(sample, dtype) {
+                            true => Ok(sample as f32),
+                            false => Err(too_large(to, sample, dtype)),
+                        })
+                        .collect::<Result<Vec<f32>>>()
+                };
+                let names: &[&str] = if channels == 3 {
+                    &["radiance.R", "radiance.G", "radiance.B"]
+                } else {
+                    &["Y"]
+                };
+                let layers = names.iter().enumerate().map(|(index, name)| {
+                    Ok(Channel {
+                        name: (*name).into(),
+                        samples: Pixels::F32(channel(index)?),
+                    })
+                });
+                let layers = Layers::new(
+                    w as u32,
+                    h as u32,
+                    layers.collect::<Result<Vec<_>>>()?,
+                    Vec::new(),
+                )?;
+                let name = format!("{number:0digits$}.exr");
+                image::exr::write_with(&folder.path().join(name), &layers, &options)?;
+                number += 1;
+            }
+            Ok(())
+        })?;
+        folder.persist(to).map_err(failed())
+    }
+
+    /// Gives the output to `take`, part by part, with the sizes of each: bin by bin or row by row.
+    fn parts(
+        &mut self,
+        by_time: bool,
+        done: &mut dyn FnMut(u64, u64) -> bool,
+        take: &mut Take<'_>,
+    ) -> Result<()> {
+        let [h, w, t, c] = self.shape;
+        let (count, each) = if by_time {
+            (t, h * w * c)
+        } else {
+            (h, w * t * c)
+        };
+        // Input and output in f64, and the bytes that are written; shifts read some more.
+        let together = (ROOM / (32 * each * self.merge)).clamp(1, count);
+        let (total, dtype) = ((h * w * t * c) as u64, self.dtype.clone());
+        let mut out = Vec::new();
+        for first in (0..count).step_by(together) {
+            let range = first..(first + together).min(count);
+            let window = match by_time {
+                true => [h, w, range.len(), c],
+                false => [range.len(), w, t, c],
+            };
+            match by_time {
+                true => self.part(0..h, range.clone(), &mut out)?,
+                false => self.part(range.clone(), 0..t, &mut out)?,
+            }
+            take(window, &out, &dtype)?;
+            if !done((range.end * each) as u64, total) {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// By how many whole bins all shifts are made larger, and the largest in whole bins after that.
+fn shifts(
+    from: &Path,
+    shift: &[f64],
+    [h, w]: [usize; 2],
+    kept: &[Range<usize>; 3],
+) -> Result<(i64, usize)> {
+    /// More bins than any cube has.
+    const MOST: f64 = 1e9;
+    if shift.len() != h * w {
+        let what = format!(
+            "{} distances for a picture of {h} rows and {w} columns",
+            shift.len()
+        );
+        return Err(Error::invalid(
+            from,
+            "",
+            what,
+            "give a distance per pixel of the whole picture",
+        ));
+    }
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (row, column) in kept[0]
+        .clone()
+        .flat_map(|row| kept[1].clone().map(move |column| (row, column)))
+    {
+        let shift = shift[row * w + column];
+        if shift.is_finite() {
+            (least, most) = (least.min(shift), most.max(shift));
+        }
+    }
+    if !(least.abs() < MOST && most.abs() < MOST && most - least < MOST) {
+        let what = match least > most {
+            true => "no pixel has a distance".to_string(),
+            false => format!("distances are {least:e} to {most:e} bins of light path"),
+        };
+        return Err(Error::invalid(
+            from,
+            "",
+            what,
+            "check the unit of the distances and of the bins' width",
+        ));
+    }
+    let ahead = -least.floor() as i64;
+    Ok((ahead, (most + ahead as f64).ceil() as usize))
+}
+
+/// By how many whole bins a pixel of the output is later, and by which part of one; none where that is not known.
+fn shift_of(
+    changes: &Changes,
+    kept: &[Range<usize>; 3],
+    width: usize,
+    ahead: i64,
+    row: usize,
+    column: usize,
+) -> Option<(usize, f64)> {
+    let Some(shift) = &changes.shift else {
+        return Some((0, 0.0));
+    };
+    let shift = shift[(row + kept[0].start) * width + column + kept[1].start];
+    let shift = shift.is_finite().then_some(shift + ahead as f64)?;
+    Some((shift as usize, shift - shift.floor()))
+}
+
+fn descriptor(dtype: &Dtype) -> &'static str {
+    match dtype {
+        Dtype::F16 => "<f2",
+        Dtype::F64 => "<f8",
+        Dtype::F32 | Dtype::Other(_) => "<f4",
+    }
+}
+
+/// Whether a type holds a number as one that is finite.
+fn fits(sample: f64, dtype: &Dtype) -> bool {
+    match dtype {
+        Dtype::F16 => f16::from_f64(sample).is_finite(),
+        Dtype::F64 => true,
+        Dtype::F32 | Dtype::Other(_) => (sample as f32).is_finite(),
+    }
+}
+
+fn encode(sample: f64, dtype: &Dtype, bytes: &mut Vec<u8>) -> Option<()> {
+    match dtype {
+        _ if !fits(sample, dtype) => return None,
+        Dtype::F16 => bytes.extend(f16::from_f64(sample).to_le_bytes()),
+        Dtype::F64 => bytes.extend(sample.to_le_bytes()),
+        Dtype::F32 | Dtype::Other(_) => bytes.extend((sample as f32).to_le_bytes()),
+    }
+    Some(())
+}
+
+fn too_large(to: &Path, sample: f64, dtype: &Dtype) -> Error {
+    let name = match dtype {
+        Dtype::F16 => "f16",
+        _ => "f32",
+    };
+    let what = format!("{name} cannot hold a sample of {sample:e}");
+    Error::invalid(to, "", what, "choose a wider type")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::cube::{Cube, Samples, load};
+
+    /// (5, 4, 7, 1), written and read back part by part, with bins that pixels shift by different numbers of bins.
+    #[test]
+    fn parts_of_all_orders_are_as_the_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let value = |pixel: usize, bin: i64| match bin {
+            0..7 => libm::sin((pixel * 7) as f64 + bin as f64),
+            _ => 0.0,
+        };
+        let samples = (0..140).map(|n| value(n / 7, (n % 7) as i64)).collect();
+        let cube = Cube::new([5, 4, 7, 1], Samples::F64(samples)).unwrap();
+        npz::write_cube(&path("a.npy"), &cube).unwrap();
+        let shift: Vec<f64> = (0..20).map(|pixel| 0.25 * f64::from(pixel) - 2.0).collect();
+        for (axes, merge) in [("H W T C", 1), ("T H W", 1), ("T W H C", 3), ("H C T W", 2)] {
+            let axes: Axes = axes.parse().unwrap();
+            let changes = Changes {
+                rows: Some(1..4),
+                merge,
+                shift: Some(shift.clone()),
+                axes: Some(axes.clone()),
+                ..Changes::default()
+            };
+            let (to, whole) = (path("b.npz"), Wanted::default());
+            let converted =
+                convert((&path("a.npy"), whole), &to, &changes, &mut |_, _| true).unwrap();
+            // Rows 1 to 3 are shifted by −1 to 1.75: one bin more makes them 0 to 2.75.
+            assert_eq!(
+                (converted.later, converted.shape[2]),
+                (-1.0, 10usize.div_ceil(merge))
+            );
+            let wanted = Wanted {
+                axes: Some(&axes),
+                ..whole
+            };
+            let written = load(&to, wanted).unwrap();
+            for (pixel, bin) in
+                (0..12).flat_map(|pixel| (0..converted.shape[2]).map(move |bin| (pixel, bin)))
+            {
+                let moved = shift[pixel + 4] + 1.0;
+                let (i, f) = (moved.floor() as i64, moved - moved.floor());
+                let fine = (bin * merge) as i64..((bin + 1) * merge) as i64;
+                let expected: f64 = fine
+                    .map(|j| (1.0 - f) * value(pixel + 4, j - i) + f * value(pixel + 4, j - i - 1))
+                    .sum();
+                assert!(
+                    (written.total(pixel, bin) - expected).abs() < 1e-14,
+                    "{axes} {pixel} {bin}"
+                );
+            }
+        }
+        let stopped = convert(
+            (&path("a.npy"), Wanted::default()),
+            &path("c.npy"),
+            &Changes::default(),
+            &mut |_, _| false,
+        );
+        assert!(matches!(stopped, Err(Error::Cancelled)) && !path("c.npy").exists());
+    }
+}

@@ -1,0 +1,206 @@
+//! Cubes on disk, read part by part: what is too large for memory, or is only passed on.
+//!
+//! Arrays of `.npy` and `.ti` files are read where they lie. Members of archives and pictures of sequences, in which
+//! nothing can be found without reading all before it, are written out to a temporary file first.
+
+use std::fs::File;
+use std::io::{BufWriter, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::axes::{Arrangement, Axes};
+use super::format::Wanted;
+use super::npy::{self, Number};
+use super::{sequence, transient_image};
+use crate::error::{Error, Result};
+use crate::io::files::{ReadSeek, Reader};
+use crate::io::npy::Dtype;
+
+/// A cube on disk.
+pub(super) struct Store {
+    reader: Reader,
+    path: PathBuf,
+    layout: StoredLayout,
+    /// H, W, T, C.
+    pub shape: [usize; 4],
+    /// A run of samples, as it is stored and as numbers.
+    bytes: Vec<u8>,
+    run: Vec<f64>,
+}
+
+/// How samples lie in a file.
+#[derive(Debug, Clone)]
+pub(super) struct StoredLayout {
+    /// Bytes before the first sample.
+    pub start: u64,
+    pub number: Number,
+    pub big_endian: bool,
+    /// Sizes, the slowest first.
+    pub sizes: Vec<usize>,
+    /// Axes, in the order of the sizes.
+    pub axes: Axes,
+}
+
+impl Store {
+    /// The cube at `path` that is `wanted` of it, by the checks of loading it.
+    pub fn open(path: &Path, wanted: Wanted) -> Result<Store> {
+        if sequence::is_sequence(path) {
+            let mut spool = Spool::new(path)?;
+            let layout = sequence::write_out(path, wanted, &mut spool.writer)?;
+            return Store::new(path, spool.finish()?, layout);
+        }
+        let (mut reader, _) = crate::io::open::open_regular(path)?;
+        if transient_image::FORMAT.is(&mut reader, path)? {
+            let layout = transient_image::stored(&mut reader, path, wanted)?;
+            return Store::new(path, reader, layout);
+        }
+        if npy::ARRAY.is(&mut reader, path)? {
+            let layout = npy::stored(&mut reader, path, wanted)?;
+            return Store::new(path, reader, layout);
+        }
+        let mut spool = Spool::new(path)?;
+        let layout = npy::write_out(&mut reader, path, wanted, &mut spool.writer)?;
+        Store::new(path, spool.finish()?, layout)
+    }
+
+    fn new(path: &Path, reader: Reader, layout: StoredLayout) -> Result<Store> {
+        let arrangement = Arrangement::of(&layout.sizes, &layout.axes, false)
+            .map_err(|what| Error::invalid(path, "", what, "name the axes of the array"))?;
+        Ok(Store {
+            reader,
+            path: path.to_path_buf(),
+            shape: arrangement.shape,
+            layout,
+            bytes: Vec::new(),
+            run: Vec::new(),
+        })
+    }
+
+    /// The type that samples are loaded in.
+    pub fn dtype(&self) -> Dtype {
+        self.layout.number.loaded().0
+    }
+
+    /// The samples of these rows, columns and bins, in the order of a cube, in place of what is in `to`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or a sample is not finite.
+    pub fn read(
+        &mut self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        bins: Range<usize>,
+        to: &mut Vec<f64>,
+    ) -> Result<()> {
+        let channels = 0..self.shape[3];
+        let window = [rows, columns, bins, channels];
+        let ranges: Vec<Range<usize>> = (self.layout.axes.slots().into_iter())
+            .map(|slot| slot.map_or(0..1, |slot| window[slot].clone()))
+            .collect();
+        let sizes: Vec<usize> = ranges.iter().map(ExactSizeIterator::len).collect();
+        let arrangement = Arrangement::of(&sizes, &self.layout.axes, false)
+            .map_err(|what| Error::invalid(&self.path, "", what, ""))?;
+        to.clear();
+        to.resize(sizes.iter().product(), 0.0);
+        if to.is_empty() {
+            return Ok(());
+        }
+        // Runs that lie together in the file: the last axes that are wanted whole, and a part of the one before them.
+        let whole = |axis: &usize| sizes[*axis] == self.layout.sizes[*axis];
+        let last = sizes.len() - 1;
+        let split = (1..=last)
+            .rev()
+            .take_while(whole)
+            .last()
+            .unwrap_or(last + 1)
+            - 1;
+        let run: usize = sizes[split..].iter().product();
+        let strides = strides(&self.layout.sizes);
+        for number in 0..to.len() / run {
+            // Where the run begins: the index along each axis before it.
+            let mut rest = number;
+            let mut place = ranges[split].start * strides[split];
+            for axis in (0..split).rev() {
+                place += (ranges[axis].start + rest % sizes[axis]) * strides[axis];
+                rest /= sizes[axis];
+            }
+            self.read_run(place, run)?;
+            arrangement.put(number * run, &self.run, to);
+        }
+        Ok(())
+    }
+
+    /// `count` samples from the `first` of the file on.
+    fn read_run(&mut self, first: usize, count: usize) -> Result<()> {
+        let StoredLayout {
+            start,
+            number,
+            big_endian,
+            ..
+        } = self.layout;
+        let size = number.stored();
+        let failed = || Error::io(&self.path, "cannot read");
+        self.reader
+            .seek(SeekFrom::Start(start + first as u64 * size))
+            .map_err(failed())?;
+        self.bytes.resize(count * size as usize, 0);
+        self.reader
+            .read_exact(&mut self.bytes)
+            .map_err(|error| match error.kind() {
+                std::io::ErrorKind::UnexpectedEof => Error::invalid(
+                    &self.path,
+                    "samples",
+                    "the file has become shorter while it was read",
+                    "let nobody write to it meanwhile",
+                ),
+                _ => failed()(error),
+            })?;
+        self.run.clear();
+        number.decode(&self.bytes, big_endian, &mut self.run);
+        match self.run.iter().position(|sample| !sample.is_finite()) {
+            None => Ok(()),
+            Some(bad) => Err(Error::invalid(
+                &self.path,
+                format!("sample {} of the file", first + bad),
+                "the sample is not a finite number",
+                "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+            )),
+        }
+    }
+}
+
+/// How far apart entries along each axis are.
+fn strides(sizes: &[usize]) -> Vec<usize> {
+    let mut strides = vec![1; sizes.len()];
+    for axis in (1..sizes.len()).rev() {
+        strides[axis - 1] = strides[axis] * sizes[axis];
+    }
+    strides
+}
+
+/// A temporary file, which nobody else sees and which vanishes with the process.
+struct Spool {
+    writer: BufWriter<File>,
+    path: PathBuf,
+}
+
+impl Spool {
+    fn new(path: &Path) -> Result<Spool> {
+        let file =
+            tempfile::tempfile().map_err(Error::io(path, "cannot make a temporary file for"))?;
+        Ok(Spool {
+            writer: BufWriter::with_capacity(1 << 16, file),
+            path: path.to_path_buf(),
+        })
+    }
+
+    fn finish(mut self) -> Result<Reader> {
+        let failed = || Error::io(&self.path, "cannot write a temporary file for");
+        self.writer.flush().map_err(failed())?;
+        let file = self
+            .writer
+            .into_inner()
+            .map_err(|error| failed()(error.into_error()))?;
+        Ok(Box::new(file) as Box<dyn ReadSeek>)
+    }
+}

@@ -1,0 +1,267 @@
+//! `nullray convert`: there and back, parts, merged bins, clocks.
+
+use std::path::Path;
+
+use nullray::io::cube::{self, Axes, Cube, Samples, Wanted};
+
+use super::refused::refused;
+use super::{Folder, repository};
+
+fn load(folder: &Folder, name: &str, axes: Option<&str>) -> Cube {
+    let axes: Option<Axes> = axes.map(|axes| axes.parse().unwrap());
+    let wanted = Wanted {
+        axes: axes.as_ref(),
+        ..Wanted::default()
+    };
+    cube::load(&folder.path(name), wanted).unwrap()
+}
+
+fn values(cube: &Cube) -> Vec<f64> {
+    (0..cube.samples.len())
+        .filter_map(|at| cube.samples.get(at))
+        .collect()
+}
+
+fn input() -> String {
+    repository("tests/data/mitransient/near_clip.npz")
+}
+
+/// The cube of `input`: 32 rows, 40 columns, 90 bins, grey, half precision.
+fn original() -> Cube {
+    cube::load(Path::new(&input()), Wanted::default()).unwrap()
+}
+
+#[test]
+fn cubes_go_through_all_formats_and_come_back_bit_for_bit() {
+    let folder = Folder::empty();
+    folder.ok(&["convert", &input(), "-o", "a.npy", "--to-axes", "T H W"]);
+    folder.ok(&["convert", "a.npy", "--axes", "T H W", "-o", "b.npz"]);
+    folder.ok(&["convert", "b.npz", "-o", "frames", "--type", "f16"]);
+    folder.ok(&["convert", "frames", "-o", "c.npy", "--type", "f16"]);
+    folder.ok(&[
+        "convert",
+        "frames/{i:03d}.exr",
+        "-o",
+        "d.npz",
+        "--type",
+        "f64",
+    ]);
+    let original = original();
+    for name in ["b.npz", "c.npy"] {
+        assert_eq!(load(&folder, name, None), original, "{name}");
+    }
+    assert_eq!(load(&folder, "a.npy", Some("T H W")), original);
+    let wide = load(&folder, "d.npz", None);
+    assert!(matches!(wide.samples, Samples::F64(_)));
+    assert_eq!(values(&wide), values(&original));
+    assert_eq!(
+        folder.names(),
+        ["a.npy", "b.npz", "c.npy", "d.npz", "frames"]
+    );
+    // Ninety frames, the last of them 089.
+    assert!(folder.path("frames/089.exr").exists() && !folder.path("frames/090.exr").exists());
+}
+
+#[test]
+fn parts_are_kept_and_bins_are_merged() {
+    let folder = Folder::empty();
+    let parts = [
+        "--rows",
+        "3:7",
+        "--columns",
+        "10:15",
+        "--bins",
+        "20:80",
+        "--merge",
+        "4",
+        "--type",
+        "f64",
+    ];
+    let said = folder.ok(&[
+        &[
+            "convert",
+            &input(),
+            "-o",
+            "a.npy",
+            "--start",
+            "4 m",
+            "--bin-width",
+            "0.1 m",
+        ],
+        &parts[..],
+    ]
+    .concat());
+    // 4 m + 20 bins of 0.1 m.
+    assert!(
+        said.contains("4 rows, 5 columns, 15 time bins, grey; f64"),
+        "{said}"
+    );
+    assert!(
+        said.contains("start = \"6 m\", bin_width = \"0.4 m\""),
+        "{said}"
+    );
+    folder.ok(&[
+        &["convert", &input(), "-o", "b.npy", "--density"],
+        &parts[..],
+    ]
+    .concat());
+    let (original, sums, means) = (
+        original(),
+        load(&folder, "a.npy", None),
+        load(&folder, "b.npy", None),
+    );
+    for (row, column, bin) in [(0, 0, 0), (3, 4, 14), (2, 1, 7)] {
+        let sum: f64 = (0..4)
+            .map(|k| original.total((row + 3) * 40 + column + 10, 20 + 4 * bin + k))
+            .sum();
+        assert_eq!(sums.total(row * 5 + column, bin), sum);
+        assert!((means.total(row * 5 + column, bin) - 0.25 * sum).abs() < 1e-15);
+    }
+}
+
+/// The sum of a pixel's bins, and their mean time in bins.
+fn moments(cube: &Cube, pixel: usize) -> (f64, f64) {
+    let sum: f64 = (0..cube.shape[2]).map(|bin| cube.total(pixel, bin)).sum();
+    let first: f64 = (0..cube.shape[2])
+        .map(|bin| bin as f64 * cube.total(pixel, bin))
+        .sum();
+    (sum, first / sum)
+}
+
+/// A distance of r lies r/w bins back, and every sum stays.
+#[test]
+fn unwarping_takes_off_the_way_and_warping_puts_it_back() {
+    let folder = Folder::empty();
+    let original = original();
+    let distance = |pixel: usize| 2.0 + 0.013 * pixel as f64;
+    let mut map = b"\x93NUMPY\x01\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (32, 40), }\n";
+    map.extend((header.len() as u16).to_le_bytes());
+    map.extend(header.bytes());
+    map.extend((0..32 * 40).flat_map(|pixel| distance(pixel).to_le_bytes()));
+    folder.write("map.npy", &map);
+    let said = folder.ok(&[
+        "convert",
+        &input(),
+        "-o",
+        "world.npy",
+        "--unwarp",
+        "map.npy",
+        "--bin-width",
+        "0.1 m",
+        "--start",
+        "4 m",
+        "--type",
+        "f64",
+    ]);
+    let start: f64 = said
+        .split("start = \"")
+        .nth(1)
+        .unwrap()
+        .split(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap();
+    let world = load(&folder, "world.npy", None);
+    for pixel in [0, 17, 640, 1279] {
+        let (sum, mean) = moments(&original, pixel);
+        let (moved, earlier) = moments(&world, pixel);
+        if sum > 0.0 {
+            assert!((moved / sum - 1.0).abs() < 1e-12, "{pixel}");
+            // Times in metres: 4 + 0.1 mean less the distance.
+            let expected = 4.0 + 0.1 * mean - distance(pixel);
+            assert!((start + 0.1 * earlier - expected).abs() < 1e-9, "{pixel}");
+        }
+    }
+    // Frames and parts of it, bin by bin, are the same numbers.
+    folder.ok(&[
+        "convert",
+        &input(),
+        "-o",
+        "by_time.npy",
+        "--unwarp",
+        "map.npy",
+        "--bin-width",
+        "0.1 m",
+        "--type",
+        "f64",
+        "--to-axes",
+        "T H W",
+    ]);
+    assert_eq!(load(&folder, "by_time.npy", Some("T H W")), world);
+    folder.ok(&[
+        "convert",
+        "world.npy",
+        "-o",
+        "back.npy",
+        "--warp",
+        "map.npy",
+        "--bin-width",
+        "0.1 m",
+    ]);
+    let back = load(&folder, "back.npy", None);
+    let total = |cube: &Cube| values(cube).iter().sum::<f64>();
+    assert!((total(&back) / total(&original) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
+    let folder = Folder::empty();
+    folder.write("large.npy", large());
+    let input = input();
+    for (arguments, wrong) in [
+        (&["-o", "a.png"][..], ".png is no form of cube"),
+        (&["-o", "a.npy", "--rows", "30:33"], "it has no rows 30:33"),
+        (
+            &["-o", "a.npy", "--merge", "4"],
+            "90 bins cannot be merged by 4",
+        ),
+        (
+            &["-o", "a.npy", "--to-axes", "W H T"],
+            "row by row or bin by bin",
+        ),
+        (&["-o", "a.npy", "--to-axes", "H W"], "there are 90 bins"),
+        (
+            &["-o", "a.npy", "--unwarp", "large.npy"],
+            "width of a bin is not known",
+        ),
+        (
+            &["-o", "a.npy", "--unwarp", "large.npy", "--bin-width", "1 m"],
+            "distances of shape [1, 1, 1]",
+        ),
+        (
+            &["-o", "frames", "--type", "f64"],
+            "no samples of double precision",
+        ),
+        (&["-o", "a.npy", "--array", "x"], "there is no such array"),
+        (&["-o", "large.npy/a.npy"], "cannot write"),
+    ] {
+        refused(
+            &folder,
+            &[&["convert", input.as_str()], arguments].concat(),
+            &[wrong],
+        );
+    }
+    refused(
+        &folder,
+        &["convert", "large.npy", "-o", "a.npy", "--type", "f16"],
+        &["f16 cannot hold a sample of 1e6"],
+    );
+    refused(
+        &folder,
+        &["convert", "large.npy", "-o", "large.npy"],
+        &["is read"],
+    );
+    assert_eq!(folder.names(), ["large.npy"]);
+}
+
+/// One sample of a million.
+fn large() -> Vec<u8> {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 1, 1), }\n";
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.bytes());
+    file.extend(1e6f32.to_le_bytes());
+    file
+}

@@ -247,7 +247,7 @@ colour = [0.9, 0.5, 0.3]
         let file = folder.path().join(format!("{name}.npy"));
         npz::write_cube(&file, &baked.cube).unwrap();
         sources += &format!(
-            "[[source]]\nobjects = [\"{name}\"]\ncube = {{ file = {:?}, start = \"-2 m\", bin_width = \"0.1 m\", clock = \"world\", uv = 0 }}\n",
+            "[[source]]\nobjects = [\"{name}\"]\ncube = {{ file = {:?}, start = \"-2 m\", bin_width = \"0.1 m\", clock = \"world\", filter = \"linear\", uv = 0 }}\n",
             file.to_str().unwrap()
         );
     }

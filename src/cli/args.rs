@@ -386,6 +386,7 @@ impl FrameArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("timed").multiple(true))]
 pub struct RenderArguments {
     /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
     #[arg(value_name = "SCENE")]
@@ -662,10 +663,14 @@ pub struct DiagramArguments {
     /// The scene file (TOML), with a [diagram] table or without. Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Where to write: .svg, .pdf, .png, .apng (animated PNG), .y4m (raw video), or - for .y4m on standard output.
-    /// Repeatable. Default: the scene's name with .svg, in the current directory.
+    /// Where to write: .svg, .pdf, .png, .tex (TikZ, for \\input), .apng (animated PNG), .y4m (raw video), or - for .y4m
+    /// on standard output. Repeatable. Default: the scene's name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
+    /// Text of an .svg as text, to be searched and edited, in the fonts of whoever shows it. Default: outlines, which look
+    /// the same everywhere.
+    #[arg(long)]
+    pub text: bool,
     /// Draw in the coordinates of this frame: "world", "camera", or one of the file's; with --pixel also the
     /// object that is seen.
     #[arg(long, value_name = "NAME")]
@@ -692,7 +697,7 @@ pub struct DiagramArguments {
     /// Width and height of the page, points.
     #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
-    /// Change a key of the file: --set "diagram.frame.S'.velocity=0.8". Repeatable.
+    /// Change a key of the file: --set "diagram.worldline.Bob.velocity=0.8". Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
     pub set: Vec<(String, String)>,
     /// The camera's proper time when the picture is taken, with its unit: "3.2 m" or "12 ns".
@@ -708,6 +713,15 @@ pub struct DiagramArguments {
     pub pixel: PixelArguments,
 }
 
+/// An end of the light of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Origin {
+    /// Where the camera sees it.
+    Camera,
+    /// Where it was emitted.
+    Object,
+}
+
 /// From a picture to its diagram.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "From a pixel")]
@@ -719,6 +733,10 @@ pub struct PixelArguments {
     /// Width and height of the picture that --pixel counts in. Default: the scene's.
     #[arg(long, value_name = "WxH", requires = "pixel", value_parser = values::size, allow_hyphen_values = true)]
     pub image_size: Option<[u32; 2]>,
+    /// Where the coordinates of the diagram are 0: where the camera sees the light, or where it was emitted. Default: where
+    /// the frame has its origin.
+    #[arg(long, value_name = "WHERE", requires = "pixel")]
+    pub origin: Option<Origin>,
     /// Print the numbers of the pixel as JSON, and nothing else.
     #[arg(long, requires = "pixel")]
     pub json: bool,

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use nullray::approximate::raster::{self, Method};
+use nullray::figures::overlay::{Part, apparent};
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -10,7 +11,7 @@ use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
 
 use super::check::check_all;
-use super::output::Outputs;
+use super::output::{Kind, Outputs};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{inputs, interrupt, overlay, remarks, say, warn};
@@ -28,10 +29,31 @@ pub fn one(
     overlay::check(outputs, scene)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
-    outputs.write(scene, &rendered.film, quiet)?;
+    let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
+    outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
     rendered.remark(scene, &plan, quiet)?;
     let Rendered { film, prepared, .. } = &mut rendered;
     overlay::write(outputs, scene, film, prepared, quiet)
+}
+
+/// Retarded times at the centres of pixels, where a picture of them is asked for: those of samples that lie somewhere in
+/// their pixels would break its lines.
+pub fn times(
+    outputs: &Outputs,
+    scene: &Scene,
+    prepared: &mut Prepared,
+    quiet: bool,
+) -> Result<Option<Film>> {
+    let asked = outputs.files().any(|(_, kind)| kind == Kind::Isochrones);
+    if !asked || outputs.method != Method::Trace {
+        return Ok(None);
+    }
+    let [width, height] = scene.camera.size.map(u64::from);
+    let bar = Bar::new(width * height, quiet).named("retarded times".into());
+    let film = apparent(prepared, Part::Isochrones.into(), &bar)?;
+    drop(bar);
+    interrupt::check()?;
+    Ok(Some(film))
 }
 
 /// A finished film, and remarks on it.

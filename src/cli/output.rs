@@ -10,7 +10,7 @@ use std::time::SystemTime;
 
 use nullray::Result;
 use nullray::approximate::raster::Method;
-use nullray::figures::drawing::{Drawing, pdf, png, svg};
+use nullray::figures::drawing::{Drawing, pdf, png, svg, tikz};
 use nullray::figures::isochrones;
 use nullray::figures::overlay::{self, Parts};
 use nullray::io::files;
@@ -110,7 +110,13 @@ impl Outputs {
             true => 0,
             false => overlay::bytes(size, self.parts),
         };
-        self.method.bytes(self.needs().len()).saturating_add(lines)
+        // The times at the centres of pixels: radiance and one channel, f64, as a film and as the channels of one.
+        let centred = match self.files().any(|(_, kind)| kind == Kind::Isochrones) {
+            true => 64 * u64::from(size[0]) * u64::from(size[1]),
+            false => 0,
+        };
+        let beside = self.method.bytes(self.needs().len());
+        beside.saturating_add(lines).saturating_add(centred)
     }
 
     /// All files of the film's own, and what they hold; not those with lines drawn over them.
@@ -148,9 +154,21 @@ impl Outputs {
     }
 
     /// Writes all files, one after the other; prints which unless `quiet`.
-    pub fn write(&self, scene: &Scene, film: &Film, quiet: bool) -> Result<()> {
+    ///
+    /// `times` is the film of retarded times at the centres of pixels, where they are asked for.
+    pub fn write(
+        &self,
+        scene: &Scene,
+        film: &Film,
+        times: Option<&Film>,
+        quiet: bool,
+    ) -> Result<()> {
         for (path, kind) in self.files() {
             interrupt::check()?;
+            let film = match kind {
+                Kind::Isochrones => times.unwrap_or(film),
+                _ => film,
+            };
             let note = self.write_one(path, kind, scene, film)?;
             say(quiet, &format!("wrote {}{note}\n", path.display()))?;
         }
@@ -292,6 +310,7 @@ pub fn encoded(drawing: &Drawing, kind: &str, scale: f64) -> Result<Vec<u8>> {
     match kind {
         "svg" => Ok(svg::write(drawing)?.into_bytes()),
         "pdf" => pdf::write(drawing),
+        "tex" => Ok(tikz::write(drawing)?.into_bytes()),
         _ => png::write(&png::render(drawing, scale)?),
     }
 }

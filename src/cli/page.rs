@@ -174,7 +174,7 @@ fn probes(arguments: &PageArguments, scene: &Scene, shots: &[Shot]) -> Result<Ve
                 interrupt::check()?;
                 let pixel = [middle(column, columns, width), middle(row, rows, height)];
                 let probe = pixel_probe::trace(&scene, pixel, limit, &Bar::new(0, true))?;
-                let model = pixel_probe::diagram(&probe, base.clone(), None);
+                let model = pixel_probe::diagram(&probe, base.clone(), None, None);
                 let model = model.ok_or_else(|| {
                     Error::invalid(
                         &scene.name,

@@ -190,9 +190,17 @@ impl Part {
     fn render(&self, quiet: bool) -> Result<contact_sheet::Panel> {
         let plan = Plan::new(&self.scene, &self.request)?;
         let mut rendered = film::film(&self.scene, &plan, &Method::Trace, quiet, None)?;
-        self.outputs.write(&self.scene, &rendered.film, quiet)?;
+        let prepared = &mut rendered.prepared;
+        let shown = Outputs {
+            images: vec![PathBuf::from("panel.png")],
+            ..self.outputs.clone()
+        };
+        let times = film::times(&shown, &self.scene, prepared, quiet)?;
+        let outputs = &self.outputs;
+        outputs.write(&self.scene, &rendered.film, times.as_ref(), quiet)?;
         rendered.remark(&self.scene, &plan, quiet)?;
-        let Picture { image, .. } = picture(&self.scene, &rendered.film, self.outputs.show, None)?;
+        let film = times.as_ref().unwrap_or(&rendered.film);
+        let Picture { image, .. } = picture(&self.scene, film, self.outputs.show, None)?;
         Ok(contact_sheet::Panel {
             picture: image,
             label: self.label.clone(),

@@ -43,7 +43,7 @@
 //!   `"0.6 m"`, `"3 mm"` (optical path length ct: m, cm, mm, um or µm, nm, km) or `"2 ps"` (s, ms, us or
 //!   µs, ns, ps, fs, as), the latter converted with the scene's speed of light. Angles: deg, rad.
 //!   Wavelengths: nm, um, mm, cm, m. Speeds: m/s, km/s, km/h. Percentages: %.
-//!   Accelerations: /m, /cm, /mm, /km or 1/m … (a/c²), m/s2 or m/s², c/s, c/ns, c/ps. Angular rates: rad/m,
+//!   Accelerations: /m, /cm, /mm, /km or 1/m … (a/c²), m/s2 or m/s², g, c/s, c/ns, c/ps. Angular rates: rad/m,
 //!   deg/m, rad/s, deg/s, rad/ns, deg/ns. Those with seconds are converted with the scene's speed of light.
 //! - Colours are linear red, green, blue.
 //!

@@ -339,7 +339,7 @@ const INVERSE_LENGTHS: [Unit; 4] = [
 ];
 
 /// a/c² is an inverse length: base units are 1/m, the speed of light per second, or m/s².
-const ACCELERATIONS: [Unit; 8] = {
+const ACCELERATIONS: [Unit; 9] = {
     let [m, cm, mm, km] = INVERSE_LENGTHS;
     [
         m,
@@ -350,6 +350,11 @@ const ACCELERATIONS: [Unit; 8] = {
             spellings: &["m/s^2", "m/s²"],
             light: -2,
             ..unit("m/s2", 1.0, 1.0)
+        },
+        // Standard gravity, 9.80665 m/s² (CGPM 1901).
+        Unit {
+            light: -2,
+            ..unit("g", 9.80665, 1.0)
         },
         per_second("c/s", 1.0, 1.0),
         per_second("c/ns", 1e9, 1.0),
@@ -468,7 +473,7 @@ dimension!(
 dimension!(
     AccelerationDimension,
     Acceleration,
-    "A proper acceleration, as a/c² (/m, /cm, /mm, /km) or a (m/s2, c/s, c/ns, c/ps).",
+    "A proper acceleration, as a/c² (/m, /cm, /mm, /km) or a (m/s2, g, c/s, c/ns, c/ps).",
     "an acceleration",
     ACCELERATIONS
 );

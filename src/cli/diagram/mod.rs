@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nullray::Result;
 use nullray::figures::diagram;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::drawing::{self, Drawing};
+use nullray::figures::drawing::{self, Drawing, svg};
 use nullray::render::metadata;
 use nullray::scene::Overrides;
 
@@ -20,7 +20,7 @@ use super::output::{encoded, extension};
 use super::{builtin, interrupt, reel, say};
 
 /// The kinds of files, by extension.
-const KINDS: [&str; 5] = ["svg", "pdf", "png", "apng", "y4m"];
+const KINDS: [&str; 6] = ["svg", "pdf", "png", "tex", "apng", "y4m"];
 
 /// A file to be written.
 pub struct Output {
@@ -98,7 +98,11 @@ impl Pages<'_> {
     /// Writes one file; says so unless asked to be quiet.
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
-        drawing::save(path, encoded(drawing, &output.kind, self.arguments.scale)?)?;
+        let bytes = match self.arguments.text && output.kind == "svg" {
+            true => svg::write_with_text(drawing)?.into_bytes(),
+            false => encoded(drawing, &output.kind, self.arguments.scale)?,
+        };
+        drawing::save(path, bytes)?;
         let [width, height] = [drawing.width, drawing.height].map(f64::round);
         let path = path.display();
         let quiet = self.arguments.quiet || self.arguments.pixel.json;
@@ -138,7 +142,8 @@ fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
             let what = "the name does not say which kind of drawing to write";
-            let help = "end it in .svg, .pdf, .png, .apng (animated) or .y4m (raw video)";
+            let help =
+                "end it in .svg, .pdf, .png, .tex (TikZ), .apng (animated) or .y4m (raw video)";
             return Err(refused(option, what, help));
         }
         if reel::is_pipe(&output.path) {

@@ -11,7 +11,7 @@ use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
 use super::overrides;
-use crate::cli::args::DiagramArguments;
+use crate::cli::args::{DiagramArguments, Origin};
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
 use crate::cli::{interrupt, memory, panels, print_json};
@@ -28,7 +28,11 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     interrupt::check()?;
     let known = known(&base, &probe);
     let frame = arguments.frame.as_deref();
-    let model = pixel_probe::diagram(&probe, base, frame);
+    let origin = arguments.pixel.origin.map(|origin| match origin {
+        Origin::Camera => pixel_probe::Origin::Reception,
+        Origin::Object => pixel_probe::Origin::Emission,
+    });
+    let model = pixel_probe::diagram(&probe, base, frame, origin);
     let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
     print_numbers(arguments, &probe)?;
     Ok(model)

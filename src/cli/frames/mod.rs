@@ -142,7 +142,11 @@ impl Sequence<'_> {
         }
         let film = self.film(&scene, number)?;
         let quiet = self.job.quiet;
-        outputs.write(&scene, &film, quiet)?;
+        let times = match &mut self.prepared {
+            Some(prepared) => super::film::times(&outputs, &scene, prepared, quiet)?,
+            None => None,
+        };
+        outputs.write(&scene, &film, times.as_ref(), quiet)?;
         if let Some(prepared) = &mut self.prepared {
             overlay::write(&outputs, &scene, &film, prepared, quiet)?;
         }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::model::{Colour, Side};
-use super::spot::{OneOrMany, Place, Speed};
+use super::spot::{OneOrMany, Place, ProperAcceleration, Speed};
 use crate::scene::{At, Number, Numbers, Vector};
 use crate::spacetime::units::Length;
 
@@ -166,8 +166,8 @@ pub(super) struct DiagramLine {
     pub velocity: Option<At<Speed>>,
     /// The frame relative to which `velocity` is. Default: "world".
     pub relative_to: Option<At<String>>,
-    /// Constant proper acceleration along the diagram's direction, per unit of length.
-    pub acceleration: Option<At<Number>>,
+    /// Constant proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g".
+    pub acceleration: Option<At<ProperAcceleration>>,
     /// One stretch of constant proper acceleration after the other, from the event `at` on.
     pub segments: Option<At<Vec<At<LineSegment>>>>,
     /// Proper acceleration along the diagram's direction at ascending own times, [time, acceleration] each,
@@ -205,8 +205,9 @@ pub(super) struct DiagramLine {
 pub(super) struct LineSegment {
     /// The own time that it takes, above 0. Only the last stretch may leave it out.
     pub duration: Option<At<Number>>,
-    /// Proper acceleration along the diagram's direction. Default: none; it coasts.
-    pub acceleration: Option<At<Number>>,
+    /// Proper acceleration along the diagram's direction: per unit of length, or a quantity like "1 g". Default: none; it
+    /// coasts.
+    pub acceleration: Option<At<ProperAcceleration>>,
 }
 
 /// A circle at constant speed, in a plane that holds the diagram's direction.

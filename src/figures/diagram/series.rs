@@ -3,7 +3,7 @@
 use super::draw::{Habits, draw_next};
 use super::layout::{Limits, layout, limits};
 use crate::error::Result;
-use crate::figures::diagram::model::{Animation, Diagram};
+use crate::figures::diagram::model::{Animation, Diagram, Spot};
 use crate::figures::drawing::Drawing;
 
 /// Pictures whose automatic limits make those of all.
@@ -70,13 +70,37 @@ fn fix_limits(diagram: &mut Diagram, frames: u32) {
         ct: wider(a.ct, b.ct),
         y: wider(a.y, b.y),
     });
+    // Events stay on the page, also where its limits are given.
+    let looked_at = (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT);
+    let events: Vec<[f64; 2]> = looked_at
+        .flat_map(|k| marked(&diagram.picture(k)))
+        .collect();
+    let range = |i: usize| {
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let [from, to] = events
+            .iter()
+            .fold(ends, |[a, b], e| [a.min(e[i]), b.max(e[i])]);
+        let air = 0.05 * (to - from).max(0.0);
+        [from - air, to + air]
+    };
     if let Some(Limits { x, ct, y }) = whole {
         let metres = |range: [f64; 2]| range.map(|end| end * diagram.unit.metres);
         let (x, ct) = (metres(x), metres(ct));
-        diagram.x.get_or_insert(x);
-        diagram.ct.get_or_insert(ct);
+        diagram.x = Some(wider(diagram.x.unwrap_or(x), range(1)));
+        diagram.ct = Some(wider(diagram.ct.unwrap_or(ct), range(0)));
         if diagram.across.is_some() {
             diagram.y.get_or_insert(metres(y));
         }
     }
+}
+
+/// Where the events with dots are in the view of a picture, ct and x, metres.
+fn marked(picture: &Diagram) -> Vec<[f64; 2]> {
+    let view = picture.views.first().and_then(|i| picture.frames.get(*i));
+    let events = picture.events.iter().filter(|event| event.dot);
+    let at = |event: &Spot| {
+        let own = view?.frame.event_from_world(event.at);
+        Some([own.ct, picture.direction.dot(own.x)])
+    };
+    events.filter_map(at).collect()
 }

@@ -8,7 +8,9 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::scene::model::SPEED_OF_LIGHT;
 use crate::scene::{At, Number, Numbers, VelocityTable};
+use crate::spacetime::units::Acceleration;
 
 /// An event: its name, [ct, x], or [ct, x, y].
 #[derive(Debug, Clone, Serialize)]
@@ -27,6 +29,57 @@ pub(super) enum Place {
 pub(super) enum Speed {
     Beta(Number),
     Table(Box<VelocityTable>),
+}
+
+/// A proper acceleration: a number per unit of length, or with a unit of its own, like "1 g".
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(untagged)]
+pub(super) enum ProperAcceleration {
+    PerUnit(Number),
+    Quantity(Acceleration),
+}
+
+impl ProperAcceleration {
+    /// In 1/m (a/c²), where a number is one per `unit` metres.
+    pub fn per_metre(&self, unit: f64) -> f64 {
+        match self {
+            ProperAcceleration::PerUnit(number) => number.0 / unit,
+            ProperAcceleration::Quantity(quantity) => quantity.per_metre(SPEED_OF_LIGHT),
+        }
+    }
+}
+
+struct ProperAccelerationVisitor;
+
+impl Visitor<'_> for ProperAccelerationVisitor {
+    type Value = ProperAcceleration;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number (per unit of length) or a quantity like \"1 g\"")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<ProperAcceleration, E> {
+        match value.is_finite() {
+            true => Ok(ProperAcceleration::PerUnit(Number(value))),
+            false => Err(E::custom(format!("{value} is not a finite number"))),
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<ProperAcceleration, E> {
+        Ok(ProperAcceleration::PerUnit(Number(value as f64)))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<ProperAcceleration, E> {
+        let quantity = text.parse().map_err(E::custom)?;
+        Ok(ProperAcceleration::Quantity(quantity))
+    }
+}
+
+impl<'de> Deserialize<'de> for ProperAcceleration {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ProperAccelerationVisitor)
+    }
 }
 
 /// One name, or several.

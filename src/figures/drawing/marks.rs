@@ -29,6 +29,7 @@ pub(super) enum Mark<'a> {
     },
     /// Outlines of text, with what it says.
     Text {
+        text: &'a Text,
         says: String,
         marks: Vec<Mark<'a>>,
     },
@@ -142,7 +143,7 @@ fn push_stroke(marks: &mut Vec<Mark>, path: &Path, stroke: &Stroke) {
     }
 }
 
-fn text_mark(text: &Text) -> Result<Mark<'static>> {
+fn text_mark(text: &Text) -> Result<Mark<'_>> {
     let outline = text.outline()?;
     let mut marks = Vec::with_capacity(2);
     if let Some((colour, width)) = text.halo.filter(|(_, width)| *width > 0.0) {
@@ -158,6 +159,7 @@ fn text_mark(text: &Text) -> Result<Mark<'static>> {
     }
     push_fill(&mut marks, outline, text.colour);
     Ok(Mark::Text {
+        text,
         says: text.text.text(),
         marks,
     })

@@ -46,6 +46,7 @@ pub mod pdf;
 pub mod png;
 mod style;
 pub mod svg;
+pub mod tikz;
 
 pub use file::save;
 pub(crate) use image::push_base64;

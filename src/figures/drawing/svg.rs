@@ -4,7 +4,7 @@
 
 use super::image::{png_of, push_base64};
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Path};
+use super::{AnchorX, Cap, Colour, Drawing, Join, Path, Text};
 use crate::error::Result;
 use crate::figures::text::{Rect, Segment};
 use crate::io::image::RgbImage;
@@ -15,8 +15,24 @@ use crate::io::image::RgbImage;
 /// Numbers that are not finite, paths that are not sound, pages of more than 200 inches; with the index
 /// of the item.
 pub fn write(drawing: &Drawing) -> Result<String> {
+    written(drawing, false)
+}
+
+/// The same with text as text: it can be searched and edited, and is set in the fonts of whoever shows the file, Libertinus
+/// Serif where there is one.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_with_text(drawing: &Drawing) -> Result<String> {
+    written(drawing, true)
+}
+
+fn written(drawing: &Drawing, as_text: bool) -> Result<String> {
     let marks = marks(drawing)?;
-    let mut svg = Svg::default();
+    let mut svg = Svg {
+        as_text,
+        ..Svg::default()
+    };
     svg.head(drawing, holds_image(&marks));
     svg.origin(&drawing.origin);
     svg.marks(&marks)?;
@@ -48,6 +64,8 @@ struct Svg {
     text: String,
     /// How many clips there are so far.
     clips: usize,
+    /// Whether text is text, not outlines.
+    as_text: bool,
 }
 
 impl Svg {
@@ -87,7 +105,8 @@ impl Svg {
                 Mark::Line { path, line } => self.line(path, line),
                 Mark::Clip { path, marks } => self.clip(path, marks)?,
                 Mark::Image { image, rect } => self.image(image, rect)?,
-                Mark::Text { says, marks } => self.says(says, marks)?,
+                Mark::Text { text, .. } if self.as_text => self.words(text),
+                Mark::Text { says, marks, .. } => self.says(says, marks)?,
             }
         }
         Ok(())
@@ -161,6 +180,53 @@ impl Svg {
         self.marks(marks)?;
         self.text.push_str("</g>\n");
         Ok(())
+    }
+
+    fn words(&mut self, text: &Text) {
+        let [_, down] = text.anchor.offset(0.0, text.size);
+        let anchor = match text.anchor.x {
+            AnchorX::Start => "start",
+            AnchorX::Middle => "middle",
+            AnchorX::End => "end",
+        };
+        let [x, y] = text.at.map(number);
+        self.text.push_str("<text xml:space=\"preserve\"");
+        self.attribute("x", &x);
+        self.attribute("y", &number(text.at[1] + down));
+        self.attribute(
+            "font-family",
+            "'Libertinus Serif', 'Linux Libertine O', 'Times New Roman', serif",
+        );
+        self.attribute("font-size", &number(text.size));
+        self.attribute("text-anchor", anchor);
+        if text.angle != 0.0 {
+            let turn = number(-text.angle.to_degrees());
+            self.attribute("transform", &format!("rotate({turn} {x} {y})"));
+        }
+        if let Some((colour, width)) = text.halo.filter(|(_, width)| *width > 0.0) {
+            self.attribute("paint-order", "stroke");
+            self.colour("stroke", colour);
+            self.attribute("stroke-width", &number(2.0 * width));
+            self.attribute("stroke-linejoin", "round");
+        }
+        self.colour("fill", text.colour);
+        self.text.push('>');
+        let mut raised = 0.0;
+        for (words, leans, scale, rise) in text.text.runs() {
+            self.text.push_str("<tspan");
+            if leans {
+                self.attribute("font-style", "italic");
+            }
+            if scale != 1.0 {
+                self.attribute("font-size", &number(scale * text.size));
+            }
+            if rise != raised {
+                self.attribute("dy", &number((raised - rise) * text.size));
+                raised = rise;
+            }
+            self.text.push_str(&format!(">{}</tspan>", escaped(words)));
+        }
+        self.text.push_str("</text>\n");
     }
 
     fn colour(&mut self, attribute: &str, colour: Colour) {

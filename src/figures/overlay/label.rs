@@ -1,9 +1,9 @@
 //! Labels along lines: where a line is nearly straight, and no other label is near.
 
 use super::Polyline;
-use super::style::{self, HEAVY};
+use super::style;
 use crate::error::Result;
-use crate::figures::drawing::Text;
+use crate::figures::drawing::{Colour, Text};
 use crate::figures::text::RichText;
 
 /// Points per em.
@@ -39,8 +39,12 @@ impl Labels {
     }
 
     /// A label with this text along `line`, points; none where there is no room for it.
-    pub fn along(&mut self, line: &Polyline, text: &str) -> Result<Option<Text>> {
-        let text = RichText::plain(text)?;
+    pub fn along(
+        &mut self,
+        line: &Polyline,
+        text: RichText,
+        colour: Colour,
+    ) -> Result<Option<Text>> {
         let width = text.width(SIZE)?;
         let lengths = lengths(line);
         let whole = lengths.last().copied().unwrap_or(0.0);
@@ -58,7 +62,7 @@ impl Labels {
             self.discs.extend(discs);
             // Read from the left, or from below.
             let (x, y) = if x < 0.0 { (-x, -y) } else { (x, y) };
-            let label = style::label(text, m, HEAVY.colour, SIZE);
+            let label = style::label(text, m, colour, SIZE);
             return Ok(Some(Text {
                 angle: libm::atan2(-y, x),
                 ..label

@@ -24,6 +24,7 @@ mod outline;
 mod page;
 mod parts;
 mod pointer;
+mod smooth;
 mod style;
 mod times;
 
@@ -55,6 +56,8 @@ pub struct Overlay {
     pub apparent: Vec<Outline>,
     /// Where objects are at the world time of the shot.
     pub instantaneous: Vec<Outline>,
+    /// The names of objects, by their index.
+    pub names: Vec<String>,
     /// Where the camera moves; none where it rests.
     pub pointer: Option<Pointer>,
     /// What the legend below the picture states.
@@ -131,6 +134,7 @@ impl Overlay {
             isochrones: isochrones.transpose()?.flatten(),
             apparent: outlined(apparent),
             instantaneous: outlined(instantaneous),
+            names: scene.objects.iter().map(|o| o.name.clone()).collect(),
             pointer: pointer.filter(|_| parts.has(Part::Beta)),
             legend: parts.has(Part::Legend).then_some(facts),
         })

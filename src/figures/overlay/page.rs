@@ -2,12 +2,13 @@
 
 use super::label::Labels;
 use super::legend;
+use super::smooth::smooth;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
 use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::isochrones::lines::path_of;
-use crate::figures::text::Rect;
+use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
 
 /// The picture's longer side, points.
@@ -105,6 +106,7 @@ impl Overlay {
             items.extend(stroked(place, isochrones, true));
             texts = labelled(place, isochrones, &mut labels)?;
         }
+        texts.extend(self.named(place, &mut labels)?);
         items.extend(outlined(place, &self.instantaneous, INSTANTANEOUS));
         items.extend(outlined(place, &self.apparent, APPARENT));
         items.extend(texts);
@@ -112,6 +114,27 @@ impl Overlay {
             items.extend(pointed(place, pointer)?);
         }
         Ok(items)
+    }
+}
+
+impl Overlay {
+    /// The names of objects along the dashed lines of where they are.
+    fn named(&self, place: &Place, labels: &mut Labels) -> Result<Vec<Item>> {
+        let mut texts = Vec::new();
+        for outline in &self.instantaneous {
+            let name = self.names.get(outline.object);
+            // What cannot be set stays without a name.
+            let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
+                continue;
+            };
+            let longest = outline.lines.iter().max_by_key(|line| line.len());
+            let line = longest.map(|line| place.line(&smooth(line)));
+            if let Some(line) = line {
+                let label = labels.along(&line, name, INSTANTANEOUS.colour)?;
+                texts.extend(label.map(Item::Text));
+            }
+        }
+        Ok(texts)
     }
 }
 
@@ -150,10 +173,9 @@ impl Place {
 }
 
 fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
-    pen.draw(path_of(
-        outlines.iter().flat_map(|o| &o.lines),
-        place.point(),
-    ))
+    let lines = outlines.iter().flat_map(|o| &o.lines);
+    let lines: Vec<Polyline> = lines.map(smooth).collect();
+    pen.draw(path_of(&lines, place.point()))
 }
 
 fn stroked(place: &Place, isochrones: &Isochrones, heavy: bool) -> [Item; 2] {
@@ -168,7 +190,8 @@ fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Resu
     let mut texts = Vec::new();
     for isochrone in heavy.into_iter().chain(light) {
         for line in &isochrone.lines {
-            let label = labels.along(&place.line(line), &isochrone.label)?;
+            let text = RichText::plain(&isochrone.label)?;
+            let label = labels.along(&place.line(line), text, HEAVY.colour)?;
             texts.extend(label.map(Item::Text));
         }
     }

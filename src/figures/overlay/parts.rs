@@ -34,6 +34,15 @@ impl Default for Parts {
     }
 }
 
+impl From<Part> for Parts {
+    /// One alone.
+    fn from(part: Part) -> Self {
+        let mut parts = Parts([false; 4]);
+        parts.0[part as usize] = true;
+        parts
+    }
+}
+
 impl Parts {
     /// The parts that a comma-separated list names: "outlines,beta".
     ///

@@ -19,17 +19,44 @@ const MOST_PULSES: usize = 2;
 /// By how much the past cone reaches beyond the emission in 2+1 dimensions.
 const BEYOND: f64 = 1.1;
 
+/// An end of the light that a pixel sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Where the camera sees it.
+    Reception,
+    /// Where it was emitted, or where its ray is no longer followed.
+    Emission,
+}
+
 /// The diagram of `probe`, in the coordinates of the frame of this name: "world", "camera", the name of the
 /// object that is met, or one of the frames of `base`; without a name, of the view of `base`. None where there is
 /// no such frame.
 ///
+/// Its coordinates are 0 at `origin`, or where the frame has its own.
+///
 /// Of `base`, the diagram of the same scene, it has unit, limits, dimensions, title, frames and style; but not
 /// what is drawn in it.
-pub fn diagram(probe: &Probe, base: Diagram, frame: Option<&str>) -> Option<Diagram> {
+pub fn diagram(
+    probe: &Probe,
+    base: Diagram,
+    frame: Option<&str>,
+    origin: Option<Origin>,
+) -> Option<Diagram> {
     let mut diagram = emptied(base);
     let camera = frames(probe, &mut diagram);
     if let Some(name) = frame {
         diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
+    }
+    if let Some(origin) = origin {
+        let event = match origin {
+            Origin::Reception => probe.reception.event,
+            Origin::Emission => probe.far_end(),
+        };
+        for index in diagram.views.clone() {
+            if let Some(view) = diagram.frames.get_mut(index) {
+                view.frame = InertialFrame::new(view.frame.velocity(), event);
+            }
+        }
     }
     let view = diagram
         .views
@@ -69,6 +96,8 @@ fn emptied(base: Diagram) -> Diagram {
         slices: Vec::new(),
         intervals: Vec::new(),
         hyperbolae: Vec::new(),
+        curves: Vec::new(),
+        labels: None,
         sheets: Vec::new(),
         regions: Vec::new(),
         arrows: Vec::new(),
@@ -282,8 +311,11 @@ impl DiagramBuilder<'_> {
             self.mark("pinhole", None, reception.pinhole, true);
             self.signal(reception.pinhole, reception.event, None);
         }
-        let nothing = probe.hit.is_none().then(|| "meets nothing".to_string());
-        self.signal(probe.far_end(), reception.pinhole, nothing);
+        let label = match &probe.hit {
+            Some(hit) => format!("*W* = {}", number(hit.ratio)),
+            None => "meets nothing".to_string(),
+        };
+        self.signal(probe.far_end(), reception.pinhole, Some(label));
     }
 
     fn surface(&mut self, hit: &Hit) {

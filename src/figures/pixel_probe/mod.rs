@@ -24,7 +24,7 @@ mod data;
 mod diagram;
 mod trace;
 
-pub use diagram::diagram;
+pub use diagram::{Origin, diagram};
 pub use trace::trace;
 
 use glam::DVec3;

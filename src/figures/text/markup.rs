@@ -76,6 +76,11 @@ const SIGNS: &[(&str, char)] = &[
     ("to", '→'),
 ];
 
+/// Signs by name, as TeX calls them.
+pub(super) fn signs() -> impl Iterator<Item = (&'static str, char)> {
+    SIGNS.iter().copied()
+}
+
 /// The runs of `markup`.
 ///
 /// # Errors

@@ -15,7 +15,7 @@
 //!
 //! Scripts are set at 0.7 of the size, 0.18 em down or 0.33 em up, and have no scripts of their own.
 
-use super::markup::{Level, Run, parse};
+use super::markup::{Level, Run, parse, signs};
 use super::outline::{Outline, Rect, bounds};
 use super::setter::{Setter, Style};
 use crate::error::Result;
@@ -86,6 +86,32 @@ impl RichText {
         text
     }
 
+    /// The text for LaTeX; what is a sign of mathematics there is set as one.
+    pub(crate) fn tex(&self) -> String {
+        let mut all = String::new();
+        for run in &self.runs {
+            let words: String = run.text.chars().map(tex_of).collect();
+            let styled = match run.style {
+                Style::Upright => words,
+                Style::Italic => format!("\\textit{{{words}}}"),
+            };
+            all += &match run.level {
+                Level::Line => styled,
+                Level::Subscript => format!("\\textsubscript{{{styled}}}"),
+                Level::Superscript => format!("\\textsuperscript{{{styled}}}"),
+            };
+        }
+        all
+    }
+
+    /// Characters, whether they lean, and their size and rise in those of the line, from left to right.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (&str, bool, f64, f64)> {
+        self.runs.iter().map(|run| {
+            let (scale, rise) = run.level.scale_and_rise();
+            (run.text.as_str(), run.style == Style::Italic, scale, rise)
+        })
+    }
+
     /// The outline with `size` units per em, from the left end of the baseline.
     ///
     /// # Errors
@@ -123,6 +149,31 @@ impl RichText {
             max: [0.0; 2],
         };
         Ok(bounds(&self.outline(size)?.segments).unwrap_or(nothing))
+    }
+}
+
+/// A character for LaTeX.
+fn tex_of(c: char) -> String {
+    let named = signs().find(|(_, sign)| *sign == c);
+    match (c, named) {
+        ('′', _) => "$'$".into(),
+        ('″', _) => "$''$".into(),
+        ('²', _) => "$^2$".into(),
+        ('³', _) => "$^3$".into(),
+        ('−', _) => "$-$".into(),
+        ('°', _) => "$^\\circ$".into(),
+        ('√', _) => "$\\surd$".into(),
+        ('ο', _) => "$o$".into(),
+        ('≤', _) => "$\\leq$".into(),
+        ('≥', _) => "$\\geq$".into(),
+        ('≠', _) => "$\\neq$".into(),
+        (_, Some((name, _))) => format!("$\\{name}$"),
+        ('#' | '$' | '%' | '&' | '_' | '{' | '}', _) => format!("\\{c}"),
+        ('\\', _) => "\\textbackslash{}".into(),
+        ('^', _) => "\\textasciicircum{}".into(),
+        ('~', _) => "\\textasciitilde{}".into(),
+        ('’', _) => "'".into(),
+        _ => c.to_string(),
     }
 }
 

@@ -2,11 +2,13 @@
 
 mod axes;
 mod classic;
+mod labels;
 mod lines;
 mod palette;
 mod refused;
 mod series;
 mod solid;
+mod words;
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The diagram of a probe, laid out.
 
 use nullray::figures::diagram::{Panel, Point, draw, layout};
-use nullray::figures::pixel_probe::diagram;
+use nullray::figures::pixel_probe::{Origin, diagram};
 
 use crate::pixel_probe::{ALL, BELL, MOVING, SENSOR, STILL, base, equal, hit, seen, text, traced};
 
@@ -9,7 +9,7 @@ use crate::pixel_probe::{ALL, BELL, MOVING, SENSOR, STILL, base, equal, hit, see
 fn panel(camera: &str, frame: Option<&str>, dimensions: &str) -> Panel {
     let (probe, _) = hit(camera);
     let text = text(camera) + &format!("\n[diagram]\ndimensions = \"{dimensions}\"\n");
-    let model = diagram(&probe, base(&text), frame).unwrap();
+    let model = diagram(&probe, base(&text), frame, None).unwrap();
     let laid = layout(&model);
     draw(&laid, &model.style).unwrap();
     laid.panels.into_iter().next().unwrap()
@@ -120,7 +120,7 @@ fn in_three_dimensions_now_is_on_the_plane() {
 #[test]
 fn a_ray_that_meets_nothing_says_so() {
     let probe = seen(STILL, [0, 0]);
-    let model = diagram(&probe, base(&text(STILL)), None).unwrap();
+    let model = diagram(&probe, base(&text(STILL)), None, None).unwrap();
     let panel = &layout(&model).panels[0];
     assert_eq!(panel.signals[0].label.as_deref(), Some("meets nothing"));
     assert_eq!(panel.world_lines.len(), 1);
@@ -134,7 +134,7 @@ fn the_object_has_a_frame_to_draw_in() {
     let probe = pixels
         .map(crates)
         .find(|s| s.hit.as_ref().is_some_and(|m| m.name == "crate"));
-    let model = diagram(&probe.unwrap(), base(&text(STILL)), Some("crate")).unwrap();
+    let model = diagram(&probe.unwrap(), base(&text(STILL)), Some("crate"), None).unwrap();
     let panel = &layout(&model).panels[0];
     let points = &panel.world_lines[1].curve.points;
     equal(points[0].x, points[1].x);
@@ -143,7 +143,7 @@ fn the_object_has_a_frame_to_draw_in() {
 #[test]
 fn an_unknown_frame_has_no_diagram() {
     let (probe, _) = hit(STILL);
-    assert!(diagram(&probe, base(&text(STILL)), Some("moon")).is_none());
+    assert!(diagram(&probe, base(&text(STILL)), Some("moon"), None).is_none());
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn pulses_from_one_event_share_a_mark() {
     };
     let text = text(STILL) + &lamp("a") + &lamp("b");
     let probe = traced(&crate::pixel_probe::scene(&text), [16, 20]).unwrap();
-    let panel = layout(&diagram(&probe, base(&text), None).unwrap())
+    let panel = layout(&diagram(&probe, base(&text), None, None).unwrap())
         .panels
         .remove(0);
     let marked = panel
@@ -165,4 +165,39 @@ fn pulses_from_one_event_share_a_mark() {
         .filter(|event| event.label.as_deref() == Some("a, b"));
     assert_eq!(marked.count(), 1);
     assert_eq!(panel.signals.len(), 2);
+}
+
+#[test]
+fn the_origin_is_at_the_end_of_the_light_that_is_asked_for() {
+    let (probe, _) = hit(MOVING);
+    let object = probe.hit.as_ref().unwrap().name.clone();
+    for frame in ["world", "camera", object.as_str()] {
+        for (origin, at) in [
+            (Origin::Reception, "reception"),
+            (Origin::Emission, "emission"),
+        ] {
+            let model = diagram(&probe, base(&text(MOVING)), Some(frame), Some(origin)).unwrap();
+            let panel = layout(&model).panels.remove(0);
+            let found = panel.events.iter().find(|event| event.name == at).unwrap();
+            assert!(
+                found.at.ct.abs() < 1e-12 && found.at.x.abs() < 1e-12,
+                "{frame} {at}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_ray_says_by_how_much_wavelengths_change() {
+    let (probe, _) = hit(MOVING);
+    let ratio = probe.hit.as_ref().unwrap().ratio;
+    let model = diagram(&probe, base(&text(MOVING)), None, None).unwrap();
+    let mut labels = model
+        .signals
+        .iter()
+        .filter_map(|signal| signal.label.clone());
+    let said = labels
+        .find_map(|label| label.strip_prefix("*W* = ")?.parse::<f64>().ok())
+        .unwrap();
+    assert!((said / ratio - 1.0).abs() < 1e-3, "{said} {ratio}");
 }

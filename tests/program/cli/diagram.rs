@@ -282,3 +282,38 @@ fn every_scene_of_the_repository_has_a_diagram() {
         folder.ok(&["diagram", &path, "-q", "-o", "a.svg", "--frame", "camera"]);
     }
 }
+
+#[test]
+fn the_examples_of_help_run_as_they_are_printed() {
+    let folder = Folder::new();
+    let classic = repository("scenes/diagrams/twin-paradox.toml");
+    std::fs::copy(classic, folder.path("twin-paradox.toml")).unwrap();
+    folder.write(
+        "scene.toml",
+        r#"
+camera = { eye = [0, 0, 5], look_at = [0, 0, 0], velocity = { beta = [0, 0, -0.5] }, size = [640, 480] }
+[[object]]
+name = "ball"
+shape = { sphere = { radius = 2.0 } }
+"#,
+    );
+    let help = folder.ok(&["help", "diagram"]);
+    let examples = help
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("nullray diagram "));
+    let mut count = 0;
+    for example in examples.filter(|example| !example.starts_with('[')) {
+        // A shell takes the quotes off.
+        let words: Vec<String> = example
+            .split(' ')
+            .map(|word| word.replace('"', ""))
+            .collect();
+        let mut command = vec!["diagram"];
+        command.extend(words.iter().map(String::as_str));
+        folder.ok(&command);
+        count += 1;
+    }
+    assert!(count >= 7, "{count} examples in\n{help}");
+    let tikz = String::from_utf8(folder.read("twins.tex")).unwrap();
+    assert!(tikz.contains("\\begin{tikzpicture}") && tikz.contains("Alice"));
+}

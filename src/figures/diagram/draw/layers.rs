@@ -90,7 +90,8 @@ pub(super) fn cone_fill(theme: &Theme) -> Colour {
 }
 
 /// The tip of the head that a signal has about half way; none for a short one.
-pub(super) fn head(map: &Map, [from, to]: [Point; 2]) -> Option<Point> {
+pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<Point> {
+    let [from, to] = panel.limits.segment(ends[0], ends[1])?;
     let height = map.at(to)[1] - map.at(from)[1];
     (height.abs() > HEADED).then(|| from.plus(0.55, to.from(from)))
 }
@@ -141,15 +142,26 @@ impl Pen<'_> {
         let rays = self.panel.cones.iter().flat_map(|cone| &cone.rays);
         let rays = rays.map(|ray| self.line(*ray, thin(self.theme.light)));
         let mut items: Vec<Item> = rays.collect();
-        for signal in &self.panel.signals {
+        for (signal, projected) in self.panel.signals.iter().zip(&self.panel.projected) {
             let colour = self.named(signal.colour, Name::Orange);
-            items.extend(self.strokes(&signal.ends, &thin(colour)));
-            if let Some(tip) = head(self.map, signal.ends) {
+            let stroke = match projected {
+                true => thin(colour).dashed([3.2, 2.0]),
+                false => thin(colour),
+            };
+            items.extend(self.strokes(&signal.ends, &stroke));
+            if let Some(tip) = head(self.panel, self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
                     length: 6.4,
                     width: 4.8,
                 });
-                items.push(self.line([signal.ends[0], tip], head));
+                // The shaft is drawn already.
+                let [from, _] = self.map.points(&[signal.ends[0], tip])[..] else {
+                    continue;
+                };
+                let at = self.map.at(tip);
+                let way = (at[0] - from[0]).hypot(at[1] - from[1]);
+                let back = [0, 1].map(|i| at[i] - (at[i] - from[i]) * 7.0 / way.max(7.0));
+                items.push(Item::stroked(Path::line(back, at), head));
             }
         }
         items
@@ -192,7 +204,7 @@ impl Pen<'_> {
         for interval in &self.panel.intervals {
             let colour = self.named(interval.colour, Name::Grey);
             let band = Stroke::new(colour.with_alpha(60), 3.0 * self.theme.width);
-            items.push(self.line(interval.ends, band));
+            items.push(self.band(interval.ends, band));
             let stroke = Stroke::new(colour, 0.9 * self.theme.width).rounded();
             let dash: &[f64] = match interval.kind {
                 Kind::Timelike => &[],
@@ -202,6 +214,21 @@ impl Pen<'_> {
             items.push(self.line(interval.ends, stroke.dashed(dash)));
         }
         items
+    }
+
+    /// A broad line as an area: the thin one on it is the only line there.
+    fn band(&self, ends: [Point; 2], band: Stroke) -> Item {
+        let [a, b] = ends.map(|end| self.map.at(end));
+        let [x, y] = [b[0] - a[0], b[1] - a[1]];
+        let half = 0.5 * band.width / x.hypot(y).max(f64::MIN_POSITIVE);
+        let [u, v] = [-y * half, x * half];
+        let corners = [
+            [a[0] + u, a[1] + v],
+            [b[0] + u, b[1] + v],
+            [b[0] - u, b[1] - v],
+            [a[0] - u, a[1] - v],
+        ];
+        Item::filled(Path::polygon(&corners), band.colour)
     }
 
     fn world_lines(&self) -> Vec<Item> {

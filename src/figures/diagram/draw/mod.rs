@@ -32,7 +32,13 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     let theme = Theme::new(style);
     let page = page(layout, style, &theme);
     let mut items = title(layout, &theme, &page)?;
+    items.extend(note(layout, &theme, &page)?);
     let mut ground = Ground::new(page.width, page.height, theme.background);
+    for item in &items {
+        if let Item::Text(text) = item {
+            ground.words(text.bounds()?);
+        }
+    }
     let mut requests = Vec::new();
     for (panel, map) in layout.panels.iter().zip(&page.frames) {
         items.extend(layers::of(panel, map, &theme, style));
@@ -49,15 +55,37 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     if style.legend {
         items.extend(legend::items(layout, &theme, &page)?);
     }
-    let title = layout.title.clone();
+    let title = layout.title.as_deref().map(RichText::parse).transpose()?;
     Ok(Drawing {
         width: page.width,
         height: page.height,
-        title: title.unwrap_or_else(|| "Space-time diagram".into()),
+        title: title.map_or("Space-time diagram".into(), |title| title.text()),
         origin: Vec::new(),
         background: theme.background,
         items,
     })
+}
+
+/// What is said below a diagram that has light beside its plane.
+fn note(layout: &Layout, theme: &Theme, page: &Page) -> Result<Option<Item>> {
+    if !has_projected_light(layout) {
+        return Ok(None);
+    }
+    let words = RichText::plain("dashed light leaves the plane of the diagram: its projection")?;
+    let at = [0.5 * page.width, page.height - 0.6 * theme.size];
+    Ok(Some(Item::Text(Text {
+        anchor: Anchor {
+            x: AnchorX::Middle,
+            y: AnchorY::Baseline,
+        },
+        colour: theme.light,
+        ..Text::new(words, at, 0.8 * theme.size)
+    })))
+}
+
+fn has_projected_light(layout: &Layout) -> bool {
+    let panels = layout.panels.iter();
+    panels.flat_map(|panel| &panel.projected).any(|is| *is)
 }
 
 fn page(layout: &Layout, style: &Style, theme: &Theme) -> Page {
@@ -69,7 +97,11 @@ fn page(layout: &Layout, style: &Style, theme: &Theme) -> Page {
         true => legend::height(layout, theme),
         false => 0.0,
     };
-    Page::new(&layout.panels, style, head, foot)
+    let note = match has_projected_light(layout) {
+        true => 1.6 * theme.size,
+        false => 0.0,
+    };
+    Page::new(&layout.panels, style, head, foot + note)
 }
 
 fn title(layout: &Layout, theme: &Theme, page: &Page) -> Result<Vec<Item>> {

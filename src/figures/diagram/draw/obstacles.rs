@@ -5,6 +5,7 @@ use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
 use super::page::Map;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Panel, Tick};
+use crate::figures::text::Rect;
 
 /// How much a label is disturbed by thin lines, and by the faint ones of a grid.
 const THIN: f64 = 0.8;
@@ -14,6 +15,7 @@ const HEAD: f64 = 3.0;
 
 /// Tells `ground` of all that is drawn of a panel.
 pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
+    ground.within(widened(map.rect()));
     areas(ground, panel, map, theme);
     lines(ground, panel, map);
     thin_lines(ground, panel, map);
@@ -28,9 +30,17 @@ pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) 
         ground.dot(map.at(bead.at), BEAD * theme.width);
     }
     for signal in &panel.signals {
-        if let Some(head) = head(map, signal.ends) {
+        if let Some(head) = head(panel, map, signal.ends) {
             ground.dot(map.at(head), HEAD);
         }
+    }
+}
+
+/// With room for the ticks of axes along its edges.
+fn widened(rect: Rect) -> Rect {
+    Rect {
+        min: rect.min.map(|side| side - 2.0 * TICK),
+        max: rect.max.map(|side| side + 2.0 * TICK),
     }
 }
 
@@ -96,6 +106,7 @@ fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
     for nappe in panel.cones.iter().flat_map(|cone| &cone.nappes) {
         ground.line(map.points(&nappe.outline()), 1.0);
         ground.line(map.points(&nappe.near), 1.0);
+        ground.line(map.points(&nappe.far), THIN);
     }
     for plane in &panel.planes {
         ground.line(map.points(&plane.corners), THIN);

@@ -12,7 +12,7 @@ use crate::figures::drawing::Colour;
 /// Size of numbers at ticks, in parts of the type's.
 const SMALL: f64 = 0.8;
 /// Distances of a label from what it names, points.
-const NEAR: [f64; 4] = [4.5, 7.0, 11.0, 20.0];
+const NEAR: [f64; 6] = [4.5, 7.0, 11.0, 20.0, 30.0, 42.0];
 /// Beside the upper end of a line first.
 const ALONG: [f64; 9] = [0.93, 0.85, 0.97, 0.77, 0.68, 0.58, 0.48, 0.35, 0.2];
 /// Beside the middle of a segment first.
@@ -57,6 +57,7 @@ impl Words<'_> {
             directions: AROUND.to_vec(),
             distances: NEAR.to_vec(),
             optional: false,
+            key: None,
         }
     }
 
@@ -112,9 +113,10 @@ impl Words<'_> {
         let mut all = Vec::new();
         for axes in &self.panel.axes {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
-            let left = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
-            let below = [[0.0, 1.0], [0.0, -1.0], [-0.5, 0.9], [0.5, 0.9]];
-            let aside = [[0.9, 0.4], [-0.9, -0.4], [0.9, -0.4], [-0.9, 0.4]];
+            // All on one side of their axis.
+            let left = [[-1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
+            let below = [[0.0, 1.0], [-0.5, 0.9], [0.5, 0.9]];
+            let aside = [[0.9, 0.4], [0.9, -0.4], [0.9, 0.0]];
             let depth = axes.depth.as_ref().map(|axis| (axis, aside));
             let two = [(&axes.time, left), (&axes.space, below)];
             for (axis, directions) in two.into_iter().chain(depth) {
@@ -128,7 +130,7 @@ impl Words<'_> {
         }
         for (i, line) in self.panel.world_lines.iter().enumerate() {
             let colour = line_colour(self.panel, self.theme, i);
-            let sides = vec![[1.0, 0.0], [-1.0, 0.0], [0.9, 0.4], [-0.9, -0.4]];
+            let sides = vec![[1.0, 0.0], [0.9, 0.4], [0.9, -0.4]];
             all.extend(
                 line.ticks
                     .iter()
@@ -170,6 +172,7 @@ impl Words<'_> {
             let at = vec![self.map.at(bead.at)];
             Some(Request {
                 distances: NEAR.map(|distance| distance + 2.0).to_vec(),
+                key: Some(format!("reading {}", bead.line)),
                 ..self.request(bead.label.as_deref()?, colour, at)
             })
         });

@@ -124,6 +124,10 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
     let origin = view.origin_of(index);
     let step = step_of(view, frame, limits);
     let [time, space] = view.axes_of(index);
+    // A moving frame's ticks have numbers where their distance is given, or where there is room for them.
+    let others = view.diagram.frames.iter().enumerate();
+    let others = others.filter(|(i, other)| *i > 0 && *i != view.index && other.axes);
+    let numbered = frame.ticks.is_some() || index > 0 && others.count() == 1;
     let axis = |along: Point, label: String| {
         let ends = limits.line(origin, along)?;
         let value = |end: Point| {
@@ -138,8 +142,7 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
             at: origin.plus(value, along),
             value,
             along,
-            // A moving frame's ticks have numbers where their distance is given.
-            label: frame.ticks.map(|_| number(value)),
+            label: numbered.then(|| number(value)),
         };
         Some(Axis {
             ends,
@@ -227,7 +230,10 @@ fn grid_of(view: &View, limits: &Limits, index: usize, step: f64) -> Vec<GridLin
     let count = (far / step).min(most) as i64;
     let mut lines = Vec::new();
     for (across, along) in [(time, space), (space, time)] {
-        let ends = (-count..=count).filter_map(|k| {
+        // Where its axes are drawn, no line of the grid is on them.
+        let axes = view.index == index || view.diagram.frames.get(index).is_some_and(|f| f.axes);
+        let all = (-count..=count).filter(|k| *k != 0 || !axes);
+        let ends = all.filter_map(|k| {
             let at = origin.plus(k as f64 * step, across);
             limits.line(at, along)
         });

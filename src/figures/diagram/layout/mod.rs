@@ -50,6 +50,11 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
         slices: slices(&view, &limits),
         planes: solid::planes(&view, &limits),
         signals: segments(&diagram.signals),
+        projected: diagram
+            .signals
+            .iter()
+            .map(|s| view.leaves(s.ends))
+            .collect(),
         intervals: intervals(&view),
         arrows: segments(&diagram.arrows),
         now: now::of(&view, &limits),

@@ -60,6 +60,9 @@ pub struct Panel {
     pub planes: Vec<Plane>,
     /// Light signals.
     pub signals: Vec<Segment<Point>>,
+    /// Whether each of them leaves the plane (in 2+1 dimensions: the space) of the diagram, so that what is drawn is its
+    /// projection, steeper than light is.
+    pub projected: Vec<bool>,
     /// Intervals.
     pub intervals: Vec<Interval>,
     /// Arrows; their owners are world lines.

@@ -51,6 +51,17 @@ impl<'d> View<'d> {
         Point::deep(ct / unit, self.diagram.direction.dot(x) / unit, across)
     }
 
+    /// Whether the way between two events has a part across the directions that are drawn.
+    pub fn leaves(&self, [from, to]: [Event<World>; 2]) -> bool {
+        let step = self.frame().frame_from_world().displacement(to - from);
+        let (n, m) = (
+            self.diagram.direction,
+            self.diagram.across.unwrap_or_default(),
+        );
+        let across = step.x - n * n.dot(step.x) - m * m.dot(step.x);
+        across.length() > 1e-6 * step.x.length()
+    }
+
     /// Whether the diagram has 2+1 dimensions.
     pub fn is_solid(&self) -> bool {
         self.diagram.across.is_some()

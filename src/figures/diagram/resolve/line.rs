@@ -13,7 +13,7 @@ use crate::figures::diagram::file::{DiagramLine, LineCircle, LineSegment};
 use crate::figures::diagram::model::{NamedLine, Track};
 use crate::figures::diagram::spot::Place;
 use crate::scene::At;
-use crate::scene::{Number, Numbers};
+use crate::scene::Numbers;
 use crate::spacetime::worldline::{Axes, Segment, WorldLine, WorldLineError};
 use crate::spacetime::{Event, World};
 
@@ -124,9 +124,8 @@ fn from_event(names: &mut Names, at: &At<DiagramLine>) -> Result<Track> {
         None => Event::ORIGIN,
     };
     let velocity = names.velocity(&line.velocity, &line.relative_to)?;
-    let n = names.direction / names.unit;
     if let Some(acceleration) = &line.acceleration {
-        let a = n * acceleration.value.0;
+        let a = names.direction * acceleration.value.per_metre(names.unit);
         let track = WorldLine::hyperbolic(velocity, zero, a).map(Track::from);
         return track.map_err(|error| names.cx.refuse(acceleration, error.to_string(), ""));
     }
@@ -167,13 +166,13 @@ fn circle(names: &Names, at: &At<LineCircle>, zero: Event<World>) -> Result<Trac
 }
 
 fn segments_of(names: &Names, at: &At<Vec<At<LineSegment>>>) -> Result<Vec<Segment>> {
-    let n = names.direction / names.unit;
-    let a = |at: &Option<At<Number>>| n * at.as_ref().map_or(0.0, |at| at.value.0);
     let segment = |segment: &At<LineSegment>| {
+        let a = segment.value.acceleration.as_ref();
+        let a = a.map_or(0.0, |at| at.value.per_metre(names.unit));
         let duration = settings::positive(names.cx, &segment.value.duration, "`duration`")?;
         Ok(Segment {
             duration: duration.map_or(f64::INFINITY, |d| d * names.unit),
-            acceleration: a(&segment.value.acceleration),
+            acceleration: names.direction * a,
         })
     };
     at.value.iter().map(segment).collect()

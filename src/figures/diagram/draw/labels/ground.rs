@@ -6,7 +6,7 @@ use crate::figures::text::Rect;
 
 const OUTSIDE: f64 = 300.0;
 const ON_DOT: f64 = 60.0;
-const ON_LINE: f64 = 11.0;
+const ON_LINE: f64 = 32.0;
 /// The most lines that count.
 const MOST_LINES: f64 = 8.0;
 
@@ -17,6 +17,8 @@ pub(in crate::figures::diagram::draw) struct Ground {
     dots: Vec<Rect>,
     lines: Vec<Line>,
     areas: Vec<(Vec<[f64; 2]>, Colour)>,
+    /// Within which lines are seen.
+    clip: Rect,
 }
 
 struct Line {
@@ -38,16 +40,27 @@ impl Ground {
             dots: Vec::new(),
             lines: Vec::new(),
             areas: Vec::new(),
+            clip: Rect {
+                min: [0.0; 2],
+                max: [width, height],
+            },
         }
+    }
+
+    /// Has the lines to come be seen within `rect` only.
+    pub fn within(&mut self, rect: Rect) {
+        self.clip = rect;
     }
 
     /// A line that labels keep off.
     pub fn line(&mut self, points: Vec<[f64; 2]>, weight: f64) {
-        self.lines.push(Line {
-            bounds: around(&points),
-            points,
-            weight,
-        });
+        for points in seen(&points, self.clip) {
+            self.lines.push(Line {
+                bounds: around(&points),
+                points,
+                weight,
+            });
+        }
     }
 
     /// A dot that labels keep off.
@@ -56,6 +69,11 @@ impl Ground {
             min: [x - radius, y - radius],
             max: [x + radius, y + radius],
         });
+    }
+
+    /// Words that stand already.
+    pub fn words(&mut self, rect: Rect) {
+        self.dots.push(rect);
     }
 
     /// A shaded area, over those before.
@@ -96,6 +114,47 @@ impl Ground {
             .filter(|(edge, _)| is_inside(middle, edge));
         under.fold(self.background, |ground, (_, colour)| over(*colour, ground))
     }
+}
+
+/// The parts of a line within a rectangle.
+fn seen(points: &[[f64; 2]], clip: Rect) -> Vec<Vec<[f64; 2]>> {
+    let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
+    let mut end = None;
+    for (a, b) in points.iter().zip(points.iter().skip(1)) {
+        let Some([from, to]) = part_within(clip, *a, *b) else {
+            end = None;
+            continue;
+        };
+        match parts.last_mut().filter(|_| end == Some(from)) {
+            Some(part) => part.push(to),
+            None => parts.push(vec![from, to]),
+        }
+        end = Some(to);
+    }
+    parts
+}
+
+/// The part of the way from `a` to `b` within a rectangle, edges included (Liang and Barsky).
+fn part_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for i in 0..2 {
+        let way = b[i] - a[i];
+        if way == 0.0 {
+            if !(clip.min[i]..=clip.max[i]).contains(&a[i]) {
+                return None;
+            }
+            continue;
+        }
+        let (s, t) = ((clip.min[i] - a[i]) / way, (clip.max[i] - a[i]) / way);
+        from = from.max(s.min(t));
+        to = to.min(s.max(t));
+    }
+    let at = |t: f64| match t {
+        0.0 => a,
+        1.0 => b,
+        t => [0, 1].map(|i| a[i] + t * (b[i] - a[i])),
+    };
+    (from < to).then(|| [at(from), at(to)])
 }
 
 /// What is seen of `ground` through `colour`.

@@ -33,9 +33,13 @@ const NEXT_ANCHOR: f64 = 0.9;
 const NEXT_DIRECTION: f64 = 0.6;
 const FARTHER: f64 = 0.45;
 /// By how much the place of the frame before is better in a series of frames.
-const HABIT: f64 = 25.0;
-/// From which cost on a label that may be left out is.
-const TOO_MUCH: f64 = 40.0;
+const HABIT: f64 = 20.0;
+/// The most that a label moves from frame to frame of a series, points.
+const MOST_STEP: f64 = 6.0;
+/// From which cost on a label that may be left out is: it is on a line.
+const TOO_MUCH: f64 = 24.0;
+/// Of a leader that goes under another label.
+const LEADER_ON_LABEL: f64 = 200.0;
 /// The distance from which on a line leads to the label, points.
 const LEADER: f64 = 14.0;
 /// What is kept free around a label, points.
@@ -59,6 +63,8 @@ pub(super) struct Request {
     pub distances: Vec<f64>,
     /// Whether it is left out where it would be on a label, a dot or several lines.
     pub optional: bool,
+    /// What it is known by from frame to frame; none for its text.
+    pub key: Option<String>,
 }
 
 /// The eight directions around an event, the best first.
@@ -73,10 +79,18 @@ pub(super) const AROUND: [[f64; 2]; 8] = [
     [0.0, 1.0],
 ];
 
-/// Where the labels of a frame of a series are, for the next one: candidates by label, the n-th of its
-/// words.
+/// Where the labels of a frame of a series are, for the next one: by label, the n-th of its words.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Habits(HashMap<(String, usize), usize>);
+pub(crate) struct Habits(HashMap<(String, usize), Habit>);
+
+/// The place of a label in a frame.
+#[derive(Debug, Clone, Copy)]
+struct Habit {
+    /// Its candidate.
+    index: usize,
+    /// The middle of its ink.
+    middle: [f64; 2],
+}
 
 /// A place that a label may have.
 struct Candidate {
@@ -99,6 +113,10 @@ struct Label<'a> {
     /// By preference.
     candidates: Vec<Candidate>,
     chosen: Option<usize>,
+    /// Where the middle of its ink was in the frame before.
+    before: Option<[f64; 2]>,
+    /// By how much it is not yet there.
+    late: [f64; 2],
 }
 
 /// The labels of a page over what is there already.
@@ -110,7 +128,8 @@ pub(super) fn place(
     let mut labels = Vec::with_capacity(requests.len());
     let mut counts: HashMap<&str, usize> = HashMap::new();
     for request in requests {
-        let count = counts.entry(&request.text).or_default();
+        let key = request.key.as_deref().unwrap_or(&request.text);
+        let count = counts.entry(key).or_default();
         labels.push(Label::new(request, *count, habits)?);
         *count += 1;
     }
@@ -133,9 +152,15 @@ pub(super) fn place(
         }
     }
     leave_out(&mut labels, &mut grid, ground);
+    labels.iter_mut().for_each(Label::step);
+    give_way(&mut labels);
     let chosen = labels.iter().filter_map(|label| {
         let candidate = label.candidates.get(label.chosen?)?;
-        Some((label.key.clone(), candidate.index))
+        let habit = Habit {
+            index: candidate.index,
+            middle: middle(moved(candidate.rect, label.late)),
+        };
+        Some((label.key.clone(), habit))
     });
     habits.0 = chosen.collect();
     Ok(labels
@@ -179,29 +204,62 @@ fn leave_out(labels: &mut [Label], grid: &mut Grid, ground: &Ground) {
     }
 }
 
+/// Takes away what has another label on its way over it and may be left out, as may what a clock reads for a moment.
+fn give_way(labels: &mut [Label]) {
+    let places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
+    for (i, label) in labels.iter_mut().enumerate() {
+        let may = label.request.optional || label.request.key.is_some();
+        let Some(own) = places[i].filter(|_| may) else {
+            continue;
+        };
+        let others = places.iter().enumerate().filter(|(k, _)| *k != i);
+        let mut others = others.filter_map(|(_, rect)| *rect);
+        if others.any(|other| distance(widened(own, AIR), other) == 0.0) {
+            label.chosen = None;
+        }
+    }
+}
+
 impl Candidate {
     /// What it costs beside those of `labels` that are in `grid`.
-    fn cost(&mut self, labels: &[Label], grid: &Grid, ground: &Ground) -> f64 {
+    fn cost(&mut self, all: &[Label], grid: &Grid, ground: &Ground) -> f64 {
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
             .get_or_insert_with(|| ground.cost(self.rect, airy));
         // What is farther than CLEAR costs nothing.
         let near = grid.near(widened(airy, CLEAR)).into_iter();
-        let near = near.filter_map(|k| labels.get(k)?.rect());
+        let near = near.filter_map(|k| all.get(k)?.rect());
         let labels = near.map(|other| match distance(airy, other) {
             0.0 => ON_LABEL,
             apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
         });
-        self.preference + under + labels.sum::<f64>()
+        let beside = labels.sum::<f64>();
+        self.preference + under + beside + self.leader_cost(all, grid)
+    }
+}
+
+impl Candidate {
+    /// What its leader costs, which is not to cross other labels.
+    fn leader_cost(&self, all: &[Label], grid: &Grid) -> f64 {
+        if self.distance < LEADER {
+            return 0.0;
+        }
+        let way = [self.anchor, nearest(self.anchor, self.rect)];
+        let others = grid.near(geometry::around(&way)).into_iter();
+        let others = others.filter_map(|k| all.get(k)?.rect());
+        let crossed = others.filter(|other| geometry::crosses(*other, way[0], way[1]));
+        LEADER_ON_LABEL * crossed.count() as f64
     }
 }
 
 impl<'a> Label<'a> {
     fn new(request: &'a Request, count: usize, habits: &Habits) -> Result<Label<'a>> {
-        let key = (request.text.clone(), count);
+        let name = request.key.as_ref().unwrap_or(&request.text);
+        let key = (name.clone(), count);
         let mut candidates = candidates(request)?;
-        if let Some(habit) = habits.0.get(&key).and_then(|i| candidates.get_mut(*i)) {
+        let habit = habits.0.get(&key);
+        if let Some(habit) = habit.and_then(|habit| candidates.get_mut(habit.index)) {
             habit.preference -= HABIT;
         }
         candidates.sort_by(|a, b| a.preference.total_cmp(&b.preference));
@@ -210,7 +268,27 @@ impl<'a> Label<'a> {
             key,
             candidates,
             chosen: None,
+            before: habit.map(|habit| habit.middle),
+            late: [0.0; 2],
         })
+    }
+
+    /// Where its ink is drawn.
+    fn place(&self) -> Option<Rect> {
+        Some(moved(self.rect()?, self.late))
+    }
+
+    /// Has it go to its place by no more than [`MOST_STEP`] from where it was.
+    fn step(&mut self) {
+        let (Some(before), Some(rect)) = (self.before, self.rect()) else {
+            return;
+        };
+        let there = middle(rect);
+        let way = [0, 1].map(|i| there[i] - before[i]);
+        let length = way[0].hypot(way[1]);
+        if length > MOST_STEP {
+            self.late = way.map(|part| part * (MOST_STEP / length - 1.0));
+        }
     }
 
     fn chosen(&self) -> Option<&Candidate> {
@@ -226,12 +304,15 @@ impl<'a> Label<'a> {
             return Vec::new();
         };
         let mut items = Vec::new();
+        let rect = moved(candidate.rect, self.late);
+        let [x, y] = candidate.text.at;
         if candidate.distance >= LEADER {
-            items.push(leader(candidate, self.request.colour));
+            items.push(leader(candidate.anchor, rect, self.request.colour));
         }
-        let halo = ground.is_crossed(widened(candidate.rect, AIR));
+        let halo = ground.is_crossed(widened(rect, AIR));
         items.push(Item::Text(Text {
-            halo: halo.then(|| (ground.colour(candidate.rect), HALO)),
+            at: [x + self.late[0], y + self.late[1]],
+            halo: halo.then(|| (ground.colour(rect), HALO)),
             ..candidate.text.clone()
         }));
         items
@@ -239,11 +320,18 @@ impl<'a> Label<'a> {
 }
 
 /// A line from a point to the nearest point of a label.
-fn leader(candidate: &Candidate, colour: Colour) -> Item {
-    let Candidate { anchor, rect, .. } = candidate;
-    let near = [0, 1].map(|i| anchor[i].clamp(rect.min[i] - AIR, rect.max[i] + AIR));
-    let path = Path::line(*anchor, near);
+fn leader(anchor: [f64; 2], rect: Rect, colour: Colour) -> Item {
+    let path = Path::line(anchor, nearest(anchor, rect));
     Item::stroked(path, Stroke::new(colour.with_alpha(150), 0.4))
+}
+
+/// The point next to `anchor` of what a label in `rect` keeps free.
+fn nearest(anchor: [f64; 2], rect: Rect) -> [f64; 2] {
+    [0, 1].map(|i| anchor[i].clamp(rect.min[i] - AIR, rect.max[i] + AIR))
+}
+
+fn middle(rect: Rect) -> [f64; 2] {
+    [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]))
 }
 
 /// All places of a label, in the order of the request.

@@ -1,0 +1,260 @@
+//! Where labels are: not on each other, not on titles, not on lines, and steady from picture to picture.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use nullray::figures::diagram::{self, Series, model::Diagram};
+use nullray::figures::drawing::{Drawing, Item, Text};
+use nullray::figures::text::{Rect, Segment};
+
+use super::parsed;
+
+fn classics() -> Vec<(String, Diagram)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/diagrams");
+    let files = std::fs::read_dir(folder).unwrap();
+    let mut files: Vec<_> = files.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let load = |path: &PathBuf| diagram::load(path, &Default::default()).unwrap();
+    let name = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
+    files.iter().map(|path| (name(path), load(path))).collect()
+}
+
+fn drawn(model: &Diagram) -> Drawing {
+    diagram::draw(&diagram::layout(model), &model.style).unwrap()
+}
+
+/// Texts, and the straight pieces of strokes at least as wide as half a world line.
+#[derive(Default)]
+struct Page {
+    texts: Vec<(String, Rect)>,
+    pieces: Vec<[[f64; 2]; 2]>,
+}
+
+impl Page {
+    fn of(drawing: &Drawing) -> Page {
+        let mut page = Page::default();
+        let all = Rect {
+            min: [0.0; 2],
+            max: [drawing.width, drawing.height],
+        };
+        page.add(&drawing.items, &all);
+        page
+    }
+
+    /// What is seen of `items` within `clip`.
+    fn add(&mut self, items: &[Item], clip: &Rect) {
+        for item in items {
+            match item {
+                Item::Text(text) => self.texts.push((name(text), text.bounds().unwrap())),
+                Item::Clip { path, items } => self.add(items, &path.bounds().unwrap()),
+                // World lines and axes; leaders, grids and what is pale are thinner or translucent.
+                Item::Path {
+                    path,
+                    stroke: Some(stroke),
+                    ..
+                } if stroke.width >= 0.7 && stroke.colour.alpha == 255 => {
+                    let mut last = [0.0; 2];
+                    for segment in &path.0 {
+                        match *segment {
+                            Segment::Move(p) => last = p,
+                            Segment::Line(p) => {
+                                let piece = [last, p];
+                                if let Some([s, t]) = within(clip, &piece) {
+                                    let at =
+                                        |t: f64| [0, 1].map(|i| last[i] + t * (p[i] - last[i]));
+                                    self.pieces.push([at(s), at(t)]);
+                                }
+                                last = p;
+                            }
+                            _ => {}
+                        }
+                    }
+                }
+                Item::Path { .. } | Item::Image { .. } => {}
+            }
+        }
+    }
+
+    /// Pairs of texts that overlap.
+    fn overlaps(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        for (i, (a, p)) in self.texts.iter().enumerate() {
+            for (b, q) in &self.texts[i + 1..] {
+                let apart = (0..2).any(|k| p.max[k] <= q.min[k] || q.max[k] <= p.min[k]);
+                if !apart {
+                    found.push(format!("{a} on {b}"));
+                }
+            }
+        }
+        found
+    }
+
+    /// Texts whose ink a line goes through.
+    fn struck(&self) -> Vec<String> {
+        let is_struck =
+            |(_, rect): &&(String, Rect)| self.pieces.iter().any(|piece| crosses(rect, piece));
+        let struck = self.texts.iter().filter(is_struck);
+        struck.map(|(text, _)| text.clone()).collect()
+    }
+}
+
+fn name(text: &Text) -> String {
+    text.text.text()
+}
+
+/// Whether a straight piece goes through the inside of a rectangle.
+fn crosses(rect: &Rect, piece: &[[f64; 2]; 2]) -> bool {
+    within(rect, piece).is_some()
+}
+
+/// The part of a straight piece inside a rectangle: the parameters that are within all four sides.
+fn within(rect: &Rect, [a, b]: &[[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for k in 0..2 {
+        let way = b[k] - a[k];
+        if way == 0.0 {
+            if a[k] <= rect.min[k] || a[k] >= rect.max[k] {
+                return None;
+            }
+            continue;
+        }
+        let (s, t) = ((rect.min[k] - a[k]) / way, (rect.max[k] - a[k]) / way);
+        from = from.max(s.min(t));
+        to = to.min(s.max(t));
+    }
+    (from < to).then_some([from, to])
+}
+
+#[test]
+fn labels_of_the_classics_are_on_no_label_no_title_and_no_line() {
+    for (file, model) in classics() {
+        let page = Page::of(&drawn(&model));
+        assert_eq!(page.overlaps(), Vec::<String>::new(), "{file}");
+        assert_eq!(page.struck(), Vec::<String>::new(), "{file}");
+    }
+}
+
+/// A sequence that is the same everywhere: x ← 6364136223846793005 x + 1442695040888963407 (Knuth's MMIX).
+struct Random(u64);
+
+impl Random {
+    fn part(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.part()
+    }
+}
+
+/// A diagram of a few world lines, events, a frame and a signal.
+fn random(seed: u64) -> String {
+    let mut random = Random(seed);
+    let mut text = "[diagram]\ntitle = \"A random diagram\"\n".to_string();
+    let beta = random.between(-0.7, 0.7);
+    text += &format!("frame = [{{ name = \"S'\", velocity = {beta:.3} }}]\n");
+    text += "worldline = [\n";
+    for k in 0..2 + (seed % 3) {
+        let (x, v) = (random.between(-3.0, 3.0), random.between(-0.8, 0.8));
+        text += &format!("{{ name = \"line {k}\", at = [0, {x:.3}], velocity = {v:.3} }},\n");
+    }
+    text += "]\nevent = [\n";
+    for k in 0..3 + (seed % 4) {
+        let (ct, x) = (random.between(-2.0, 4.0), random.between(-3.0, 3.0));
+        text += &format!("{{ name = \"event {k}\", at = [{ct:.3}, {x:.3}] }},\n");
+    }
+    text += "]\nsignal = [{ from = \"event 0\", to = \"line 0\", label = \"light\" }]\n";
+    text
+}
+
+#[test]
+fn labels_of_200_random_diagrams_are_on_no_label_and_no_title() {
+    let mut struck = 0;
+    let mut labels = 0;
+    for seed in 0..200 {
+        let model = parsed(&random(seed)).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let page = Page::of(&drawn(&model));
+        assert_eq!(page.overlaps(), Vec::<String>::new(), "seed {seed}");
+        struck += page.struck().len();
+        labels += page.texts.len();
+    }
+    // A crowded page may leave a label no place that is free of lines; it then has a halo.
+    assert!(100 * struck <= labels, "{struck} of {labels}");
+}
+
+/// By how much labels that are in two pictures move from the one to the next, by what they say.
+fn jumps(model: &Diagram) -> Vec<(usize, String, f64)> {
+    let mut before: HashMap<(String, usize), [f64; 2]> = HashMap::new();
+    let mut found = Vec::new();
+    for (k, drawing) in Series::new(model).unwrap().enumerate() {
+        let mut now = HashMap::new();
+        for (text, rect) in Page::of(&drawing.unwrap()).texts {
+            let count = (0..)
+                .find(|n| !now.contains_key(&(text.clone(), *n)))
+                .unwrap();
+            now.insert(
+                (text, count),
+                [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i])),
+            );
+        }
+        for (key, at) in &now {
+            // Where one of several alike goes, the others are counted anew; what clocks read goes from clock to clock.
+            let second = (key.0.clone(), 1);
+            let alone = !now.contains_key(&second) && !before.contains_key(&second);
+            let is_number = key.0.parse::<f64>().is_ok();
+            if let (Some(last), true, false) = (before.get(key), alone, is_number) {
+                found.push((k, key.0.clone(), (at[0] - last[0]).hypot(at[1] - last[1])));
+            }
+        }
+        before = now;
+    }
+    found
+}
+
+#[test]
+fn labels_are_steady_in_every_series_of_the_classics() {
+    let mut series = 0;
+    for (file, model) in classics() {
+        if model.animation.is_none() {
+            continue;
+        }
+        series += 1;
+        for (k, text, way) in jumps(&model) {
+            assert!(
+                way < 8.0,
+                "{file}, picture {k}: {text} jumps by {way} points"
+            );
+        }
+    }
+    assert!(series >= 2);
+}
+
+#[test]
+fn events_stay_on_the_page_of_a_boost_with_limits() {
+    let (_, model) = classics()
+        .into_iter()
+        .find(|(file, _)| file == "boost.toml")
+        .unwrap();
+    for drawing in Series::new(&model).unwrap() {
+        let texts = Page::of(&drawing.unwrap()).texts;
+        for event in ["A", "B"] {
+            assert!(texts.iter().any(|(text, _)| text == event), "{event}");
+        }
+    }
+}
+
+#[test]
+fn no_line_is_drawn_twice() {
+    for (file, model) in classics() {
+        let svg = nullray::figures::drawing::svg::write(&drawn(&model)).unwrap();
+        let mut seen = std::collections::HashSet::new();
+        for line in svg.lines().filter(|l| l.starts_with("<path fill=\"none\"")) {
+            let data = line.split(" d=\"").nth(1).unwrap();
+            assert!(seen.insert(data.to_string()), "{file}: {line}");
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Words, colours and quantities of diagrams; text as text.
+
+use nullray::figures::diagram;
+use nullray::figures::drawing::{svg, tikz};
+use nullray::scene::Overrides;
+
+use super::{event, laid_out, near, panel, parsed};
+
+const MOVING: &str = "title = \"*β* = {frame.S'.velocity}, {worldline.0.name}\"\n\
+                      frame = [{ name = \"S'\", velocity = 0.6 }]\n\
+                      worldline = [{ name = \"a_b\", velocity = -0.5 }]\n";
+
+fn title(text: &str, set: &[(&str, &str)]) -> String {
+    let overrides = Overrides {
+        set: set
+            .iter()
+            .map(|(k, v)| (k.to_string(), v.to_string()))
+            .collect(),
+        ..Overrides::default()
+    };
+    let text = format!("[diagram]\n{text}");
+    let model = diagram::parse(&text, "test", "".as_ref(), &overrides).unwrap();
+    diagram::draw(&diagram::layout(&model), &model.style)
+        .unwrap()
+        .title
+}
+
+#[test]
+fn keys_in_a_title_follow_what_is_set() {
+    assert_eq!(title(MOVING, &[]), "β = 0.6, a_b");
+    let set = [("diagram.frame.\"S'\".velocity", "-0.25")];
+    assert_eq!(title(MOVING, &set), "β = −0.25, a_b");
+}
+
+#[test]
+fn titles_have_no_markup() {
+    assert_eq!(
+        title(
+            "title = \"From *S* to *S*'\"\nevent = [{ name = \"A\", at = [0, 0] }]",
+            &[]
+        ),
+        "From S to S′"
+    );
+}
+
+#[test]
+fn braces_without_a_key_group_as_ever() {
+    let text =
+        "title = \"*x*_{1.5} {a}\\\\{frame.S\\\\}\"\nevent = [{ name = \"A\", at = [0, 0] }]";
+    assert_eq!(title(text, &[]), "x_{1.5} a{frame.S}");
+}
+
+#[test]
+fn a_key_that_is_not_there_is_refused() {
+    let text = "[diagram]\ntitle = \"{frame.T.velocity}\"\nevent = [{ name = \"A\", at = [0, 0] }]";
+    let error = parsed(text).unwrap_err().to_string();
+    assert!(error.contains("no key"), "{error}");
+}
+
+#[test]
+fn colours_may_be_hexadecimal() {
+    let text =
+        "event = [{ name = \"A\", at = [0, 0], colour = \"#12aBff\" }]\nct = [-1, 1]\nx = [-1, 1]";
+    let layout = laid_out(text);
+    let drawing = diagram::draw(&layout, &Default::default()).unwrap();
+    let svg = svg::write(&drawing).unwrap();
+    assert!(svg.contains("fill=\"#12abff\""), "{svg}");
+    for wrong in ["#12ab", "#12abgg", "cyan"] {
+        let text =
+            format!("[diagram]\nevent = [{{ name = \"A\", at = [0, 0], colour = \"{wrong}\" }}]");
+        let error = parsed(&text).unwrap_err().to_string();
+        assert!(error.contains("is not a colour"), "{error}");
+    }
+}
+
+#[test]
+fn one_g_for_a_year_is_the_textbook_journey() {
+    // a c/year of 9.80665 m/s² is 9.80665 · 31557600 / 299792458 = 1.03229 /yr: after a year of own time at
+    // sinh(1.03229)/1.03229 = 1.18731 yr.
+    let panel = panel(
+        "unit = \"yr\"\nworldline = [{ name = \"ship\", acceleration = \"1 g\" }]\n\
+         event = [{ name = \"A\", on = \"ship\", proper_time = 1 }]",
+    );
+    let at = event(&panel, "A");
+    assert!((at.ct - 1.18731).abs() < 1e-5, "{at:?}");
+}
+
+#[test]
+fn a_world_line_may_end_where_it_meets_another() {
+    // x = 0.5 ct meets x = 2 at ct = 4.
+    let panel = panel(
+        "worldline = [{ name = \"Bob\", velocity = 0.5, from = [0, 0], until = \"Alice\" }, { name = \"Alice\", at = [0, 2] }]\n\
+         ct = [-1, 6]\nx = [-1, 4]",
+    );
+    let points = &panel.world_lines[0].curve.points;
+    near(points[points.len() - 1], 4.0, 2.0);
+    let apart = "[diagram]\nworldline = [{ name = \"Bob\", until = \"Alice\" }, { name = \"Alice\", at = [0, 2] }]";
+    let error = parsed(apart).unwrap_err().to_string();
+    assert!(error.contains("do not meet"), "{error}");
+}
+
+#[test]
+fn light_beside_the_plane_is_said_to_be_a_projection() {
+    // From 3 m along x and 4 m along y: 5 m of light path on 3 m of the diagram.
+    let text = "direction = [1, 0, 0]\ndimensions = \"2+1\"\nevent = [{ name = \"A\", at = [0, 3, 4] }]\n\
+                worldline = [{ name = \"O\" }]\nsignal = [{ from = \"A\", to = \"O\" }]";
+    assert_eq!(panel(text).projected, [false]);
+    let scene = "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nvelocity = { beta = [0, 0, -0.5] }\n\
+                 [[object]]\nname = \"ball\"\nshape = { sphere = { radius = 0.1 } }\norigin = { position = [3, 0, -4], time = \"0 m\" }\n";
+    let model = parsed(scene).unwrap();
+    let layout = diagram::layout(&model);
+    assert!(layout.panels[0].projected.contains(&true));
+    let svg = svg::write_with_text(&diagram::draw(&layout, &model.style).unwrap()).unwrap();
+    assert!(svg.contains("its projection"), "{svg}");
+}
+
+#[test]
+fn text_may_be_text_in_svg_and_is_in_tikz() {
+    let layout =
+        laid_out("title = \"*γ*_1 = 10^{-9} & more\"\nevent = [{ name = \"Alice\", at = [0, 0] }]");
+    let drawing = diagram::draw(&layout, &Default::default()).unwrap();
+    let outlines = svg::write(&drawing).unwrap();
+    assert!(!outlines.contains("<text"));
+    let text = svg::write_with_text(&drawing).unwrap();
+    assert!(text.contains(">Alice</tspan></text>"), "{text}");
+    assert!(text.contains("font-style=\"italic\">γ</tspan>") && text.contains("&amp; more"));
+    assert!(text.len() < outlines.len() / 2);
+    let tikz = tikz::write(&drawing).unwrap();
+    assert!(tikz.contains("\\begin{tikzpicture}") && tikz.ends_with("\\end{tikzpicture}\n"));
+    assert!(tikz.contains("{Alice};"));
+    assert!(
+        tikz.contains("\\textit{$\\gamma$}\\textsubscript{1} = 10\\textsuperscript{$-$9} \\& more"),
+        "{tikz}"
+    );
+    let open = tikz.matches('{').count() as i64 - tikz.matches('}').count() as i64;
+    assert_eq!(open, 0, "braces");
+}
+
+#[test]
+fn views_side_by_side_have_one_scale() {
+    // A length of 1 at rest in each: equally long on the page.
+    let layout = laid_out(
+        "view = [\"world\", \"S'\"]\nframe = [{ name = \"S'\", velocity = 0.6, axes = false }]\n\
+         worldline = [{ name = \"a\", through = [[0, 0], [5, 0]], colour = \"#010203\" }]\n\
+         event = [{ name = \"B\", at = [5, 3], frame = \"S'\" }]\n",
+    );
+    let drawing = diagram::draw(&layout, &Default::default()).unwrap();
+    let svg = svg::write(&drawing).unwrap();
+    let lengths: Vec<f64> = svg
+        .lines()
+        .filter(|line| line.contains("stroke=\"#010203\"") && line.contains("d=\"M"))
+        .filter_map(|line| {
+            let data = line.split("d=\"M").nth(1)?.split('"').next()?;
+            let numbers: Vec<f64> = data
+                .split(['L', ' '])
+                .filter_map(|n| n.parse().ok())
+                .collect();
+            let [x0, y0] = [numbers[0], numbers[1]];
+            let [x1, y1] = [numbers[numbers.len() - 2], numbers[numbers.len() - 1]];
+            Some((x1 - x0).hypot(y1 - y0))
+        })
+        .collect();
+    // The world line of 5 at rest is γ √(1 + β²) = 1.25 · 1.16619 times as long in S'.
+    assert_eq!(lengths.len(), 2, "{svg}");
+    assert!(
+        (lengths[1] / lengths[0] - 1.25 * 1.36f64.sqrt()).abs() < 1e-3,
+        "{lengths:?}"
+    );
+}

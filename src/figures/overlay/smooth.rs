@@ -116,7 +116,8 @@ mod tests {
             })
             .collect();
         let smooth = smooth(&line);
-        for pair in smooth.windows(2) {
+        // The ends stay where they are, in the middle of a step.
+        for pair in smooth[1..smooth.len() - 1].windows(2) {
             let [x, y] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
             assert!(x > 0.0 && (y / x - 0.125).abs() < 0.09, "{pair:?}");
         }

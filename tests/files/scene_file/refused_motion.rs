@@ -152,7 +152,7 @@ fn what_the_paper_does_not_have_is_refused_of_its_equations() {
     assert!(folder.parse(&paper(acceleration)).is_ok());
     for (keys, place, what, help) in [
         (
-            "motion.segments = [{ acceleration = { proper = '0.1 /m', direction = [1, 0, 0] } }]",
+            "motion.segments = [{ duration = '1 m' }, { acceleration = { proper = '0.1 /m', direction = [1, 0, 0] } }]",
             "camera.motion",
             "inertial or have one constant proper acceleration",
             "`acceleration`",

@@ -152,7 +152,7 @@ fn the_diagram_of_the_reference_scene_is_accepted() {
     let parse = nullray::figures::diagram::parse;
     let diagram = parse(&text, "reference", "".as_ref(), &Default::default());
     let diagram = diagram.unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(diagram.lines.len(), 8);
+    assert_eq!(diagram.lines.len(), 10);
     assert_eq!(diagram.events.len(), 6);
     assert!(
         diagram

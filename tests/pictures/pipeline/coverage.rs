@@ -134,7 +134,7 @@ size = [16, 16]
 [[object]]
 shape = { plane = { size = [2, 2] } }
 [[source]]
-cube = { file = \"cube.npy\", start = \"1 m\", bin_width = \"0.5 m\", values = \"density\" }
+cube = { file = \"cube.npy\", start = \"1 m\", bin_width = \"0.5 m\", values = \"density\", filter = \"linear\" }
 ";
 
 #[test]

@@ -303,9 +303,10 @@ shape = { sphere = { radius = 2.0 } }
         .filter_map(|line| line.trim().strip_prefix("nullray diagram "));
     let mut count = 0;
     for example in examples.filter(|example| !example.starts_with('[')) {
-        // A shell takes the quotes off.
+        // A shell takes the quotes off, and pipes into other programs.
         let words: Vec<String> = example
             .split(' ')
+            .take_while(|word| *word != "|")
             .map(|word| word.replace('"', ""))
             .collect();
         let mut command = vec!["diagram"];

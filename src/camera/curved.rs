@@ -85,7 +85,7 @@ impl Radial {
     }
 }
 
-/// A fisheye; see the [module](self).
+/// A fisheye; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fisheye {
     radial: Radial,
@@ -200,7 +200,7 @@ impl Projection for Fisheye {
     }
 }
 
-/// The panorama; see the [module](self).
+/// The panorama; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equirectangular {
     axes: [DVec3; 3],

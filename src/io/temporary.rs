@@ -2,7 +2,7 @@
 //!
 //! They lie beside what they will become, are locked as long as their process lives, and are removed when it gives up.
 //! What a process leaves behind that was killed is removed by the next one that writes into the directory: things of such
-//! names that belong to its own user, are locked by nobody, and have not changed for [`FILE_AGE`] or [`FOLDER_AGE`].
+//! names that belong to its own user, are locked by nobody, and have not changed for `FILE_AGE` or `FOLDER_AGE`.
 //! The lock tells at once on a local disk, also between containers; on file systems of clusters a lock may not be seen
 //! from other machines, hence the age.
 

@@ -1,7 +1,7 @@
 //! Baking: time-resolved light of what rests relative to each other, as cubes that any moving camera can look up.
 //!
 //! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
-//! L over the bin, mean over pixel or texel. Paths come from [`TimedPaths`]; the light of one path goes into all bins in which its lamps' emission
+//! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
 //! arrives, so that the cost is that of the paths, whatever the number of bins. Pixels and texels are each summed by one thread,
 //! sample by sample: the bits do not depend on the threads.
 //!

@@ -22,7 +22,7 @@ pub fn write(drawing: &Drawing) -> Result<String> {
 /// Serif where there is one.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_with_text(drawing: &Drawing) -> Result<String> {
     written(drawing, true)
 }

@@ -6,7 +6,7 @@
 //! and change their solid angle with W², so that their irradiance is that of [`lamp`](super::lamp).
 //!
 //! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, and pictures are
-//! looked up in a copy whose texels are as wide as that ([`panorama`]).
+//! looked up in a copy whose texels are as wide as that (`panorama`).
 
 mod boosted;
 mod catalogue;

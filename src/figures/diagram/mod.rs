@@ -64,7 +64,7 @@ mod track;
 pub use draw::draw;
 pub use layout::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Now, Panel, Placed, Plane, Point, Solid, Tick, WorldLine, layout,
+    Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine, layout,
 };
 pub(crate) use layout::{limits, number, tick_step};
 pub use load::{load, parse, schema};

@@ -1,6 +1,6 @@
 //! Diagrams of 2+1 dimensions: cones, planes, projection, floor.
 
-use nullray::figures::diagram::{Nappe, Point};
+use nullray::figures::diagram::{Nappe, Point, Projection};
 
 use crate::diagrams::refused::check;
 use crate::diagrams::{event, panel};
@@ -22,20 +22,49 @@ fn from_apex(nappe: &Nappe, p: &Point) -> [f64; 3] {
     [p.x - nappe.apex.x, p.y - nappe.apex.y, p.ct - nappe.apex.ct]
 }
 
+/// Cosine and sine of the turn, and the height of a circle: 24/25, −7/25 and 7/24; ct is stretched by √(1 + (7/24)²) = 25/24.
+const TURN: [f64; 2] = [0.96, -0.28];
+const HEIGHT: f64 = 7.0 / 24.0;
+
 #[test]
-fn an_event_is_drawn_where_the_oblique_projection_has_it() {
-    // One along y is 0.4 to the right and 0.3 up: (2 + 0.4·3, 1 + 0.3·3).
-    let at = event(&panel(CONE), "A");
+fn an_event_is_drawn_where_the_projection_has_it() {
+    // (0.96·2 − 0.28·3, 25/24·1 + 7/24 (0.96·3 + 0.28·2)).
+    let panel = panel(CONE);
+    let at = event(&panel, "A");
     assert_eq!([at.ct, at.x, at.y], [1.0, 2.0, 3.0]);
-    let [right, up] = at.page();
-    equal(right, 3.2);
-    equal(up, 1.9);
+    assert_eq!(panel.projection(), Projection::Room);
+    let [right, up] = at.page(Projection::Room);
+    equal(right, 1.08);
+    equal(up, 25.0 / 24.0 + 7.0 / 24.0 * 3.44);
+    assert_eq!(at.page(Projection::Plane), [2.0, 1.0]);
 }
 
 #[test]
-fn light_along_x_is_at_45_degrees_on_the_page() {
-    let [a, b] = [Point::deep(0.0, 0.0, 2.0), Point::deep(1.0, 1.0, 2.0)].map(Point::page);
-    equal((b[1] - a[1]) / (b[0] - a[0]), 1.0);
+fn the_time_axis_and_cones_stand_upright_and_their_outlines_are_at_45_degrees() {
+    let page = |p: Point| p.page(Projection::Room);
+    assert_eq!(page(Point::deep(1.0, 0.0, 0.0))[0], 0.0);
+    for nappe in &panel(CONE).cones[0].nappes {
+        let [first, apex, last] = nappe.outline().map(page);
+        for edge in [first, last] {
+            equal(
+                (edge[1] - apex[1]) / (edge[0] - apex[0]).abs(),
+                nappe.height.signum(),
+            );
+        }
+        equal(first[0] + last[0], 2.0 * apex[0]);
+        // The rim is an upright ellipse: its highest and its lowest point are straight above the apex.
+        let rim: Vec<_> = nappe
+            .near
+            .iter()
+            .chain(&nappe.far)
+            .map(|p| page(*p))
+            .collect();
+        let middle = apex[1] + 25.0 / 24.0 * nappe.height;
+        for [right, up] in rim {
+            let (u, v) = (right - apex[0], (up - middle) / HEIGHT);
+            equal(u.hypot(v), nappe.height.abs());
+        }
+    }
 }
 
 #[test]
@@ -57,17 +86,14 @@ fn generators_of_a_cone_are_light() {
 
 #[test]
 fn the_outline_of_a_cone_touches_its_rim() {
-    // On the page the rim is h (cos φ + 0.4 sin φ, ±1 + 0.3 sin φ); parallel to its own derivative where
-    // sin φ − 0.4 cos φ = ∓0.3.
+    // With ψ the angle about the apex from the direction to the right, the outline is where sin ψ = ∓k/s.
     for nappe in &panel(CONE).cones[0].nappes {
         let [first, apex, last] = nappe.outline();
         assert_eq!(apex, nappe.apex);
         for edge in [first, last] {
             let [x, y, _] = from_apex(nappe, &edge);
-            equal(
-                (y - 0.4 * x) / nappe.height.abs(),
-                -0.3 * nappe.height.signum(),
-            );
+            let away = (y * TURN[0] - x * TURN[1]) / nappe.height.abs();
+            equal(away, -7.0 / 25.0 * nappe.height.signum());
         }
     }
 }
@@ -75,7 +101,10 @@ fn the_outline_of_a_cone_touches_its_rim() {
 #[test]
 fn the_near_side_of_a_cone_is_in_front_of_the_far_side() {
     for nappe in &panel(CONE).cones[0].nappes {
-        let middle = |side: &[Point]| from_apex(nappe, &side[side.len() / 2])[1];
+        let middle = |side: &[Point]| {
+            let [x, y, _] = from_apex(nappe, &side[side.len() / 2]);
+            y * TURN[0] - x * TURN[1]
+        };
         assert!(middle(&nappe.near) < 0.0 && middle(&nappe.far) > 0.0);
     }
 }

@@ -148,7 +148,8 @@ impl Pen<'_> {
                 true => thin(colour).dashed([3.2, 2.0]),
                 false => thin(colour),
             };
-            items.extend(self.strokes(&signal.ends, &stroke));
+            // Light is seen through what is translucent: whole, since pieces of it would look like several signals.
+            items.push(self.line(signal.ends, stroke));
             if let Some(tip) = head(self.panel, self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
                     length: 6.4,
@@ -249,9 +250,8 @@ impl Pen<'_> {
     /// A tick across the line that it is on.
     fn tick(&self, tick: &Tick, colour: Colour, half: f64) -> Item {
         let [x, y] = self.map.at(tick.at);
-        let [right, up] = tick.along.page();
-        let length = right.hypot(up).max(f64::MIN_POSITIVE);
-        let [dx, dy] = [up / length * half, right / length * half];
+        let [right, up] = self.map.direction(tick.along);
+        let [dx, dy] = [up * half, right * half];
         let path = Path::line([x - dx, y - dy], [x + dx, y + dy]);
         Item::stroked(path, Stroke::new(colour, 0.6 * self.theme.width))
     }

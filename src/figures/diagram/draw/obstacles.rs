@@ -3,6 +3,7 @@
 use super::labels::Ground;
 use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
 use super::page::Map;
+use super::solid;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Panel, Tick};
 use crate::figures::text::Rect;
@@ -45,6 +46,9 @@ fn widened(rect: Rect) -> Rect {
 }
 
 fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
+    for (edge, colour) in solid::shaded(panel, theme) {
+        ground.area(map.points(&edge), colour);
+    }
     for cone in &panel.cones {
         for edge in &cone.inside {
             ground.area(map.points(edge), cone_fill(theme));
@@ -76,9 +80,8 @@ fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
 /// The ends of a tick, on the page.
 fn across(map: &Map, tick: &Tick) -> [[f64; 2]; 2] {
     let [x, y] = map.at(tick.at);
-    let [right, up] = tick.along.page();
-    let half = TICK / up.hypot(right).max(f64::MIN_POSITIVE);
-    [-half, half].map(|half| [x + half * up, y + half * right])
+    let [right, up] = map.direction(tick.along);
+    [-TICK, TICK].map(|half| [x + half * up, y + half * right])
 }
 
 fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {

@@ -1,6 +1,6 @@
 //! Where a panel is on its page.
 
-use crate::figures::diagram::layout::{Panel, Point};
+use crate::figures::diagram::layout::{Panel, Point, Projection};
 use crate::figures::diagram::model::Style;
 use crate::figures::drawing::Path;
 use crate::figures::text::Rect;
@@ -19,6 +19,7 @@ pub(super) struct Page {
 
 /// The place of a panel: page coordinates from the diagram's.
 pub(super) struct Map {
+    projection: Projection,
     /// The rectangle, in the diagram's unit: from left to right, and from bottom to top.
     page: [[f64; 2]; 2],
     left: f64,
@@ -57,6 +58,7 @@ impl Page {
         let frames = panels.iter().enumerate().map(|(i, panel)| {
             let [w, h] = extent(panel).map(|side| side * scale);
             Map {
+                projection: panel.projection(),
                 page: panel.page(),
                 left: cell * (i as f64 + 0.5) - 0.5 * w,
                 top: head + above + tallest - h,
@@ -79,8 +81,15 @@ fn extent(panel: &Panel) -> [f64; 2] {
 }
 
 impl Map {
+    /// The direction of a vector on the page, to the right and upwards.
+    pub fn direction(&self, along: Point) -> [f64; 2] {
+        let [right, up] = along.page(self.projection);
+        let length = right.hypot(up).max(f64::MIN_POSITIVE);
+        [right / length, up / length]
+    }
+
     pub fn at(&self, p: Point) -> [f64; 2] {
-        let [right, up] = p.page();
+        let [right, up] = p.page(self.projection);
         let [[left, _], [_, top]] = self.page;
         [
             self.left + (right - left) * self.scale,

@@ -12,6 +12,11 @@ use crate::figures::drawing::{Colour, Item, Path, Stroke};
 
 /// Opacity of lines behind a surface, of 255.
 const BEHIND: u8 = 95;
+/// Opacities of the floor, of the two sides of a cone and of planes, of 255.
+const FLOOR: u8 = 9;
+const FAR_SIDE: u8 = 26;
+const NEAR_SIDE: u8 = 44;
+const PLANE: u8 = 34;
 /// Pieces in which lines are looked at, and halvings at the edge of what hides them.
 const PIECES: u32 = 96;
 const HALVINGS: u32 = 12;
@@ -29,6 +34,44 @@ fn plane_colour(panel: &Panel, theme: &Theme, plane: &Plane) -> Colour {
         None if own => theme.colour(Name::Grey),
         None => frame_colour(panel, theme, plane.frame),
     }
+}
+
+/// The halves of cones: those of the past, and those of the future.
+fn nappes(panel: &Panel) -> [Vec<&Nappe>; 2] {
+    let nappes = panel.cones.iter().flat_map(|cone| &cone.nappes);
+    let (past, future) = nappes.partition(|nappe| nappe.height < 0.0);
+    [past, future]
+}
+
+/// The edge of a side of a mantle, with this part of its rim.
+fn mantle(nappe: &Nappe, rim: &[Point]) -> Vec<Point> {
+    let mut edge = vec![nappe.apex];
+    edge.extend_from_slice(rim);
+    edge
+}
+
+/// What is shaded of a room, in the order in which it is drawn, with its colours.
+pub(super) fn shaded(panel: &Panel, theme: &Theme) -> Vec<(Vec<Point>, Colour)> {
+    let floor = panel.solid.iter();
+    let mut all: Vec<_> = floor
+        .map(|solid| (solid.floor.to_vec(), theme.ink.with_alpha(FLOOR)))
+        .collect();
+    let light = |alpha: u8| theme.light.with_alpha(alpha);
+    let sides = |nappe: &Nappe| {
+        [
+            (mantle(nappe, &nappe.far), light(FAR_SIDE)),
+            (mantle(nappe, &nappe.near), light(NEAR_SIDE)),
+        ]
+    };
+    let [past, future] = nappes(panel);
+    all.extend(past.into_iter().flat_map(sides));
+    let plane = |plane: &Plane| {
+        let colour = plane_colour(panel, theme, plane).with_alpha(PLANE);
+        (plane.corners.clone(), colour)
+    };
+    all.extend(panel.planes.iter().map(plane));
+    all.extend(future.into_iter().flat_map(sides));
+    all
 }
 
 /// A text, its colour, and the points of the page that it may stand beside.
@@ -63,7 +106,7 @@ impl Pen<'_> {
         let ink = self.theme.ink;
         let thin = |colour: Colour, width: f64| Stroke::new(colour, width * self.theme.width);
         let floor = self.polygon(&solid.floor);
-        let mut items = vec![Item::filled(floor.clone(), ink.with_alpha(9))];
+        let mut items = vec![Item::filled(floor.clone(), ink.with_alpha(FLOOR))];
         let grid = solid.grid.iter();
         items.extend(grid.map(|line| self.line(*line, thin(ink.with_alpha(38), 0.3))));
         items.push(Item::stroked(floor, thin(ink.with_alpha(90), 0.35)));
@@ -102,8 +145,7 @@ impl Pen<'_> {
 
     /// Cones and planes: pasts, then what is simultaneous, then futures, since each is seen from above.
     pub fn solids(&self) -> Vec<Item> {
-        let nappes = self.panel.cones.iter().flat_map(|cone| &cone.nappes);
-        let (past, future): (Vec<_>, Vec<_>) = nappes.partition(|nappe| nappe.height < 0.0);
+        let [past, future] = nappes(self.panel);
         let mut items: Vec<Item> = past
             .into_iter()
             .flat_map(|nappe| self.nappe(nappe))
@@ -124,9 +166,9 @@ impl Pen<'_> {
             true => stroke(170, 0.5).dashed([3.0, 2.4]),
             false => stroke(255, 0.6),
         };
-        let mut items = self.side(nappe, &nappe.far, 26, stroke(60, 0.25));
+        let mut items = self.side(nappe, &nappe.far, FAR_SIDE, stroke(60, 0.25));
         items.push(Item::stroked(self.map.polyline(&nappe.far), far_rim));
-        items.extend(self.side(nappe, &nappe.near, 44, stroke(110, 0.3)));
+        items.extend(self.side(nappe, &nappe.near, NEAR_SIDE, stroke(110, 0.3)));
         items.push(Item::stroked(
             self.map.polyline(&nappe.near),
             stroke(255, 0.6),
@@ -140,10 +182,8 @@ impl Pen<'_> {
 
     /// A side of a mantle, with some of its light rays.
     fn side(&self, nappe: &Nappe, rim: &[Point], alpha: u8, ray: Stroke) -> Vec<Item> {
-        let mut edge = vec![nappe.apex];
-        edge.extend_from_slice(rim);
         let fill = self.theme.light.with_alpha(alpha);
-        let mut items = vec![Item::filled(self.polygon(&edge), fill)];
+        let mut items = vec![Item::filled(self.polygon(&mantle(nappe, rim)), fill)];
         let inner = rim
             .iter()
             .enumerate()
@@ -160,7 +200,7 @@ impl Pen<'_> {
             let path = self.polygon(&plane.corners);
             let edge = Stroke::new(colour.with_alpha(150), 0.4 * self.theme.width);
             [
-                Item::filled(path.clone(), colour.with_alpha(34)),
+                Item::filled(path.clone(), colour.with_alpha(PLANE)),
                 Item::stroked(path, edge),
             ]
         });

@@ -81,12 +81,16 @@ fn own_axes(view: &View, limits: &Limits) -> Axes {
     }
 }
 
-/// The view's own in 2+1 dimensions: ct along the near left edge of the room, x along the near edge of its
+/// The view's own in 2+1 dimensions: ct along the leftmost edge of the room, x along the near edge of its
 /// floor, y along the right one.
 fn room_axes(view: &View, limits: &Limits) -> Axes {
     let corner = Point::deep(limits.ct[0], limits.x[0], limits.y[0]);
     let right = Point {
         x: limits.x[1],
+        ..corner
+    };
+    let left = Point {
+        y: limits.y[1],
         ..corner
     };
     let step = step_of(view, &view.reference, limits);
@@ -113,7 +117,7 @@ fn room_axes(view: &View, limits: &Limits) -> Axes {
     let [time, space, depth] = labels(view, &view.reference);
     Axes {
         frame: view.index,
-        time: axis(corner, Point::new(1.0, 0.0), limits.ct, time),
+        time: axis(left, Point::new(1.0, 0.0), limits.ct, time),
         space: axis(corner, Point::new(0.0, 1.0), limits.x, space),
         depth: Some(axis(right, Point::deep(0.0, 0.0, 1.0), limits.y, depth)),
         colour: view.reference.colour,

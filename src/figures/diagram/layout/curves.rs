@@ -3,6 +3,8 @@
 //! A world line is sampled more finely where it bends: between two points it deviates from the straight line
 //! by less than [`FLATNESS`] of the diagram's size.
 
+use glam::DVec3;
+
 use super::solid;
 use super::types::Limits;
 use super::types::{Area, Cone, Curve, Hyperbola, Placed, Point, Tick, WorldLine, number};
@@ -108,9 +110,9 @@ fn bend(
 ) {
     let middle = a.0 + 0.5 * (b.0 - a.0);
     let Some(m) = at(middle) else { return };
-    let [chord_x, chord_y] = b.1.from(a.1).page();
-    let [way_x, way_y] = m.from(a.1).page();
-    let across = (chord_y * way_x - chord_x * way_y).abs() / chord_y.hypot(chord_x);
+    let vector = |p: Point| DVec3::new(p.x, p.y, p.ct);
+    let chord = vector(b.1.from(a.1));
+    let across = chord.cross(vector(m.from(a.1))).length() / chord.length();
     if halvings > 0 && across > allowed {
         bend(at, [a, (middle, m)], allowed, halvings - 1, points);
         bend(at, [(middle, m), b], allowed, halvings - 1, points);

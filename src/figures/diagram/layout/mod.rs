@@ -13,7 +13,7 @@ pub(crate) use axes::tick_step;
 pub(crate) use types::number;
 pub use types::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
-    Nappe, Now, Panel, Placed, Plane, Point, Solid, Tick, WorldLine,
+    Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
 };
 use view::View;
 

@@ -1,19 +1,14 @@
 //! What 2+1 dimensions have besides: the floor with shadows, light cones as cones, equal times as planes.
 //!
-//! A light cone of height h has the rim (x, y) = |h| (cos φ, sin φ) at ct = h. One along y is drawn a to the
-//! right and b up, so that on the page the rim is h (±(cos φ + a sin φ), 1 ± b sin φ). The outline of the cone
-//! touches the rim where the line from the apex is tangent to it:
-//!
-//! ```text
-//! sin φ − a cos φ = ∓b,     so     sin(φ − δ) = ∓b/√(1 + a²),     tan δ = a,
-//! ```
-//!
-//! the upper sign for the future. Between its two edges is the side that is nearer to the reader.
+//! A light cone of height h has the rim (x, y) = |h| (cos φ, sin φ) at ct = h, on the page the upright ellipse
+//! (cos ψ, k sin ψ) |h| about its middle, with ψ = φ − α and α, k, s those of [`Point`]. The outline of the cone touches the
+//! rim where the line from the apex is tangent to it: sin ψ = ∓k/s, the upper sign for the future. Between its two edges is
+//! the side that is nearer to the reader, about ψ = −90°.
 
 use std::f64::consts::{PI, TAU};
 
 use super::types::Limits;
-use super::types::{ALOFT, ASIDE, Curve, Point, WorldLine};
+use super::types::{Curve, HEIGHT, Point, RISE, TURN, WorldLine};
 use super::types::{Nappe, Plane, Solid};
 use super::view::View;
 use crate::figures::diagram::model::{Cone, Slice, SliceKind};
@@ -88,12 +83,12 @@ fn room(limits: &Limits, apex: Point, up: f64) -> f64 {
 
 fn nappe(apex: Point, height: f64) -> Nappe {
     let sign = -height.signum();
-    let tilt = libm::atan(ASIDE);
-    let edge = libm::asin(ALOFT / libm::hypot(1.0, ASIDE));
-    // From edge to edge by way of the side in front, where y is below that of the apex.
+    let turn = libm::atan2(TURN[1], TURN[0]);
+    let edge = libm::asin(HEIGHT / RISE);
+    // From edge to edge by way of the side in front.
     let (first, last) = match sign > 0.0 {
-        true => (tilt + PI - edge, tilt + edge + TAU),
-        false => (tilt + PI + edge, tilt - edge + TAU),
+        true => (turn + PI - edge, turn + edge + TAU),
+        false => (turn + PI + edge, turn - edge + TAU),
     };
     let arc = |from: f64, to: f64| {
         let steps =

@@ -2,22 +2,42 @@
 
 use crate::figures::diagram::model::{Colour, DrawnCurve, Segment, Spot};
 
-/// One along y on the page: to the right and upwards. It is 0.5 long.
-pub(super) const ASIDE: f64 = 0.4;
-pub(super) const ALOFT: f64 = 0.3;
+/// The view of 2+1 dimensions: turned about the ct axis by the angle whose cosine and sine these are, and seen from above, so
+/// that circles about that axis are ellipses of this height, in parts of their width. Turned this way, the planes of equal time
+/// of what moves along +x are seen from above, and not from their edge.
+pub(super) const TURN: [f64; 2] = [0.96, -0.28];
+pub(super) const HEIGHT: f64 = 7.0 / 24.0;
+/// Of one along ct: √(1 + HEIGHT²), with which the outline of a light cone is at 45 degrees.
+pub(super) const RISE: f64 = 25.0 / 24.0;
 
 /// A point of a diagram, in its unit.
 ///
-/// It is drawn in oblique projection: ct and x as they are, and y into the page, at an angle and half as long,
-/// so that light along x is at 45 degrees in 2+1 dimensions too.
+/// In 1+1 dimensions ct goes up and x to the right. In 2+1 dimensions it is drawn in parallel projection, seen from above and
+/// turned about the ct axis, so that this axis and all light cones stand upright on the page:
+///
+/// ```text
+/// right = x cos α + y sin α,     up = s ct + k (y cos α − x sin α),     cos α = 24/25,   sin α = −7/25,   k = 7/24,   s = √(1 + k²).
+/// ```
+///
+/// A cone of height h has its rim at right = h cos ψ, up = s h + k h sin ψ. It is tangent to the line from the apex where
+/// s sin ψ = −k, which is at right = h √(1 − k²/s²) = h/s and up = h (s − k²/s) = h/s: 45 degrees, as light in 1+1 dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
     /// Upwards.
     pub ct: f64,
-    /// To the right.
+    /// To the right; in 2+1 dimensions a little away from the reader too.
     pub x: f64,
-    /// Into the page; 0 in 1+1 dimensions.
+    /// Away from the reader and a little to the left; 0 in 1+1 dimensions.
     pub y: f64,
+}
+
+/// How the points of a diagram are drawn on the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// 1+1 dimensions: as they are.
+    Plane,
+    /// 2+1 dimensions: upright, seen from above.
+    Room,
 }
 
 /// A diagram laid out.
@@ -383,15 +403,22 @@ impl Point {
     }
 
     /// Where it is on the page, to the right and upwards, in the diagram's unit.
-    pub fn page(self) -> [f64; 2] {
-        [self.x + ASIDE * self.y, self.ct + ALOFT * self.y]
+    pub fn page(self, projection: Projection) -> [f64; 2] {
+        let [cos, sin] = TURN;
+        match projection {
+            Projection::Plane => [self.x, self.ct],
+            Projection::Room => [
+                self.x * cos + self.y * sin,
+                RISE * self.ct + HEIGHT * (self.y * cos - self.x * sin),
+            ],
+        }
     }
 
-    /// The line of sight, towards the reader: a point and this one farther are at one place of the page.
+    /// The line of sight of 2+1 dimensions, towards the reader: a point and this one farther are at one place of the page.
     pub const TOWARDS: Point = Point {
-        ct: ALOFT,
-        x: ASIDE,
-        y: -1.0,
+        ct: HEIGHT / RISE,
+        x: TURN[1],
+        y: -TURN[0],
     };
 
     /// This and `t` times `direction`.
@@ -410,6 +437,14 @@ impl Point {
 }
 
 impl Panel {
+    /// How its points are drawn.
+    pub fn projection(&self) -> Projection {
+        match self.solid {
+            Some(_) => Projection::Room,
+            None => Projection::Plane,
+        }
+    }
+
     /// The rectangle of the page that it takes: from left to right, and from bottom to top. In 2+1 dimensions
     /// that is no more than what is drawn needs.
     pub fn page(&self) -> [[f64; 2]; 2] {
@@ -427,7 +462,7 @@ impl Panel {
         let all = all.chain(signals).chain(axes).chain(events);
         let mut sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for p in all.filter(|p| self.limits.contains(**p)) {
-            for (side, at) in sides.iter_mut().zip(p.page()) {
+            for (side, at) in sides.iter_mut().zip(p.page(Projection::Room)) {
                 *side = [side[0].min(at), side[1].max(at)];
             }
         }

@@ -50,7 +50,7 @@ pub fn times(
     }
     let [width, height] = scene.camera.size.map(u64::from);
     let bar = Bar::new(width * height, quiet).named("retarded times".into());
-    let film = apparent(prepared, Part::Isochrones.into(), &bar)?;
+    let film = apparent(prepared, Part::Isochrones.into(), &bar)?.film;
     drop(bar);
     interrupt::check()?;
     Ok(Some(film))

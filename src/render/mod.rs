@@ -7,6 +7,7 @@
 pub mod aov;
 pub mod bake;
 pub mod film;
+pub mod identities;
 pub mod metadata;
 pub mod plan;
 pub mod prepare;

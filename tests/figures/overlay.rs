@@ -2,10 +2,9 @@
 
 use nullray::figures::drawing::{Item, pdf, png, svg};
 use nullray::figures::overlay::{
-    Outline, Overlay, Part, Parts, Target, apparent, instantaneous, outlines,
+    Outline, Overlay, Part, Parts, Seen, Target, apparent, instantaneous, outlines,
 };
 use nullray::io::image::RgbImage;
-use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -25,7 +24,7 @@ fn scene(text: &str) -> Scene {
     scene::parse(text, "test scene", ".".as_ref(), &Overrides::default()).unwrap()
 }
 
-fn films(scene: &Scene, parts: Parts) -> (Film, Film) {
+fn films(scene: &Scene, parts: Parts) -> (Seen, Seen) {
     let plan = Plan::new(scene, &Request::default()).unwrap();
     let mut prepared = Prepared::new(scene, &plan, &Silent).unwrap();
     let film = apparent(&mut prepared, parts, &Silent).unwrap();
@@ -111,30 +110,151 @@ fn both_outlines_of_what_rests_are_the_same() {
     assert!(!overlay.apparent.is_empty());
 }
 
-#[test]
-fn an_outline_lies_within_fractions_of_a_pixel() {
-    // A disc of radius 30.3 about (50.2, 49.9), and the shift 1/(2r) of the smoothing.
-    let (size, r) = ([100, 100], 30.3);
-    let from = |x: f64, y: f64| (x - 50.2).hypot(y - 49.9);
-    let pixel = |i: u32| from(f64::from(i % 100) + 0.5, f64::from(i / 100) + 0.5);
-    let objects: Vec<f64> = (0..10_000)
-        .map(|i| if pixel(i) < r { 3.0 } else { -1.0 })
-        .collect();
-    let found = outlines(size, &objects);
+/// The outline of object 3, which is where `inside` says, in a picture of 100 × 100 pixels.
+fn outlined(inside: impl Fn([f64; 2]) -> bool) -> Vec<[f64; 2]> {
+    let seen = |p: [f64; 2]| if inside(p) { 3.0 } else { -1.0 };
+    let pixel = |i: u32| [f64::from(i % 100) + 0.5, f64::from(i / 100) + 0.5];
+    let objects: Vec<f64> = (0..10_000).map(|i| seen(pixel(i))).collect();
+    let look = |points: &[[f64; 2]]| Ok(points.iter().map(|p| seen(*p)).collect());
+    let found = outlines([100, 100], &objects, look).unwrap();
     assert_eq!((found.len(), found[0].object), (1, 3));
-    let radii: Vec<f64> = found[0].lines[0].iter().map(|p| from(p[0], p[1])).collect();
-    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-    assert!((mean - r + 0.5 / r).abs() < 0.05, "{mean}");
-    let worst = radii.iter().map(|q| (q - mean).abs()).fold(0.0, f64::max);
-    assert!(worst < 0.5, "{worst}");
+    let [line] = &found[0].lines[..] else {
+        panic!("{} lines", found[0].lines.len())
+    };
+    assert_eq!(line.first(), line.last());
+    line.clone()
+}
+
+/// A number in [0, 1) for every seed (Knuth's MMIX generator, a few steps).
+fn random(seed: u64) -> f64 {
+    let step = |x: u64| {
+        x.wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407)
+    };
+    (step(step(step(seed))) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[test]
+fn points_of_an_outline_are_on_the_edge_at_any_phase() {
+    for seed in 0..40 {
+        let [x, y, r] = [0, 1, 2].map(|k| random(3 * seed + k));
+        let (x, y, r) = (50.0 + x, 50.0 + y, 1.5 + 40.0 * r);
+        let line = outlined(|p| (p[0] - x).hypot(p[1] - y) < r);
+        for p in &line {
+            // The way is halved 12 times; an edge that the way only grazes is met at an angle.
+            let off = (p[0] - x).hypot(p[1] - y) - r;
+            assert!(off.abs() < 1.0 / 4096.0, "{off} of {r}");
+        }
+        // Chords of squares of one pixel: the arc between is farther by √2²/(8r) at most.
+        for pair in line.windows(2) {
+            let middle = [0, 1].map(|k| 0.5 * (pair[0][k] + pair[1][k]));
+            let off = (middle[0] - x).hypot(middle[1] - y) - r;
+            assert!(-0.26 / r < off && off < 1e-3, "{off} of {r}");
+        }
+    }
+}
+
+#[test]
+fn straight_edges_have_their_slope_at_any_phase() {
+    for seed in 0..40 {
+        let [x, y, turn] = [0, 1, 2].map(|k| random(1000 + 3 * seed + k));
+        let (sin, cos) = (6.3 * turn).sin_cos();
+        // A rectangle of 60 × 40 pixels about a point of the middle pixel, turned.
+        let own = |p: [f64; 2]| {
+            let [u, v] = [p[0] - 50.0 - x, p[1] - 50.0 - y];
+            [(u * cos + v * sin) / 30.0, (v * cos - u * sin) / 20.0]
+        };
+        let line = outlined(|p| own(p).iter().all(|c| c.abs() < 1.0));
+        let mut straight = 0;
+        for pair in line.windows(2) {
+            let [a, b] = [own(pair[0]), own(pair[1])];
+            // The side that both ends are on, away from its corners.
+            let side = (0..2).find(|&k| a[k].abs() > 0.999 && (a[k] - b[k]).abs() < 0.1);
+            let Some(k) = side.filter(|&k| a[1 - k].abs() < 0.9 && b[1 - k].abs() < 0.9) else {
+                continue;
+            };
+            straight += 1;
+            let half = [30.0, 20.0];
+            let off = |p: [f64; 2]| (p[k].abs() - 1.0) * half[k];
+            assert!(
+                off(a).abs() < 2.5e-4 && off(b).abs() < 2.5e-4,
+                "{} {}",
+                off(a),
+                off(b)
+            );
+            let along = (a[1 - k] - b[1 - k]).abs() * half[1 - k];
+            let slope = (off(a) - off(b)) / along;
+            assert!(along < 0.1 || slope.abs() < 5e-3, "{slope} over {along}");
+        }
+        assert!(straight > 150, "{straight}");
+    }
+}
+
+#[test]
+fn the_outline_of_a_turned_box_is_its_projection_at_any_phase() {
+    // A camera at rest at distance 5 from the front of a slab of 2 × 1: f = 100/tan 30° pixels.
+    for seed in 0..8 {
+        let [turn, x, y] = [0, 1, 2].map(|k| random(2000 + 3 * seed + k));
+        let (turn, x, y) = (90.0 * turn, 0.1 * x, 0.1 * y);
+        let text = format!(
+            "camera = {{ eye = [0, 0, 5], look_at = [0, 0, 0], hfov = \"60 deg\", size = [200, 160] }}\n\
+             object = [{{ shape = {{ box = {{ size = [2, 1, 0.002] }} }}, transform = {{ \
+             rotate = {{ axis = [0, 0, 1], angle = \"{turn} deg\" }}, translate = [{x}, {y}, -0.001] }} }}]"
+        );
+        let overlay = overlay(&scene(&text), Parts::default());
+        let [outline] = &overlay.apparent[..] else {
+            panic!("{} outlines", overlay.apparent.len())
+        };
+        let pixels = 100.0 / 30f64.to_radians().tan() / 5.0;
+        let (sin, cos) = turn.to_radians().sin_cos();
+        let mut on_edge = 0;
+        for p in outline.lines.iter().flatten() {
+            let [u, v] = [(p[0] - 100.0) / pixels - x, (80.0 - p[1]) / pixels - y];
+            let own = [
+                (u * cos + v * sin).abs() - 1.0,
+                (v * cos - u * sin).abs() - 0.5,
+            ];
+            let off = own[0].max(own[1]) * pixels;
+            assert!(off.abs() < 5e-4, "{off} at {p:?}, turned by {turn}");
+            on_edge += 1;
+        }
+        assert!(on_edge > 200, "{on_edge}");
+    }
 }
 
 #[test]
 fn the_line_between_two_objects_is_drawn_once() {
     let objects: Vec<f64> = (0..400).map(|i| f64::from(i % 20 / 8)).collect();
-    let found = outlines([20, 20], &objects);
-    let lines: usize = found.iter().map(|outline| outline.lines.len()).sum();
-    assert_eq!(lines, 2, "at x = 8 and x = 16");
+    let look = |points: &[[f64; 2]]| Ok(points.iter().map(|p| (p[0] / 8.0).floor()).collect());
+    let found = outlines([20, 20], &objects, look).unwrap();
+    let lines: Vec<_> = found.iter().flat_map(|outline| &outline.lines).collect();
+    assert_eq!(lines.len(), 2);
+    for (line, x) in lines.into_iter().zip([8.0, 16.0]) {
+        assert!(line.iter().all(|p| (p[0] - x).abs() < 2e-4), "{line:?}");
+    }
+}
+
+#[test]
+fn fields_of_a_chessboard_are_joined_as_they_are_in_the_middle() {
+    // Two fields of an object that meet at a corner, or are joined there by a bridge, or are apart.
+    for (bridge, lines) in [(0.3, 1), (-0.3, 2)] {
+        let seen = |p: [f64; 2]| {
+            let [u, v] = [p[0] - 10.0, p[1] - 10.0];
+            let near = (u + v).abs() < 0.4 * bridge && bridge > 0.0;
+            let far = u * v > 0.0 && u.hypot(v) > bridge.abs();
+            let within = u.abs() < 5.0 && v.abs() < 5.0;
+            if within && (far || u.hypot(v) <= bridge || near) {
+                0.0
+            } else {
+                -1.0
+            }
+        };
+        let pixel = |i: u32| [f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5];
+        let objects: Vec<f64> = (0..400).map(|i| seen(pixel(i))).collect();
+        let look = |points: &[[f64; 2]]| Ok(points.iter().map(|p| seen(*p)).collect());
+        let found = outlines([20, 20], &objects, look).unwrap();
+        assert_eq!(found[0].lines.len(), lines, "{bridge}");
+    }
 }
 
 /// A camera at the origin that looks along −z with 90° over 200 × 100 pixels.

@@ -6,28 +6,38 @@
 //! which time passes, and it meets the object where the object is in the world at t: contracted to 1/γ.
 //! Directions of the camera frame are taken for those of the world, so that nothing is aberrated.
 
-use super::Parts;
+use super::{Outline, Parts, outlines};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::render::aov::Aov;
 use crate::render::film::{Film, Layout};
+use crate::render::identities::objects_at;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::render;
 use crate::render::sampler::Sampler;
 use crate::scene::model::{Equations, Scene};
 
+/// A picture of one ray through the centre of each pixel.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    /// The channels.
+    pub film: Film,
+    /// The outlines of objects, where they are wanted.
+    pub outlines: Vec<Outline>,
+}
+
 /// Takes the picture of the channels that `parts` need, one ray through the centre of each pixel, so that
 /// lines do not depend on where the samples of the display's picture lie; `prepared` is left as it was.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` is cancelled.
-pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Film> {
+pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) -> Result<Seen> {
     centred(prepared, parts.needs(), progress)
 }
 
 /// The picture of these channels at the centres of pixels; `prepared` is left as it was.
-fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress) -> Result<Film> {
+fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress) -> Result<Seen> {
     let layout = Layout {
         samples: 1,
         pixel_centers: true,
@@ -38,7 +48,15 @@ fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress)
     let sampler = std::mem::replace(&mut prepared.sampler, Sampler::centred());
     let film = render(prepared, progress);
     (prepared.layout, prepared.sampler) = (layout, sampler);
-    film
+    let film = film?;
+    let outlines = match film.aov(Aov::Object) {
+        Some(objects) => outlines(film.size(), objects, |points| {
+            let seen = objects_at(prepared, points, progress)?.into_iter();
+            Ok(seen.map(|object| object.map_or(-1.0, f64::from)).collect())
+        })?,
+        None => Vec::new(),
+    };
+    Ok(Seen { film, outlines })
 }
 
 /// Takes the picture of identities ([`Aov::Object`]) without delay and aberration, one ray through the
@@ -53,7 +71,7 @@ pub fn instantaneous(
     scene: &Scene,
     prepared: &mut Prepared,
     progress: &dyn Progress,
-) -> Result<Film> {
+) -> Result<Seen> {
     let mut scene = scene.clone();
     scene.equations = Equations::Exact;
     scene.effects.aberration = false;
@@ -61,7 +79,7 @@ pub fn instantaneous(
     (scene.camera.sensor, scene.camera.shutter) = (None, None);
     let camera = std::mem::replace(&mut prepared.camera, Camera::new(&scene)?);
     let ray_index = std::mem::replace(&mut prepared.ray_index, 0.0);
-    let film = centred(prepared, vec![Aov::Object], progress);
+    let seen = centred(prepared, vec![Aov::Object], progress);
     (prepared.camera, prepared.ray_index) = (camera, ray_index);
-    film
+    seen
 }

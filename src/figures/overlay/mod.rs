@@ -24,11 +24,10 @@ mod outline;
 mod page;
 mod parts;
 mod pointer;
-mod smooth;
 mod style;
 mod times;
 
-pub use instant::{apparent, instantaneous};
+pub use instant::{Seen, apparent, instantaneous};
 pub use outline::{Outline, outlines};
 pub use page::{bytes, png_scale};
 pub use parts::{Part, Parts};
@@ -38,7 +37,6 @@ pub use times::{Isochrone, Isochrones};
 use crate::camera::{AnyProjection, Projection as _, Shot};
 use crate::error::{Error, Result};
 use crate::render::aov::Aov;
-use crate::render::film::Film;
 use crate::scene::model::Scene;
 
 /// A line in pixels of the film, (0, 0) being its upper left corner; closed where its first point is its
@@ -95,7 +93,7 @@ impl Overlay {
         }
     }
 
-    /// Finds the lines of `parts` of the [`apparent`] film of `scene` and of its [`instantaneous`] one, as
+    /// Finds the lines of `parts` of the [`apparent`] picture of `scene` and of its [`instantaneous`] one, as
     /// far as they are needed ([`Parts::needs`]); isochrones `step` metres apart, or at round numbers.
     ///
     /// Films and channels that are not there give no lines.
@@ -105,8 +103,8 @@ impl Overlay {
     /// isochrones.
     pub fn trace(
         scene: &Scene,
-        apparent: Option<&Film>,
-        instantaneous: Option<&Film>,
+        apparent: Option<&Seen>,
+        instantaneous: Option<&Seen>,
         parts: Parts,
         step: Option<f64>,
     ) -> Result<Overlay> {
@@ -114,13 +112,12 @@ impl Overlay {
         let shot = Shot::new(&scene.camera)?;
         let size = scene.camera.size;
         let (projection, half_width) = pointer::projection(&scene.camera, &shot);
-        let times = apparent.and_then(|film| film.aov(Aov::EventCt));
+        let times = apparent.and_then(|seen| seen.film.aov(Aov::EventCt));
         let times = times.filter(|_| parts.has(Part::Isochrones));
         let isochrones = times.map(|ct| Isochrones::trace(size, ct, step));
-        let outlined = |film: Option<&Film>| {
-            let film = film.filter(|_| parts.has(Part::Outlines));
-            let objects = film.and_then(|film| film.aov(Aov::Object));
-            objects.map_or(Vec::new(), |objects| outlines(size, objects))
+        let outlined = |seen: Option<&Seen>| {
+            let seen = seen.filter(|_| parts.has(Part::Outlines));
+            seen.map_or(Vec::new(), |seen| seen.outlines.clone())
         };
         let pointer = Pointer::of(&shot, &projection);
         let facts = Facts {

@@ -1,30 +1,30 @@
-//! Outlines of objects, from the channel of their identities.
+//! Outlines of objects, traced to fractions of a pixel.
 //!
-//! With χ the indicator of an object's pixels (1 where it is seen, 0 elsewhere) and B the binomial
-//! kernel (1, 4, 6, 4, 1)/16 in either direction, of variance 1 pixel², the outline is the line
+//! Between two neighbouring pixel centres that show different objects there is an edge. Rays between them halve the way
+//! [`HALVINGS`] times, so that the point where the first object ends is known to 2⁻¹³ of a pixel:
 //!
 //! ```text
-//! (B ∗ χ)(x, y) = ½,
+//! low shows the object of the first centre, high does not;   middle = (low + high)/2 takes the place of the one or the other.
 //! ```
 //!
-//! by linear interpolation between pixel centres. B keeps a straight edge where it is, so that the line
-//! lies within fractions of a pixel; an edge of radius r is drawn 1/(2r) pixels inwards (heat equation to
-//! first order), and what is less than two pixels wide may have no outline.
+//! Through these points goes the outline, by marching squares: in a square of four pixel centres a straight piece joins two of
+//! them, and where two objects meet like the fields of a chessboard, a ray through the middle of the square tells which are
+//! joined. A piece is the chord of the edge in its square: straight edges have their own slope everywhere, an edge of radius r
+//! strays from it by 1/(4r) pixels at most, and a corner within a square is cut off there. What no pixel centre shows has no
+//! outline.
 //!
-//! Where two objects meet, the lines of both are the same, since their smoothed indicators add up to 1:
-//! the line is that of the object with fewer pixels, as a rule the one in front.
+//! Where two objects meet, the lines of both are the same: the line is that of the object with fewer pixels, as a rule
+//! the one in front.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Polyline;
+use crate::error::Result;
 use crate::figures::isochrones::chain::polylines;
-use crate::figures::isochrones::contour::{Grid, Piece, pieces};
-use crate::figures::isochrones::range::Range;
+use crate::figures::isochrones::contour::{Crossing, Piece};
 
-/// The binomial kernel, sixteenths.
-const KERNEL: [f64; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];
-/// How far from an object's pixels its smoothed indicator reaches, pixels.
-const REACH: usize = 2;
+/// How often the way between two pixel centres is halved.
+const HALVINGS: u32 = 12;
 
 /// The outline of what is seen of an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,23 +44,32 @@ struct Area {
     max: [usize; 2],
 }
 
-/// The outlines of all objects of a picture of this size, from the identity in each pixel (−1 where
-/// nothing is seen; row 0 at the top). Ordered by object; objects without lines are left out.
-pub fn outlines([width, height]: [u32; 2], objects: &[f64]) -> Vec<Outline> {
+/// The outlines of all objects of a picture of this size, from the identity at the centre of each pixel (−1 where nothing is
+/// seen; row 0 at the top); `look` tells the identities at any points of the film, pixels. Ordered by object; objects without
+/// lines are left out.
+///
+/// # Errors
+/// Those of `look`.
+pub fn outlines(
+    [width, height]: [u32; 2],
+    objects: &[f64],
+    look: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+) -> Result<Vec<Outline>> {
     let size = [width, height].map(|side| side as usize);
     if objects.len() != size[0] * size[1] {
-        return Vec::new();
+        return Ok(Vec::new());
     }
+    let edges = Edges::find(size, objects, look)?;
     let mut areas = areas(size, objects);
     areas.sort_by_key(|area| (area.count, area.object));
     let mut taken = BTreeSet::new();
     let traced = areas.iter().map(|area| Outline {
         object: area.object,
-        lines: trace(area, size, objects, &mut taken),
+        lines: edges.trace(area, objects, &mut taken),
     });
     let mut outlines: Vec<Outline> = traced.filter(|o| !o.lines.is_empty()).collect();
     outlines.sort_by_key(|outline| outline.object);
-    outlines
+    Ok(outlines)
 }
 
 /// Where each object is seen.
@@ -81,76 +90,163 @@ fn areas([width, _]: [usize; 2], objects: &[f64]) -> Vec<Area> {
     areas.into_values().collect()
 }
 
-/// The lines of one object, without what others have `taken`.
-fn trace(
-    area: &Area,
+/// Where what is seen changes from pixel to pixel.
+struct Edges {
     size: [usize; 2],
-    objects: &[f64],
-    taken: &mut BTreeSet<usize>,
-) -> Vec<Polyline> {
-    let min = area.min.map(|side| side.saturating_sub(REACH + 1));
-    let max = [0, 1].map(|axis| (area.max[axis] + REACH + 2).min(size[axis]));
-    let [width, height] = [0, 1].map(|axis| max[axis] - min[axis]);
-    let smoothed = smoothed(size, min, [width, height], |i| {
-        objects[i] == area.object as f64
-    });
-    let grid = Grid {
-        width,
-        height,
-        ct: &smoothed,
-    };
-    let in_film = |edge: usize| {
-        let (column, row) = (edge / 2 % width + min[0], edge / 2 / width + min[1]);
-        2 * (row * size[0] + column) + edge % 2
-    };
-    let edges = |piece: &Piece| piece.ends.map(|end| in_film(end.edge));
-    let mut found = pieces(&grid, &HALF).pop().unwrap_or_default();
-    found.retain(|piece| !edges(piece).iter().all(|edge| taken.contains(edge)));
-    taken.extend(found.iter().flat_map(edges));
-    let place = |[x, y]: [f64; 2]| [x + min[0] as f64, y + min[1] as f64];
-    let lines = polylines(&found).into_iter();
-    lines
-        .map(|line| line.points.into_iter().map(place).collect())
-        .collect()
+    /// Where, by the number of a pair of neighbouring pixels.
+    points: BTreeMap<usize, [f64; 2]>,
+    /// What is seen in the middle of four pixels that meet like the fields of a chessboard, by the first of them.
+    middles: BTreeMap<usize, f64>,
 }
 
-/// One line, at 0: the smoothed indicator is taken less ½.
-const HALF: Range = Range {
-    low: -0.25,
-    high: 0.25,
-    step: 1.0,
-    more_below: true,
-    more_above: true,
-};
+/// Two neighbouring pixels with different objects.
+struct Change {
+    /// The number of the pair.
+    edge: usize,
+    /// The centre of the first.
+    from: [f64; 2],
+    /// Whether the other is below it; otherwise it is to the right.
+    down: bool,
+    /// What the first one shows.
+    object: f64,
+    /// The parts of the way up to which that is known to be seen, and from which on something else.
+    between: [f64; 2],
+}
 
-/// B ∗ χ − ½ on the pixels from `min`; beyond the film's edge it goes on as it is there.
-fn smoothed(
-    film: [usize; 2],
-    min: [usize; 2],
-    [width, height]: [usize; 2],
-    is_seen: impl Fn(usize) -> bool,
-) -> Vec<f64> {
-    let clamped = |axis: usize, at: usize, k: usize| {
-        (min[axis] + at + k)
-            .saturating_sub(REACH)
-            .min(film[axis] - 1)
-    };
-    let along = |value: &dyn Fn(usize) -> f64| {
-        let weighted = KERNEL
-            .iter()
-            .enumerate()
-            .map(|(k, weight)| weight * value(k));
-        weighted.sum::<f64>() / 16.0
-    };
-    // Rows first, on REACH rows more than are wanted to either side.
-    let rows: Vec<f64> = (0..(height + 2 * REACH) * width)
-        .map(|i| {
-            let row = clamped(1, i / width, 0);
-            let seen = |k| is_seen(row * film[0] + clamped(0, i % width, k));
-            along(&|k| f64::from(u8::from(seen(k))))
+impl Change {
+    fn at(&self, part: f64) -> [f64; 2] {
+        let [x, y] = self.from;
+        match self.down {
+            true => [x, y + part],
+            false => [x + part, y],
+        }
+    }
+
+    fn middle(&self) -> [f64; 2] {
+        self.at(0.5 * (self.between[0] + self.between[1]))
+    }
+}
+
+impl Edges {
+    fn find(
+        size: [usize; 2],
+        objects: &[f64],
+        mut look: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+    ) -> Result<Edges> {
+        let mut changes = changes(size, objects);
+        for _ in 0..HALVINGS {
+            let middles: Vec<_> = changes.iter().map(Change::middle).collect();
+            let seen = look(&middles)?;
+            for (change, seen) in changes.iter_mut().zip(seen) {
+                let middle = 0.5 * (change.between[0] + change.between[1]);
+                change.between[usize::from(seen != change.object)] = middle;
+            }
+        }
+        let crossed = chessboards(size, objects);
+        let seen = look(&crossed.iter().map(|(_, at)| *at).collect::<Vec<_>>())?;
+        Ok(Edges {
+            size,
+            points: changes.iter().map(|c| (c.edge, c.middle())).collect(),
+            middles: crossed.iter().map(|(first, _)| *first).zip(seen).collect(),
         })
-        .collect();
-    (0..height * width)
-        .map(|i| along(&|k| rows[i + k * width]) - 0.5)
-        .collect()
+    }
+
+    /// The lines of one object, without what others have `taken`.
+    fn trace(&self, area: &Area, objects: &[f64], taken: &mut BTreeSet<usize>) -> Vec<Polyline> {
+        let min = area.min.map(|side| side.saturating_sub(1));
+        let last = [0, 1].map(|axis| area.max[axis].min(self.size[axis].saturating_sub(2)));
+        let object = area.object as f64;
+        let rows = min[1]..=last[1];
+        let squares = rows.flat_map(|y| (min[0]..=last[0]).map(move |x| [x, y]));
+        let mut found: Vec<Piece> = squares
+            .flat_map(|square| self.pieces(square, object, objects))
+            .collect();
+        let edges = |piece: &Piece| piece.ends.map(|end| end.edge);
+        found.retain(|piece| !edges(piece).iter().all(|edge| taken.contains(edge)));
+        taken.extend(found.iter().flat_map(edges));
+        let lines = polylines(&found).into_iter();
+        lines.map(|line| line.points).collect()
+    }
+
+    /// The pieces of an object's line in the square of four pixel centres of which `[x, y]` is the upper left.
+    fn pieces(&self, [x, y]: [usize; 2], object: f64, objects: &[f64]) -> Vec<Piece> {
+        let width = self.size[0];
+        let first = y * width + x;
+        let corners = [first, first + 1, first + width + 1, first + width];
+        let Some(inside) = corners
+            .map(|i| objects.get(i).map(|seen| *seen == object))
+            .into_iter()
+            .collect::<Option<Vec<bool>>>()
+        else {
+            return Vec::new();
+        };
+        // Top, right, bottom, left; pairs of pixels are numbered by their first one.
+        let edges = [
+            2 * first,
+            2 * (first + 1) + 1,
+            2 * (first + width),
+            2 * first + 1,
+        ];
+        let crossing = |side: usize| {
+            let crosses = inside[side] != inside[(side + 1) % 4];
+            let at = self.points.get(&edges[side]).filter(|_| crosses)?;
+            let edge = edges[side];
+            Some(Crossing { edge, at: *at })
+        };
+        let crossings: Vec<Crossing> = (0..4).filter_map(crossing).collect();
+        let piece = |a: Crossing, b: Crossing| Piece {
+            ends: [a, b],
+            density: 0.0,
+        };
+        match crossings[..] {
+            [a, b] => vec![piece(a, b)],
+            // If the middle is like the upper left corner, the lines cut off the other two.
+            [top, right, bottom, left] => {
+                let middle = self.middles.get(&first).is_some_and(|seen| *seen == object);
+                match middle == inside[0] {
+                    true => vec![piece(top, right), piece(bottom, left)],
+                    false => vec![piece(left, top), piece(right, bottom)],
+                }
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// All pairs of neighbouring pixels that show different objects.
+fn changes([width, height]: [usize; 2], objects: &[f64]) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (i, &object) in objects.iter().enumerate() {
+        let [x, y] = [i % width, i / width];
+        let pairs = [(x + 1 < width, i + 1), (y + 1 < height, i + width)];
+        for (k, (is_there, other)) in pairs.into_iter().enumerate() {
+            if is_there && objects[other] != object {
+                changes.push(Change {
+                    edge: 2 * i + k,
+                    from: [x as f64 + 0.5, y as f64 + 0.5],
+                    down: k == 1,
+                    object,
+                    between: [0.0, 1.0],
+                });
+            }
+        }
+    }
+    changes
+}
+
+/// The squares of four pixels in which an object is at two opposite corners and not at the other two: the first pixel and the
+/// middle of each.
+fn chessboards([width, height]: [usize; 2], objects: &[f64]) -> Vec<(usize, [f64; 2])> {
+    let mut found = Vec::new();
+    for y in 1..height {
+        for x in 1..width {
+            let first = (y - 1) * width + x - 1;
+            let [a, b, c, d] =
+                [first, first + 1, first + width + 1, first + width].map(|pixel| objects[pixel]);
+            if (a == c || b == d) && a != b && b != c && c != d && d != a {
+                found.push((first, [x as f64, y as f64]));
+            }
+        }
+    }
+    found
 }

@@ -2,7 +2,6 @@
 
 use super::label::Labels;
 use super::legend;
-use super::smooth::smooth;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
 use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
@@ -128,7 +127,7 @@ impl Overlay {
                 continue;
             };
             let longest = outline.lines.iter().max_by_key(|line| line.len());
-            let line = longest.map(|line| place.line(&smooth(line)));
+            let line = longest.map(|line| place.line(line));
             if let Some(line) = line {
                 let label = labels.along(&line, name, INSTANTANEOUS.colour)?;
                 texts.extend(label.map(Item::Text));
@@ -174,8 +173,7 @@ impl Place {
 
 fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
     let lines = outlines.iter().flat_map(|o| &o.lines);
-    let lines: Vec<Polyline> = lines.map(smooth).collect();
-    pen.draw(path_of(&lines, place.point()))
+    pen.draw(path_of(lines, place.point()))
 }
 
 fn stroked(place: &Place, isochrones: &Isochrones, heavy: bool) -> [Item; 2] {

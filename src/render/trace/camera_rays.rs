@@ -107,6 +107,14 @@ impl CameraRays {
         }
     }
 
+    /// The rays of `view` at the offsets and moments that are known. The projection is matched here, and not at each ray.
+    fn look_through<V: View>(&mut self, view: &V) {
+        match view.film() {
+            AnyProjection::Perspective(film) => self.look(view, film),
+            any => self.look(view, any),
+        }
+    }
+
     /// The rays of `view`, whose projection is `film`, at the offsets and moments that are known.
     fn look<V: View, P: Projection + Sync>(&mut self, view: &V, film: &P) {
         let [x, y] = &mut self.film;
@@ -141,6 +149,9 @@ impl CameraRays {
 pub trait RayGenerator: Sync {
     /// Generates the rays of sample `index` of every pixel of `tile`.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32);
+
+    /// Generates the rays through these points of the film, pixels, half way through the exposure.
+    fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]);
 }
 
 impl RayGenerator for AnyView {
@@ -154,6 +165,19 @@ impl RayGenerator for AnyView {
             AnyView::Turning(view) => view.generate(rays, sampler, tile, index),
             AnyView::Stereo(view) => view.generate(rays, sampler, tile, index),
             AnyView::Paper(view) => view.generate(rays, sampler, tile, index),
+        }
+    }
+
+    fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
+        match self {
+            AnyView::Still(view) => view.through(rays, points),
+            AnyView::Moving(view) => view.through(rays, points),
+            AnyView::Unaberrated(view) => view.through(rays, points),
+            AnyView::Inertial(view) => view.through(rays, points),
+            AnyView::Accelerated(view) => view.as_ref().through(rays, points),
+            AnyView::Turning(view) => view.through(rays, points),
+            AnyView::Stereo(view) => view.through(rays, points),
+            AnyView::Paper(view) => view.through(rays, points),
         }
     }
 }
@@ -176,11 +200,20 @@ impl<V: View> RayGenerator for V {
             rays.moments.clear();
             rays.moments.extend(tile.coordinates().map(moment));
         }
-        // The projection is matched here, and not at each ray.
-        match self.film() {
-            AnyProjection::Perspective(film) => rays.look(self, film),
-            any => rays.look(self, any),
+        rays.look_through(self);
+    }
+
+    fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
+        rays.resize::<V>(points.len());
+        rays.index = 0;
+        for (k, [x, y]) in points.iter().enumerate() {
+            let [column, row] = [x.floor(), y.floor()];
+            rays.pixels[k] = pixel_key(column as u32, row as u32);
+            (rays.offsets[0][k], rays.offsets[1][k]) = (x - column, y - row);
         }
+        rays.moments.clear();
+        rays.moments.resize(points.len(), 0.5);
+        rays.look_through(self);
     }
 }
 

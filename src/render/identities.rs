@@ -1,0 +1,50 @@
+//! Which objects rays through given points of the film meet first.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::trace::{CameraRays, HitBuffer, Meter, RayGenerator, Surfaces, TracedRays};
+
+/// Points of one batch.
+const BATCH: usize = 4096;
+
+/// The index of the object that is seen at each of these points of the film (pixels; (0, 0) is the upper left corner), none
+/// where nothing is. An exposure is met half way.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn objects_at(
+    scene: &Prepared,
+    points: &[[f64; 2]],
+    progress: &dyn Progress,
+) -> Result<Vec<Option<u32>>> {
+    let surfaces = Surfaces::new(&scene.frames, scene.camera.shot.event, scene.ray_index);
+    let batches = points.par_chunks(BATCH).map(|points| {
+        progress.check()?;
+        Ok(batch(scene, &surfaces, points))
+    });
+    let batches: Vec<Vec<_>> = batches.collect::<Result<_>>()?;
+    Ok(batches.concat())
+}
+
+fn batch(scene: &Prepared, surfaces: &Surfaces, points: &[[f64; 2]]) -> Vec<Option<u32>> {
+    let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
+    scene.camera.view.through(&mut camera_rays, points);
+    let rays = camera_rays.rays(scene.method);
+    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
+    let traced = TracedRays {
+        surfaces,
+        rays,
+        hits: &hits,
+        event: scene.camera.shot.event,
+        index: scene.ray_index,
+    };
+    let object = |(ray, ratio): (usize, &f64)| {
+        let sees = traced.rays.origin(ray).sees();
+        let observed = traced.observed(ray, *ratio).filter(|_| sees)?;
+        Some(observed.point.patch.object)
+    };
+    camera_rays.ratios.iter().enumerate().map(object).collect()
+}

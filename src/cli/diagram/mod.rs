@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nullray::Result;
 use nullray::figures::diagram;
 use nullray::figures::diagram::model::Diagram;
-use nullray::figures::drawing::{self, Drawing, svg};
+use nullray::figures::drawing::{self, Drawing, pdf, svg};
 use nullray::render::metadata;
 use nullray::scene::Overrides;
 
@@ -98,9 +98,10 @@ impl Pages<'_> {
     /// Writes one file; says so unless asked to be quiet.
     fn save(&self, drawing: &Drawing, output: &Output, path: &Path) -> Result<()> {
         interrupt::check()?;
-        let bytes = match self.arguments.text && output.kind == "svg" {
-            true => svg::write_with_text(drawing)?.into_bytes(),
-            false => encoded(drawing, &output.kind, self.arguments.scale)?,
+        let bytes = match (self.arguments.text, output.kind.as_str()) {
+            (true, "svg") => svg::write_with_text(drawing)?.into_bytes(),
+            (true, "pdf") => pdf::write_with_text(drawing)?,
+            (_, kind) => encoded(drawing, kind, self.arguments.scale)?,
         };
         drawing::save(path, bytes)?;
         let [width, height] = [drawing.width, drawing.height].map(f64::round);

@@ -2,19 +2,25 @@
 //!
 //! One page of vector paths in DeviceRGB, the content compressed. There is no date and no identifier in
 //! it, so that equal drawings are equal files.
+//!
+//! Text is outlines, or text: then the fonts in use are in the file, whole, as CID-keyed fonts whose identifiers are glyph
+//! numbers (a font program in the Compact Font Format that has no identifiers of its own: ISO 32000-1, 9.7.4.2), with a table
+//! back to characters. Glyphs stand where the outlines would be, to a thousandth of their size.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 use flate2::Compression;
 use flate2::bufread::ZlibEncoder;
-use pdf_writer::types::{LineCapStyle, LineJoinStyle};
-use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use pdf_writer::types::{
+    CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap,
+};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 
 use super::marks::{Line, Mark, marks};
-use super::{Cap, Colour, Drawing, Join, Path};
+use super::{Cap, Colour, Drawing, Join, Path, Text};
 use crate::error::Result;
-use crate::figures::text::{self, Segment};
+use crate::figures::text::{self, Glyph, Segment, font};
 use crate::io::image::RgbImage;
 
 /// The drawing as a PDF file, whose document information holds the keys of its origin.
@@ -22,13 +28,25 @@ use crate::io::image::RgbImage;
 /// # Errors
 /// As [`svg::write`](super::svg::write).
 pub fn write(drawing: &Drawing) -> Result<Vec<u8>> {
-    let marks = marks(drawing)?;
-    let mut page = Page::new(drawing.height);
-    page.marks(&marks);
-    Ok(document(drawing, page))
+    written(drawing, false)
 }
 
-fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
+/// The same with text as text in embedded fonts: it can be searched, copied and edited.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with_text(drawing: &Drawing) -> Result<Vec<u8>> {
+    written(drawing, true)
+}
+
+fn written(drawing: &Drawing, as_text: bool) -> Result<Vec<u8>> {
+    let marks = marks(drawing)?;
+    let mut page = Page::new(drawing.height, as_text);
+    page.marks(&marks)?;
+    document(drawing, page)
+}
+
+fn document(drawing: &Drawing, page: Page) -> Result<Vec<u8>> {
     let [catalog, pages, leaf, content, info] = [1, 2, 3, 4, 5].map(Ref::new);
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
@@ -40,6 +58,14 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
     for (index, image) in page.images.iter().enumerate() {
         write_image(&mut pdf, image_ref(index), image);
     }
+    for (leans, glyphs) in &page.fonts {
+        write_font(
+            &mut pdf,
+            font_ref(*leans, page.images.len()),
+            *leans,
+            glyphs,
+        )?;
+    }
     let packed = packed(&page.content.finish());
     pdf.stream(content, &packed).filter(Filter::FlateDecode);
     let producer = concat!("nullray ", env!("CARGO_PKG_VERSION"));
@@ -50,7 +76,62 @@ fn document(drawing: &Drawing, page: Page) -> Vec<u8> {
         about.pair(Name(key.as_bytes()), TextStr(value));
     }
     about.finish();
-    pdf.finish()
+    Ok(pdf.finish())
+}
+
+/// The five objects of a font, from number `first` on.
+fn write_font(pdf: &mut Pdf, first: Ref, leans: bool, glyphs: &Glyphs) -> Result<()> {
+    let font = font(leans)?;
+    let [whole, cid, descriptor, program, unicode] =
+        [0, 1, 2, 3, 4].map(|k| Ref::new(first.get() + k));
+    let name = Name(font.name.as_bytes());
+    let system = SystemInfo {
+        registry: Str(b"Adobe"),
+        ordering: Str(b"Identity"),
+        supplement: 0,
+    };
+    let mut type0 = pdf.type0_font(whole);
+    type0
+        .base_font(name)
+        .encoding_predefined(Name(b"Identity-H"));
+    type0.descendant_font(cid).to_unicode(unicode);
+    type0.finish();
+    let mut described = pdf.cid_font(cid);
+    described.subtype(CidFontType::Type0).base_font(name);
+    described.system_info(system).font_descriptor(descriptor);
+    let mut widths = described.widths();
+    for (glyph, (_, advance)) in glyphs {
+        widths.same(*glyph, *glyph, float(1000.0 * advance));
+    }
+    widths.finish();
+    described.finish();
+    let [left, bottom, right, top] = font.bounds.map(f32::from);
+    let [ascent, descent, capitals] = font.heights.map(f32::from);
+    let slope = match leans {
+        true => FontFlags::ITALIC,
+        false => FontFlags::empty(),
+    };
+    let mut details = pdf.font_descriptor(descriptor);
+    details
+        .name(name)
+        .flags(FontFlags::SERIF | FontFlags::SYMBOLIC | slope);
+    details.bbox(Rect::new(left, bottom, right, top));
+    details.italic_angle(font.angle).ascent(ascent);
+    details.descent(descent).cap_height(capitals);
+    // Of its upright stems.
+    details.stem_v(80.0).font_file3(program);
+    details.finish();
+    let packed_program = packed(font.cff);
+    let mut file = pdf.stream(program, &packed_program);
+    file.filter(Filter::FlateDecode);
+    file.pair(Name(b"Subtype"), Name(b"CIDFontType0C"));
+    file.finish();
+    let mut map = UnicodeCmap::<u16>::new(Name(b"characters"), system);
+    for (glyph, (character, _)) in glyphs {
+        map.pair(*glyph, *character);
+    }
+    pdf.cmap(unicode, &map.finish());
+    Ok(())
 }
 
 fn write_image(pdf: &mut Pdf, id: Ref, image: &RgbImage) {
@@ -85,6 +166,14 @@ fn describe(leaf: &mut pdf_writer::writers::Page, drawing: &Drawing, page: &Page
         for index in 0..page.images.len() {
             objects.pair(Name(image_name(index).as_bytes()), image_ref(index));
         }
+        objects.finish();
+    }
+    if !page.fonts.is_empty() {
+        let mut fonts = resources.fonts();
+        for leans in page.fonts.keys() {
+            let object = font_ref(*leans, page.images.len());
+            fonts.pair(font_name(*leans), object);
+        }
     }
 }
 
@@ -104,8 +193,15 @@ struct Page<'a> {
     alphas: BTreeSet<u8>,
     /// All pictures, in order.
     images: Vec<&'a RgbImage>,
+    /// Whether text is text, not outlines.
+    as_text: bool,
+    /// The glyphs of the upright font that are used, and those of the leaning one.
+    fonts: BTreeMap<bool, Glyphs>,
     state: State,
 }
+
+/// By number, what a glyph stands for and how far it advances, em.
+type Glyphs = BTreeMap<u16, (char, f64)>;
 
 /// What the content has set, so that it is not set again.
 #[derive(Clone, Default)]
@@ -120,7 +216,7 @@ struct State {
 }
 
 impl<'a> Page<'a> {
-    fn new(height: f64) -> Page<'a> {
+    fn new(height: f64, as_text: bool) -> Page<'a> {
         let mut content = Content::new();
         // y runs down from the top.
         content.transform([1.0, 0.0, 0.0, -1.0, 0.0, float(height)]);
@@ -129,28 +225,82 @@ impl<'a> Page<'a> {
             content,
             alphas: BTreeSet::new(),
             images: Vec::new(),
+            as_text,
+            fonts: BTreeMap::new(),
             state: State::default(),
         }
     }
 
-    fn marks(&mut self, marks: &[Mark<'a>]) {
+    fn marks(&mut self, marks: &[Mark<'a>]) -> Result<()> {
         for mark in marks {
             match mark {
                 Mark::Fill { path, colour } => self.fill(path, *colour),
                 Mark::Line { path, line } => self.line(path, line),
-                Mark::Clip { path, marks } => self.clip(path, marks),
+                Mark::Clip { path, marks } => self.clip(path, marks)?,
                 Mark::Image { image, rect } => self.image(image, rect),
-                Mark::Text { marks, .. } => self.marks(marks),
+                Mark::Text { text, marks, .. } if self.as_text => {
+                    // Its halo, which is drawn around outlines.
+                    let halo = |mark: &&Mark| matches!(mark, Mark::Line { .. });
+                    for mark in marks.iter().filter(halo) {
+                        self.marks(std::slice::from_ref(mark))?;
+                    }
+                    self.words(text)?;
+                }
+                Mark::Text { marks, .. } => self.marks(marks)?,
             }
         }
+        Ok(())
     }
 
-    fn fill(&mut self, path: &Path, colour: Colour) {
+    /// Text as text: runs of glyphs of one font and size on one baseline.
+    fn words(&mut self, text: &Text) -> Result<()> {
+        let glyphs = text.text.glyphs(text.size)?;
+        let [left, baseline] = text.anchor.offset(text.text.width(text.size)?, text.size);
+        let (sin, cos) = libm::sincos(text.angle);
+        self.colour(text.colour);
+        self.content.begin_text();
+        let alike = |a: &Glyph, b: &Glyph| (a.leans, a.size, a.at[1]) == (b.leans, b.size, b.at[1]);
+        for run in glyphs.chunk_by(alike) {
+            let (first, used) = (&run[0], self.fonts.entry(run[0].leans).or_default());
+            used.extend(run.iter().map(|g| (g.id, (g.character, g.advance))));
+            let (x, y) = (left + first.at[0], baseline + first.at[1]);
+            let at = [
+                text.at[0] + cos * x + sin * y,
+                text.at[1] - sin * x + cos * y,
+            ];
+            self.content
+                .set_font(font_name(first.leans), float(first.size));
+            // Glyphs are y up, the page y down.
+            let turn = [cos, -sin, -sin, -cos, at[0], at[1]].map(float);
+            self.content.set_text_matrix(turn);
+            let mut shown = self.content.show_positioned();
+            let mut items = shown.items();
+            let mut end = first.at[0];
+            for glyph in run {
+                // Thousandths of the size, to the left.
+                let back = 1000.0 * (end - glyph.at[0]) / glyph.size;
+                if back.abs() > 0.01 {
+                    items.adjust(float(back));
+                }
+                items.show(Str(&glyph.id.to_be_bytes()));
+                end = glyph.at[0] + glyph.advance * glyph.size;
+            }
+        }
+        self.content.end_text();
+        Ok(())
+    }
+
+    /// Has what comes be filled in a colour.
+    fn colour(&mut self, colour: Colour) {
         self.opacity(colour.alpha);
         if self.state.fill.replace(colour.rgb) != Some(colour.rgb) {
             let [red, green, blue] = colour.rgb.map(fraction);
             self.content.set_fill_rgb(red, green, blue);
         }
+    }
+
+    fn fill(&mut self, path: &Path, colour: Colour) {
+        self.colour(colour);
         self.path(path);
         self.content.fill_nonzero();
     }
@@ -205,7 +355,7 @@ impl<'a> Page<'a> {
         self.content.restore_state();
     }
 
-    fn clip(&mut self, path: &Path, marks: &[Mark<'a>]) {
+    fn clip(&mut self, path: &Path, marks: &[Mark<'a>]) -> Result<()> {
         let outer = self.state.clone();
         self.content.save_state();
         self.path(path);
@@ -214,9 +364,10 @@ impl<'a> Page<'a> {
             self.content.rect(0.0, 0.0, 0.0, 0.0);
         }
         self.content.clip_nonzero().end_path();
-        self.marks(marks);
+        self.marks(marks)?;
         self.content.restore_state();
         self.state = outer;
+        Ok(())
     }
 
     fn opacity(&mut self, alpha: u8) {
@@ -259,6 +410,18 @@ fn image_name(index: usize) -> String {
 /// The number of the object that holds a picture.
 fn image_ref(index: usize) -> Ref {
     Ref::new(6 + index as i32)
+}
+
+fn font_name(leans: bool) -> Name<'static> {
+    match leans {
+        false => Name(b"Upright"),
+        true => Name(b"Italic"),
+    }
+}
+
+/// The number of the first object of a font, after those of the pictures.
+fn font_ref(leans: bool, images: usize) -> Ref {
+    Ref::new(6 + images as i32 + 5 * i32::from(leans))
 }
 
 fn alpha_name(alpha: u8) -> String {

@@ -11,3 +11,5 @@ mod setter;
 
 pub use outline::{Outline, Rect, Segment, bounds};
 pub use rich::RichText;
+#[cfg(feature = "pdf")]
+pub(crate) use setter::{Glyph, font};

@@ -118,7 +118,21 @@ impl RichText {
     /// None for what [`RichText::parse`] and [`RichText::plain`] make.
     pub fn outline(&self, size: f64) -> Result<Outline> {
         let text = self.text();
-        let mut setter = Setter::new(&text)?;
+        Ok(self.set(&text, size)?.outline)
+    }
+
+    /// Its glyphs with `size` units per em, from left to right.
+    ///
+    /// # Errors
+    /// As [`RichText::outline`].
+    #[cfg(feature = "pdf")]
+    pub(crate) fn glyphs(&self, size: f64) -> Result<Vec<super::Glyph>> {
+        let text = self.text();
+        Ok(self.set(&text, size)?.glyphs)
+    }
+
+    fn set<'a>(&self, text: &'a str, size: f64) -> Result<Setter<'a>> {
+        let mut setter = Setter::new(text)?;
         let mut place = Place::default();
         for run in &self.runs {
             setter.outline.width = place.start(run, setter.outline.width);
@@ -127,7 +141,7 @@ impl RichText {
             place.end(run.level, &setter);
         }
         setter.outline.width = place.far;
-        Ok(setter.outline)
+        Ok(setter)
     }
 
     /// How far the text advances with `size` units per em.

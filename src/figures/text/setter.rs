@@ -19,6 +19,63 @@ pub(super) enum Style {
     Italic,
 }
 
+/// A glyph of a line of text, and where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Glyph {
+    /// Whether its font is the leaning one.
+    pub leans: bool,
+    /// Its number in the font.
+    pub id: u16,
+    /// What it stands for.
+    pub character: char,
+    /// Its origin, from the left end of the baseline, y down.
+    pub at: [f64; 2],
+    /// Units per em.
+    pub size: f64,
+    /// How far it advances, em.
+    pub advance: f64,
+}
+
+/// A font as files embed it.
+pub(crate) struct Font {
+    /// Its PostScript name.
+    pub name: &'static str,
+    /// Its outlines, in the Compact Font Format.
+    pub cff: &'static [u8],
+    /// The box around all glyphs; heights of ascenders, descenders (below 0) and capitals: thousandths of an em.
+    pub bounds: [i16; 4],
+    pub heights: [i16; 3],
+    /// Degrees to the left.
+    pub angle: f32,
+}
+
+/// The upright or the leaning font.
+///
+/// # Errors
+/// None for the fonts that are embedded here.
+#[cfg(feature = "pdf")]
+pub(crate) fn font(leans: bool) -> Result<Font> {
+    let (data, name) = match leans {
+        false => (REGULAR, "LibertinusSerif-Regular"),
+        true => (ITALIC, "LibertinusSerif-Italic"),
+    };
+    let face = face(data)?;
+    let tag = ttf_parser::Tag::from_bytes(b"CFF ");
+    let cff = face.raw_face().table(tag);
+    let bounds = face.global_bounding_box();
+    Ok(Font {
+        name,
+        cff: cff.ok_or_else(|| Error::invalid("embedded font", "", "it has no outlines", ""))?,
+        bounds: [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max],
+        heights: [
+            face.ascender(),
+            face.descender(),
+            face.capital_height().unwrap_or(645),
+        ],
+        angle: face.italic_angle(),
+    })
+}
+
 /// A line of text as it grows: its outline so far, whose width is where the next run begins.
 pub(super) struct Setter<'a> {
     /// What errors call the text.
@@ -26,6 +83,7 @@ pub(super) struct Setter<'a> {
     upright: Face<'static>,
     italic: Face<'static>,
     pub outline: Outline,
+    pub glyphs: Vec<Glyph>,
     /// By how much the last glyph of the last run leans over what follows it.
     pub overhang: f64,
 }
@@ -37,6 +95,7 @@ impl<'a> Setter<'a> {
             upright: face(REGULAR)?,
             italic: face(ITALIC)?,
             outline: Outline::default(),
+            glyphs: Vec::new(),
             overhang: 0.0,
         })
     }
@@ -68,6 +127,14 @@ impl<'a> Setter<'a> {
                 segments: &mut self.outline.segments,
             };
             face.outline_glyph(glyph, &mut pen);
+            self.glyphs.push(Glyph {
+                leans: style == Style::Italic,
+                id: glyph.0,
+                character: c,
+                at: [self.outline.width, -rise],
+                size,
+                advance: advance / f64::from(face.units_per_em()),
+            });
             self.outline.width += advance * scale;
             previous = Some((style, glyph));
         }

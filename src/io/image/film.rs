@@ -15,7 +15,7 @@
 
 use std::io::Write;
 
-use ::png::{BitDepth, BlendOp, ColorType, DisposeOp, EncodingError};
+use ::png::{BlendOp, ColorType, DisposeOp, Encoder, EncodingError};
 
 use super::RgbImage;
 use super::png::encoder;
@@ -50,8 +50,11 @@ impl Delay {
 pub struct FilmWriter<W: Write> {
     format: Format<W>,
     size: [u32; 2],
-    /// Pictures that are still to come.
-    left: u32,
+    /// Bytes of a pixel.
+    samples: usize,
+    /// Pictures that it is to have, and has.
+    count: u32,
+    done: u32,
 }
 
 enum Format<W: Write> {
@@ -64,7 +67,7 @@ impl<W: Write> FilmWriter<W> {
     /// [`png::write`](super::png::write()).
     ///
     /// # Errors
-    /// A size or a count of 0, keys that PNG does not hold, and I/O errors.
+    /// A size, a count or a denominator of 0, keys that PNG does not hold, and I/O errors.
     pub fn apng(
         writer: W,
         size: [u32; 2],
@@ -72,36 +75,48 @@ impl<W: Write> FilmWriter<W> {
         delay: Delay,
         text: &[(String, String)],
     ) -> Result<Self> {
-        checked(size, count)?;
         let mut encoder = encoder(writer, size, ColorType::Rgb);
-        encoder.set_depth(BitDepth::Eight);
+        for (key, value) in text {
+            let text = encoder.add_itxt_chunk(key.clone(), value.clone());
+            text.map_err(failure)?;
+        }
+        Self::animated(encoder, size, 3, count, delay)
+    }
+
+    /// The animated PNG of `encoder`, whose pictures have `samples` bytes per pixel.
+    pub(crate) fn animated(
+        mut encoder: Encoder<'_, W>,
+        size: [u32; 2],
+        samples: usize,
+        count: u32,
+        delay: Delay,
+    ) -> Result<Self> {
+        checked(size, count, delay)?;
         let mut set_up = || {
             encoder.set_animated(count, 0)?;
-            encoder.set_frame_delay(delay.numerator, delay.denominator.max(1))?;
+            encoder.set_frame_delay(delay.numerator, delay.denominator)?;
             encoder.set_dispose_op(DisposeOp::None)?;
-            encoder.set_blend_op(BlendOp::Source)?;
-            for (key, value) in text {
-                encoder.add_itxt_chunk(key.clone(), value.clone())?;
-            }
-            Ok(())
+            encoder.set_blend_op(BlendOp::Source)
         };
         set_up().map_err(failure)?;
         let writer = encoder.write_header().map_err(failure)?;
         Ok(FilmWriter {
             format: Format::Apng(Box::new(writer)),
             size,
-            left: count,
+            samples,
+            count,
+            done: 0,
         })
     }
 
     /// Raw video of `count` pictures of this size.
     ///
     /// # Errors
-    /// A size or a count of 0, and I/O errors.
+    /// A size, a count or a denominator of 0, and I/O errors.
     pub fn y4m(mut writer: W, size: [u32; 2], count: u32, delay: Delay) -> Result<Self> {
-        checked(size, count)?;
+        checked(size, count, delay)?;
         let [width, height] = size;
-        let (numerator, denominator) = (delay.denominator.max(1), delay.numerator);
+        let (numerator, denominator) = (delay.denominator, delay.numerator);
         writeln!(
             writer,
             "YUV4MPEG2 W{width} H{height} F{numerator}:{denominator} Ip A1:1 C444 XCOLORRANGE=LIMITED"
@@ -110,7 +125,9 @@ impl<W: Write> FilmWriter<W> {
         Ok(FilmWriter {
             format: Format::Y4m(writer),
             size,
-            left: count,
+            samples: 3,
+            count,
+            done: 0,
         })
     }
 
@@ -119,24 +136,30 @@ impl<W: Write> FilmWriter<W> {
     /// # Errors
     /// Another size than the film's, more pictures than announced, and I/O errors.
     pub fn picture(&mut self, picture: &RgbImage) -> Result<()> {
+        self.pixels([picture.width, picture.height], &picture.rgb)
+    }
+
+    /// The same of pixels in the film's own format.
+    pub(crate) fn pixels(&mut self, size: [u32; 2], pixels: &[u8]) -> Result<()> {
         let [width, height] = self.size;
-        let length = 3 * width as usize * height as usize;
-        if [picture.width, picture.height] != self.size || picture.rgb.len() != length {
-            let what = format!(
-                "a picture of {} × {} pixels in a film of {width} × {height}",
-                picture.width, picture.height
-            );
+        let length = self.samples * width as usize * height as usize;
+        if size != self.size || pixels.len() != length {
+            let (done, [w, h]) = (self.done, size);
+            let what = format!("picture {done} has {w} × {h} pixels, the film {width} × {height}");
             return Err(wrong(&what, "pictures of one size"));
         }
-        self.left = self
-            .left
-            .checked_sub(1)
-            .ok_or_else(|| wrong("more pictures than announced", "as many as announced"))?;
+        if self.done == self.count {
+            return Err(wrong(
+                "more pictures than announced",
+                "as many as announced",
+            ));
+        }
+        self.done += 1;
         match &mut self.format {
-            Format::Apng(writer) => writer.write_image_data(&picture.rgb).map_err(failure),
+            Format::Apng(writer) => writer.write_image_data(pixels).map_err(failure),
             Format::Y4m(writer) => {
                 writer.write_all(b"FRAME\n").map_err(unwritten)?;
-                writer.write_all(&planes(&picture.rgb)).map_err(unwritten)
+                writer.write_all(&planes(pixels)).map_err(unwritten)
             }
         }
     }
@@ -146,8 +169,8 @@ impl<W: Write> FilmWriter<W> {
     /// # Errors
     /// Fewer pictures than announced, and I/O errors.
     pub fn finish(self) -> Result<()> {
-        if self.left > 0 {
-            let what = format!("{} pictures are missing", self.left);
+        if self.done < self.count {
+            let what = format!("{} pictures of {}", self.done, self.count);
             return Err(wrong(&what, "as many as announced"));
         }
         match self.format {
@@ -157,7 +180,11 @@ impl<W: Write> FilmWriter<W> {
     }
 }
 
-fn checked([width, height]: [u32; 2], count: u32) -> Result<()> {
+fn checked([width, height]: [u32; 2], count: u32, delay: Delay) -> Result<()> {
+    if delay.denominator == 0 {
+        let what = "a delay with the denominator 0";
+        return Err(wrong(what, "1/25 for 25 pictures per second"));
+    }
     if width == 0 || height == 0 || count == 0 {
         return Err(wrong(
             "a film without a pixel",

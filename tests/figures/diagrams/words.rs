@@ -1,7 +1,7 @@
 //! Words, colours and quantities of diagrams; text as text.
 
 use nullray::figures::diagram;
-use nullray::figures::drawing::{svg, tikz};
+use nullray::figures::drawing::{pdf, svg, tikz};
 use nullray::scene::Overrides;
 
 use super::{event, laid_out, near, panel, parsed};
@@ -125,6 +125,21 @@ fn text_may_be_text_in_svg_and_is_in_tikz() {
     assert!(text.contains(">Alice</tspan></text>"), "{text}");
     assert!(text.contains("font-style=\"italic\">γ</tspan>") && text.contains("&amp; more"));
     assert!(text.len() < outlines.len() / 2);
+    // Of a PDF: fonts with a table back to characters, in place of outlines.
+    let (outlines, text) = (
+        pdf::write(&drawing).unwrap(),
+        pdf::write_with_text(&drawing).unwrap(),
+    );
+    let holds =
+        |file: &[u8], what: &str| file.windows(what.len()).any(|part| part == what.as_bytes());
+    for part in [
+        "/ToUnicode",
+        "/CIDFontType0C",
+        "/LibertinusSerif-Regular",
+        "/LibertinusSerif-Italic",
+    ] {
+        assert!(holds(&text, part) && !holds(&outlines, part), "{part}");
+    }
     let tikz = tikz::write(&drawing).unwrap();
     assert!(tikz.contains("\\begin{tikzpicture}") && tikz.ends_with("\\end{tikzpicture}\n"));
     assert!(tikz.contains("{Alice};"));

@@ -63,7 +63,7 @@ fn frames_have_one_size() {
     let sizes = [1.0, 2.0].map(|scale| render(drawing, scale).unwrap());
     let error = refusal(2, sizes.to_vec(), DELAY);
     assert!(
-        error.contains("frame 1") && error.contains("240 × 120"),
+        error.contains("picture 1") && error.contains("240 × 120"),
         "{error}"
     );
 }
@@ -71,7 +71,7 @@ fn frames_have_one_size() {
 #[test]
 fn frames_are_as_many_as_announced() {
     assert!(refusal(0, Vec::new(), DELAY).contains("without frames"));
-    assert!(refusal(9, frames(), DELAY).contains("5 frames of 9"));
+    assert!(refusal(9, frames(), DELAY).contains("5 pictures of 9"));
 }
 
 #[test]

@@ -104,10 +104,16 @@ impl Bvh {
     #[inline]
     pub fn normal(&self, hit: &Hit) -> DVec3 {
         let [a, b, c] = self.corners(hit.slot);
-        let (e1, e2) = (b - a, c - a);
-        // Equal powers of two leave the direction as it is and the squares within range.
-        let size = e1.abs().max(e2.abs()).max_element();
-        let scale = power_of_two(-exponent(size).clamp(-900, 900));
-        (e1 * scale).cross(e2 * scale).normalize_or_zero()
+        unit_normal(b - a, c - a)
     }
+}
+
+/// The unit normal of a triangle by two of its edges, on the side from which its corners run counter-clockwise; 0 where it
+/// has no area.
+#[inline(always)]
+pub(crate) fn unit_normal(e1: DVec3, e2: DVec3) -> DVec3 {
+    // Equal powers of two leave the direction as it is and the squares within range.
+    let size = e1.abs().max(e2.abs()).max_element();
+    let scale = power_of_two(-exponent(size).clamp(-900, 900));
+    (e1 * scale).cross(e2 * scale).normalize_or_zero()
 }

@@ -9,6 +9,8 @@
 
 #![allow(unsafe_code)]
 
+use glam::DVec3;
+
 /// A loop over arrays, with what it reads and writes.
 pub(crate) trait VectorLoop {
     /// Runs the loop. Implementations are `#[inline(always)]`.
@@ -30,6 +32,112 @@ pub(crate) fn dispatch(work: impl VectorLoop) {
         }
     }
     work.run();
+}
+
+/// Vectors by component, for loops over many of them.
+#[derive(Debug, Default, Clone)]
+pub(crate) struct Columns {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+}
+
+/// [`Columns`] to be read: all of one length that loops know.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ColumnsRef<'a> {
+    x: &'a [f64],
+    y: &'a [f64],
+    z: &'a [f64],
+}
+
+/// [`Columns`] to be written.
+#[derive(Debug)]
+pub(crate) struct ColumnsMut<'a> {
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+    z: &'a mut [f64],
+}
+
+impl Columns {
+    /// Makes room for `count` vectors; what they are is to be written.
+    pub fn resize(&mut self, count: usize) {
+        for column in [&mut self.x, &mut self.y, &mut self.z] {
+            column.resize(count, 0.0);
+        }
+    }
+
+    /// Forgets all vectors.
+    pub fn clear(&mut self) {
+        self.resize(0);
+    }
+
+    /// Adds one more.
+    #[inline(always)]
+    pub fn push(&mut self, v: DVec3) {
+        self.x.push(v.x);
+        self.y.push(v.y);
+        self.z.push(v.z);
+    }
+
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> DVec3 {
+        DVec3::new(self.x[k], self.y[k], self.z[k])
+    }
+
+    /// The first `count` vectors.
+    #[inline(always)]
+    pub fn first(&self, count: usize) -> ColumnsRef<'_> {
+        ColumnsRef {
+            x: &self.x[..count],
+            y: &self.y[..count],
+            z: &self.z[..count],
+        }
+    }
+
+    /// The first `count` vectors, to be written.
+    #[inline(always)]
+    pub fn first_mut(&mut self, count: usize) -> ColumnsMut<'_> {
+        ColumnsMut {
+            x: &mut self.x[..count],
+            y: &mut self.y[..count],
+            z: &mut self.z[..count],
+        }
+    }
+}
+
+impl ColumnsRef<'_> {
+    /// How many vectors.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> DVec3 {
+        DVec3::new(self.x[k], self.y[k], self.z[k])
+    }
+}
+
+impl ColumnsMut<'_> {
+    /// How many vectors.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> DVec3 {
+        DVec3::new(self.x[k], self.y[k], self.z[k])
+    }
+
+    /// Writes vector `k`.
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, v: DVec3) {
+        [self.x[k], self.y[k], self.z[k]] = v.to_array();
+    }
 }
 
 /// Loads element `at` of `slice` into the cache, to be read soon. Does nothing if `at` is out of bounds.

@@ -3,6 +3,7 @@
 //! A radiance is seen with W⁻ᵖ (p by the declared quantity). Linear RGB as spectra is seen as M(W) times what it is at
 //! the source, with M of the power of a radiance. Irradiance has the W² of solid angles more.
 
+use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::colour::RgbShift;
 use crate::spacetime::{Quantity, WavelengthRatio};
 
@@ -44,6 +45,14 @@ impl Received {
         }
     }
 
+    /// [`Received::irradiance_factor`] in place of each W.
+    pub(crate) fn irradiance_factors(&self, ratios: &mut [f64]) {
+        dispatch(IrradianceFactors {
+            received: self,
+            ratios,
+        });
+    }
+
     /// The channels as they are seen at W.
     #[inline]
     pub fn colour(&self, w: f64, channels: [f64; 3]) -> [f64; 3] {
@@ -59,6 +68,26 @@ impl Received {
         match self {
             Received::Scaled(_) => w,
             Received::Rgb(_) => 1.0,
+        }
+    }
+}
+
+/// W to factors.
+struct IrradianceFactors<'a> {
+    received: &'a Received,
+    ratios: &'a mut [f64],
+}
+
+impl VectorLoop for IrradianceFactors<'_> {
+    #[inline(always)]
+    fn run(self) {
+        match self.received {
+            Received::Scaled(quantity) => quantity.irradiance_factors(self.ratios),
+            Received::Rgb(_) => {
+                for w in self.ratios {
+                    *w *= *w;
+                }
+            }
         }
     }
 }

@@ -157,6 +157,17 @@ impl Quantity {
         1.0 / power(w.0, self.exponent() - 2)
     }
 
+    /// [`Quantity::irradiance_factor`] in place of each wavelength ratio. A plain loop, to be compiled for wide vectors.
+    #[inline(always)]
+    pub(crate) fn irradiance_factors(self, ratios: &mut [f64]) {
+        match self.exponent() - 2 {
+            3 => factors::<3>(ratios),
+            2 => factors::<2>(ratios),
+            1 => factors::<1>(ratios),
+            p => ratios.iter_mut().for_each(|w| *w = 1.0 / power(*w, p)),
+        }
+    }
+
     /// Energy (or photons) received per exposure for a flash of time integral 1 at the emitter.
     #[inline]
     pub fn exposure_factor(self, w: WavelengthRatio) -> f64 {

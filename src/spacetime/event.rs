@@ -130,18 +130,20 @@ impl<F: Frame> Direction<F> {
 
 /// The unit vector along `v` and |v|, or none where `v` is zero or not finite.
 pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
+    let (unit, length) = unit_and_length_or_nan(v);
+    (!unit.x.is_nan()).then_some((unit, length))
+}
+
+/// The same without a branch, for loops over many: NaN where `v` is zero or not finite.
+#[inline(always)]
+pub(crate) fn unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
     let largest = v.abs().max_element();
-    // Squares of very small or very large components leave f64's range.
-    let scale = if (1e-140..1e140).contains(&largest) {
-        1.0
-    } else {
-        largest
-    };
-    (v.is_finite() && largest > 0.0).then(|| {
-        let v = v / scale;
-        let length = v.length();
-        (v / length, scale * length)
-    })
+    // Squares of very small or very large components leave f64's range. 0/0 and ∞/∞ are NaN.
+    let is_usual = (largest >= 1e-140) & (largest < 1e140);
+    let scale = if is_usual { 1.0 } else { largest };
+    let v = v / scale;
+    let length = v.length();
+    (v / length, scale * length)
 }
 
 /// A unit vector d relative to a unit vector n, with c = n·d.

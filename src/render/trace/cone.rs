@@ -7,12 +7,20 @@
 //! k′·N′ ≥ 0,   N′ = (−cos α, ĉ),   signature (−, +, +, +),
 //! ```
 //!
-//! and holds in every frame (Penrose, "The apparent shape of a relativistically moving sphere", 1959). With
-//! N boosted to the world, directions d within ρ of a middle m miss the sphere if
+//! and holds in every frame (Penrose, "The apparent shape of a relativistically moving sphere", 1959). With N boosted to the
+//! world the directions d are again those of a cone, about N_x and of the half-angle a with
 //!
 //! ```text
-//! N_ct + N_x·m + ρ |N_x| < 0,   since   k·N = N_ct + N_x·d.
+//! |N_x| cos a = −N_ct,   |N_x| sin a = sin α,   since   N_x² − N_ct² = N′² = sin² α.
 //! ```
+//!
+//! Directions within an angle b of a middle m miss the sphere if m is farther than a + b from the axis:
+//!
+//! ```text
+//! N_x·m < |N_x| cos(a + b) = −N_ct cos b − sin α sin b,
+//! ```
+//!
+//! as long as a + b < π, which is sin α cos b − N_ct sin b > 0.
 //!
 //! Light in a medium is not null, and rays with origins of their own share no event: neither is culled.
 
@@ -24,11 +32,11 @@ use crate::spacetime::{Displacement, Event, Rest, World};
 /// More than all rounding: of N at most γ (1 + φ) times some 2⁻⁵⁰, with φ < 710.
 const SLACK: f64 = 1e-11;
 
-/// The directions in which a rest frame is seen from one event: N, |N_x| and the slack.
+/// The directions in which a rest frame is seen from one event: N, sin α and the slack.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VisibleCone {
     normal: Displacement<World>,
-    length: f64,
+    sine: f64,
     slack: f64,
 }
 
@@ -51,7 +59,7 @@ impl VisibleCone {
         let normal = rest.frame.world_from_frame().displacement(normal);
         Some(VisibleCone {
             normal,
-            length: normal.x.length(),
+            sine,
             slack: SLACK * rest.frame.velocity().gamma(),
         })
     }
@@ -59,30 +67,39 @@ impl VisibleCone {
     /// Whether no ray of `bounds` can hit anything.
     #[inline]
     pub fn misses(&self, bounds: &DirectionBounds) -> bool {
-        // N_ct + N_x·m + ρ |N_x|, which is below 0 by more than rounding.
-        let most = self.normal.ct + self.normal.x.dot(bounds.middle) + bounds.radius * self.length;
-        most < -self.slack
+        let DirectionBounds { middle, cosine, sine } = bounds;
+        // Both by more than rounding; not for NaN.
+        let farthest = -self.normal.ct * cosine - self.sine * sine;
+        let is_below_pi = self.sine * cosine - self.normal.ct * sine > self.slack;
+        is_below_pi & (self.normal.x.dot(*middle) < farthest - self.slack)
     }
 }
 
-/// Directions about a middle.
+/// Directions within an angle of a middle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectionBounds {
     middle: DVec3,
-    /// The largest distance of a unit vector from the middle.
-    radius: f64,
+    /// Of the angle, which is below 90°; NaN where it is not.
+    cosine: f64,
+    sine: f64,
 }
 
 impl DirectionBounds {
     /// Of unit vectors.
     pub fn of(directions: &[DVec3]) -> DirectionBounds {
         let sum = directions.iter().fold(DVec3::ZERO, |sum, d| sum + *d);
-        let middle = sum / directions.len().max(1) as f64;
+        let middle = sum.normalize_or_zero();
         let square = |d: &DVec3| (*d - middle).length_squared();
         let largest = directions.iter().map(square).fold(0.0, f64::max);
+        // The chord 2 sin(b/2), and more than its rounding.
+        let chord = largest.sqrt() * (1.0 + 1e-9);
+        let cosine = 1.0 - 0.5 * chord * chord;
+        let sine = chord * (1.0 - 0.25 * chord * chord).sqrt();
+        let is_narrow = middle != DVec3::ZERO && cosine > 0.0;
         DirectionBounds {
             middle,
-            radius: largest.sqrt() * (1.0 + 1e-9),
+            cosine: if is_narrow { cosine } else { f64::NAN },
+            sine,
         }
     }
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::hits::HitBuffer;
+use super::lamps::Falling;
 use super::occlusion::OcclusionQueries;
+use super::points::Points;
 use crate::accel::Segment;
 use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
@@ -127,7 +129,11 @@ pub struct Emitted {
     pub(super) queries: OcclusionQueries,
     pub(super) segments: Vec<Segment>,
     pub(super) blocked: Vec<bool>,
-    /// Of one lamp, by the point that it may fall on, and the direction towards it in the rest frame.
+    /// The points in arrays, where light falls on them.
+    pub(super) points: Points,
+    /// What comes of one lamp.
+    pub(super) falling: Falling,
+    /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
     pub(super) arriving: Vec<(usize, Incident, DVec3)>,
     /// Of all lamps, by point.
     pub(super) incident: Vec<Irradiance>,
@@ -196,6 +202,8 @@ impl Default for Emitted {
             queries: OcclusionQueries::default(),
             segments: Vec::new(),
             blocked: Vec::new(),
+            points: Points::default(),
+            falling: Falling::default(),
             arriving: Vec::new(),
             incident: Vec::new(),
             reflections: Vec::new(),
@@ -235,6 +243,21 @@ impl Emitted {
         self.response = response;
         self.radiance.clear();
         self.details.clear();
+    }
+
+    /// Adds radiance of the next point that is fully known, of the declared wavelength times `wavelength_scale`.
+    #[inline(always)]
+    pub(super) fn push_known(&mut self, radiance: [f64; 3], wavelength_scale: f64) {
+        // Nothing but the colour of a line depends on it.
+        if wavelength_scale != 1.0 && matches!(self.response.colour, Colouring::ShiftedLine(_)) {
+            self.details.push(Detail {
+                at: self.radiance.len(),
+                unscaled: [0.0; 3],
+                coverage: Coverage::HELD,
+                wavelength_scale,
+            });
+        }
+        self.radiance.push(radiance);
     }
 
     /// Adds what the next point emits.

@@ -17,7 +17,6 @@ use glam::DVec3;
 
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
-use super::occlusion::OcclusionQuery;
 use super::point::SurfacePoint;
 use super::radiance::{BaseColour, BaseColours};
 use super::run::Run;
@@ -81,7 +80,9 @@ pub(super) struct Sent {
     incident: Incident,
     /// Towards it in the point's rest frame.
     pub l: DVec3,
-    query: OcclusionQuery,
+    /// Towards it in the world, and how far it is.
+    d: DVec3,
+    distance: f64,
     pub shadows: bool,
     /// Per solid angle of the point's rest frame.
     pub density: f64,
@@ -141,12 +142,13 @@ impl AreaLights {
             emitted.arriving.clear();
             emitted.queries.clear();
             for (k, point) in run.points().enumerate() {
-                let sent = self.sent(base, run, &point, random(k));
+                let normal = emitted.points.normals.get(k);
+                let sent = self.sent(base, run, &point, normal, random(k));
                 if let Some(sent) = sent.filter(|sent| sent.shadows == shadows) {
                     let weight = weight(emitted.reflections.get(k), &sent);
                     let incident = sent.incident.scaled(weight);
                     emitted.arriving.push((k, incident, sent.l));
-                    emitted.queries.queries.push(sent.query);
+                    emitted.queries.push(k, sent.d, sent.distance);
                 }
             }
             reflect_unblocked(run, shadows, index, emitted, meter);
@@ -174,6 +176,7 @@ impl AreaLights {
         base: &BaseColours,
         run: &Run,
         point: &SurfacePoint,
+        facing: DVec3,
         [x, y]: [f64; 2],
     ) -> Option<Sent> {
         // The element, and from what is left of the number where on it.
@@ -203,7 +206,7 @@ impl AreaLights {
         // Towards it in the world and in F, with ω_G/ω_world = 1/ratio.
         let (d, ratio) = rest.frame.world_from_frame().direction(in_light);
         let (l, rho) = surfaces.direction(point.frame, d);
-        let cosine = point.facing_normal().dot(l.unit());
+        let cosine = facing.dot(l.unit());
         if cosine_there <= 0.0 || cosine <= 0.0 {
             return None;
         }
@@ -225,7 +228,8 @@ impl AreaLights {
                 self.received.wavelength_scale(w),
             ),
             l: l.unit(),
-            query: OcclusionQuery::new(point, d, distance * ratio * SHORTER),
+            d: d.unit(),
+            distance: distance * ratio * SHORTER,
             shadows: element.shadows,
             density: density * distance * distance / (w * w * cosine_there),
         })
@@ -262,8 +266,8 @@ impl SkyLight {
         meter: &mut Meter,
     ) {
         let boosted = &self.frames[run.frame as usize];
-        for (k, point) in run.points().enumerate() {
-            let irradiance = boosted.irradiance(point.facing_normal());
+        for k in 0..run.count() {
+            let irradiance = boosted.irradiance(emitted.points.normals.get(k));
             match emitted.reflections.get(k) {
                 None => emitted.incident[k].add(&Incident::new(irradiance, 1.0)),
                 Some(reflection) => {
@@ -295,8 +299,8 @@ impl SkyLight {
         let boosted = &self.frames[run.frame as usize];
         emitted.arriving.clear();
         emitted.queries.clear();
-        for (k, point) in run.points().enumerate() {
-            let n = point.facing_normal();
+        for k in 0..run.count() {
+            let n = emitted.points.normals.get(k);
             let Some(sample) = boosted.sample(n, random(k)) else {
                 continue;
             };
@@ -307,8 +311,7 @@ impl SkyLight {
             let scale = boosted.received().wavelength_scale(1.0 / sample.rho);
             let incident = Incident::new(radiance.map(|l| l * factor), scale);
             emitted.arriving.push((k, incident, l));
-            let query = OcclusionQuery::new(&point, sample.d, f64::INFINITY);
-            emitted.queries.queries.push(query);
+            emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
         }
         reflect_unblocked(run, self.shadows, index, emitted, meter);
     }
@@ -324,8 +327,8 @@ impl SkyLight {
     ) {
         emitted.queries.clear();
         let mut drawn = Vec::with_capacity(run.count() * DRAWS as usize);
-        for (k, point) in run.points().enumerate() {
-            let n = point.facing_normal();
+        for k in 0..run.count() {
+            let n = emitted.points.normals.get(k);
             for draw in 0..DRAWS {
                 let Some(sample) = boosted.sample(n, run.one_random_of(k, SKY, draw, DRAWS)) else {
                     continue;
@@ -337,13 +340,12 @@ impl SkyLight {
                     l: sample.in_rest,
                     light: radiance.map(|l| l * factor),
                 });
-                let query = OcclusionQuery::new(&point, sample.d, f64::INFINITY);
-                emitted.queries.queries.push(query);
+                emitted.queries.push(k, sample.d.unit(), f64::INFINITY);
             }
         }
         self.occlude(run, index, emitted, meter);
         for (at, Drawn { k, l, light }) in drawn.into_iter().enumerate() {
-            let blocked = emitted.queries.blocked.get(at) == Some(&true);
+            let blocked = emitted.queries.is_blocked(at);
             match emitted.reflections.get(k) {
                 None if blocked => {
                     emitted.incident[k].add(&Incident::new(light.map(|l| -l), 1.0));
@@ -373,7 +375,7 @@ impl SkyLight {
     ) {
         emitted.queries.clear();
         let mut drawn = Vec::with_capacity(run.count());
-        for (k, point) in run.points().enumerate() {
+        for k in 0..run.count() {
             let reflection = &emitted.reflections[k];
             let Some((l, weight)) = reflection.sample_specular(run.random(k, GLOSS)) else {
                 continue;
@@ -382,12 +384,11 @@ impl SkyLight {
             let radiance = boosted.radiance(&self.sky, d, rho);
             let light = std::array::from_fn(|c| weight[c] * radiance[c]);
             drawn.push(Drawn { k, l, light });
-            let query = OcclusionQuery::new(&point, d, f64::INFINITY);
-            emitted.queries.queries.push(query);
+            emitted.queries.push(k, d.unit(), f64::INFINITY);
         }
         self.occlude(run, index, emitted, meter);
         for (at, Drawn { k, light, .. }) in drawn.into_iter().enumerate() {
-            if emitted.queries.blocked.get(at) != Some(&true) {
+            if !emitted.queries.is_blocked(at) {
                 add(&mut emitted.added[k], |c| light[c]);
             }
         }
@@ -395,9 +396,10 @@ impl SkyLight {
 
     fn occlude(&self, run: &Run, index: f64, emitted: &mut Emitted, meter: &mut Meter) {
         if self.shadows {
-            let method = run.traced.rays.method;
-            let surfaces = run.traced.surfaces;
-            surfaces.occlude(&mut emitted.queries, index, method, meter);
+            let (queries, points) = (&mut emitted.queries, &emitted.points);
+            run.traced
+                .surfaces
+                .occlude(queries, run, points, index, meter);
         }
     }
 }

@@ -22,6 +22,7 @@ mod lights;
 mod occlusion;
 mod paths;
 mod point;
+mod points;
 mod radiance;
 mod rest_frame;
 mod run;

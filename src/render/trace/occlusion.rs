@@ -2,85 +2,158 @@
 
 use glam::DVec3;
 
-use super::point::SurfacePoint;
-use crate::accel::{Bvh, Counts, Hit, Method, NoTally, Ray, Segment};
-use crate::camera::RayOrigin;
-use crate::spacetime::{Direction, NullRay, Rest, World};
+use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
+use crate::accel::{Bvh, Counts, Method, NoTally, Ray, Segment};
+use crate::spacetime::{Boost, Direction, Rest, World};
 
-/// Occlusion queries and their answers.
+/// Occlusion queries and their answers: whether a ray from a point of a run along a direction of the world hits anything
+/// but the triangle of the point itself within a distance.
 #[derive(Debug, Default)]
 pub struct OcclusionQueries {
-    /// The queries.
-    pub(super) queries: Vec<OcclusionQuery>,
+    /// The point of the run.
+    points: Vec<u32>,
+    /// The directions.
+    d: Columns,
+    /// Metres of the world.
+    distance: Vec<f64>,
     /// The answers, in the same order.
-    pub(super) blocked: Vec<bool>,
+    blocked: Vec<bool>,
+    /// Those that are not blocked yet: their rays in the frame that is asked.
+    open: Vec<u32>,
+    towards: Columns,
+    eyes: Columns,
+    from: Columns,
+    starts: Vec<f64>,
     segments: Vec<Segment>,
-    open: Vec<usize>,
     answers: Vec<bool>,
 }
 
-/// Whether a ray from a point along `d` hits anything but the triangle of the point itself within s < `distance`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OcclusionQuery {
-    /// The point's rest frame.
-    pub frame: u32,
-    /// Its hit.
-    pub hit: Hit,
-    /// The ray that hit the point, in the world.
-    pub ray: NullRay<World>,
-    /// The same in the rest frame.
-    pub local: NullRay<Rest>,
-    /// Where that ray leaves.
-    pub origin: RayOrigin,
-    /// The direction from the point.
-    pub d: Direction<World>,
-    /// Metres of the world.
-    pub distance: f64,
-}
-
-impl OcclusionQuery {
-    /// From `point` along `d`.
-    #[inline]
-    pub fn new(point: &SurfacePoint, d: Direction<World>, distance: f64) -> Self {
-        OcclusionQuery {
-            frame: point.frame,
-            hit: point.hit,
-            ray: point.ray,
-            local: point.local,
-            origin: point.origin,
-            d,
-            distance,
-        }
-    }
+/// Whose surfaces may be in the way, and how points and directions are seen there.
+pub(super) struct Obstacles<'a, S> {
+    pub bvh: &'a Bvh,
+    /// From the world to the frame where they rest, and the index of the medium; none where they rest in the world.
+    pub boost: Option<(&'a Boost<Rest, World>, f64)>,
+    /// By point of the run: where the ray leaves that saw it, and where it is.
+    pub seen: S,
+    /// By point, triangles that are no obstacle: of the frame itself.
+    pub own: Option<&'a [u32]>,
 }
 
 impl OcclusionQueries {
     /// Forgets the last ones.
     pub(super) fn clear(&mut self) {
-        self.queries.clear();
+        self.points.clear();
+        self.d.clear();
+        self.distance.clear();
         self.blocked.clear();
     }
 
-    /// Answers those that are not blocked yet with `bvh`, by the segments that `segment` makes of them.
-    pub(super) fn answer(
+    /// Asks about the way from point `point` along `d`.
+    #[inline(always)]
+    pub(super) fn push(&mut self, point: usize, d: DVec3, distance: f64) {
+        self.points.push(point as u32);
+        self.d.push(d);
+        self.distance.push(distance);
+    }
+
+    /// Whether anything is in the way of query `at`; nothing is where no one was asked.
+    #[inline(always)]
+    pub(super) fn is_blocked(&self, at: usize) -> bool {
+        self.blocked.get(at) == Some(&true)
+    }
+
+    /// Asks `obstacles` about those that are not blocked yet.
+    pub(super) fn ask<S: Fn(usize) -> (DVec3, DVec3)>(
         &mut self,
-        bvh: &Bvh,
+        obstacles: &Obstacles<S>,
         method: Method,
         counts: Option<&mut Counts>,
-        segment: impl Fn(&OcclusionQuery) -> Segment,
     ) {
-        self.blocked.resize(self.queries.len(), false);
-        self.segments.clear();
+        self.blocked.resize(self.points.len(), false);
         self.open.clear();
-        for (k, query) in self.queries.iter().enumerate() {
-            if !self.blocked[k] {
-                self.open.push(k);
-                self.segments.push(segment(query));
+        self.towards.clear();
+        self.eyes.clear();
+        self.from.clear();
+        for (query, (point, blocked)) in self.points.iter().zip(&self.blocked).enumerate() {
+            if !blocked {
+                let (eye, from) = (obstacles.seen)(*point as usize);
+                self.open.push(query as u32);
+                self.towards.push(self.d.get(query));
+                self.eyes.push(eye);
+                self.from.push(from);
             }
         }
-        any_hit(bvh, method, &self.segments, &mut self.answers, counts);
-        for (k, answer) in self.open.iter().zip(&self.answers) {
-            self.blocked[*k] = *answer;
+        let count = self.open.len();
+        if let Some((boost, index)) = obstacles.boost {
+            dispatch(BoostDirections {
+                boost,
+                index,
+                directions: self.towards.first_mut(count),
+            });
+        }
+        self.starts.resize(count, 0.0);
+        dispatch(Starts {
+            eyes: self.eyes.first(count),
+            from: self.from.first(count),
+            directions: self.towards.first(count),
+            starts: &mut self.starts,
+        });
+        self.segments.clear();
+        for (k, query) in self.open.iter().enumerate() {
+            let point = self.points[*query as usize] as usize;
+            self.segments.push(Segment {
+                ray: Ray {
+                    origin: self.from.get(k),
+                    direction: self.towards.get(k),
+                    s_min: self.starts[k],
+                },
+                s_max: self.distance[*query as usize],
+                skip: obstacles.own.map(|triangles| triangles[point]),
+            });
+        }
+        any_hit(
+            obstacles.bvh,
+            method,
+            &self.segments,
+            &mut self.answers,
+            counts,
+        );
+        for (query, answer) in self.open.iter().zip(&self.answers) {
+            self.blocked[*query as usize] = *answer;
+        }
+    }
+}
+
+/// Directions of the world to those of a rest frame, per metre of the world.
+struct BoostDirections<'a> {
+    boost: &'a Boost<Rest, World>,
+    index: f64,
+    directions: ColumnsMut<'a>,
+}
+
+impl VectorLoop for BoostDirections<'_> {
+    #[inline(always)]
+    fn run(mut self) {
+        for k in 0..self.directions.len() {
+            let d = Direction::from_unit(self.directions.get(k));
+            self.directions.set(k, self.boost.tangent(self.index, d).x);
+        }
+    }
+}
+
+/// Where rays begin to count.
+struct Starts<'a> {
+    eyes: ColumnsRef<'a>,
+    from: ColumnsRef<'a>,
+    directions: ColumnsRef<'a>,
+    starts: &'a mut [f64],
+}
+
+impl VectorLoop for Starts<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (k, start) in self.starts.iter_mut().enumerate() {
+            *start = shadow_start(self.eyes.get(k), self.from.get(k), self.directions.get(k));
         }
     }
 }
@@ -102,17 +175,23 @@ pub(super) fn any_hit(
 }
 
 /// A ray along `direction` from the point `from` of a surface that was seen from `camera`.
+#[inline]
+pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
+    Ray {
+        origin: from,
+        direction,
+        s_min: shadow_start(camera, from, direction),
+    }
+}
+
+/// From where on it counts.
 ///
 /// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On
 /// the edge of a triangle the ray could hit the neighbour right there; what is nearer than 2⁻⁴² of the
 /// coordinates (10⁻¹² of a metre in a scene of metres) therefore does not count.
-#[inline]
-pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
+#[inline(always)]
+fn shadow_start(camera: DVec3, from: DVec3, direction: DVec3) -> f64 {
     const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
     let size = camera.abs().max_element() + from.abs().max_element();
-    Ray {
-        origin: from,
-        direction,
-        s_min: CLEARANCE * size / direction.length(),
-    }
+    CLEARANCE * size / direction.length()
 }

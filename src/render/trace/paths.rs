@@ -142,14 +142,16 @@ impl Radiance for PathTraced {
 impl PathTraced {
     /// Forgets the light of the last run, and notes how the points of `run` reflect.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+        emitted.points.fill(run);
         emitted.incident.clear();
         emitted.incident.resize(run.count(), Default::default());
         emitted.added.clear();
         emitted.added.resize(run.count(), [0.0; 3]);
         emitted.reflections.clear();
-        let reflections = run.points().map(|point| {
+        let normals = &emitted.points.normals;
+        let reflections = run.points().enumerate().map(|(k, point)| {
             let view = -point.local.tangent.x.normalize_or_zero();
-            let normal = point.facing_normal();
+            let normal = normals.get(k);
             reflection(
                 &self.light.base,
                 finish,

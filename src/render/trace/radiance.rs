@@ -403,15 +403,13 @@ impl TimeResolved {
                 let own = self.base.colour_at(emission, run.rest, run.patch, &hit);
                 radiance = std::array::from_fn(|c| radiance[c] + own[c]);
             }
-            emitted.push(Emission {
-                wavelength_scale: irradiance.wavelength_scale(),
-                ..Emission::full(radiance)
-            });
+            emitted.push_known(radiance, irradiance.wavelength_scale());
         }
     }
 
     /// Forgets the light of the last run, and notes how the points of `run` reflect where they are not diffuse.
     fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+        emitted.points.fill(run);
         emitted.incident.clear();
         emitted.incident.resize(run.count(), Default::default());
         emitted.reflections.clear();
@@ -420,11 +418,11 @@ impl TimeResolved {
         };
         emitted.added.clear();
         emitted.added.resize(run.count(), [0.0; 3]);
-        for point in run.points() {
+        for (k, point) in run.points().enumerate() {
             let colour = self.base.radiance(finish.colour, run, &point.hit);
             let [metallic, roughness] = self.base.gloss(gloss, run.rest, run.patch, &point.hit);
             let view = -point.local.tangent.x.normalize_or_zero();
-            let normal = point.facing_normal();
+            let normal = emitted.points.normals.get(k);
             emitted.reflections.push(Reflection::metallic_roughness(
                 normal, view, colour, metallic, roughness,
             ));

@@ -41,7 +41,7 @@ pub struct Run<'a> {
 impl<'a> TracedRays<'a> {
     /// The world ray `ray`.
     #[inline(always)]
-    fn ray(&self, ray: usize) -> NullRay<World> {
+    pub(super) fn ray(&self, ray: usize) -> NullRay<World> {
         let d = Direction::from_unit(self.rays.directions[ray]);
         match self.rays.origins {
             None => NullRay::new(self.event, d, self.index),
@@ -135,7 +135,7 @@ impl<'a> Run<'a> {
     }
 
     #[inline(always)]
-    fn each_local(&self, members: &[u32], each: impl FnMut(usize, NullRay<Rest>, f64)) {
+    pub(super) fn each_local(&self, members: &[u32], each: impl FnMut(usize, NullRay<Rest>, f64)) {
         let TracedRays {
             surfaces,
             rays,

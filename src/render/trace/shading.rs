@@ -68,8 +68,10 @@ pub enum Background {
 pub struct Shading {
     /// Rays that meet nothing, where there is a sky.
     escaped: Vec<u32>,
-    /// Rays that hit a surface that shines.
+    /// Rays that hit a surface that shines, by patch.
     lit: Vec<u32>,
+    /// The same in another order.
+    reordered: Vec<u32>,
     /// Rays whose radiance is fully known without asking the surface: of the background, and black backs.
     plain: Vec<u32>,
     runs: Vec<Span>,
@@ -85,6 +87,8 @@ struct Span {
     begin: usize,
     end: usize,
     frame: u32,
+    /// The patch's first triangle.
+    patch: u32,
     /// A triangle of the patch.
     triangle: u32,
 }
@@ -222,7 +226,7 @@ impl Shading {
                 let (patch, after) = traced.surfaces.rest(in_frame).patch_and_end(hit.triangle);
                 (frame, first, end) = (in_frame, patch.first, after);
                 black_back = patch.black_back;
-                self.begin(frame, hit.triangle);
+                self.begin(frame, first, hit.triangle);
             }
             if black_back && !hit.front {
                 sink.add(ray, [0.0; 3]);
@@ -231,13 +235,45 @@ impl Shading {
             }
             self.lit.push(ray as u32);
         }
-        self.begin(u32::MAX, 0);
+        self.begin(u32::MAX, 0, 0);
         self.runs.pop();
+        self.merge();
         sink.add_unmet(unmet);
     }
 
+    /// Puts the rays of each patch together: the longer a run, the more of it goes in vectors.
+    fn merge(&mut self) {
+        let is_after =
+            |pair: &[Span]| (pair[0].frame, pair[0].patch) < (pair[1].frame, pair[1].patch);
+        if self.runs.windows(2).all(is_after) {
+            return;
+        }
+        // Stable: rays of a patch stay in order.
+        self.runs.sort_by_key(|span| (span.frame, span.patch));
+        self.reordered.clear();
+        let mut merged: usize = 0;
+        for at in 0..self.runs.len() {
+            let span = self.runs[at];
+            let begin = self.reordered.len();
+            self.reordered
+                .extend_from_slice(&self.lit[span.begin..span.end]);
+            let end = self.reordered.len();
+            match merged.checked_sub(1).map(|last| self.runs[last]) {
+                Some(last) if (last.frame, last.patch) == (span.frame, span.patch) => {
+                    self.runs[merged - 1].end = end;
+                }
+                _ => {
+                    self.runs[merged] = Span { begin, end, ..span };
+                    merged += 1;
+                }
+            }
+        }
+        self.runs.truncate(merged);
+        std::mem::swap(&mut self.lit, &mut self.reordered);
+    }
+
     /// Ends a run where the next begins.
-    fn begin(&mut self, frame: u32, triangle: u32) {
+    fn begin(&mut self, frame: u32, patch: u32, triangle: u32) {
         let begin = self.lit.len();
         match self.runs.last_mut() {
             Some(last) if last.begin == begin => {
@@ -250,6 +286,7 @@ impl Shading {
             begin,
             end: begin,
             frame,
+            patch,
             triangle,
         });
     }

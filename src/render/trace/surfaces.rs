@@ -8,11 +8,13 @@
 use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
-use super::occlusion::{OcclusionQueries, OcclusionQuery, shadow_ray};
+use super::occlusion::{Obstacles, OcclusionQueries};
 use super::point::SurfacePoint;
+use super::points::Points;
 use super::rest_frame::RestFrame;
+use super::run::Run;
 use super::stats::{Meter, Stage};
-use crate::accel::{Method, Segment};
+use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
 use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
 /// The surfaces of all rest frames, as they are seen from one event.
@@ -188,39 +190,116 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Answers `queries`, in which `index` is that of the medium.
+    /// Answers `queries` about the points of `run`, which are `points`, in a medium of index `index`.
     pub(super) fn occlude(
         &self,
         queries: &mut OcclusionQueries,
+        run: &Run,
+        points: &Points,
         index: f64,
-        method: Method,
         meter: &mut Meter,
     ) {
+        let method = run.traced.rays.method;
+        let in_own_frame = |k| (points.eye(k), points.positions.get(k));
         match &self.0 {
             Frames::Still(only) => {
-                queries.answer(&only.rest.bvh, method, meter.occlusion(), |q| Segment {
-                    ray: shadow_ray(q.local.origin.x, q.local.at(q.hit.s).x, q.d.unit()),
-                    s_max: q.distance,
-                    skip: Some(q.hit.triangle),
-                });
+                let obstacles = Obstacles {
+                    bvh: &only.rest.bvh,
+                    boost: None,
+                    seen: in_own_frame,
+                    own: Some(&points.triangles),
+                };
+                queries.ask(&obstacles, method, meter.occlusion());
             }
             Frames::One(only) => {
-                queries.answer(&only.rest.bvh, method, meter.occlusion(), |q| {
-                    only.segment(q, &q.local, index, Some(q.hit.triangle))
-                });
+                let obstacles = Obstacles {
+                    bvh: &only.rest.bvh,
+                    boost: Some((only.boost(), index)),
+                    seen: in_own_frame,
+                    own: Some(&points.triangles),
+                };
+                queries.ask(&obstacles, method, meter.occlusion());
             }
             Frames::Many(frames, _) => {
                 for (k, frame) in frames.iter().enumerate() {
-                    queries.answer(&frame.rest.bvh, method, meter.occlusion(), |q| {
-                        let skip = (k as u32 == q.frame).then_some(q.hit.triangle);
-                        let index_along = frame.index * q.origin.delay;
-                        let d = Direction::from_unit(q.ray.tangent.x);
-                        let (tangent, _) = frame.boost().tangent_and_ratio(index_along, d);
-                        let origin = frame.origin(Some(q.origin.displacement));
-                        frame.segment(q, &NullRay { origin, tangent }, index, skip)
-                    });
+                    let (bvh, boost) = (&frame.rest.bvh, Some((frame.boost(), index)));
+                    if k as u32 == run.frame {
+                        let obstacles = Obstacles {
+                            bvh,
+                            boost,
+                            seen: in_own_frame,
+                            own: Some(&points.triangles),
+                        };
+                        queries.ask(&obstacles, method, meter.occlusion());
+                    } else {
+                        let seen = |k: usize| {
+                            let ray = run.members[k] as usize;
+                            let (local, _) = frame.boosted_ray(ray, &run.traced.rays);
+                            (local.origin.x, local.at(points.s[k]).x)
+                        };
+                        let obstacles = Obstacles {
+                            bvh,
+                            boost,
+                            seen,
+                            own: None,
+                        };
+                        queries.ask(&obstacles, method, meter.occlusion());
+                    }
                 }
             }
+        }
+    }
+
+    /// Look directions in rest frame `frame` of those in `directions`, and ω_rest/ω_world of light from there.
+    pub(super) fn directions(
+        &self,
+        frame: u32,
+        directions: &Columns,
+        to: &mut Columns,
+        ratios: &mut Vec<f64>,
+        count: usize,
+    ) {
+        let boost = match &self.0 {
+            Frames::Still(_) => None,
+            Frames::One(only) => Some(only.boost()),
+            Frames::Many(frames, _) => Some(frames[frame as usize].boost()),
+        };
+        to.resize(count);
+        ratios.clear();
+        ratios.resize(count, 1.0);
+        let (from, to) = (directions.first(count), to.first_mut(count));
+        dispatch(Directions {
+            boost: boost.filter(|boost| !boost.is_identity()),
+            from,
+            to,
+            ratios,
+        });
+    }
+}
+
+/// Look directions to those of a rest frame.
+struct Directions<'a> {
+    /// None where nothing changes.
+    boost: Option<&'a Boost<Rest, World>>,
+    from: ColumnsRef<'a>,
+    to: ColumnsMut<'a>,
+    ratios: &'a mut [f64],
+}
+
+impl VectorLoop for Directions<'_> {
+    #[inline(always)]
+    fn run(mut self) {
+        let Some(boost) = self.boost else {
+            for k in 0..self.from.len() {
+                self.to.set(k, self.from.get(k));
+            }
+            return;
+        };
+        for k in 0..self.from.len() {
+            let d = Direction::from_unit(self.from.get(k));
+            let (d, ratio) = boost.direction(d);
+            self.to.set(k, d.unit());
+            self.ratios[k] = ratio;
         }
     }
 }
@@ -274,23 +353,6 @@ impl<'a> Frame<'a> {
         match displacement {
             None => self.shot,
             Some(displacement) => self.shot + self.boost().displacement(displacement),
-        }
-    }
-
-    /// The segment of `query` in this frame, in which `seen` is the ray that hit the point.
-    #[inline]
-    fn segment(
-        &self,
-        query: &OcclusionQuery,
-        seen: &NullRay<Rest>,
-        index: f64,
-        skip: Option<u32>,
-    ) -> Segment {
-        let direction = self.boost().tangent(index, query.d).x;
-        Segment {
-            ray: shadow_ray(seen.origin.x, seen.at(query.hit.s).x, direction),
-            s_max: query.distance,
-            skip,
         }
     }
 }

@@ -1,0 +1,350 @@
+//! The light of a lamp as a function of its proper time.
+
+use std::f64::consts::TAU;
+
+use crate::accel::vectors::{VectorLoop, dispatch};
+use crate::scene::model::EmissionProfile;
+
+/// Intensity by proper time.
+#[derive(Debug, Clone)]
+pub(super) enum Emission {
+    Steady,
+    /// `scale` times the density of a normal distribution.
+    Gaussian {
+        centre: f64,
+        sigma: f64,
+        scale: f64,
+    },
+    Train {
+        centre: f64,
+        sigma: f64,
+        period: f64,
+        count: f64,
+    },
+    Table(Vec<[f64; 2]>),
+}
+
+impl From<&EmissionProfile> for Emission {
+    fn from(profile: &EmissionProfile) -> Self {
+        match profile {
+            EmissionProfile::Steady => Emission::Steady,
+            EmissionProfile::Gaussian { centre, sigma } => Emission::Gaussian {
+                centre: *centre,
+                sigma: *sigma,
+                // 1 at the peak.
+                scale: sigma * TAU.sqrt(),
+            },
+            EmissionProfile::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => Emission::Train {
+                centre: *centre,
+                sigma: *sigma,
+                period: *period,
+                count: count.map_or(f64::INFINITY, f64::from),
+            },
+            EmissionProfile::Table(knots) => Emission::Table(knots.clone()),
+        }
+    }
+}
+
+impl Emission {
+    /// The factor on the intensity at a proper time.
+    #[inline]
+    pub(super) fn at(&self, proper_time: f64) -> f64 {
+        match self {
+            Emission::Steady => 1.0,
+            Emission::Gaussian {
+                centre,
+                sigma,
+                scale,
+            } => gaussian((proper_time - centre) / sigma) / sigma * scale,
+            Emission::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => train((proper_time - centre) / period, period / sigma, *count),
+            Emission::Table(knots) => table(knots, proper_time),
+        }
+    }
+}
+
+impl Emission {
+    /// [`Emission::at`] of each of `times`, in its place.
+    pub(super) fn at_each(&self, times: &mut [f64]) {
+        match self {
+            Emission::Steady => times.fill(1.0),
+            Emission::Gaussian {
+                centre,
+                sigma,
+                scale,
+            } => dispatch(Gaussians {
+                times,
+                centre: *centre,
+                sigma: *sigma,
+                scale: *scale,
+            }),
+            Emission::Train { .. } | Emission::Table(_) => {
+                times.iter_mut().for_each(|time| *time = self.at(*time));
+            }
+        }
+    }
+
+    /// The proper times between which it is not 0.
+    pub(super) fn span(&self) -> Option<[f64; 2]> {
+        match self {
+            Emission::Steady => None,
+            Emission::Gaussian { centre, sigma, .. } => {
+                Some([centre - CUT * sigma, centre + CUT * sigma])
+            }
+            Emission::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => {
+                let last = centre + (count - 1.0) * period;
+                last.is_finite()
+                    .then(|| [centre - CUT * sigma, last + CUT * sigma])
+            }
+            Emission::Table(knots) => Some([knots.first()?[0], knots.last()?[0]]),
+        }
+    }
+
+    /// The integral up to a proper time; infinite where it has always shone.
+    pub(super) fn until(&self, proper_time: f64) -> f64 {
+        match self {
+            Emission::Steady => f64::INFINITY,
+            Emission::Gaussian {
+                centre,
+                sigma,
+                scale,
+            } => normal((proper_time - centre) / sigma) * scale,
+            Emission::Train {
+                centre,
+                sigma,
+                period,
+                count,
+            } => {
+                let (phase, reach) = ((proper_time - centre) / period, CUT * sigma / period);
+                // Those that are over, and those that are not.
+                let over = (phase - reach).ceil().clamp(0.0, *count);
+                let begun = (phase + reach).floor().min(count - 1.0);
+                let rest = (0..=17)
+                    .map(|n| over + f64::from(n))
+                    .take_while(|k| *k <= begun);
+                let rest: f64 = rest.map(|k| normal((phase - k) * period / sigma)).sum();
+                (over + rest) * sigma * TAU.sqrt()
+            }
+            Emission::Table(knots) => {
+                let parts = knots.windows(2).map(|pair| {
+                    let [[from, first], [to, last]] = [pair[0], pair[1]];
+                    let upto = proper_time.clamp(from, to);
+                    let there = first + (last - first) * ((upto - from) / (to - from));
+                    0.5 * (first + there) * (upto - from)
+                });
+                parts.sum()
+            }
+        }
+    }
+}
+
+/// The integral of the normal distribution's density up to x.
+fn normal(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Pulses of standard deviation 1/`spacing` at the integers that are `count` from 0 on; all for an infinite `count`.
+fn train(phase: f64, spacing: f64, count: f64) -> f64 {
+    let (first, last) = match count.is_finite() {
+        true => (0.0, count - 1.0),
+        false => (f64::NEG_INFINITY, f64::INFINITY),
+    };
+    // Those that are not below the Gaussian's smallest value: at most 17, for `spacing` is at least 1.
+    let reach = CUT / spacing;
+    let begin = (phase - reach).ceil().max(first);
+    let end = (phase + reach).floor().min(last);
+    let pulses = (0..=17).map(|n| begin + f64::from(n));
+    let value = |k: f64| gaussian((phase - k) * spacing) * TAU.sqrt();
+    pulses.take_while(|k| *k <= end).map(value).sum()
+}
+
+/// Linear between knots, 0 outside.
+fn table(knots: &[[f64; 2]], time: f64) -> f64 {
+    let after = knots.partition_point(|[at, _]| *at <= time);
+    let Some(&[last, value]) = after.checked_sub(1).and_then(|before| knots.get(before)) else {
+        return 0.0;
+    };
+    match knots.get(after) {
+        Some(&[next, then]) => value + (then - value) * ((time - last) / (next - last)),
+        None if time == last => value,
+        None => 0.0,
+    }
+}
+
+/// The unit Gaussian is taken for 0 beyond this: below the smallest value that matters, 5·10⁻¹⁵.
+const CUT: f64 = 8.0;
+
+#[inline]
+fn gaussian(x: f64) -> f64 {
+    if x.abs() > CUT {
+        return 0.0;
+    }
+    libm::exp(-0.5 * x * x) / TAU.sqrt()
+}
+
+/// Proper times to intensities.
+struct Gaussians<'a> {
+    times: &'a mut [f64],
+    centre: f64,
+    sigma: f64,
+    scale: f64,
+}
+
+impl VectorLoop for Gaussians<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (centre, sigma, scale) = (self.centre, self.sigma, self.scale);
+        for time in self.times {
+            let x = (*time - centre) / sigma;
+            let value = exp_of_negative(-0.5 * x * x) / TAU.sqrt();
+            let value = if x.abs() > CUT { 0.0 } else { value };
+            *time = value / sigma * scale;
+        }
+    }
+}
+
+/// e^x for −700 < x ≤ 0 without a branch, with the same bits as `libm::exp`, whose steps these are (fdlibm's e_exp.c: a
+/// remainder within ± ½ ln 2 and a rational function of it).
+#[inline(always)]
+fn exp_of_negative(x: f64) -> f64 {
+    const LN2_HI: f64 = 6.931_471_803_691_238e-1;
+    const LN2_LO: f64 = 1.908_214_929_270_587_7e-10;
+    const INV_LN2: f64 = std::f64::consts::LOG2_E;
+    const P: [f64; 5] = [
+        1.666_666_666_666_660_2e-1,
+        -2.777_777_777_701_559_3e-3,
+        6.613_756_321_437_934e-5,
+        -1.653_390_220_546_525_2e-6,
+        4.138_136_797_057_238_5e-8,
+    ];
+    /// 1.5·2⁵²: added to an integer of moderate size, it leaves that in the low bits.
+    const SHIFTER: f64 = 6_755_399_441_055_744.0;
+    // x = k ln 2 + r; the limits are those of the high words of ½ ln 2, 1.5 ln 2 and 2⁻²⁸.
+    let high = (x.to_bits() >> 32) & 0x7fff_ffff;
+    let k = if high >= 0x3ff0_a2b2 {
+        (INV_LN2 * x - 0.5).trunc()
+    } else {
+        -1.0
+    };
+    let k = if high > 0x3fd6_2e42 { k } else { 0.0 };
+    let (hi, lo) = (x - k * LN2_HI, k * LN2_LO);
+    let r = hi - lo;
+    let square = r * r;
+    let c =
+        r - square * (P[0] + square * (P[1] + square * (P[2] + square * (P[3] + square * P[4]))));
+    let y = 1.0 + (r * c / (2.0 - c) - lo + hi);
+    // 2ᵏ by its exponent.
+    let bits = (k + SHIFTER).to_bits().wrapping_sub(SHIFTER.to_bits());
+    let power = f64::from_bits(bits.wrapping_add(1023) << 52);
+    if high > 0x3e30_0000 {
+        y * power
+    } else {
+        1.0 + x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponentials_in_loops_have_the_bits_of_single_ones() {
+        let steps = (0..400_000).map(|i| -f64::from(i) * (33.0 / 400_000.0));
+        let powers = (0..2000).map(|i| -libm::exp2(-f64::from(i) * 0.03));
+        let edges = [
+            0.0,
+            -0.0,
+            -0.5 * std::f64::consts::LN_2,
+            -1.5 * std::f64::consts::LN_2,
+        ];
+        for x in steps.chain(powers).chain(edges) {
+            let (ours, libm) = (exp_of_negative(x), libm::exp(x));
+            assert_eq!(ours.to_bits(), libm.to_bits(), "{x:e}: {ours:e} {libm:e}");
+        }
+        let emission = Emission::Gaussian {
+            centre: 0.3,
+            sigma: 0.2,
+            scale: 1.7,
+        };
+        let times: Vec<f64> = (-999..999)
+            .map(|i| f64::from(i) * 3e-3)
+            .chain([f64::NAN])
+            .collect();
+        let mut each = times.clone();
+        emission.at_each(&mut each);
+        for (time, each) in times.iter().zip(&each) {
+            assert_eq!(emission.at(*time).to_bits(), each.to_bits(), "{time}");
+        }
+    }
+
+    #[test]
+    fn a_train_is_the_sum_of_its_pulses() {
+        for count in [1.0, 3.0, f64::INFINITY] {
+            for x in [-2.3, -0.5, 0.0, 0.4, 1.5, 2.0, 2.2, 7.0] {
+                let pulses =
+                    (-40..=40).filter(|k| count.is_infinite() || (0..count as i32).contains(k));
+                let sum: f64 = pulses
+                    .map(|k| libm::exp(-0.5 * (1.5 * (x - f64::from(k))).powi(2)))
+                    .sum();
+                assert!((train(x, 1.5, count) - sum).abs() < 1e-13, "{count} {x}");
+            }
+        }
+        // No time is too late, and a train that has ended stays dark.
+        assert_eq!(train(1e300, 1.5, 3.0), 0.0);
+    }
+
+    #[test]
+    fn emission_adds_up_to_its_integral() {
+        let all = [
+            Emission::Gaussian {
+                centre: 0.3,
+                sigma: 0.2,
+                scale: 1.7,
+            },
+            Emission::Train {
+                centre: -1.0,
+                sigma: 0.2,
+                period: 0.35,
+                count: 5.0,
+            },
+            Emission::Table(vec![[-1.0, 0.5], [0.2, 2.0], [0.5, 0.0], [1.5, 1.0]]),
+        ];
+        for emission in all {
+            // By the midpoints of 4000 steps.
+            let (mut sum, step) = (0.0, 2e-3);
+            for k in 0..4000 {
+                let t = -4.0 + (f64::from(k) + 0.5) * step;
+                sum += emission.at(t) * step;
+                let until = emission.until(t + 0.5 * step);
+                assert!(
+                    (until - sum).abs() < 2e-3,
+                    "{emission:?} {t}: {until} {sum}"
+                );
+            }
+            let [from, to] = emission.span().unwrap();
+            assert!(emission.until(from) < 1e-12 && emission.at(from - 1e-9) == 0.0);
+            assert!((emission.until(to) - emission.until(9.0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_table_is_linear_between_its_times_and_dark_outside() {
+        let knots = [[0.0, 1.0], [2.0, 3.0], [3.0, 0.5]];
+        let values = [-0.1, 0.0, 1.0, 2.0, 2.5, 3.0, 3.1].map(|t| table(&knots, t));
+        assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 1.75, 0.5, 0.0]);
+    }
+}

@@ -1,0 +1,539 @@
+//! The light of lamps at surfaces.
+//!
+//! A lamp at rest in its frame G (of the moment, where it accelerates) sends the power I per solid angle. A point
+//! of a surface at rest in F is hit by the camera's ray at the event X; the light that falls on it then left the lamp
+//! at the event P at which the lamp's world line crosses the past light cone of X. With the null vector k = P − X and
+//! the four-velocities u, the distance is r_G = k·u_G in G and r_F = k·u_F in F, and frequencies are as k·u too, so that
+//!
+//! ```text
+//! W = λ_F/λ_G = (k·u_G)/(k·u_F) = r_G/r_F.
+//! ```
+//!
+//! What the lamp sends within dτ into dω_G is N = I dτ dω_G/(hν_G) photons. They cross an area across the beam that
+//! all observers agree on, for a solid angle about the emission is dω_F = W² dω_G and r_F = r_G/W: r_F² dω_F = r_G² dω_G.
+//! In F each has the energy hν_G/W, and they come within dt_F = W dτ. Per area of the surface and time, therefore,
+//!
+//! ```text
+//! E_F = N hν_G/W · cos θ_F / (r_G² dω_G · W dτ) = W⁻² I cos θ_F / r_G²,
+//! E_λ^F(λ) = W⁻³ I_λ(λ/W) cos θ_F / r_G²      (per wavelength: dλ_F = W dλ_G),
+//! ```
+//!
+//! θ_F the angle of incidence in F. The same follows from radiance: a small ball of radiance L_G and of the solid angle
+//! ω_G, seen from r_G, is in F of W⁻⁴ L_G and of W² ω_G, and I = L_G ω_G r_G². In general radiance goes with W⁻ᵖ (p by
+//! the declared quantity), and irradiance with W²⁻ᵖ. Parallel light is the limit r → ∞ with E_G = I/r_G²: it falls with
+//! E_F = W²⁻ᵖ E_G cos θ_F. A diffuse surface of this albedo then has the radiance albedo E_F/π in F.
+//!
+//! r_G is the distance of Liénard and Wiechert, γ (r − β·r) with r in the world; W and r_G need no acceleration, only
+//! the velocity at P. In a medium of index η only lamps at rest in the world are computed: η r takes the place of r
+//! in the delay. A line of wavelength λ₀ arrives, and leaves again, with W λ₀ (weighted by irradiance where several
+//! lamps meet).
+//!
+//! Linear RGB arrives as M(W) times what the lamp has, and a spectrum as its colour at W; either leaves as its product with the albedo, component by
+//! component: the light reflected is that of white light on the product of both colours. For a white lamp
+//! that rests with the surface it is exact; for a coloured or shifted one the products of spectra and of colours differ.
+//!
+//! Sources: Weiskopf, Kraus, Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jackson, Classical
+//! Electrodynamics, ch. 14 (the retarded distance); KHR_lights_punctual (the cone of a spot light).
+
+mod arrivals;
+mod emission;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+pub(crate) use arrivals::{Arrivals, EventColumns, PointsOnRays};
+use emission::Emission;
+
+use super::Received;
+use crate::colour::ColourTable;
+use crate::scene::model::{self, Beam, Pulse};
+use crate::spacetime::worldline::{State, WorldLine};
+use crate::spacetime::{
+    Boost, Camera, Direction, Displacement, Event, InertialFrame, NullRay, Velocity, World,
+    unit_and_length_or_nan,
+};
+
+/// A lamp, ready to be asked for its light.
+#[derive(Debug, Clone)]
+pub struct Lamp {
+    path: Path,
+    beam: Cone,
+    emission: Emission,
+    /// I or E_G, by channel.
+    intensity: [f64; 3],
+    /// What surfaces receive of it.
+    received: Received,
+    /// Its colours by W, where it has a spectrum.
+    spectrum: Option<Arc<ColourTable>>,
+    /// Whether surfaces shadow it.
+    pub shadows: bool,
+    /// Where it is the pulse of a source: its centre and standard deviation.
+    pulse: Option<(Event<World>, f64)>,
+}
+
+/// How a lamp moves.
+#[derive(Debug, Clone)]
+enum Path {
+    /// At rest in the world; where its clock shows 0.
+    Rest(Event<World>),
+    /// Without acceleration; at the frame's origin.
+    Inertial(InertialFrame<Camera>),
+    /// Any; with a state near those that are asked for.
+    Line(Box<(WorldLine, State)>),
+}
+
+/// Where it shines to, in its own frame.
+#[derive(Debug, Clone, Copy)]
+enum Cone {
+    Everywhere,
+    /// Within the cosines of its outer and inner angle about an axis.
+    Spot {
+        axis: DVec3,
+        outer: f64,
+        inner: f64,
+    },
+    /// Towards this direction alone.
+    Parallel(DVec3),
+}
+
+/// The light of a lamp at a point of a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Arrival {
+    /// Towards the lamp, in the world.
+    pub d: Direction<World>,
+    /// To the lamp, in the world; infinite for parallel light.
+    pub distance: f64,
+    /// ω_G/ω_world of the light.
+    ratio: f64,
+    /// r_G; 1 for parallel light.
+    reach: f64,
+    /// Towards the lamp, in its frame.
+    in_lamp: DVec3,
+    /// Intensity towards the point for one of 1.
+    strength: f64,
+}
+
+impl Lamp {
+    /// `lamp`, of whose light `received` comes to surfaces, for points near those seen from `shot`.
+    pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
+        let path = match lamp.line.frame() {
+            Some(frame) if frame.velocity().is_rest() => Path::Rest(lamp.origin),
+            Some(frame) => Path::Inertial(frame),
+            None => Path::along(&lamp.line, shot),
+        };
+        let beam = match lamp.beam {
+            Beam::Point => Cone::Everywhere,
+            Beam::Parallel(direction) => Cone::Parallel(direction),
+            Beam::Spot { axis, inner, outer } => Cone::Spot {
+                axis,
+                outer: libm::cos(outer),
+                inner: libm::cos(inner),
+            },
+        };
+        Lamp {
+            path,
+            beam,
+            emission: Emission::from(&lamp.emission),
+            intensity: lamp.intensity,
+            received,
+            spectrum: lamp
+                .spectrum
+                .as_ref()
+                .map(|s| Arc::new(ColourTable::new(s))),
+            shadows,
+            pulse: None,
+        }
+    }
+
+    /// `pulse`, of whose light `received` comes to surfaces: its intensity is an energy per solid angle.
+    pub fn pulse(pulse: &Pulse, received: Received) -> Self {
+        Lamp {
+            path: Path::Rest(pulse.origin),
+            beam: Cone::Everywhere,
+            emission: Emission::Gaussian {
+                centre: 0.0,
+                sigma: pulse.sigma,
+                scale: 1.0,
+            },
+            intensity: pulse.intensity,
+            received,
+            spectrum: None,
+            shadows: pulse.shadows,
+            pulse: Some((pulse.origin, pulse.sigma)),
+        }
+    }
+
+    /// Of the pulse of a source, the event of its centre and its standard deviation, metres.
+    pub fn source_pulse(&self) -> Option<(Event<World>, f64)> {
+        self.pulse
+    }
+
+    /// A sun at rest in the world, of whose light `received` comes to surfaces: parallel light.
+    pub fn sun(sun: &model::Sun, received: Received, shadows: bool) -> Self {
+        Lamp {
+            path: Path::Rest(Event::ORIGIN),
+            beam: Cone::Parallel(-sun.direction),
+            emission: Emission::Steady,
+            intensity: sun.irradiance,
+            received,
+            spectrum: None,
+            shadows,
+            pulse: None,
+        }
+    }
+
+    /// What falls on the point that `ray` hits at `s`, in a medium of index `index`; none while it is dark there.
+    #[inline]
+    pub fn arrival(&self, ray: &NullRay<World>, s: f64, index: f64) -> Option<Arrival> {
+        let (arrival, proper_time) = self.arrival_at_peak(ray, s, index)?;
+        let strength = self.emission.at(proper_time) * arrival.strength;
+        (strength != 0.0).then_some(Arrival {
+            strength,
+            ..arrival
+        })
+    }
+
+    /// The same for a lamp whose emission is always 1, and the proper time of the lamp at which it left.
+    #[inline]
+    pub fn arrival_at_peak(
+        &self,
+        ray: &NullRay<World>,
+        s: f64,
+        index: f64,
+    ) -> Option<(Arrival, f64)> {
+        let from = |event| (ray.origin - event) + ray.tangent * s;
+        let (arrival, proper_time) = match (&self.path, self.beam) {
+            (Path::Rest(origin), Cone::Parallel(direction)) => {
+                ParallelAtRest { direction, index }.arrival(from(*origin))
+            }
+            (Path::Inertial(frame), Cone::Parallel(direction)) => {
+                ParallelInertial::new(frame, direction).arrival(from(frame.origin()))
+            }
+            (Path::Line(_), Cone::Parallel(_)) => return None,
+            (Path::Rest(origin), _) => AtRest { index }.arrival(from(*origin)),
+            (Path::Inertial(frame), _) => Inertial { frame }.arrival(from(frame.origin())),
+            (Path::Line(line), _) => Accelerated::new(line).arrival(from(line.1.event)),
+        };
+        let strength = self.attenuation(arrival.in_lamp);
+        let arrival = Arrival {
+            strength,
+            ..arrival
+        };
+        (!arrival.d.unit().x.is_nan()).then_some((arrival, proper_time))
+    }
+
+    /// The proper times between which it emits; none where it has always done so, or always will.
+    pub fn emission_span(&self) -> Option<[f64; 2]> {
+        self.emission.span()
+    }
+
+    /// The integral of its emission up to a proper time.
+    #[inline]
+    pub fn emitted_until(&self, proper_time: f64) -> f64 {
+        self.emission.until(proper_time)
+    }
+
+    /// Its velocity in the world; none where that changes.
+    pub fn velocity(&self) -> Option<Velocity> {
+        match &self.path {
+            Path::Rest(_) => Some(Velocity::REST),
+            Path::Inertial(frame) => Some(frame.velocity()),
+            Path::Line(_) => None,
+        }
+    }
+
+    /// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
+    #[inline]
+    fn attenuation(&self, d: DVec3) -> f64 {
+        match self.beam {
+            Cone::Spot { axis, outer, inner } => within_cone(axis, [outer, inner], d),
+            Cone::Everywhere | Cone::Parallel(_) => 1.0,
+        }
+    }
+
+    /// E_F of an arrival on a surface, ω_F/ω_world of whose light is `rho`, under the angle of this cosine.
+    #[inline]
+    pub fn incident(&self, arrival: &Arrival, rho: f64, cosine: f64) -> Incident {
+        let w = arrival.ratio / rho;
+        let r = arrival.reach;
+        let factor = arrival.strength * self.received.irradiance_factor(w) * cosine / (r * r);
+        self.incident_at(w, factor)
+    }
+
+    /// The light that falls on a surface, `factor` times what the lamp's intensity is as seen at `w`.
+    #[inline]
+    pub(crate) fn incident_at(&self, w: f64, factor: f64) -> Incident {
+        let light = match &self.spectrum {
+            None => self.received.colour(w, self.intensity),
+            Some(table) => {
+                let colour = table.colour(w);
+                std::array::from_fn(|c| self.intensity[c] * colour[c])
+            }
+        };
+        Incident {
+            irradiance: light.map(|e| e * factor),
+            wavelength_scale: self.received.wavelength_scale(w),
+        }
+    }
+}
+
+impl Path {
+    fn along(line: &WorldLine, shot: Event<World>) -> Path {
+        let seen = line.on_past_light_cone_of(shot);
+        let near = seen.and_then(|crossing| line.state(crossing.proper_time()));
+        match near.or_else(|| line.state(0.0)) {
+            Some(near) => Path::Line(Box::new((line.clone(), near))),
+            // Every line has a state at its proper time 0.
+            None => Path::Rest(shot),
+        }
+    }
+}
+
+/// What the cone of a spot light leaves of its intensity, seen along `d` of the lamp's frame.
+#[inline(always)]
+fn within_cone(axis: DVec3, [outer, inner]: [f64; 2], d: DVec3) -> f64 {
+    let part = ((-axis.dot(d) - outer) / (inner - outer)).clamp(0.0, 1.0);
+    part * part
+}
+
+/// How the light of a kind of lamp comes to a point.
+trait Emitter {
+    /// As strong as if it were steady and shone everywhere, and the proper time of the lamp at which it left: at a
+    /// point that is `way` from the lamp's own event in the world. NaN where no light comes.
+    ///
+    /// Callers take `way` by the camera's event, so that far from the world's origin no digits are lost.
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64);
+}
+
+/// A lamp at rest in the world, in a medium.
+struct AtRest {
+    index: f64,
+}
+
+impl Emitter for AtRest {
+    #[inline(always)]
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        let (d, _) = unit_and_length_or_nan(-way.x);
+        let distance = way.x.length();
+        let arrival = Arrival {
+            d: Direction::from_unit(d),
+            distance,
+            ratio: 1.0,
+            reach: distance,
+            in_lamp: d,
+            strength: 1.0,
+        };
+        (arrival, way.ct - self.index * distance)
+    }
+}
+
+/// A lamp without acceleration: all is as at rest in its frame, and the null vector k = r_G (−1, d) is boosted.
+struct Inertial<'a> {
+    frame: &'a InertialFrame<Camera>,
+}
+
+impl Emitter for Inertial<'_> {
+    #[inline(always)]
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        let way = self.frame.frame_from_world().displacement(way);
+        let reach = way.x.length();
+        let (in_lamp, _) = unit_and_length_or_nan(-way.x);
+        let look = Direction::<Camera>::from_unit(in_lamp);
+        let (d, world) = self.frame.world_from_frame().direction(look);
+        let arrival = Arrival {
+            d,
+            distance: reach * world,
+            ratio: 1.0 / world,
+            reach,
+            in_lamp,
+            strength: 1.0,
+        };
+        (arrival, way.ct - reach)
+    }
+}
+
+/// A lamp that accelerates: its light comes from where its world line crosses the past light cone, with the velocity that it
+/// has there.
+struct Accelerated<'a> {
+    line: &'a WorldLine,
+    near: &'a State,
+}
+
+impl<'a> Accelerated<'a> {
+    fn new((line, near): &'a (WorldLine, State)) -> Self {
+        Accelerated { line, near }
+    }
+
+    fn seen(&self, way: Displacement<World>) -> Option<(Arrival, f64)> {
+        let crossing = self.line.on_past_light_cone(self.near, way)?;
+        let proper_time = crossing.proper_time();
+        let (_, velocity) = self.line.place(proper_time)?;
+        let k = (crossing.displacement - way).x;
+        let (d, distance) = (Direction::new(k)?, k.length());
+        let boost = Boost::<World, Camera>::new(velocity).inverse();
+        let (in_lamp, ratio) = boost.direction(d);
+        let arrival = Arrival {
+            d,
+            distance,
+            ratio,
+            reach: distance * ratio,
+            in_lamp: in_lamp.unit(),
+            strength: 1.0,
+        };
+        Some((arrival, proper_time))
+    }
+}
+
+impl Emitter for Accelerated<'_> {
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        self.seen(way).unwrap_or((Arrival::NONE, f64::NAN))
+    }
+}
+
+/// Parallel light that rests in the world. Its phase is the proper time of the lamp's origin at which it left the plane
+/// across it there.
+struct ParallelAtRest {
+    direction: DVec3,
+    index: f64,
+}
+
+impl Emitter for ParallelAtRest {
+    #[inline(always)]
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        let arrival = Arrival {
+            d: Direction::from_unit(-self.direction),
+            distance: f64::INFINITY,
+            ratio: 1.0,
+            reach: 1.0,
+            in_lamp: -self.direction,
+            strength: 1.0,
+        };
+        (arrival, way.ct - self.index * way.x.dot(self.direction))
+    }
+}
+
+/// Parallel light of a lamp that moves.
+struct ParallelInertial<'a> {
+    frame: &'a InertialFrame<Camera>,
+    direction: DVec3,
+    /// Towards it in the world, and ω_world/ω_G.
+    in_world: (Direction<World>, f64),
+}
+
+impl<'a> ParallelInertial<'a> {
+    fn new(frame: &'a InertialFrame<Camera>, direction: DVec3) -> Self {
+        let towards = Direction::from_unit(-direction);
+        let in_world = frame.world_from_frame().direction(towards);
+        ParallelInertial {
+            frame,
+            direction,
+            in_world,
+        }
+    }
+}
+
+impl Emitter for ParallelInertial<'_> {
+    #[inline(always)]
+    fn arrival(&self, way: Displacement<World>) -> (Arrival, f64) {
+        let way = self.frame.frame_from_world().displacement(way);
+        let (d, world) = self.in_world;
+        let arrival = Arrival {
+            d,
+            distance: f64::INFINITY,
+            ratio: 1.0 / world,
+            reach: 1.0,
+            in_lamp: -self.direction,
+            strength: 1.0,
+        };
+        // In the lamp's frame the medium does not count: it is there only for lamps at rest.
+        (arrival, way.ct - way.x.dot(self.direction))
+    }
+}
+
+impl Arrival {
+    /// No light.
+    const NONE: Arrival = Arrival {
+        d: Direction::from_unit(DVec3::NAN),
+        distance: f64::NAN,
+        ratio: f64::NAN,
+        reach: f64::NAN,
+        in_lamp: DVec3::NAN,
+        strength: 0.0,
+    };
+}
+
+/// The light of one lamp that falls on a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Incident {
+    /// E_F, by channel.
+    pub irradiance: [f64; 3],
+    wavelength_scale: f64,
+}
+
+impl Incident {
+    /// E_F whose light has the wavelength of its source times `wavelength_scale`.
+    #[inline]
+    pub fn new(irradiance: [f64; 3], wavelength_scale: f64) -> Self {
+        Incident {
+            irradiance,
+            wavelength_scale,
+        }
+    }
+
+    /// The same, `factor` times as bright.
+    #[inline]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Incident {
+            irradiance: self.irradiance.map(|e| e * factor),
+            ..*self
+        }
+    }
+}
+
+/// The light of all lamps that falls on a surface.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Irradiance {
+    sum: [f64; 3],
+    /// Of all channels.
+    weight: f64,
+    /// The same, times the wavelength at which it arrives over that of the lamp.
+    weighted: f64,
+}
+
+impl Irradiance {
+    /// Adds the light of one lamp.
+    #[inline]
+    pub fn add(&mut self, light: &Incident) {
+        for (sum, part) in self.sum.iter_mut().zip(light.irradiance) {
+            *sum += part;
+            self.weight += part;
+            self.weighted += part * light.wavelength_scale;
+        }
+    }
+
+    /// Adds the light of one lamp to what its wavelength is found from, and to nothing else.
+    #[inline]
+    pub fn weigh(&mut self, light: &Incident) {
+        for part in light.irradiance {
+            self.weight += part;
+            self.weighted += part * light.wavelength_scale;
+        }
+    }
+
+    /// The radiance that a diffuse surface of this albedo reflects: albedo E_F/π.
+    #[inline]
+    pub fn reflected(&self, albedo: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|c| albedo[c] * self.sum[c] / PI)
+    }
+
+    /// Wavelength of the light over that of the lamps.
+    #[inline]
+    pub fn wavelength_scale(&self) -> f64 {
+        match self.weight > 0.0 {
+            true => self.weighted / self.weight,
+            false => 1.0,
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The points of a run in arrays: what falls on them is found in loops.
+
+use glam::DVec3;
+
+use super::run::{Run, TracedRays};
+use crate::accel::unit_normal;
+use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
+use crate::light::lamp::{EventColumns, PointsOnRays};
+use crate::spacetime::{Event, World};
+
+/// The points of a run, by member.
+#[derive(Debug)]
+pub(super) struct Points {
+    /// Their triangles.
+    pub triangles: Vec<u32>,
+    /// Where they are in their rest frame.
+    pub positions: Columns,
+    /// Unit normals there, on the side that the camera sees.
+    pub normals: Columns,
+    /// Where the rays leave that hit them, in the rest frame: one for all, or each.
+    eye: DVec3,
+    eyes: Columns,
+    /// The same in the world, the way from there to the points, and the distance.
+    shot: Event<World>,
+    origins: EventColumns,
+    offsets: EventColumns,
+    pub s: Vec<f64>,
+    /// Whether rays leave each from its own event.
+    own_origins: bool,
+    /// Two edges of the triangles, and 1 for hits on the front, −1 for those on the back.
+    edges: [Columns; 2],
+    sides: Vec<f64>,
+}
+
+impl Points {
+    /// Takes over the points of `run`.
+    pub(super) fn fill(&mut self, run: &Run) {
+        let count = run.count();
+        let TracedRays { rays, event, .. } = run.traced;
+        self.own_origins = rays.origins.is_some();
+        self.shot = *event;
+        self.resize(count);
+
+        // Triangles lie apart in memory: their corners are gathered first.
+        {
+            let [mut e1, mut e2] = self.edges.each_mut().map(|edge| edge.first_mut(count));
+            for k in 0..count {
+                let Some(hit) = run.hit(k) else {
+                    continue;
+                };
+                let [a, b, c] = run.rest.bvh.corners(hit.slot);
+                e1.set(k, b - a);
+                e2.set(k, c - a);
+                self.sides[k] = if hit.front { 1.0 } else { -1.0 };
+                self.triangles[k] = hit.triangle;
+                self.s[k] = hit.s;
+            }
+        }
+        dispatch(Normals {
+            edges: self.edges.each_ref().map(|edge| edge.first(count)),
+            sides: &self.sides,
+            normals: self.normals.first_mut(count),
+        });
+
+        // Where they are, in the world from where their rays leave, and in their rest frame.
+        let mut offsets = self.offsets.x.first_mut(count);
+        for (k, ray) in run.members.iter().enumerate() {
+            let ray = run.traced.ray(*ray as usize);
+            let offset = ray.tangent * self.s[k];
+            self.offsets.ct[k] = offset.ct;
+            offsets.set(k, offset.x);
+        }
+        if let Some(origins) = rays.origins {
+            let mut places = self.origins.x.first_mut(count);
+            for (k, ray) in run.members.iter().enumerate() {
+                let event = *event + origins[*ray as usize].displacement;
+                self.origins.ct[k] = event.ct;
+                places.set(k, event.x);
+            }
+        }
+        let Points {
+            positions,
+            eyes,
+            eye,
+            s,
+            own_origins,
+            ..
+        } = self;
+        let mut places = positions.first_mut(count);
+        run.each_local(run.members, |k, local, _| {
+            places.set(k, local.at(s[k]).x);
+            match own_origins {
+                true => eyes.push(local.origin.x),
+                false => *eye = local.origin.x,
+            }
+        });
+    }
+
+    /// How many points.
+    pub(super) fn count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Where the ray leaves that hit point `k`, in the rest frame.
+    #[inline(always)]
+    pub(super) fn eye(&self, k: usize) -> DVec3 {
+        match self.own_origins {
+            true => self.eyes.get(k),
+            false => self.eye,
+        }
+    }
+
+    /// Where they are in the world.
+    pub(super) fn on_rays(&self) -> PointsOnRays<'_> {
+        PointsOnRays {
+            shot: self.shot,
+            origins: self.own_origins.then_some(&self.origins),
+            offsets: &self.offsets,
+        }
+    }
+
+    fn resize(&mut self, count: usize) {
+        self.triangles.resize(count, 0);
+        self.sides.resize(count, 1.0);
+        self.s.resize(count, 0.0);
+        self.positions.resize(count);
+        self.normals.resize(count);
+        self.offsets.resize(count);
+        self.edges.iter_mut().for_each(|edge| edge.resize(count));
+        self.eyes.clear();
+        self.origins
+            .resize(if self.own_origins { count } else { 0 });
+    }
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Points {
+            triangles: Vec::new(),
+            positions: Columns::default(),
+            normals: Columns::default(),
+            eye: DVec3::ZERO,
+            eyes: Columns::default(),
+            shot: Event::ORIGIN,
+            origins: EventColumns::default(),
+            offsets: EventColumns::default(),
+            s: Vec::new(),
+            own_origins: false,
+            edges: Default::default(),
+            sides: Vec::new(),
+        }
+    }
+}
+
+/// Edges of triangles to unit normals, on the side that is seen.
+struct Normals<'a> {
+    edges: [ColumnsRef<'a>; 2],
+    sides: &'a [f64],
+    normals: ColumnsMut<'a>,
+}
+
+impl VectorLoop for Normals<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Normals {
+            edges: [e1, e2],
+            sides,
+            mut normals,
+        } = self;
+        for k in 0..e1.len() {
+            normals.set(k, unit_normal(e1.get(k), e2.get(k)) * sides[k]);
+        }
+    }
+}

@@ -75,19 +75,10 @@ fn main() {
         }
     }
     if let (Some((name, triangles, place)), false) = (to_split, smoke) {
-        let triangles = split(&split(&triangles));
+        let triangles = scene::split(&scene::split(&triangles));
         bench.mesh(&format!("{name}x16"), &triangles, place, scene::MAIN_CASES);
     }
     bench.several_velocities();
-}
-
-/// Each triangle in four, by the midpoints of its edges.
-fn split(triangles: &[[DVec3; 3]]) -> Vec<[DVec3; 3]> {
-    let four = |&[a, b, c]: &[DVec3; 3]| {
-        let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
-        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-    };
-    triangles.iter().flat_map(four).collect()
 }
 
 struct Bench {

@@ -334,3 +334,12 @@ fn npy([rows, columns, bins]: [usize; 3]) -> Vec<u8> {
     }
     file
 }
+
+/// Each triangle in four, by the midpoints of its edges.
+pub fn split(triangles: &[[DVec3; 3]]) -> Vec<[DVec3; 3]> {
+    let four = |&[a, b, c]: &[DVec3; 3]| {
+        let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    };
+    triangles.iter().flat_map(four).collect()
+}

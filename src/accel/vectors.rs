@@ -34,109 +34,111 @@ pub(crate) fn dispatch(work: impl VectorLoop) {
     work.run();
 }
 
+/// So many numbers go through a loop together. In arrays of this size on the stack the compiler knows that none is part of
+/// another, and that no index is beyond their ends: it asks neither.
+pub(crate) const BLOCK: usize = 64;
+
+/// Numbers of as many elements, by element.
+pub(crate) type Block = [f64; BLOCK];
+
+/// The numbers of `from` from `begin` on, and zeros after the last.
+#[inline(always)]
+pub(crate) fn load(from: &[f64], begin: usize) -> Block {
+    let mut to = [0.0; BLOCK];
+    let count = from.len().saturating_sub(begin).min(BLOCK);
+    to[..count].copy_from_slice(&from[begin..begin + count]);
+    to
+}
+
+/// Puts `from` into the numbers of `to` from `begin` on, as many as there are.
+#[inline(always)]
+pub(crate) fn store(from: &Block, to: &mut [f64], begin: usize) {
+    let count = to.len().saturating_sub(begin).min(BLOCK);
+    to[begin..begin + count].copy_from_slice(&from[..count]);
+}
+
 /// Vectors by component, for loops over many of them.
 #[derive(Debug, Default, Clone)]
-pub(crate) struct Columns {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-}
-
-/// [`Columns`] to be read: all of one length that loops know.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ColumnsRef<'a> {
-    x: &'a [f64],
-    y: &'a [f64],
-    z: &'a [f64],
-}
-
-/// [`Columns`] to be written.
-#[derive(Debug)]
-pub(crate) struct ColumnsMut<'a> {
-    x: &'a mut [f64],
-    y: &'a mut [f64],
-    z: &'a mut [f64],
-}
+pub(crate) struct Columns([Vec<f64>; 3]);
 
 impl Columns {
+    /// How many vectors.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.0[0].len()
+    }
+
     /// Makes room for `count` vectors; what they are is to be written.
     pub fn resize(&mut self, count: usize) {
-        for column in [&mut self.x, &mut self.y, &mut self.z] {
+        for column in &mut self.0 {
             column.resize(count, 0.0);
         }
     }
 
     /// Forgets all vectors.
     pub fn clear(&mut self) {
-        self.resize(0);
+        self.0.iter_mut().for_each(Vec::clear);
     }
 
     /// Adds one more.
     #[inline(always)]
     pub fn push(&mut self, v: DVec3) {
-        self.x.push(v.x);
-        self.y.push(v.y);
-        self.z.push(v.z);
+        let [x, y, z] = &mut self.0;
+        x.push(v.x);
+        y.push(v.y);
+        z.push(v.z);
     }
 
     /// Vector `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec3 {
-        DVec3::new(self.x[k], self.y[k], self.z[k])
-    }
-
-    /// The first `count` vectors.
-    #[inline(always)]
-    pub fn first(&self, count: usize) -> ColumnsRef<'_> {
-        ColumnsRef {
-            x: &self.x[..count],
-            y: &self.y[..count],
-            z: &self.z[..count],
-        }
-    }
-
-    /// The first `count` vectors, to be written.
-    #[inline(always)]
-    pub fn first_mut(&mut self, count: usize) -> ColumnsMut<'_> {
-        ColumnsMut {
-            x: &mut self.x[..count],
-            y: &mut self.y[..count],
-            z: &mut self.z[..count],
-        }
-    }
-}
-
-impl ColumnsRef<'_> {
-    /// How many vectors.
-    #[inline(always)]
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    /// Vector `k`.
-    #[inline(always)]
-    pub fn get(&self, k: usize) -> DVec3 {
-        DVec3::new(self.x[k], self.y[k], self.z[k])
-    }
-}
-
-impl ColumnsMut<'_> {
-    /// How many vectors.
-    #[inline(always)]
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    /// Vector `k`.
-    #[inline(always)]
-    pub fn get(&self, k: usize) -> DVec3 {
-        DVec3::new(self.x[k], self.y[k], self.z[k])
+        let [x, y, z] = &self.0;
+        DVec3::new(x[k], y[k], z[k])
     }
 
     /// Writes vector `k`.
     #[inline(always)]
     pub fn set(&mut self, k: usize, v: DVec3) {
-        [self.x[k], self.y[k], self.z[k]] = v.to_array();
+        let [x, y, z] = &mut self.0;
+        [x[k], y[k], z[k]] = v.to_array();
+    }
+
+    /// The vectors from `begin` on.
+    #[inline(always)]
+    pub fn load(&self, begin: usize) -> Vectors {
+        let [x, y, z] = &self.0;
+        Vectors([load(x, begin), load(y, begin), load(z, begin)])
+    }
+
+    /// Overwrites those from `begin` on.
+    #[inline(always)]
+    pub fn store(&mut self, from: &Vectors, begin: usize) {
+        for (from, to) in from.0.iter().zip(&mut self.0) {
+            store(from, to, begin);
+        }
+    }
+}
+
+/// A block of vectors by component.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vectors([Block; 3]);
+
+impl Vectors {
+    /// To be written.
+    pub const ZERO: Vectors = Vectors([[0.0; BLOCK]; 3]);
+
+    /// Vector `k`.
+    #[inline(always)]
+    pub fn get(&self, k: usize) -> DVec3 {
+        let [x, y, z] = &self.0;
+        DVec3::new(x[k], y[k], z[k])
+    }
+
+    /// Writes vector `k`.
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, v: DVec3) {
+        let [x, y, z] = &mut self.0;
+        (x[k], y[k], z[k]) = (v.x, v.y, v.z);
     }
 }
 

@@ -27,6 +27,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
+
 /// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
 const SMOOTHEST: f64 = 1e-3;
 
@@ -72,6 +74,7 @@ impl Reflection {
     }
 
     /// Of a surface of base colour `colour`.
+    #[inline]
     pub fn metallic_roughness(
         normal: DVec3,
         view: DVec3,
@@ -113,13 +116,33 @@ impl Reflection {
         if self.is_mirror {
             return self.diffuse_value(l);
         }
+        DVec3::to_array(&self.glossy_value(DVec3::from_array(f0), l))
+    }
+
+    /// f of a surface of this f₀.
+    #[inline(always)]
+    fn glossy_value(&self, f0: DVec3, l: DVec3) -> DVec3 {
         let h = (self.view + l).normalize_or(self.normal);
         let gloss = self.distribution(self.normal.dot(h)) * self.visibility(self.normal.dot(l));
         let weight = schlick(self.view.dot(h));
-        std::array::from_fn(|c| {
-            let f = f0[c] + (1.0 - f0[c]) * weight;
-            (1.0 - f) * self.diffuse[c] / PI + f * gloss
-        })
+        let f = f0 + (DVec3::ONE - f0) * weight;
+        (DVec3::ONE - f) * DVec3::from_array(self.diffuse) / PI + f * gloss
+    }
+
+    /// [`Reflection::value`] of each of `reflections` that `chosen` names, for the light from its own of `l`.
+    pub(crate) fn values(
+        reflections: &[Reflection],
+        chosen: &[u32],
+        l: &Columns,
+        values: &mut Columns,
+    ) {
+        values.resize(chosen.len());
+        dispatch(Values {
+            reflections,
+            chosen,
+            l,
+            values,
+        });
     }
 
     /// The diffuse part of f for light from `l`.
@@ -235,7 +258,7 @@ impl Reflection {
     }
 
     /// D.
-    #[inline]
+    #[inline(always)]
     fn distribution(&self, cosine: f64) -> f64 {
         let square = self.alpha * self.alpha;
         // (n·h)² (α² − 1) + 1, whose terms cancel at the peak of a smooth surface only as far as α² is small.
@@ -244,16 +267,71 @@ impl Reflection {
     }
 
     /// V for n·l.
-    #[inline]
+    #[inline(always)]
     fn visibility(&self, cosine: f64) -> f64 {
         0.5 / (cosine * self.root(self.facing) + self.facing * self.root(cosine))
     }
 
     /// √(α² + (1 − α²) c²).
-    #[inline]
+    #[inline(always)]
     fn root(&self, cosine: f64) -> f64 {
         let square = self.alpha * self.alpha;
         (square + (1.0 - square) * cosine * cosine).sqrt()
+    }
+}
+
+/// The loop over points: their reflections are brought together by component first.
+struct Values<'a> {
+    reflections: &'a [Reflection],
+    chosen: &'a [u32],
+    l: &'a Columns,
+    values: &'a mut Columns,
+}
+
+impl VectorLoop for Values<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.chosen.len() {
+            let count = (self.chosen.len() - begin).min(BLOCK);
+            let chosen = &self.chosen[begin..begin + count];
+            let (mut normals, mut views, mut l) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
+            let (mut diffuse, mut specular) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut facing, mut alpha) = ([1.0; BLOCK], [1.0; BLOCK]);
+            for (k, point) in chosen.iter().enumerate() {
+                let of = &self.reflections[*point as usize];
+                normals.set(k, of.normal);
+                views.set(k, of.view);
+                l.set(k, self.l.get(*point as usize));
+                diffuse.set(k, DVec3::from_array(of.diffuse));
+                specular.set(k, DVec3::from_array(of.specular.unwrap_or_default()));
+                facing[k] = of.facing;
+                alpha[k] = of.alpha;
+            }
+            let mut values = Vectors::ZERO;
+            for k in 0..BLOCK {
+                let of = Reflection {
+                    normal: normals.get(k),
+                    view: views.get(k),
+                    facing: facing[k],
+                    diffuse: diffuse.get(k).to_array(),
+                    specular: None,
+                    alpha: alpha[k],
+                    is_mirror: false,
+                };
+                values.set(k, of.glossy_value(specular.get(k), l.get(k)));
+            }
+            // The others one by one.
+            for (k, point) in chosen.iter().enumerate() {
+                let of = &self.reflections[*point as usize];
+                if of.is_mirror || of.specular.is_none() {
+                    let value = of.value(self.l.get(*point as usize));
+                    values.set(k, DVec3::from_array(value));
+                }
+            }
+            self.values.store(&values, begin);
+            begin += BLOCK;
+        }
     }
 }
 
@@ -267,7 +345,7 @@ pub(super) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
 }
 
 /// (1 − c)⁵.
-#[inline]
+#[inline(always)]
 fn schlick(cosine: f64) -> f64 {
     let x = (1.0 - cosine).clamp(0.0, 1.0);
     let square = x * x;
@@ -350,6 +428,38 @@ mod tests {
         assert!((s.weight[1] - (0.8 + 0.2 * 0.01024)).abs() < 1e-15);
         assert!(s.density.is_infinite());
         assert_eq!(r.value(s.l), [0.0; 3]);
+    }
+
+    #[test]
+    fn many_values_have_the_bits_of_single_ones() {
+        let of = |k: u32| {
+            let cosine = 0.05 + 0.9 * f64::from(k % 17) / 17.0;
+            let colour = [0.9, 0.5, 0.1 * f64::from(k % 9)];
+            match k % 5 {
+                0 => Reflection::diffuse(DVec3::Z, colour),
+                1 => Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, 1.0, 0.0)
+                    .as_mirror(),
+                _ => {
+                    let roughness = f64::from(k % 7) / 6.0;
+                    Reflection::metallic_roughness(DVec3::Z, view(cosine), colour, 0.3, roughness)
+                }
+            }
+        };
+        let reflections: Vec<_> = (0..150).map(of).collect();
+        let mut l = Columns::default();
+        for k in 0..150 {
+            l.push(view(0.01 + 0.006 * f64::from(k)));
+        }
+        let chosen: Vec<u32> = (0..150).filter(|k| k % 11 != 3).collect();
+        let mut values = Columns::default();
+        Reflection::values(&reflections, &chosen, &l, &mut values);
+        for (at, k) in chosen.iter().map(|k| *k as usize).enumerate() {
+            assert_eq!(
+                values.get(at).to_array(),
+                reflections[k].value(l.get(k)),
+                "{k}"
+            );
+        }
     }
 
     #[test]

@@ -6,8 +6,8 @@ use super::{
     Accelerated, AtRest, Cone, Emitter, Inertial, Lamp, ParallelAtRest, ParallelInertial, Path,
     within_cone,
 };
-use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
-use crate::spacetime::{Displacement, Event, Frame, World};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, load, store};
+use crate::spacetime::{Displacement, Event, World};
 
 /// Events or displacements by component.
 #[derive(Debug, Default)]
@@ -36,7 +36,8 @@ pub(crate) struct Arrivals {
     pub distance: Vec<f64>,
     /// Intensity towards the point for one of 1.
     pub strength: Vec<f64>,
-    ratio: Vec<f64>,
+    /// ω_G/ω_world.
+    pub ratio: Vec<f64>,
     reach: Vec<f64>,
     in_lamp: Columns,
 }
@@ -94,29 +95,21 @@ impl Lamp {
             dispatch(Attenuate {
                 axis,
                 cone: [outer, inner],
-                in_lamp: to.in_lamp.first(to.strength.len()),
+                in_lamp: &to.in_lamp,
                 strength: &mut to.strength,
             });
         }
     }
 
-    /// The factors on the lamp's intensity by which it falls on surfaces, and W, where ω_F/ω_world is `rho`: of arrivals `to`
-    /// under angles of these cosines.
+    /// The factors on the lamp's intensity by which `arrivals` fall on surfaces that see them with W `ratios`, under angles of
+    /// these cosines.
     pub(crate) fn incident_factors(
         &self,
         arrivals: &Arrivals,
-        rho: &[f64],
+        ratios: &[f64],
         cosines: &[f64],
-        ratios: &mut Vec<f64>,
         factors: &mut Vec<f64>,
     ) {
-        ratios.clear();
-        ratios.resize(rho.len(), 0.0);
-        dispatch(Ratios {
-            emitted: &arrivals.ratio,
-            received: rho,
-            ratios,
-        });
         factors.clear();
         factors.extend_from_slice(ratios);
         self.received.irradiance_factors(factors);
@@ -131,16 +124,7 @@ impl Lamp {
 
 /// Fills `to` with what comes from `emitter`, whose own event is `from`; the strength is the proper time of emission.
 fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to: &mut Arrivals) {
-    let count = points.offsets.ct.len();
-    let offsets = EventsRef::of(points.offsets, count);
-    let to = ArrivalsMut {
-        d: to.d.first_mut(count),
-        distance: &mut to.distance[..count],
-        times: &mut to.strength[..count],
-        ratio: &mut to.ratio[..count],
-        reach: &mut to.reach[..count],
-        in_lamp: to.in_lamp.first_mut(count),
-    };
+    let offsets = points.offsets;
     match points.origins {
         None => dispatch(Arrive {
             emitter,
@@ -150,7 +134,7 @@ fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to:
         }),
         Some(origins) => dispatch(Arrive {
             emitter,
-            starts: Each(EventsRef::of(origins, count), from),
+            starts: Each(origins, from),
             offsets,
             to,
         }),
@@ -159,62 +143,48 @@ fn arrive(emitter: &impl Emitter, from: Event<World>, points: &PointsOnRays, to:
 
 /// From a lamp's own event to where rays leave.
 trait Starts {
-    fn at(&self, k: usize) -> Displacement<World>;
+    /// Of rays from `begin` on.
+    type Block;
+    fn load(&self, begin: usize) -> Self::Block;
+    fn at(&self, block: &Self::Block, k: usize) -> Displacement<World>;
 }
 
 struct Shared(Displacement<World>);
 
 impl Starts for Shared {
+    type Block = ();
+
     #[inline(always)]
-    fn at(&self, _: usize) -> Displacement<World> {
+    fn load(&self, _: usize) {}
+
+    #[inline(always)]
+    fn at(&self, (): &(), _: usize) -> Displacement<World> {
         self.0
     }
 }
 
-struct Each<'a>(EventsRef<'a>, Event<World>);
+struct Each<'a>(&'a EventColumns, Event<World>);
 
 impl Starts for Each<'_> {
+    type Block = (Block, Vectors);
+
     #[inline(always)]
-    fn at(&self, k: usize) -> Displacement<World> {
-        self.0.event::<World>(k) - self.1
-    }
-}
-
-#[derive(Clone, Copy)]
-struct EventsRef<'a> {
-    ct: &'a [f64],
-    x: ColumnsRef<'a>,
-}
-
-impl<'a> EventsRef<'a> {
-    fn of(events: &'a EventColumns, count: usize) -> Self {
-        EventsRef {
-            ct: &events.ct[..count],
-            x: events.x.first(count),
-        }
+    fn load(&self, begin: usize) -> (Block, Vectors) {
+        (load(&self.0.ct, begin), self.0.x.load(begin))
     }
 
     #[inline(always)]
-    fn event<F: Frame>(&self, k: usize) -> Event<F> {
-        Event::new(self.ct[k], self.x.get(k))
+    fn at(&self, (ct, x): &(Block, Vectors), k: usize) -> Displacement<World> {
+        Event::new(ct[k], x.get(k)) - self.1
     }
-}
-
-struct ArrivalsMut<'a> {
-    d: ColumnsMut<'a>,
-    distance: &'a mut [f64],
-    times: &'a mut [f64],
-    ratio: &'a mut [f64],
-    reach: &'a mut [f64],
-    in_lamp: ColumnsMut<'a>,
 }
 
 /// The loop over points.
 struct Arrive<'a, E, S> {
     emitter: &'a E,
     starts: S,
-    offsets: EventsRef<'a>,
-    to: ArrivalsMut<'a>,
+    offsets: &'a EventColumns,
+    to: &'a mut Arrivals,
 }
 
 impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
@@ -224,17 +194,32 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
             emitter,
             starts,
             offsets,
-            mut to,
+            to,
         } = self;
-        for k in 0..offsets.ct.len() {
-            let offset = Displacement::new(offsets.ct[k], offsets.x.get(k));
-            let (arrival, time) = emitter.arrival(starts.at(k) + offset);
-            to.d.set(k, arrival.d.unit());
-            to.distance[k] = arrival.distance;
-            to.times[k] = time;
-            to.ratio[k] = arrival.ratio;
-            to.reach[k] = arrival.reach;
-            to.in_lamp.set(k, arrival.in_lamp);
+        let mut begin = 0;
+        while begin < offsets.ct.len() {
+            let (ct, x) = (load(&offsets.ct, begin), offsets.x.load(begin));
+            let from = starts.load(begin);
+            let (mut d, mut in_lamp) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut distance, mut times) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (mut ratio, mut reach) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..BLOCK {
+                let offset = Displacement::new(ct[k], x.get(k));
+                let (arrival, time) = emitter.arrival(starts.at(&from, k) + offset);
+                d.set(k, arrival.d.unit());
+                distance[k] = arrival.distance;
+                times[k] = time;
+                ratio[k] = arrival.ratio;
+                reach[k] = arrival.reach;
+                in_lamp.set(k, arrival.in_lamp);
+            }
+            to.d.store(&d, begin);
+            to.in_lamp.store(&in_lamp, begin);
+            store(&distance, &mut to.distance, begin);
+            store(&times, &mut to.strength, begin);
+            store(&ratio, &mut to.ratio, begin);
+            store(&reach, &mut to.reach, begin);
+            begin += BLOCK;
         }
     }
 }
@@ -243,33 +228,22 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
 struct Attenuate<'a> {
     axis: DVec3,
     cone: [f64; 2],
-    in_lamp: ColumnsRef<'a>,
+    in_lamp: &'a Columns,
     strength: &'a mut [f64],
 }
 
 impl VectorLoop for Attenuate<'_> {
     #[inline(always)]
     fn run(self) {
-        for (k, strength) in self.strength.iter_mut().enumerate() {
-            *strength *= within_cone(self.axis, self.cone, self.in_lamp.get(k));
-        }
-    }
-}
-
-/// W = (ω_G/ω_world)/(ω_F/ω_world).
-struct Ratios<'a> {
-    emitted: &'a [f64],
-    received: &'a [f64],
-    ratios: &'a mut [f64],
-}
-
-impl VectorLoop for Ratios<'_> {
-    #[inline(always)]
-    fn run(self) {
-        for ((ratio, emitted), received) in
-            self.ratios.iter_mut().zip(self.emitted).zip(self.received)
-        {
-            *ratio = emitted / received;
+        let mut begin = 0;
+        while begin < self.strength.len() {
+            let in_lamp = self.in_lamp.load(begin);
+            let mut strength = load(self.strength, begin);
+            for (k, strength) in strength.iter_mut().enumerate() {
+                *strength *= within_cone(self.axis, self.cone, in_lamp.get(k));
+            }
+            store(&strength, self.strength, begin);
+            begin += BLOCK;
         }
     }
 }

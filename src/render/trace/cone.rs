@@ -67,11 +67,32 @@ impl VisibleCone {
     /// Whether no ray of `bounds` can hit anything.
     #[inline]
     pub fn misses(&self, bounds: &DirectionBounds) -> bool {
-        let DirectionBounds { middle, cosine, sine } = bounds;
+        let DirectionBounds {
+            middle,
+            cosine,
+            sine,
+        } = bounds;
         // Both by more than rounding; not for NaN.
         let farthest = -self.normal.ct * cosine - self.sine * sine;
         let is_below_pi = self.sine * cosine - self.normal.ct * sine > self.slack;
         is_below_pi & (self.normal.x.dot(*middle) < farthest - self.slack)
+    }
+}
+
+impl VisibleCone {
+    /// Puts those of `directions` that may hit something into `chosen`, by their numbers.
+    pub fn choose(&self, directions: &[DVec3], chosen: &mut Vec<u32>) {
+        chosen.clear();
+        chosen.resize(directions.len(), 0);
+        let least = -self.slack - self.normal.ct;
+        let mut count = 0;
+        for (ray, d) in directions.iter().enumerate() {
+            // In this form also for NaN.
+            let misses = self.normal.x.dot(*d) < least;
+            chosen[count] = ray as u32;
+            count += usize::from(!misses);
+        }
+        chosen.truncate(count);
     }
 }
 
@@ -149,17 +170,25 @@ mod tests {
             let directions: Vec<_> = (0..16)
                 .map(|_| (towards + vector(next) * 0.02).normalize())
                 .collect();
-            let met = directions.iter().any(|d| {
-                let d = Direction::from_unit(*d);
+            let is_hit = |ray: &usize| {
+                let d = Direction::from_unit(directions[*ray]);
                 let ray = Ray {
                     origin: camera.x,
                     direction: rest.frame.frame_from_world().tangent(1.0, d).x,
                     s_min: 0.0,
                 };
                 rest.bvh.closest(&ray, f64::INFINITY).is_some()
-            });
+            };
+            let hit: Vec<usize> = (0..directions.len()).filter(is_hit).collect();
+            let met = !hit.is_empty();
             let cone = VisibleCone::of(&rest, camera, 1.0);
             let missed = cone.is_some_and(|cone| cone.misses(&DirectionBounds::of(&directions)));
+            if let Some(cone) = cone {
+                let mut chosen = Vec::new();
+                cone.choose(&directions, &mut chosen);
+                let is_chosen = |ray: &usize| chosen.contains(&(*ray as u32));
+                assert!(hit.iter().all(is_chosen), "{rest:?} is met by {hit:?}");
+            }
             assert!(!(met && missed), "{rest:?} is met along {towards}");
             counts[usize::from(!met)] += usize::from(met || missed);
         }

@@ -9,6 +9,7 @@ use super::lamps::Falling;
 use super::occlusion::OcclusionQueries;
 use super::points::Points;
 use crate::accel::Segment;
+use crate::accel::vectors::Columns;
 use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
@@ -131,6 +132,8 @@ pub struct Emitted {
     pub(super) blocked: Vec<bool>,
     /// The points in arrays, where light falls on them.
     pub(super) points: Points,
+    /// Towards the observer, where that is asked for.
+    pub(super) views: Columns,
     /// What comes of one lamp.
     pub(super) falling: Falling,
     /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
@@ -203,6 +206,7 @@ impl Default for Emitted {
             segments: Vec::new(),
             blocked: Vec::new(),
             points: Points::default(),
+            views: Columns::default(),
             falling: Falling::default(),
             arriving: Vec::new(),
             incident: Vec::new(),

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::camera_rays::Rays;
+use super::cone::VisibleCone;
 use super::stats::Meter;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::accel::{Bvh, Hit, NoTally, Origins};
@@ -31,6 +32,10 @@ pub struct HitBuffer {
     local: Vec<DVec3>,
     times: Vec<f64>,
     ratios: Vec<f64>,
+    /// Rays that may hit something in the frame, with their world directions and hits.
+    chosen: Vec<u32>,
+    chosen_directions: Vec<DVec3>,
+    chosen_hits: Vec<Option<Hit>>,
     /// Where each ray leaves, in the frame that was intersected last; empty where all leave one event.
     origins: Vec<DVec3>,
     origin_times: Vec<f64>,
@@ -78,19 +83,74 @@ impl HitBuffer {
         }
     }
 
+    /// Chooses the rays along `directions` that are within `cone`, and says how many they are.
+    pub(super) fn choose(&mut self, cone: &VisibleCone, directions: &[DVec3]) -> usize {
+        cone.choose(directions, &mut self.chosen);
+        self.chosen.len()
+    }
+
+    /// Boosts the tangents of the chosen ones of `rays`, which share their origin, into a rest frame.
+    pub(super) fn boost_chosen(&mut self, boost: &Boost<Rest, World>, index: f64, rays: &Rays) {
+        let chosen = self.chosen.iter().map(|ray| *ray as usize);
+        self.chosen_directions.clear();
+        self.chosen_directions
+            .extend(chosen.map(|ray| rays.directions[ray]));
+        self.indices.clear();
+        self.indices.resize(self.chosen.len(), index);
+        let directions = std::mem::take(&mut self.chosen_directions);
+        self.boost_directions(boost, &directions);
+        self.chosen_directions = directions;
+    }
+
+    /// Intersects the chosen rays, which were boosted last, as [`HitBuffer::intersect`] does all.
+    pub(super) fn intersect_chosen(
+        &mut self,
+        frame: u32,
+        bvh: &Bvh,
+        rays: &Rays,
+        origin: DVec3,
+        meter: &mut Meter,
+    ) {
+        let HitBuffer {
+            hits,
+            frames,
+            local,
+            chosen,
+            chosen_hits,
+            ..
+        } = self;
+        chosen_hits.clear();
+        chosen_hits.extend(chosen.iter().map(|ray| hits[*ray as usize]));
+        let replaced = |k: usize| frames[chosen[k] as usize] = frame;
+        let (method, from) = (rays.method, Origins::Shared(origin));
+        match meter.visibility() {
+            None => bvh.closest_by(method, from, local, chosen_hits, &mut NoTally, replaced),
+            Some(counts) => bvh.closest_by(method, from, local, chosen_hits, counts, replaced),
+        }
+        for (ray, hit) in chosen.iter().zip(chosen_hits) {
+            hits[*ray as usize] = *hit;
+        }
+    }
+
     /// Boosts the tangents of `rays` into a rest frame.
     pub(super) fn boost_tangents(&mut self, boost: &Boost<Rest, World>, index: f64, rays: &Rays) {
         let count = rays.directions.len();
         self.indices.clear();
         self.indices
             .extend((0..count).map(|ray| rays.index(index, ray)));
+        self.boost_directions(boost, rays.directions);
+    }
+
+    /// Boosts the tangents along `directions`, with their indices of the medium.
+    fn boost_directions(&mut self, boost: &Boost<Rest, World>, directions: &[DVec3]) {
+        let count = directions.len();
         self.local.resize(count, DVec3::ZERO);
         self.times.resize(count, 0.0);
         self.ratios.resize(count, 0.0);
         dispatch(BoostTangents {
             boost,
             indices: &self.indices,
-            directions: rays.directions,
+            directions,
             tangents: Tangents {
                 space: &mut self.local,
                 time: &mut self.times,

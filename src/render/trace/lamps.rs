@@ -8,24 +8,25 @@ use glam::DVec3;
 use super::emitted::Emitted;
 use super::run::Run;
 use super::stats::Meter;
-use crate::accel::vectors::{Columns, ColumnsRef, VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, store};
 use crate::light::lamp::{Arrivals, Incident, Irradiance, Lamp};
 use crate::light::reflection::Reflection;
+use crate::spacetime::{Boost, Direction, Rest, World};
 
 /// The light of one lamp at the points of a run, by point.
 #[derive(Debug, Default)]
 pub(super) struct Falling {
     arrivals: Arrivals,
-    /// Towards the lamp in the points' rest frame, and ω_F/ω_world.
+    /// Towards the lamp in the points' rest frame.
     l: Columns,
-    rho: Vec<f64>,
     /// Of the angle of incidence.
     cosines: Vec<f64>,
     /// W, and factors on the lamp's intensity.
     ratios: Vec<f64>,
     factors: Vec<f64>,
-    /// Points that it shines on.
+    /// Points that it shines on, and f there where surfaces are not diffuse.
     lit: Vec<u32>,
+    values: Columns,
 }
 
 /// Adds the light of one lamp to what falls on the points of `run`, in a medium of index `index`.
@@ -50,24 +51,20 @@ pub(super) fn illuminate(
 
     // What comes to each point, and under which angle.
     lamp.arrivals(&points.on_rays(), index, &mut falling.arrivals);
-    surfaces.directions(
-        run.frame,
-        &falling.arrivals.d,
-        &mut falling.l,
-        &mut falling.rho,
-        count,
-    );
-    falling.cosines.resize(count, 0.0);
-    dispatch(Cosines {
-        normals: points.normals.first(count),
-        directions: falling.l.first(count),
+    falling.resize(count);
+    dispatch(Fall {
+        boost: surfaces.boost(run.frame),
+        d: &falling.arrivals.d,
+        emitted: &falling.arrivals.ratio,
+        normals: &points.normals,
+        l: &mut falling.l,
         cosines: &mut falling.cosines,
+        ratios: &mut falling.ratios,
     });
     lamp.incident_factors(
         &falling.arrivals,
-        &falling.rho,
+        &falling.ratios,
         &falling.cosines,
-        &mut falling.ratios,
         &mut falling.factors,
     );
 
@@ -87,12 +84,30 @@ pub(super) fn illuminate(
         }
         surfaces.occlude(queries, run, points, index, meter);
     }
-    for (at, k) in falling.lit.iter().map(|k| *k as usize).enumerate() {
+    let mut open = 0;
+    for at in 0..falling.lit.len() {
         if !queries.is_blocked(at) {
-            let light = lamp.incident_at(falling.ratios[k], falling.factors[k]);
-            let l = falling.l.get(k);
-            reflect(k, &light, l, incident, reflections, added);
+            falling.lit[open] = falling.lit[at];
+            open += 1;
         }
+    }
+    falling.lit.truncate(open);
+
+    // Diffuse surfaces reflect the sum; others each light by itself.
+    let light = |k: usize| lamp.incident_at(falling.ratios[k], falling.factors[k]);
+    let lit = falling.lit.iter().map(|k| *k as usize);
+    if reflections.is_empty() {
+        lit.for_each(|k| incident[k].add(&light(k)));
+        return;
+    }
+    Reflection::values(reflections, &falling.lit, &falling.l, &mut falling.values);
+    for (at, k) in lit.enumerate() {
+        reflect(
+            &light(k),
+            falling.values.get(at),
+            &mut incident[k],
+            &mut added[k],
+        );
     }
 }
 
@@ -119,47 +134,82 @@ pub(super) fn reflect_unblocked(
             .occlude(queries, run, points, index, meter);
     }
     for (at, (k, light, l)) in arriving.iter().enumerate() {
-        if !queries.is_blocked(at) {
-            reflect(*k, light, *l, incident, reflections, added);
+        if queries.is_blocked(at) {
+            continue;
         }
-    }
-}
-
-/// Adds `light` from `l` to that at point `k`: diffuse surfaces reflect the sum, others each light by itself.
-#[inline(always)]
-fn reflect(
-    k: usize,
-    light: &Incident,
-    l: DVec3,
-    incident: &mut [Irradiance],
-    reflections: &[Reflection],
-    added: &mut [[f64; 3]],
-) {
-    match reflections.get(k) {
-        None => incident[k].add(light),
-        Some(reflection) => {
-            incident[k].weigh(light);
-            let value = reflection.value(l);
-            let parts = value.iter().zip(light.irradiance);
-            for (sum, (value, e)) in added[k].iter_mut().zip(parts) {
-                *sum += value * e;
+        match reflections.get(*k) {
+            None => incident[*k].add(light),
+            Some(reflection) => {
+                let value = DVec3::from_array(reflection.value(*l));
+                reflect(light, value, &mut incident[*k], &mut added[*k]);
             }
         }
     }
 }
 
-/// Of the angles between normals and directions.
-struct Cosines<'a> {
-    normals: ColumnsRef<'a>,
-    directions: ColumnsRef<'a>,
-    cosines: &'a mut [f64],
+/// Adds what is reflected of `light` by a surface with this value of f.
+#[inline(always)]
+fn reflect(light: &Incident, value: DVec3, incident: &mut Irradiance, added: &mut [f64; 3]) {
+    incident.weigh(light);
+    let parts = value.to_array().into_iter().zip(light.irradiance);
+    for (sum, (value, e)) in added.iter_mut().zip(parts) {
+        *sum += value * e;
+    }
 }
 
-impl VectorLoop for Cosines<'_> {
+impl Falling {
+    fn resize(&mut self, count: usize) {
+        self.l.resize(count);
+        self.cosines.resize(count, 0.0);
+        self.ratios.resize(count, 0.0);
+    }
+}
+
+/// From what comes of a lamp to how it falls on points of a rest frame.
+struct Fall<'a> {
+    /// To the rest frame; none where nothing changes.
+    boost: Option<&'a Boost<Rest, World>>,
+    d: &'a Columns,
+    /// ω_G/ω_world.
+    emitted: &'a [f64],
+    normals: &'a Columns,
+    l: &'a mut Columns,
+    cosines: &'a mut [f64],
+    ratios: &'a mut [f64],
+}
+
+impl VectorLoop for Fall<'_> {
     #[inline(always)]
     fn run(self) {
-        for (k, cosine) in self.cosines.iter_mut().enumerate() {
-            *cosine = self.normals.get(k).dot(self.directions.get(k));
+        let Fall {
+            boost,
+            d,
+            emitted,
+            normals,
+            l,
+            cosines,
+            ratios,
+        } = self;
+        let mut begin = 0;
+        while begin < cosines.len() {
+            let (mut d, normals) = (d.load(begin), normals.load(begin));
+            let mut ratio = load(emitted, begin);
+            let mut cosine = [0.0; BLOCK];
+            // W = (ω_G/ω_world)/(ω_F/ω_world).
+            if let Some(boost) = boost {
+                for (k, ratio) in ratio.iter_mut().enumerate() {
+                    let (in_rest, rho) = boost.direction(Direction::from_unit(d.get(k)));
+                    d.set(k, in_rest.unit());
+                    *ratio /= rho;
+                }
+            }
+            for (k, cosine) in cosine.iter_mut().enumerate() {
+                *cosine = normals.get(k).dot(d.get(k));
+            }
+            l.store(&d, begin);
+            store(&cosine, cosines, begin);
+            store(&ratio, ratios, begin);
+            begin += BLOCK;
         }
     }
 }

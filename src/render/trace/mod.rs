@@ -30,6 +30,7 @@ mod shading;
 mod stats;
 mod surfaces;
 mod timed_paths;
+mod tubes;
 
 pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
 pub(crate) use channels::record;

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
+use super::points::Points;
+use super::tubes::Bundle;
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, store};
 use crate::accel::{Bvh, Counts, Method, NoTally, Ray, Segment};
 use crate::spacetime::{Boost, Direction, Rest, World};
 
@@ -56,6 +58,17 @@ impl OcclusionQueries {
         self.distance.push(distance);
     }
 
+    /// A box of the world about all of them, in a medium of index `index`.
+    pub(super) fn bundle(&self, points: &Points, index: f64) -> Bundle {
+        let mut bundle = Bundle::NONE;
+        for (k, point) in self.points.iter().enumerate() {
+            let from = points.event(*point as usize);
+            let distance = self.distance[k];
+            bundle.add(from.ct, from.x, self.d.get(k) * distance, index * distance);
+        }
+        bundle.widened()
+    }
+
     /// Whether anything is in the way of query `at`; nothing is where no one was asked.
     #[inline(always)]
     pub(super) fn is_blocked(&self, at: usize) -> bool {
@@ -88,14 +101,14 @@ impl OcclusionQueries {
             dispatch(BoostDirections {
                 boost,
                 index,
-                directions: self.towards.first_mut(count),
+                directions: &mut self.towards,
             });
         }
         self.starts.resize(count, 0.0);
         dispatch(Starts {
-            eyes: self.eyes.first(count),
-            from: self.from.first(count),
-            directions: self.towards.first(count),
+            eyes: &self.eyes,
+            from: &self.from,
+            directions: &self.towards,
             starts: &mut self.starts,
         });
         self.segments.clear();
@@ -128,32 +141,46 @@ impl OcclusionQueries {
 struct BoostDirections<'a> {
     boost: &'a Boost<Rest, World>,
     index: f64,
-    directions: ColumnsMut<'a>,
+    directions: &'a mut Columns,
 }
 
 impl VectorLoop for BoostDirections<'_> {
     #[inline(always)]
-    fn run(mut self) {
-        for k in 0..self.directions.len() {
-            let d = Direction::from_unit(self.directions.get(k));
-            self.directions.set(k, self.boost.tangent(self.index, d).x);
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.directions.len() {
+            let mut directions = self.directions.load(begin);
+            for k in 0..BLOCK {
+                let d = Direction::from_unit(directions.get(k));
+                directions.set(k, self.boost.tangent(self.index, d).x);
+            }
+            self.directions.store(&directions, begin);
+            begin += BLOCK;
         }
     }
 }
 
 /// Where rays begin to count.
 struct Starts<'a> {
-    eyes: ColumnsRef<'a>,
-    from: ColumnsRef<'a>,
-    directions: ColumnsRef<'a>,
+    eyes: &'a Columns,
+    from: &'a Columns,
+    directions: &'a Columns,
     starts: &'a mut [f64],
 }
 
 impl VectorLoop for Starts<'_> {
     #[inline(always)]
     fn run(self) {
-        for (k, start) in self.starts.iter_mut().enumerate() {
-            *start = shadow_start(self.eyes.get(k), self.from.get(k), self.directions.get(k));
+        let mut begin = 0;
+        while begin < self.starts.len() {
+            let (eyes, from) = (self.eyes.load(begin), self.from.load(begin));
+            let directions = self.directions.load(begin);
+            let mut starts = [0.0; BLOCK];
+            for (k, start) in starts.iter_mut().enumerate() {
+                *start = shadow_start(eyes.get(k), from.get(k), directions.get(k));
+            }
+            store(&starts, self.starts, begin);
+            begin += BLOCK;
         }
     }
 }

@@ -148,19 +148,16 @@ impl PathTraced {
         emitted.added.clear();
         emitted.added.resize(run.count(), [0.0; 3]);
         emitted.reflections.clear();
-        let normals = &emitted.points.normals;
-        let reflections = run.points().enumerate().map(|(k, point)| {
-            let view = -point.local.tangent.x.normalize_or_zero();
-            let normal = normals.get(k);
-            reflection(
-                &self.light.base,
-                finish,
-                (run.rest, run.patch, &point.hit),
-                normal,
-                view,
-            )
-        });
-        emitted.reflections.extend(reflections);
+        emitted.points.views(&mut emitted.views);
+        for k in 0..run.count() {
+            let Some(hit) = run.hit(k) else {
+                continue;
+            };
+            let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
+            let place = (run.rest, run.patch, &hit);
+            let reflection = reflection(&self.light.base, finish, place, normal, view);
+            emitted.reflections.push(reflection);
+        }
     }
 
     /// Adds the light that comes to the points of `run` from lamps, and that is drawn of what shines and of the sky.

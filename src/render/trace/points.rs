@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use super::run::{Run, TracedRays};
 use crate::accel::unit_normal;
-use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load};
 use crate::light::lamp::{EventColumns, PointsOnRays};
-use crate::spacetime::{Event, World};
+use crate::spacetime::{Displacement, Event, World};
 
 /// The points of a run, by member.
 #[derive(Debug)]
@@ -17,6 +17,8 @@ pub(super) struct Points {
     pub positions: Columns,
     /// Unit normals there, on the side that the camera sees.
     pub normals: Columns,
+    /// Tangents of the rays that hit them, in the rest frame.
+    tangents: Columns,
     /// Where the rays leave that hit them, in the rest frame: one for all, or each.
     eye: DVec3,
     eyes: Columns,
@@ -42,57 +44,63 @@ impl Points {
         self.resize(count);
 
         // Triangles lie apart in memory: their corners are gathered first.
-        {
-            let [mut e1, mut e2] = self.edges.each_mut().map(|edge| edge.first_mut(count));
-            for k in 0..count {
-                let Some(hit) = run.hit(k) else {
-                    continue;
-                };
-                let [a, b, c] = run.rest.bvh.corners(hit.slot);
-                e1.set(k, b - a);
-                e2.set(k, c - a);
-                self.sides[k] = if hit.front { 1.0 } else { -1.0 };
-                self.triangles[k] = hit.triangle;
-                self.s[k] = hit.s;
-            }
+        let [e1, e2] = &mut self.edges;
+        for k in 0..count {
+            let Some(hit) = run.hit(k) else {
+                continue;
+            };
+            let [a, b, c] = run.rest.bvh.corners(hit.slot);
+            e1.set(k, b - a);
+            e2.set(k, c - a);
+            self.sides[k] = if hit.front { 1.0 } else { -1.0 };
+            self.triangles[k] = hit.triangle;
+            self.s[k] = hit.s;
         }
         dispatch(Normals {
-            edges: self.edges.each_ref().map(|edge| edge.first(count)),
+            edges: &self.edges,
             sides: &self.sides,
-            normals: self.normals.first_mut(count),
+            normals: &mut self.normals,
         });
 
         // Where they are, in the world from where their rays leave, and in their rest frame.
-        let mut offsets = self.offsets.x.first_mut(count);
         for (k, ray) in run.members.iter().enumerate() {
             let ray = run.traced.ray(*ray as usize);
             let offset = ray.tangent * self.s[k];
             self.offsets.ct[k] = offset.ct;
-            offsets.set(k, offset.x);
+            self.offsets.x.set(k, offset.x);
         }
         if let Some(origins) = rays.origins {
-            let mut places = self.origins.x.first_mut(count);
             for (k, ray) in run.members.iter().enumerate() {
                 let event = *event + origins[*ray as usize].displacement;
                 self.origins.ct[k] = event.ct;
-                places.set(k, event.x);
+                self.origins.x.set(k, event.x);
             }
         }
         let Points {
             positions,
+            tangents,
             eyes,
             eye,
             s,
             own_origins,
             ..
         } = self;
-        let mut places = positions.first_mut(count);
         run.each_local(run.members, |k, local, _| {
-            places.set(k, local.at(s[k]).x);
+            positions.set(k, local.at(s[k]).x);
+            tangents.set(k, local.tangent.x);
             match own_origins {
                 true => eyes.push(local.origin.x),
                 false => *eye = local.origin.x,
             }
+        });
+    }
+
+    /// Unit vectors towards the observer, in the rest frame.
+    pub(super) fn views(&self, views: &mut Columns) {
+        views.resize(self.count());
+        dispatch(Views {
+            tangents: &self.tangents,
+            views,
         });
     }
 
@@ -110,6 +118,16 @@ impl Points {
         }
     }
 
+    /// Point `k` in the world, at the emission of its light.
+    #[inline(always)]
+    pub(super) fn event(&self, k: usize) -> Event<World> {
+        let offset = Displacement::new(self.offsets.ct[k], self.offsets.x.get(k));
+        match self.own_origins {
+            true => Event::new(self.origins.ct[k], self.origins.x.get(k)) + offset,
+            false => self.shot + offset,
+        }
+    }
+
     /// Where they are in the world.
     pub(super) fn on_rays(&self) -> PointsOnRays<'_> {
         PointsOnRays {
@@ -124,6 +142,7 @@ impl Points {
         self.sides.resize(count, 1.0);
         self.s.resize(count, 0.0);
         self.positions.resize(count);
+        self.tangents.resize(count);
         self.normals.resize(count);
         self.offsets.resize(count);
         self.edges.iter_mut().for_each(|edge| edge.resize(count));
@@ -138,6 +157,7 @@ impl Default for Points {
         Points {
             triangles: Vec::new(),
             positions: Columns::default(),
+            tangents: Columns::default(),
             normals: Columns::default(),
             eye: DVec3::ZERO,
             eyes: Columns::default(),
@@ -154,21 +174,45 @@ impl Default for Points {
 
 /// Edges of triangles to unit normals, on the side that is seen.
 struct Normals<'a> {
-    edges: [ColumnsRef<'a>; 2],
+    edges: &'a [Columns; 2],
     sides: &'a [f64],
-    normals: ColumnsMut<'a>,
+    normals: &'a mut Columns,
 }
 
 impl VectorLoop for Normals<'_> {
     #[inline(always)]
     fn run(self) {
-        let Normals {
-            edges: [e1, e2],
-            sides,
-            mut normals,
-        } = self;
-        for k in 0..e1.len() {
-            normals.set(k, unit_normal(e1.get(k), e2.get(k)) * sides[k]);
+        let mut begin = 0;
+        while begin < self.sides.len() {
+            let [e1, e2] = [self.edges[0].load(begin), self.edges[1].load(begin)];
+            let sides = load(self.sides, begin);
+            let mut normals = Vectors::ZERO;
+            for k in 0..BLOCK {
+                normals.set(k, unit_normal(e1.get(k), e2.get(k)) * sides[k]);
+            }
+            self.normals.store(&normals, begin);
+            begin += BLOCK;
+        }
+    }
+}
+
+/// Tangents of rays to unit vectors back along them.
+struct Views<'a> {
+    tangents: &'a Columns,
+    views: &'a mut Columns,
+}
+
+impl VectorLoop for Views<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.tangents.len() {
+            let mut views = self.tangents.load(begin);
+            for k in 0..BLOCK {
+                views.set(k, -views.get(k).normalize_or_zero());
+            }
+            self.views.store(&views, begin);
+            begin += BLOCK;
         }
     }
 }

@@ -418,11 +418,14 @@ impl TimeResolved {
         };
         emitted.added.clear();
         emitted.added.resize(run.count(), [0.0; 3]);
-        for (k, point) in run.points().enumerate() {
-            let colour = self.base.radiance(finish.colour, run, &point.hit);
-            let [metallic, roughness] = self.base.gloss(gloss, run.rest, run.patch, &point.hit);
-            let view = -point.local.tangent.x.normalize_or_zero();
-            let normal = emitted.points.normals.get(k);
+        emitted.points.views(&mut emitted.views);
+        for k in 0..run.count() {
+            let Some(hit) = run.hit(k) else {
+                continue;
+            };
+            let colour = self.base.radiance(finish.colour, run, &hit);
+            let [metallic, roughness] = self.base.gloss(gloss, run.rest, run.patch, &hit);
+            let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
             emitted.reflections.push(Reflection::metallic_roughness(
                 normal, view, colour, metallic, roughness,
             ));

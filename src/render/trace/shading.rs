@@ -333,6 +333,9 @@ fn add_colours(
         (Colouring::Rgb(shift, eye), []) => {
             return add_shifted(shift, *eye, emitted, ratios, factors, members, sink);
         }
+        (Colouring::ShiftedLine(wavelength), []) => {
+            return add_lines(*wavelength, emitted, ratios, factors, members, sink);
+        }
         _ => {}
     }
     // Details are ascending by point: each is taken when its point comes.
@@ -395,6 +398,22 @@ fn add_shifted(
     for ((ray, rgb), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
         let factor = factor * eye.gain();
         let seen = shift.apply(eye.ratio(*w), *rgb);
+        sink.add(*ray as usize, seen.map(|c| factor * c));
+    }
+}
+
+/// Adds the colours of a line as they are seen at W `ratios`, times `factors`, and nothing else.
+fn add_lines(
+    wavelength: f64,
+    emitted: &Emitted,
+    ratios: &[f64],
+    factors: &[f64],
+    members: &[u32],
+    sink: &mut impl RadianceSink,
+) {
+    let rays = members.iter().zip(&emitted.radiance);
+    for ((ray, rgb), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
+        let seen = line(*rgb, wavelength * w);
         sink.add(*ray as usize, seen.map(|c| factor * c));
     }
 }

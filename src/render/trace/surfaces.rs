@@ -14,7 +14,7 @@ use super::points::Points;
 use super::rest_frame::RestFrame;
 use super::run::Run;
 use super::stats::{Meter, Stage};
-use crate::accel::vectors::{Columns, ColumnsMut, ColumnsRef, VectorLoop, dispatch};
+use super::tubes::Tubes;
 use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
 /// The surfaces of all rest frames, as they are seen from one event.
@@ -27,8 +27,18 @@ enum Frames<'a> {
     Still(Frame<'a>),
     /// One rest frame, which moves: its rays stay in the hit buffer.
     One(Frame<'a>),
-    /// Any number of rest frames, and where each is seen, as far as that is known.
-    Many(Vec<Frame<'a>>, Vec<Option<VisibleCone>>),
+    /// Any number of rest frames.
+    Many(Many<'a>),
+}
+
+/// Several rest frames.
+#[derive(Debug)]
+struct Many<'a> {
+    frames: Vec<Frame<'a>>,
+    /// Where each is seen, as far as that is known.
+    cones: Vec<Option<VisibleCone>>,
+    /// Where each is in the world.
+    tubes: Tubes,
 }
 
 /// One rest frame.
@@ -67,7 +77,11 @@ impl<'a> Surfaces<'a> {
         let frames: Vec<_> = rests.iter().map(frame).collect();
         let cone = |frame: &Frame| VisibleCone::of(frame.rest, frame.shot, index);
         let cones = frames.iter().map(cone).collect();
-        Surfaces(Frames::Many(frames, cones))
+        Surfaces(Frames::Many(Many {
+            frames,
+            cones,
+            tubes: Tubes::of(rests),
+        }))
     }
 
     /// Fills `hits` with the nearest hit along each of `rays`.
@@ -86,7 +100,7 @@ impl<'a> Surfaces<'a> {
                 hits.start(count, 1);
                 frame.intersect(0, rays, hits, meter);
             }
-            Frames::Many(frames, cones) => {
+            Frames::Many(Many { frames, cones, .. }) => {
                 hits.start(count, frames.len());
                 // The cones hold for rays from the event of the shot alone.
                 let bounds = match rays.origins {
@@ -94,9 +108,12 @@ impl<'a> Surfaces<'a> {
                     Some(_) => None,
                 };
                 for (k, (frame, cone)) in frames.iter().zip(cones).enumerate() {
-                    let outside = bounds.zip(*cone).is_some_and(|(b, cone)| cone.misses(&b));
-                    if !outside {
-                        frame.intersect(k as u32, rays, hits, meter);
+                    match bounds.zip(*cone) {
+                        Some((bounds, cone)) if cone.misses(&bounds) => {}
+                        Some((_, cone)) => {
+                            frame.intersect_within(&cone, k as u32, rays, hits, meter);
+                        }
+                        None => frame.intersect(k as u32, rays, hits, meter),
                     }
                 }
             }
@@ -108,7 +125,7 @@ impl<'a> Surfaces<'a> {
     pub fn rest(&self, frame: u32) -> &'a RestFrame {
         match &self.0 {
             Frames::Still(only) | Frames::One(only) => only.rest,
-            Frames::Many(frames, _) => frames[frame as usize].rest,
+            Frames::Many(many) => many.frames[frame as usize].rest,
         }
     }
 
@@ -125,7 +142,7 @@ impl<'a> Surfaces<'a> {
         match &self.0 {
             Frames::Still(only) => only.shifted_ray(ray, rays, hits),
             Frames::One(only) => hits.boosted(ray, only.shot),
-            Frames::Many(frames, _) => frames[frame as usize].boosted_ray(ray, rays),
+            Frames::Many(many) => many.frames[frame as usize].boosted_ray(ray, rays),
         }
     }
 
@@ -154,8 +171,8 @@ impl<'a> Surfaces<'a> {
                     each(k, local, rho);
                 }
             }
-            Frames::Many(frames, _) => {
-                let frame = &frames[frame as usize];
+            Frames::Many(many) => {
+                let frame = &many.frames[frame as usize];
                 for (k, ray) in members {
                     let (local, rho) = frame.boosted_ray(ray, rays);
                     each(k, local, rho);
@@ -170,7 +187,7 @@ impl<'a> Surfaces<'a> {
         match &self.0 {
             Frames::Still(_) => (Direction::from_unit(d.unit()), 1.0),
             Frames::One(only) => only.boost().direction(d),
-            Frames::Many(frames, _) => frames[frame as usize].boost().direction(d),
+            Frames::Many(many) => many.frames[frame as usize].boost().direction(d),
         }
     }
 
@@ -178,8 +195,8 @@ impl<'a> Surfaces<'a> {
     #[inline]
     pub(super) fn event(&self, frame: u32, point: &SurfacePoint) -> Event<Rest> {
         match &self.0 {
-            Frames::Many(frames, _) if frame != point.frame => {
-                let frame = &frames[frame as usize];
+            Frames::Many(many) if frame != point.frame => {
+                let frame = &many.frames[frame as usize];
                 let d = Direction::from_unit(point.ray.tangent.x);
                 let index = frame.index * point.origin.delay;
                 let (tangent, _) = frame.boost().tangent_and_ratio(index, d);
@@ -220,8 +237,12 @@ impl<'a> Surfaces<'a> {
                 };
                 queries.ask(&obstacles, method, meter.occlusion());
             }
-            Frames::Many(frames, _) => {
+            Frames::Many(Many { frames, tubes, .. }) => {
+                let bundle = queries.bundle(points, index);
                 for (k, frame) in frames.iter().enumerate() {
+                    if !tubes.may_meet(k, &bundle) {
+                        continue;
+                    }
                     let (bvh, boost) = (&frame.rest.bvh, Some((frame.boost(), index)));
                     if k as u32 == run.frame {
                         let obstacles = Obstacles {
@@ -250,57 +271,14 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Look directions in rest frame `frame` of those in `directions`, and ω_rest/ω_world of light from there.
-    pub(super) fn directions(
-        &self,
-        frame: u32,
-        directions: &Columns,
-        to: &mut Columns,
-        ratios: &mut Vec<f64>,
-        count: usize,
-    ) {
+    /// The boost from the world to rest frame `frame`; none where that changes nothing.
+    pub(super) fn boost(&self, frame: u32) -> Option<&'a Boost<Rest, World>> {
         let boost = match &self.0 {
-            Frames::Still(_) => None,
-            Frames::One(only) => Some(only.boost()),
-            Frames::Many(frames, _) => Some(frames[frame as usize].boost()),
+            Frames::Still(_) => return None,
+            Frames::One(only) => only.boost(),
+            Frames::Many(many) => many.frames[frame as usize].boost(),
         };
-        to.resize(count);
-        ratios.clear();
-        ratios.resize(count, 1.0);
-        let (from, to) = (directions.first(count), to.first_mut(count));
-        dispatch(Directions {
-            boost: boost.filter(|boost| !boost.is_identity()),
-            from,
-            to,
-            ratios,
-        });
-    }
-}
-
-/// Look directions to those of a rest frame.
-struct Directions<'a> {
-    /// None where nothing changes.
-    boost: Option<&'a Boost<Rest, World>>,
-    from: ColumnsRef<'a>,
-    to: ColumnsMut<'a>,
-    ratios: &'a mut [f64],
-}
-
-impl VectorLoop for Directions<'_> {
-    #[inline(always)]
-    fn run(mut self) {
-        let Some(boost) = self.boost else {
-            for k in 0..self.from.len() {
-                self.to.set(k, self.from.get(k));
-            }
-            return;
-        };
-        for k in 0..self.from.len() {
-            let d = Direction::from_unit(self.from.get(k));
-            let (d, ratio) = boost.direction(d);
-            self.to.set(k, d.unit());
-            self.ratios[k] = ratio;
-        }
+        (!boost.is_identity()).then_some(boost)
     }
 }
 
@@ -324,6 +302,25 @@ impl<'a> Frame<'a> {
         hits.boost_origins(self.boost(), self.shot, rays);
         meter.lap(Stage::Boosts);
         hits.intersect(frame, &self.rest.bvh, rays, self.shot.x, None, meter);
+        meter.lap(Stage::Visibility);
+    }
+
+    /// The same for rays that share the event of the shot, of which those outside `cone` hit nothing in this frame.
+    fn intersect_within(
+        &self,
+        cone: &VisibleCone,
+        frame: u32,
+        rays: &Rays,
+        hits: &mut HitBuffer,
+        meter: &mut Meter,
+    ) {
+        let chosen = hits.choose(cone, rays.directions);
+        if chosen > rays.directions.len() / 2 {
+            return self.intersect(frame, rays, hits, meter);
+        }
+        hits.boost_chosen(self.boost(), self.index, rays);
+        meter.lap(Stage::Boosts);
+        hits.intersect_chosen(frame, &self.rest.bvh, rays, self.shot.x, meter);
         meter.lap(Stage::Visibility);
     }
 

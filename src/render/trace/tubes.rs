@@ -31,7 +31,7 @@ pub(super) struct Bundle {
 
 impl Tubes {
     /// Those of `rests`.
-    pub fn of<'a>(rests: impl Iterator<Item = &'a RestFrame>) -> Tubes {
+    pub fn of(rests: &[RestFrame]) -> Tubes {
         let mut tubes = Tubes::default();
         for rest in rests {
             // An empty frame is nowhere.
@@ -86,19 +86,73 @@ impl Bundle {
         self.times[1] = self.times[1].max(ct);
     }
 
-    /// With more room than all rounding of it takes.
+    /// The same with room for the rounding of its coordinates.
     pub fn widened(self) -> Bundle {
-        let margin = |a: f64, b: f64| match a.abs().max(b.abs()) {
-            size if size.is_finite() => SLACK * size,
-            _ => 0.0,
-        };
-        let size = self.lo.abs().max(self.hi.abs());
-        let room = DVec3::from_array(size.to_array().map(|size| margin(size, 0.0)));
+        let room = |a: f64| if a.is_finite() { SLACK * a.abs() } else { 0.0 };
+        let [lo, hi] = [self.lo, self.hi].map(|corner| corner.to_array());
         let [from, to] = self.times;
         Bundle {
-            lo: self.lo - room,
-            hi: self.hi + room,
-            times: [from - margin(from, to), to + margin(from, to)],
+            lo: DVec3::from_array(lo.map(|a| a - room(a))),
+            hi: DVec3::from_array(hi.map(|a| a + room(a))),
+            times: [from - room(from), to + room(to)],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Bvh, Facing, Ray};
+    use crate::spacetime::{Direction, InertialFrame, NullRay, Velocity};
+
+    /// Numbers from −1 to 1.
+    fn numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn what_light_meets_is_never_taken_for_apart() {
+        let mut next = numbers(11);
+        let mut vector = || DVec3::new(next(), next(), next());
+        let (mut met, mut apart) = (0, 0);
+        for round in 0..20_000 {
+            let rapidity = [0.0, 0.5, 2.0, 8.0][round % 4];
+            let centre = vector() * 2.0;
+            let corners = [(); 3].map(|()| centre + vector());
+            let velocity = Velocity::from_rapidity(vector() * rapidity).unwrap();
+            let rest = RestFrame {
+                frame: InertialFrame::new(velocity, Event::new(vector().x, vector())),
+                bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
+                patches: Vec::new(),
+                meshes: Vec::new(),
+                vertices: Default::default(),
+            };
+            let d = vector().normalize();
+            let (ct, x) = (vector().x * 3.0, vector() * 3.0);
+            let distance = [1.0, 5.0, f64::INFINITY][round % 3];
+            let ray = NullRay::new(Event::new(ct, x), Direction::from_unit(d), 1.0);
+            let local = rest
+                .frame
+                .ray_from_world(ray.origin, Direction::from_unit(d), 1.0);
+            let ray = Ray {
+                origin: local.origin.x,
+                direction: local.tangent.x,
+                s_min: 0.0,
+            };
+            let is_met = rest.bvh.closest(&ray, distance).is_some();
+            let mut bundle = Bundle::NONE;
+            bundle.add(ct, x, d * distance, distance);
+            let may = Tubes::of(std::slice::from_ref(&rest)).may_meet(0, &bundle.widened());
+            assert!(
+                may || !is_met,
+                "round {round}: {rest:?} is met from {x} along {d}"
+            );
+            met += usize::from(is_met);
+            apart += usize::from(!may);
+        }
+        assert!(met > 200 && apart > 2000, "{met} met, {apart} apart");
     }
 }

@@ -1,0 +1,400 @@
+//! Certified packets beside Embree, in turn: primary rays, shadow rays, single rays, builds, and whole pictures against Embree's
+//! bare rate.
+//!
+//! ```sh
+//! cargo bench --features peers --bench peers
+//! ```
+//!
+//! Needs a C++ compiler and Embree 3 with its headers (Debian: `libembree-dev`); without them it says so and measures
+//! nothing. `benches/peers/embree.cpp` is compiled with all instructions of this processor and runs beside this program on one
+//! thread; both trace the same rays in turn, so that what else the machine does slows both alike. For each mesh the best of
+//! all rounds is printed, and ratios of rounds: their median and quartiles. Meshes, camera and lamp are those of `visibility`,
+//! and nefertiti (or else the last mesh) at sixteen times its triangles is one more. Everything is written as
+//! JSON to `target/bench/peers.jsonl`.
+
+mod common;
+
+#[path = "frame/scene.rs"]
+#[allow(dead_code)]
+mod scene;
+
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use glam::DVec3;
+use nullray::accel::{Bvh, Facing, Hit, Kernel, Method, NoTally, Origins, Precision, Ray, Segment};
+use nullray::render::progress::Silent;
+use nullray::render::render;
+
+use common::{Camera, TILE, meshes};
+use scene::{Files, Place};
+
+const SIZE: usize = 1024;
+const ROUNDS: usize = 11;
+
+fn main() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = match compiled(folder.path()) {
+        Ok(program) => program,
+        Err(why) => return println!("skipped: {why}"),
+    };
+    let mut report = common::report_file("peers");
+    let mut all = meshes(false, 256);
+    let split = all.iter().find(|(name, _)| name == "nefertiti");
+    if let Some((name, triangles)) = split.or(all.last()) {
+        let finer = scene::split(&scene::split(triangles));
+        all.push((format!("{name}x16"), finer));
+    }
+    let mut ratios = Vec::new();
+    for (name, triangles) in all {
+        let ratio = measure(&name, &triangles, &program, folder.path(), &mut report);
+        if !name.ends_with("x16") {
+            ratios.push(ratio.ln());
+        }
+    }
+    let mean = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
+    println!(
+        "certified primary rays: {mean:.2} times Embree's 16-wide rate (geometric mean of the meshes)"
+    );
+}
+
+/// The program that traces by Embree.
+fn compiled(folder: &Path) -> Result<PathBuf, String> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/peers/embree.cpp");
+    let program = folder.join("embree");
+    let mut compile = Command::new("c++");
+    compile.args(["-O3", "-march=native", "-o"]).arg(&program);
+    let done = compile.arg(source).arg("-lembree3").output();
+    let done = done.map_err(|e| format!("there is no C++ compiler (c++: {e})"))?;
+    match done.status.success() {
+        true => Ok(program),
+        false => Err("Embree 3 and its headers are not installed".into()),
+    }
+}
+
+/// Embree at work on one mesh.
+struct Embree {
+    child: Child,
+    asked: ChildStdin,
+    answers: BufReader<ChildStdout>,
+    /// Seconds for the trees of high and of medium quality.
+    built: [f64; 2],
+}
+
+impl Embree {
+    fn start(program: &Path, mesh: &Path, [distance, half_width]: [f64; 2]) -> Embree {
+        let mut child = Command::new(program)
+            .arg(mesh)
+            .args([
+                distance.to_string(),
+                half_width.to_string(),
+                SIZE.to_string(),
+            ])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("Embree starts");
+        let asked = child.stdin.take().expect("its input");
+        let answers = BufReader::new(child.stdout.take().expect("its output"));
+        let mut embree = Embree {
+            child,
+            asked,
+            answers,
+            built: [0.0; 2],
+        };
+        let line = embree.line();
+        let mut numbers = line
+            .split_whitespace()
+            .skip(1)
+            .map(|n| n.parse().expect("seconds"));
+        embree.built = [
+            numbers.next().expect("high"),
+            numbers.next().expect("medium"),
+        ];
+        embree
+    }
+
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.answers.read_line(&mut line).expect("an answer");
+        line
+    }
+
+    /// Seconds for all rays of a kind, and how many hit.
+    fn trace(&mut self, kind: &str) -> (f64, usize) {
+        writeln!(self.asked, "{kind}").expect("it listens");
+        let line = self.line();
+        let (seconds, hits) = line.trim().split_once(' ').expect("two numbers");
+        (
+            seconds.parse().expect("seconds"),
+            hits.parse().expect("hits"),
+        )
+    }
+}
+
+impl Drop for Embree {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// One way to do it, by us or by Embree: its name, and seconds by round.
+struct Row {
+    name: String,
+    /// The kind of Embree's rays that it is compared with.
+    rival: &'static str,
+    rays: usize,
+    seconds: Vec<f64>,
+}
+
+/// Measures a mesh; returns the ratio of certified primary rays.
+fn measure(
+    name: &str,
+    triangles: &[[DVec3; 3]],
+    program: &Path,
+    folder: &Path,
+    report: &mut fs::File,
+) -> f64 {
+    let view = match name {
+        "kitchen" | "room" => [0.3, 0.7],
+        _ => [2.2, 0.5],
+    };
+    let begin = Instant::now();
+    let bvh = Bvh::build(triangles.to_vec(), |_| Facing::TwoSided);
+    let build = begin.elapsed().as_secs_f64();
+    let mesh = folder.join("mesh.tri");
+    let numbers = triangles
+        .iter()
+        .flatten()
+        .flat_map(|p| p.as_vec3().to_array());
+    fs::write(
+        &mesh,
+        numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>(),
+    )
+    .expect("a mesh");
+    let mut embree = Embree::start(program, &mesh, view);
+    println!(
+        "{name}: {} triangles; trees built in {:.0} ms, Embree's in {:.0} (high quality) and {:.0} (medium)",
+        triangles.len(),
+        1e3 * build,
+        1e3 * embree.built[0],
+        1e3 * embree.built[1],
+    );
+
+    let camera = Camera::new(&bvh, view[0], view[1], SIZE);
+    let shadows = shadows(&bvh, &camera);
+    let files = Files::write(folder, triangles, [256, 256, 64]);
+    let place = Place::of(name);
+    let pictures =
+        [("picture at rest", false), ("picture at 0.9 c", true)].map(|(called, moving)| {
+            let case = scene::Case {
+                name: "",
+                moving,
+                light: scene::Light::Base,
+            };
+            (
+                called,
+                files.prepare(&scene::of_mesh(&files, &case, place, SIZE as u32)),
+            )
+        });
+    let one = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
+    let kernels: Vec<Kernel> = Kernel::ALL
+        .into_iter()
+        .filter(|k| k.is_supported() && *k != Kernel::Portable)
+        .collect();
+
+    // What is measured, in the order of a round.
+    let mut works: Vec<(Row, Box<dyn Fn() + '_>)> = Vec::new();
+    for kernel in kernels {
+        let called = |precision| format!("{precision} {kernel:?}").to_lowercase();
+        if kernel == Kernel::Scalar {
+            let single = || {
+                trace(
+                    &bvh,
+                    &camera,
+                    Method {
+                        kernel,
+                        precision: Precision::Certified,
+                    },
+                )
+            };
+            let row = Row::new(called("certified single rays,"), "closest 1", camera.rays());
+            works.push((row, Box::new(single)));
+            continue;
+        }
+        for (precision, word) in [
+            (Precision::Certified, "certified"),
+            (Precision::Fast, "f32 only"),
+        ] {
+            let (bvh, camera) = (&bvh, &camera);
+            let row = Row::new(
+                called(&format!("{word}, primary rays,")),
+                "closest 16",
+                camera.rays(),
+            );
+            works.push((
+                row,
+                Box::new(move || trace(bvh, camera, Method { kernel, precision })),
+            ));
+        }
+        let count = shadows.iter().map(Vec::len).sum();
+        let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
+        let (bvh, shadows) = (&bvh, &shadows);
+        let method = Method {
+            kernel,
+            precision: Precision::Certified,
+        };
+        works.push((row, Box::new(move || block(bvh, shadows, method))));
+    }
+    for (called, picture) in &pictures {
+        let row = Row::new(called.to_string(), "closest 16", camera.rays());
+        let one = &one;
+        works.push((
+            row,
+            Box::new(move || drop(one.install(|| render(picture, &Silent)))),
+        ));
+    }
+
+    let rivals = ["closest 16", "closest 8", "closest 1", "shadow 16"];
+    let mut theirs = rivals.map(|kind| (kind, Vec::new(), 0));
+    for _ in 0..ROUNDS {
+        for (kind, seconds, hits) in &mut theirs {
+            let (time, hit) = embree.trace(kind);
+            seconds.push(time);
+            *hits = hit;
+        }
+        for (row, work) in &mut works {
+            let begin = Instant::now();
+            work();
+            row.seconds.push(begin.elapsed().as_secs_f64());
+        }
+    }
+
+    let mut best = 0.0f64;
+    let least = |seconds: &[f64]| seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    for (kind, seconds, hits) in &theirs {
+        let rays = if kind.starts_with("shadow") {
+            shadows.iter().map(Vec::len).sum()
+        } else {
+            camera.rays()
+        };
+        println!(
+            "  {:<44} {:7.2} Mrays/s, {hits} hits",
+            format!("Embree, {kind}"),
+            rays as f64 / least(seconds) / 1e6
+        );
+    }
+    for (row, _) in &works {
+        let rival = theirs
+            .iter()
+            .find(|(kind, ..)| *kind == row.rival)
+            .expect("a rival");
+        let mut ratios: Vec<f64> = rival
+            .1
+            .iter()
+            .zip(&row.seconds)
+            .map(|(theirs, ours)| theirs / ours)
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        let quartiles = [ROUNDS / 4, ROUNDS / 2, ROUNDS - 1 - ROUNDS / 4].map(|at| ratios[at]);
+        let rate = row.rays as f64 / least(&row.seconds) / 1e6;
+        let [low, middle, high] = quartiles;
+        println!(
+            "  {:<44} {rate:7.2} Mrays/s, {middle:.2} ({low:.2} to {high:.2}) times Embree's {}",
+            row.name, row.rival
+        );
+        if row.name.starts_with("certified, primary") {
+            best = best.max(middle);
+        }
+        let line = serde_json::json!({
+            "mesh": name, "triangles": triangles.len(), "what": row.name, "mrays_per_s": rate, "rival": row.rival,
+            "ratio": middle, "quartiles": [low, high], "build_s": build, "embree_build_s": embree.built,
+        });
+        writeln!(report, "{line}").expect("report");
+    }
+    best
+}
+
+impl Row {
+    fn new(name: String, rival: &'static str, rays: usize) -> Row {
+        Row {
+            name,
+            rival,
+            rays,
+            seconds: Vec::new(),
+        }
+    }
+}
+
+/// Traces all rays of `camera`, tile by tile.
+fn trace(bvh: &Bvh, camera: &Camera, method: Method) {
+    for tile in camera.directions.chunks(TILE * TILE) {
+        let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
+        let from = Origins::Shared(camera.origin);
+        bvh.closest_by(
+            method,
+            from,
+            tile,
+            &mut hits[..tile.len()],
+            &mut NoTally,
+            |_| (),
+        );
+        std::hint::black_box(&hits);
+    }
+}
+
+/// Asks what blocks the segments, tile by tile.
+fn block(bvh: &Bvh, tiles: &[Vec<Segment>], method: Method) {
+    for segments in tiles {
+        let mut blocked = [false; TILE * TILE];
+        bvh.any_by(
+            method,
+            segments,
+            &mut blocked[..segments.len()],
+            &mut NoTally,
+        );
+        std::hint::black_box(&blocked);
+    }
+}
+
+/// From what the camera sees to the lamp, by tiles.
+fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Vec<Segment>> {
+    let (lo, hi) = bvh.bounds().expect("a mesh");
+    let lamp = (lo + hi) / 2.0 + DVec3::new(0.5, 0.8, 0.6) * ((hi - lo).length() / 2.0);
+    let of_tile = |tile: &[DVec3]| {
+        let mut hits = vec![None; tile.len()];
+        let from = Origins::Shared(camera.origin);
+        bvh.closest_by(
+            Method::default(),
+            from,
+            tile,
+            &mut hits,
+            &mut NoTally,
+            |_| (),
+        );
+        let seen = tile.iter().zip(hits).filter_map(|(d, hit)| Some((d, hit?)));
+        let segment = |(d, hit): (&DVec3, Hit)| {
+            let origin = camera.origin + *d * hit.s;
+            let direction = lamp - origin;
+            let s_min = 1e-12 * origin.length() / direction.length();
+            Segment {
+                ray: Ray {
+                    origin,
+                    direction,
+                    s_min,
+                },
+                s_max: 1.0,
+                skip: Some(hit.triangle),
+            }
+        };
+        seen.map(segment).collect()
+    };
+    camera.directions.chunks(TILE * TILE).map(of_tile).collect()
+}

@@ -213,45 +213,32 @@ fn measure(
     // What is measured, in the order of a round.
     let mut works: Vec<(Row, Box<dyn Fn() + '_>)> = Vec::new();
     for kernel in kernels {
-        let called = |precision| format!("{precision} {kernel:?}").to_lowercase();
-        if kernel == Kernel::Scalar {
-            let single = || {
-                trace(
-                    &bvh,
-                    &camera,
-                    Method {
-                        kernel,
-                        precision: Precision::Certified,
-                    },
-                )
-            };
-            let row = Row::new(called("certified single rays,"), "closest 1", camera.rays());
-            works.push((row, Box::new(single)));
-            continue;
-        }
-        for (precision, word) in [
-            (Precision::Certified, "certified"),
-            (Precision::Fast, "f32 only"),
-        ] {
-            let (bvh, camera) = (&bvh, &camera);
-            let row = Row::new(
-                called(&format!("{word}, primary rays,")),
-                "closest 16",
-                camera.rays(),
-            );
-            works.push((
-                row,
-                Box::new(move || trace(bvh, camera, Method { kernel, precision })),
-            ));
-        }
-        let count = shadows.iter().map(Vec::len).sum();
-        let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
-        let (bvh, shadows) = (&bvh, &shadows);
-        let method = Method {
+        let (bvh, camera, shadows) = (&bvh, &camera, &shadows);
+        let called = |what: &str| format!("{what} {kernel:?}").to_lowercase();
+        let certified = Method {
             kernel,
             precision: Precision::Certified,
         };
-        works.push((row, Box::new(move || block(bvh, shadows, method))));
+        if kernel == Kernel::Scalar {
+            let row = Row::new(
+                called("certified, single rays,"),
+                "closest 1",
+                camera.rays(),
+            );
+            works.push((row, Box::new(move || trace(bvh, camera, certified))));
+            continue;
+        }
+        for (precision, what) in [
+            (Precision::Certified, "certified, primary rays,"),
+            (Precision::Fast, "f32 only, primary rays,"),
+        ] {
+            let method = Method { kernel, precision };
+            let row = Row::new(called(what), "closest 16", camera.rays());
+            works.push((row, Box::new(move || trace(bvh, camera, method))));
+        }
+        let count = shadows.iter().map(Vec::len).sum();
+        let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
+        works.push((row, Box::new(move || block(bvh, shadows, certified))));
     }
     for (called, picture) in &pictures {
         let row = Row::new(called.to_string(), "closest 16", camera.rays());

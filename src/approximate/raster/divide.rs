@@ -31,7 +31,7 @@ use super::method::Tessellation;
 use super::vertices::{Vertex, extend};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::projection::Projection;
-use crate::render::trace::SharedVertices;
+use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 
 /// So often an edge is cut at most: 10⁻⁹ of it is left.
 const DEEPEST: u32 = 30;
@@ -89,7 +89,7 @@ pub(super) struct BatchBuilder<'a> {
     level: Vec<Part>,
     next: Vec<Part>,
     /// By their ends, the points at which edges of this level were cut.
-    points: HashMap<[u32; 2], u32>,
+    points: HashMap<[u32; 2], u32, BuildPlaceHasher>,
     /// Cuts that are not counted yet.
     uncounted: usize,
 }
@@ -109,7 +109,7 @@ impl<'a> BatchBuilder<'a> {
             },
             level: Vec::new(),
             next: Vec::new(),
-            points: HashMap::new(),
+            points: HashMap::default(),
             uncounted: 0,
         }
     }

@@ -44,7 +44,7 @@ pub use radiance::{
     BaseColour, BaseColours, EmissionClock, Emitter, Finish, Gloss, Radiance, TextureLookup,
     TimeResolved,
 };
-pub(crate) use rest_frame::SharedVertices;
+pub(crate) use rest_frame::{BuildPlaceHasher, SharedVertices};
 pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
 pub(crate) use run::TracedRays;

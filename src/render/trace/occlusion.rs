@@ -35,10 +35,25 @@ pub(super) struct Obstacles<'a, S> {
     pub bvh: &'a Bvh,
     /// From the world to the frame where they rest, and the index of the medium; none where they rest in the world.
     pub boost: Option<(&'a Boost<Rest, World>, f64)>,
-    /// By point of the run: where the ray leaves that saw it, and where it is.
-    pub seen: S,
+    /// Where the points are in that frame.
+    pub places: S,
     /// By point, triangles that are no obstacle: of the frame itself.
     pub own: Option<&'a [u32]>,
+}
+
+/// Where points of a run are in a rest frame.
+pub(super) trait Places {
+    /// Adds to `from` where `points` are, and to `eyes` where the rays leave that saw them.
+    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns);
+}
+
+impl Places for &Points {
+    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns) {
+        for point in points {
+            eyes.push(self.eye(point));
+            from.push(self.positions.get(point));
+        }
+    }
 }
 
 impl OcclusionQueries {
@@ -76,7 +91,7 @@ impl OcclusionQueries {
     }
 
     /// Asks `obstacles` about those that are not blocked yet.
-    pub(super) fn ask<S: Fn(usize) -> (DVec3, DVec3)>(
+    pub(super) fn ask<S: Places>(
         &mut self,
         obstacles: &Obstacles<S>,
         method: Method,
@@ -85,18 +100,19 @@ impl OcclusionQueries {
         self.blocked.resize(self.points.len(), false);
         self.open.clear();
         self.towards.clear();
-        self.eyes.clear();
-        self.from.clear();
-        for (query, (point, blocked)) in self.points.iter().zip(&self.blocked).enumerate() {
+        for (query, blocked) in self.blocked.iter().enumerate() {
             if !blocked {
-                let (eye, from) = (obstacles.seen)(*point as usize);
                 self.open.push(query as u32);
                 self.towards.push(self.d.get(query));
-                self.eyes.push(eye);
-                self.from.push(from);
             }
         }
-        let count = self.open.len();
+        let point = |query: &u32| self.points[*query as usize] as usize;
+        self.eyes.clear();
+        self.from.clear();
+        let mut points = self.open.iter().map(point);
+        obstacles
+            .places
+            .add(&mut points, &mut self.eyes, &mut self.from);
         if let Some((boost, index)) = obstacles.boost {
             dispatch(BoostDirections {
                 boost,
@@ -104,26 +120,37 @@ impl OcclusionQueries {
                 directions: &mut self.towards,
             });
         }
-        self.starts.resize(count, 0.0);
+        self.starts.resize(self.open.len(), 0.0);
         dispatch(Starts {
+            ball: Ball::about(obstacles.bvh),
             eyes: &self.eyes,
             from: &self.from,
             directions: &self.towards,
             starts: &mut self.starts,
         });
+
+        // Those that pass the obstacles by stay open.
         self.segments.clear();
-        for (k, query) in self.open.iter().enumerate() {
-            let point = self.points[*query as usize] as usize;
+        let mut near = 0;
+        for k in 0..self.open.len() {
+            if self.starts[k].is_infinite() {
+                continue;
+            }
+            let query = self.open[k];
+            self.open[near] = query;
+            near += 1;
+            let point = self.points[query as usize] as usize;
             self.segments.push(Segment {
                 ray: Ray {
                     origin: self.from.get(k),
                     direction: self.towards.get(k),
                     s_min: self.starts[k],
                 },
-                s_max: self.distance[*query as usize],
+                s_max: self.distance[query as usize],
                 skip: obstacles.own.map(|triangles| triangles[point]),
             });
         }
+        self.open.truncate(near);
         any_hit(
             obstacles.bvh,
             method,
@@ -160,8 +187,39 @@ impl VectorLoop for BoostDirections<'_> {
     }
 }
 
-/// Where rays begin to count.
+/// A ball about obstacles: its centre, and the square of its radius.
+#[derive(Debug, Clone, Copy)]
+struct Ball(DVec3, f64);
+
+/// More than the rounding of some sums and products, each 2⁻⁵³ of its terms.
+const ROUNDING: f64 = 1e-9;
+
+impl Ball {
+    /// With room for rounding.
+    fn about(bvh: &Bvh) -> Ball {
+        let (lo, hi) = bvh.bounds().unwrap_or((DVec3::NAN, DVec3::NAN));
+        let size = lo.abs().max(hi.abs()).max_element();
+        let radius = (hi - lo).length() * 0.5 + ROUNDING * size;
+        Ball((lo + hi) * 0.5, radius * radius)
+    }
+
+    /// Whether a ray from `from` along `d` passes it by: with p from the centre, it is nearest to that at p − (p·d) d/d², or
+    /// where it begins. Not for NaN.
+    #[inline(always)]
+    fn is_missed(&self, from: DVec3, d: DVec3) -> bool {
+        let Ball(centre, square) = *self;
+        let p = from - centre;
+        let (along, pp, dd) = (p.dot(d), p.length_squared(), d.length_squared());
+        let beyond = pp - ROUNDING * pp - square;
+        let leaves = (along >= 0.0) & (beyond > 0.0);
+        let passes = beyond * dd > along * along;
+        leaves | passes
+    }
+}
+
+/// Where rays begin to count; infinite for those that pass the obstacles by.
 struct Starts<'a> {
+    ball: Ball,
     eyes: &'a Columns,
     from: &'a Columns,
     directions: &'a Columns,
@@ -171,13 +229,17 @@ struct Starts<'a> {
 impl VectorLoop for Starts<'_> {
     #[inline(always)]
     fn run(self) {
+        let ball = self.ball;
         let mut begin = 0;
         while begin < self.starts.len() {
             let (eyes, from) = (self.eyes.load(begin), self.from.load(begin));
             let directions = self.directions.load(begin);
             let mut starts = [0.0; BLOCK];
             for (k, start) in starts.iter_mut().enumerate() {
-                *start = shadow_start(eyes.get(k), from.get(k), directions.get(k));
+                let (from, d) = (from.get(k), directions.get(k));
+                let at = shadow_start(eyes.get(k), from, d);
+                let is_missed = ball.is_missed(from, d);
+                *start = if is_missed { f64::INFINITY } else { at };
             }
             store(&starts, self.starts, begin);
             begin += BLOCK;

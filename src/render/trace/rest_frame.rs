@@ -72,11 +72,12 @@ impl SharedVertices {
     }
 }
 
-type BuildPlaceHasher = BuildHasherDefault<PlaceHasher>;
+/// Makes [`PlaceHasher`]s.
+pub(crate) type BuildPlaceHasher = BuildHasherDefault<PlaceHasher>;
 
 /// A quick hash of few words, which need not withstand anybody.
 #[derive(Default)]
-struct PlaceHasher(u64);
+pub(crate) struct PlaceHasher(u64);
 
 impl Hasher for PlaceHasher {
     fn write(&mut self, bytes: &[u8]) {

@@ -8,13 +8,14 @@
 use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
-use super::occlusion::{Obstacles, OcclusionQueries};
+use super::occlusion::{Obstacles, OcclusionQueries, Places};
 use super::point::SurfacePoint;
 use super::points::Points;
 use super::rest_frame::RestFrame;
 use super::run::Run;
 use super::stats::{Meter, Stage};
 use super::tubes::Tubes;
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
 use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
 /// The surfaces of all rest frames, as they are seen from one event.
@@ -217,13 +218,12 @@ impl<'a> Surfaces<'a> {
         meter: &mut Meter,
     ) {
         let method = run.traced.rays.method;
-        let in_own_frame = |k| (points.eye(k), points.positions.get(k));
         match &self.0 {
             Frames::Still(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
                     boost: None,
-                    seen: in_own_frame,
+                    places: points,
                     own: Some(&points.triangles),
                 };
                 queries.ask(&obstacles, method, meter.occlusion());
@@ -232,7 +232,7 @@ impl<'a> Surfaces<'a> {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
                     boost: Some((only.boost(), index)),
-                    seen: in_own_frame,
+                    places: points,
                     own: Some(&points.triangles),
                 };
                 queries.ask(&obstacles, method, meter.occlusion());
@@ -248,20 +248,15 @@ impl<'a> Surfaces<'a> {
                         let obstacles = Obstacles {
                             bvh,
                             boost,
-                            seen: in_own_frame,
+                            places: points,
                             own: Some(&points.triangles),
                         };
                         queries.ask(&obstacles, method, meter.occlusion());
                     } else {
-                        let seen = |k: usize| {
-                            let ray = run.members[k] as usize;
-                            let (local, _) = frame.boosted_ray(ray, &run.traced.rays);
-                            (local.origin.x, local.at(points.s[k]).x)
-                        };
                         let obstacles = Obstacles {
                             bvh,
                             boost,
-                            seen,
+                            places: InOther { frame, run, points },
                             own: None,
                         };
                         queries.ask(&obstacles, method, meter.occlusion());
@@ -279,6 +274,65 @@ impl<'a> Surfaces<'a> {
             Frames::Many(many) => many.frames[frame as usize].boost(),
         };
         (!boost.is_identity()).then_some(boost)
+    }
+}
+
+/// Points of a run in a rest frame that is not theirs.
+struct InOther<'a> {
+    frame: &'a Frame<'a>,
+    run: &'a Run<'a>,
+    points: &'a Points,
+}
+
+impl Places for InOther<'_> {
+    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns) {
+        let rays = &self.run.traced.rays;
+        if rays.origins.is_some() {
+            for k in points {
+                let (local, _) = self.frame.boosted_ray(self.run.members[k] as usize, rays);
+                eyes.push(local.origin.x);
+                from.push(local.at(self.points.s[k]).x);
+            }
+            return;
+        }
+        // Of rays that share the shot first the directions, and where on them the points are.
+        let mut s = Vec::new();
+        for k in points {
+            from.push(rays.directions[self.run.members[k] as usize]);
+            eyes.push(self.frame.shot.x);
+            s.push(self.points.s[k]);
+        }
+        dispatch(AlongRays {
+            frame: self.frame,
+            s: &s,
+            places: from,
+        });
+    }
+}
+
+/// Look directions of the world to places on the rays from the shot.
+struct AlongRays<'a> {
+    frame: &'a Frame<'a>,
+    s: &'a [f64],
+    places: &'a mut Columns,
+}
+
+impl VectorLoop for AlongRays<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Frame { shot, index, .. } = *self.frame;
+        let boost = self.frame.rest.frame.frame_from_world();
+        let mut begin = 0;
+        while begin < self.s.len() {
+            let (mut places, s) = (self.places.load(begin), load(self.s, begin));
+            for k in 0..BLOCK {
+                let d = Direction::from_unit(places.get(k));
+                let (tangent, _) = boost.tangent_and_ratio(index, d);
+                places.set(k, (shot + tangent * s[k]).x);
+            }
+            self.places.store(&places, begin);
+            begin += BLOCK;
+        }
     }
 }
 

@@ -78,6 +78,7 @@ impl Kind {
             ("npz", _) => Kind::Npz,
             (_, Show::Picture) => Kind::Display,
             (_, Show::Isochrones) => Kind::Isochrones,
+            (_, Show::Luminance) => Kind::Luminance,
         }
     }
 
@@ -184,13 +185,7 @@ impl Outputs {
         match kind {
             Kind::Display => self.write_picture(path, Show::Picture, scene, film, metadata),
             Kind::Isochrones => self.write_picture(path, Show::Isochrones, scene, film, metadata),
-            Kind::Luminance => {
-                let [width, height] = film.size();
-                let (title, pixels) = ("Luminance", film.radiance());
-                let image = isochrones::draw_radiance(width, height, pixels, title)?;
-                image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
-                Ok(" (luminance)".into())
-            }
+            Kind::Luminance => self.write_picture(path, Show::Luminance, scene, film, metadata),
             Kind::Exr | Kind::Npz => self.write_layers(path, kind, scene, film, metadata),
         }
     }
@@ -213,9 +208,10 @@ impl Outputs {
         let Picture { image, white } = picture(scene, film, show, self.step)?;
         metadata.extend(white.map(|white| ("white".into(), white.to_string())));
         image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
-        Ok(match white {
-            Some(white) => format!(" (white is radiance {})", five_digits(white)),
-            None => " (retarded time)".into(),
+        Ok(match (show, white) {
+            (_, Some(white)) => format!(" (white is radiance {})", five_digits(white)),
+            (Show::Luminance, _) => " (luminance)".into(),
+            _ => " (retarded time)".into(),
         })
     }
 
@@ -277,6 +273,14 @@ pub fn picture(scene: &Scene, film: &Film, show: Show, step: Option<f64>) -> Res
             image: times(scene, film, step)?,
             white: None,
         }),
+        Show::Luminance => {
+            let [width, height] = film.size();
+            let (pixels, range) = (film.radiance(), scene.luminances);
+            Ok(Picture {
+                image: isochrones::draw_radiance(width, height, pixels, "Luminance", range)?,
+                white: None,
+            })
+        }
     }
 }
 

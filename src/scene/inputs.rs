@@ -13,6 +13,7 @@ use super::at::At;
 use super::memory::Memory;
 use crate::error::Result;
 use crate::io::cube::FileTimes;
+use crate::io::gltf::Track;
 
 /// Where a camera is and where it looks.
 #[derive(Debug, Clone)]
@@ -31,6 +32,8 @@ pub(super) struct Seen {
     files: Mutex<HashSet<PathBuf>>,
     /// Poses of glTF cameras, by file and node.
     poses: Mutex<HashMap<InFile, Pose>>,
+    /// Ways of nodes, by file, node and animation.
+    tracks: Mutex<HashMap<(InFile, Option<String>), Track>>,
     /// Rows of the tables of spectra.
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
@@ -65,6 +68,17 @@ impl Seen {
     ) -> Result<Pose> {
         let node = node.map(str::to_string);
         once(&self.poses, (path.to_path_buf(), node), read)
+    }
+
+    /// The way of a node in the file at `path`, as it was first read; `read` reads it.
+    pub fn track(
+        &self,
+        path: &Path,
+        [node, animation]: [Option<&str>; 2],
+        read: impl FnOnce() -> Result<Track>,
+    ) -> Result<Track> {
+        let [node, animation] = [node, animation].map(|name| name.map(str::to_string));
+        once(&self.tracks, ((path.to_path_buf(), node), animation), read)
     }
 
     /// The rows of the table in the file at `path`, as they were first read; `read` reads them.
@@ -121,6 +135,8 @@ pub(super) struct Inputs {
     problems: HashMap<usize, String>,
     /// By place in the text: the pose that the glTF camera named there has.
     poses: RefCell<HashMap<usize, Result<Pose>>>,
+    /// By place in the text: the way of the node of the glTF file named there.
+    tracks: RefCell<HashMap<usize, Result<Track>>>,
     /// By place in the text: the rows of the table of a spectrum that is named there.
     tables: RefCell<HashMap<usize, Result<Vec<[f64; 2]>>>>,
     /// By place in the text: the numbers in the file that is named there.
@@ -147,6 +163,21 @@ impl Inputs {
     /// The glTF camera in the file named at `file` has this pose, or cannot be read.
     pub fn add_pose(&mut self, file: &At<String>, pose: Result<Pose>) {
         self.poses.get_mut().insert(file.span.start, pose);
+    }
+
+    /// The node of the glTF file named at `file` goes this way, or cannot be read.
+    pub fn add_track(&mut self, file: &At<String>, track: Result<Track>) {
+        self.tracks.get_mut().insert(file.span.start, track);
+    }
+
+    /// The way of the node of the glTF file named at `file`, if that was read.
+    pub fn track(&self, file: &At<String>) -> Option<Result<Track>> {
+        let mut tracks = self.tracks.borrow_mut();
+        match tracks.get(&file.span.start) {
+            Some(Ok(track)) => Some(Ok(track.clone())),
+            // As of poses.
+            _ => tracks.remove(&file.span.start),
+        }
     }
 
     /// The table of a spectrum in the file named at `file` has these rows, or cannot be read.

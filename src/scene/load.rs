@@ -136,6 +136,7 @@ pub(super) fn scene(
     }
     for light in &file.light {
         read_spectrum(&mut inputs, seen, &light.value.spectrum);
+        read_track(&mut inputs, seen, &light.value.motion);
     }
     camera(&mut inputs, seen, &file);
     resolve::scene(report, inputs, &file)
@@ -215,7 +216,27 @@ pub(crate) fn kinematics(
 fn camera<D>(inputs: &mut Inputs, seen: &Seen, file: &file::Scene<D>) {
     if let Some(camera) = &file.camera {
         read_pose(inputs, seen, &camera.value.gltf, &camera.value.node);
+        read_track(inputs, seen, &camera.value.motion);
     }
+}
+
+/// Reads the way of an animated node, where a motion follows one.
+fn read_track(inputs: &mut Inputs, seen: &Seen, motion: &Option<At<file::Motion>>) {
+    let animation = motion.as_ref().and_then(|at| at.value.animation.as_ref());
+    let Some(file::Animation { gltf, node, name }) = animation.map(|at| &at.value) else {
+        return;
+    };
+    look_for(inputs, seen, gltf);
+    let path = inputs.base.join(&gltf.value);
+    if inputs.problem(gltf).is_some() || !resolve::has_extension(&path, GLTF) {
+        return;
+    }
+    let (node, name) = (
+        node.value.as_str(),
+        name.as_ref().map(|name| name.value.as_str()),
+    );
+    let track = seen.track(&path, [Some(node), name], || gltf::track(&path, node, name));
+    inputs.add_track(gltf, track);
 }
 
 /// Notes what is wrong with the file that `name` names. None is opened.

@@ -84,6 +84,8 @@ pub struct Scene {
     pub false_colour: Option<f64>,
     /// What the colours of isochrones span, metres of ct; none for what each picture has.
     pub times: Option<[f64; 2]>,
+    /// What the colours of luminance span; none for what each picture has.
+    pub luminances: Option<[f64; 2]>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).

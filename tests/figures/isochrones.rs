@@ -1,6 +1,6 @@
 //! Pictures of retarded time.
 
-use nullray::figures::isochrones::{IsochroneOptions, draw};
+use nullray::figures::isochrones::{IsochroneOptions, draw, draw_radiance};
 use nullray::io::image::RgbImage;
 
 /// A sphere of radius 1 in front of a wall, seen from the origin along −z: ct = −distance.
@@ -205,4 +205,20 @@ fn one_range_gives_pictures_of_other_times_the_same_colours() {
         ..IsochroneOptions::default()
     };
     assert!(draw(width, height, &flat, &backwards).is_err());
+}
+
+#[test]
+fn pictures_of_luminance_on_one_scale_have_one_colour_for_one_luminance() {
+    // Grey of luminance 1 on the left; on the right a tenth of that in one picture, a hundred times that in the other.
+    let drawn = |right: f64, range: Option<[f64; 2]>| {
+        let grey = |i: u32| [if i % 80 < 40 { 1.0 } else { right }; 3];
+        let pixels: Vec<[f64; 3]> = (0..80 * 60).map(grey).collect();
+        draw_radiance(80, 60, &pixels, "Luminance", range).unwrap()
+    };
+    let left = |image: &RgbImage| pixel(image, image.width / 6, image.height / 3);
+    let one_scale = Some([1e-2, 1e3]);
+    let (dark, bright) = (drawn(0.1, one_scale), drawn(100.0, one_scale));
+    assert_eq!(left(&dark), left(&bright));
+    assert_ne!(left(&drawn(0.1, None)), left(&drawn(100.0, None)));
+    assert!(draw_radiance(1, 1, &[[1.0; 3]], "", Some([2.0, 1.0])).is_err());
 }

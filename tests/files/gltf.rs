@@ -437,7 +437,7 @@ fn what_is_not_read_is_named_once() {
     let warnings = load("materials.gltf", None).warnings;
     for said in [
         "extensionsUsed: the extension \"KHR_materials_clearcoat\" is not read",
-        "animation 0: animations are not played",
+        "animation 0: animations of meshes are not played",
         "node 4 \"lamp\": the lights of a scene are its [[light]] tables",
         "node 2 \"hidden\": hidden nodes and what is below them are left out",
         "material 1 \"full\": normal maps are not read",
@@ -448,4 +448,127 @@ fn what_is_not_read_is_named_once() {
     }
     let held = gltf::inspect(&valid("materials.gltf"), None).unwrap();
     assert_eq!(held.warnings, warnings);
+}
+
+/// A glTF file whose node "tip" hangs two metres along x from "arm", which turns by a right angle about y within a second;
+/// "cart" goes from x = 0 to 3 m in two seconds, and jumps by animation "jump".
+fn animated(folder: &Path) -> PathBuf {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let floats = [
+        0.0, 1.0, // seconds of the turn
+        0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half, // its rotations
+        0.0, 2.0, // seconds of the cart
+        0.0, 0.0, 0.0, 3.0, 0.0, 0.0, // its places
+    ];
+    let bytes: Vec<u8> = floats.iter().flat_map(|f: &f32| f.to_le_bytes()).collect();
+    std::fs::write(folder.join("animated.bin"), &bytes).unwrap();
+    let view = |offset: usize, length: usize| {
+        format!(
+            "{{ \"buffer\": 0, \"byteOffset\": {}, \"byteLength\": {} }}",
+            4 * offset,
+            4 * length
+        )
+    };
+    let accessor = |view: usize, count: usize, kind: &str| {
+        format!(
+            "{{ \"bufferView\": {view}, \"componentType\": 5126, \"count\": {count}, \"type\": \"{kind}\" }}"
+        )
+    };
+    let channel = |node: usize, path: &str| {
+        format!("{{ \"sampler\": 0, \"target\": {{ \"node\": {node}, \"path\": \"{path}\" }} }}")
+    };
+    let animation = |name: &str, channel: String, input: usize, how: &str| {
+        let sampler = format!(
+            "{{ \"input\": {input}, \"output\": {}, \"interpolation\": \"{how}\" }}",
+            input + 1
+        );
+        format!("{{ \"name\": \"{name}\", \"channels\": [{channel}], \"samplers\": [{sampler}] }}")
+    };
+    let text = format!(
+        "{{ \"asset\": {{ \"version\": \"2.0\" }}, \
+           \"nodes\": [{{ \"name\": \"arm\", \"translation\": [0, 1, 0], \"children\": [1] }}, \
+                       {{ \"name\": \"tip\", \"translation\": [2, 0, 0] }}, {{ \"name\": \"cart\" }}], \
+           \"animations\": [{}, {}, {}], \
+           \"buffers\": [{{ \"uri\": \"animated.bin\", \"byteLength\": {} }}], \
+           \"bufferViews\": [{}, {}, {}, {}], \"accessors\": [{}, {}, {}, {}] }}",
+        animation("turn", channel(0, "rotation"), 0, "LINEAR"),
+        animation("drive", channel(2, "translation"), 2, "LINEAR"),
+        animation("jump", channel(2, "translation"), 2, "STEP"),
+        bytes.len(),
+        view(0, 2),
+        view(2, 8),
+        view(10, 2),
+        view(12, 6),
+        accessor(0, 2, "SCALAR"),
+        accessor(1, 2, "VEC4"),
+        accessor(2, 2, "SCALAR"),
+        accessor(3, 2, "VEC3"),
+    );
+    let path = folder.join("animated.gltf");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn an_animated_node_goes_where_those_above_it_take_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = animated(folder.path());
+    let tip = gltf::track(&path, "tip", Some("turn")).unwrap().points;
+    assert_eq!(tip.len(), 9);
+    for (seconds, at) in tip {
+        // About y, from +x towards −z.
+        let (sin, cos) = (seconds * std::f64::consts::FRAC_PI_2).sin_cos();
+        let expected = DVec3::new(2.0 * cos, 1.0, -2.0 * sin);
+        assert!((at - expected).length() < 1e-7, "{at} at {seconds} s");
+    }
+    let cart = gltf::track(&path, "cart", Some("drive")).unwrap().points;
+    assert_eq!(cart, [(0.0, DVec3::ZERO), (2.0, DVec3::X * 3.0)]);
+}
+
+#[test]
+fn animations_that_are_no_way_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = animated(folder.path());
+    for (node, animation, said) in [
+        ("cart", Some("jump"), "faster than light"),
+        ("cart", Some("turn"), "does not move it"),
+        ("cart", Some("fly"), "no animation \"fly\""),
+        ("cart", None, "3 animations to choose from"),
+        ("cat", Some("drive"), "no node of this name"),
+    ] {
+        let error = gltf::track(&path, node, animation).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
+    use nullray::scene::{self, Overrides};
+    let folder = tempfile::tempdir().unwrap();
+    animated(folder.path());
+    let scene = |speed: &str, node: &str, name: &str| {
+        let follow = format!(
+            "animation = {{ gltf = \"animated.gltf\", node = \"{node}\", name = \"{name}\" }}"
+        );
+        let text = format!(
+            "speed_of_light = \"{speed}\"\n[camera]\nlook_at = [0, 0, -9]\nmotion.{follow}\n\
+             [[light]]\nintensity = 1\nmotion.{follow}\n[[object]]\nshape = {{ sphere = {{ radius = 1 }} }}\n"
+        );
+        scene::parse(&text, "test scene", folder.path(), &Overrides::default())
+    };
+    // 3 m in two seconds, of which light goes 4 m: β = 0.75.
+    let driven = scene("2 m/s", "cart", "drive").unwrap();
+    assert!((driven.camera.velocity.beta() - DVec3::X * 0.75).length() < 1e-12);
+    let error = scene("1 m/s", "cart", "drive").unwrap_err();
+    let (said, help) = (error.to_string(), error.help().to_string());
+    assert!(
+        said.contains("node \"cart\" moves at |β| = 1.5 between 0 s and 2 s"),
+        "{said}"
+    );
+    assert!(help.contains("speed_of_light"), "{help}");
+    // The tip goes π metres in a second; between times its smooth way is hardly faster.
+    let turned = scene("4 m/s", "tip", "turn").unwrap();
+    let beta = turned.camera.velocity.beta().length();
+    assert!((beta - std::f64::consts::FRAC_PI_4).abs() < 0.02, "{beta}");
+    assert!(scene("3.1 m/s", "tip", "turn").is_err());
 }

@@ -53,7 +53,8 @@ pub(super) enum Values {
 }
 
 /// Draws the luminance of linear sRGB `pixels` (row 0 at the top; those without any are pale grey): colours over its
-/// logarithm, lines at equal ratios, and a legend with its values, in the units of the radiance.
+/// logarithm, lines at equal ratios, and a legend with its values, in the units of the radiance. They span `range`, or what
+/// the picture has.
 ///
 /// # Errors
 /// As [`draw`].
@@ -62,6 +63,7 @@ pub fn draw_radiance(
     height: u32,
     pixels: &[[f64; 3]],
     title: &str,
+    range: Option<[f64; 2]>,
 ) -> Result<RgbImage> {
     let logarithm = |[r, g, b]: &[f64; 3]| {
         // Y of sRGB; 0, negative and infinite ones have no place on the scale.
@@ -74,10 +76,14 @@ pub fn draw_radiance(
     let values: Vec<f64> = pixels.iter().map(logarithm).collect();
     let options = IsochroneOptions {
         title: title.into(),
+        range: range.map(|range| range.map(libm::log10)),
         ..IsochroneOptions::default()
     };
     check(width, height, &values, &options)?;
-    let range = Range::of(&values, None);
+    let range = match options.range {
+        Some(span) => Some(Range::spanning(span, &values, None)),
+        None => Range::of(&values, None),
+    };
     let page = Page::lay_out(width, height, range, &options.title, Values::Luminances)?;
     page.draw(&values, &options)
 }

@@ -31,6 +31,8 @@ pub(super) enum Purpose {
     Vectors,
     /// Quaternions.
     Rotations,
+    /// Of an animation, seconds.
+    Times,
 }
 
 /// A checked accessor.
@@ -146,6 +148,7 @@ impl Check<'_, '_> {
                 (*kind == right && normalized == (component != F32), "")
             }
             (Purpose::Vectors, F32) => (*kind == Type::Vec3 && !normalized, ""),
+            (Purpose::Times, F32) => (*kind == Type::Scalar && !normalized, ""),
             (Purpose::Rotations, F32) => (*kind == Type::Vec4 && !normalized, ""),
             (Purpose::Rotations, I8 | I16) => (*kind == Type::Vec4 && normalized, ""),
             _ => (false, ""),
@@ -249,7 +252,7 @@ impl Purpose {
             Purpose::Rotations => 4,
             Purpose::TexCoords => 2,
             Purpose::Colours { alpha } => 3 + u64::from(alpha),
-            Purpose::Indices => 1,
+            Purpose::Indices | Purpose::Times => 1,
         }
     }
 
@@ -261,6 +264,7 @@ impl Purpose {
             Purpose::Indices => "indices",
             Purpose::Vectors => "translations or scales",
             Purpose::Rotations => "rotations",
+            Purpose::Times => "times",
         }
     }
 
@@ -273,6 +277,7 @@ impl Purpose {
             }
             Purpose::Vectors => "they are VEC3 of FLOAT",
             Purpose::Rotations => "they are VEC4 of FLOAT or normalized BYTE or SHORT",
+            Purpose::Times => "times are SCALAR of FLOAT",
             Purpose::Indices => "indices are SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or _INT",
         }
     }

@@ -68,7 +68,8 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
         warnings.add(what, "extensionsUsed");
     }
     let animations = document.root.animations.len() as u64;
-    let what = "animations are not played: nodes are where they rest";
+    let what = "animations of meshes are not played: nodes are where they rest (cameras and lights follow them by \
+                motion.animation)";
     warnings.add_many(what, "animation 0", animations);
     let has_light = |&placed: &Placed| lights::index_of(document, placed.node).is_some();
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();

@@ -16,6 +16,7 @@
 //! *requires* and that are not known here are refused.
 
 mod accessor;
+mod animation;
 mod assemble;
 mod buffers;
 mod camera;
@@ -37,6 +38,7 @@ mod warnings;
 
 use std::path::Path;
 
+pub use animation::Track;
 pub use camera::GltfCamera;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
@@ -91,4 +93,14 @@ pub fn lights(path: &Path) -> Result<Vec<GltfLight>> {
 /// camera is orthographic, or its transform is singular or mirrors.
 pub fn camera(path: &Path, node: Option<&str>) -> Result<GltfCamera> {
     camera::find(&Document::open(path)?, node)
+}
+
+/// The way of the origin of the node called `node`, by the animation called `animation`, or else by the only one of the file.
+/// Its data lie in the file, or in its folder.
+///
+/// # Errors
+/// The file cannot be read or is not glTF 2.0; there is no such node or animation, or more than one; the animation does not
+/// move the node, or in steps; its data are not sound.
+pub fn track(path: &Path, node: &str, animation: Option<&str>) -> Result<Track> {
+    animation::load(path, node, animation)
 }

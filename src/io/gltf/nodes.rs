@@ -229,7 +229,7 @@ pub(super) fn named(document: &Document, name: &str) -> Result<usize> {
 }
 
 /// The transform of the node itself.
-fn local(
+pub(super) fn local(
     document: &Document,
     node: &Node,
     index: usize,

@@ -87,7 +87,8 @@ fn name(document: &Document, node: usize) -> String {
     node.and_then(|node| node.name.clone()).unwrap_or_default()
 }
 
-fn files(document: &Document) -> Vec<PathBuf> {
+/// Other files that a document refers to.
+pub(super) fn files(document: &Document) -> Vec<PathBuf> {
     let Some(directory) = &document.directory else {
         return Vec::new();
     };

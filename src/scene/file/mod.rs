@@ -22,13 +22,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
 use super::model::{BackFaces, Equations};
-use super::values::{Number, Vector};
+use super::values::{Number, Numbers, Vector};
 use crate::spacetime::units::{Percentage, Speed, Time, Wavelength};
 
 pub(super) use camera::Camera;
 pub(crate) use camera::Velocity;
 pub(super) use light::{Emission, EmissionKnot, Light, LightType, PulseTrain};
-pub(super) use motion::{Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration};
+pub(super) use motion::{
+    Animation, Circle, Keyframe, Motion, MotionSegment, ProfileKnot, ProperAcceleration,
+};
 pub(super) use object::{Lattice, Object, Rotation, Shape, Sphere, Transform};
 pub(super) use panel::{Panel, Sheet};
 pub(super) use radiance::Radiance;
@@ -289,6 +291,9 @@ pub(in crate::scene) struct Display {
     /// What the colours of isochrones span, earliest time first, like ["0 m", "12 m"]: one scale for all pictures of a
     /// series. Default: what each picture has.
     pub times: Option<At<[At<Time>; 2]>>,
+    /// What the colours of a picture of luminance span, both above 0, the lower first, like [1e-4, 1e2]: one scale for all
+    /// pictures of a series. Default: what each picture has.
+    pub luminances: Option<At<Numbers<2>>>,
     /// Bits per sample of a .png file: 8 or 16. Default: 8.
     pub bits: At<u32>,
     /// Linear RGB radiance of rays that hit nothing, as observed. Excludes `sky`. Default: [0, 0, 0].
@@ -308,6 +313,7 @@ impl Default for Display {
             white: None,
             false_colour: None,
             times: None,
+            luminances: None,
             bits: At::nowhere(8),
             background: At::nowhere(super::values::Numbers([0.0; 3])),
             back_faces: BackFaces::AsFile,

@@ -38,6 +38,10 @@ pub(in crate::scene) struct Motion {
     /// the first event, where the camera's clock shows 0, to the last, and has no more. The forward axis
     /// is look_at − the first position. 2 to 100000 entries.
     pub keyframes: Option<At<Vec<At<Keyframe>>>>,
+    /// The way of a node of a glTF file by one of its animations, in place of `eye`, `velocity` and `clock_zero`: seconds of
+    /// the animation are those of the world, by `speed_of_light`. The world line goes smoothly through the positions at the
+    /// animation's times (and seven more between two of them where the way bends there), as it does through `keyframes`.
+    pub animation: Option<At<Animation>>,
     /// A circle through `eye` at constant speed, in place of `velocity`, which follows from it.
     pub circle: Option<At<Circle>>,
 }
@@ -98,6 +102,22 @@ pub(in crate::scene) struct Keyframe {
     pub time: At<Time>,
     /// World position, metres.
     pub position: At<Vector>,
+}
+
+/// An animation of a node.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { gltf = \"model.glb\", node = \"Camera\" }"
+)]
+pub(in crate::scene) struct Animation {
+    /// The glTF file, relative to the scene file. Its data are in it, or in its folder.
+    pub gltf: At<String>,
+    /// The node that is followed; nodes above it may be animated too.
+    pub node: At<String>,
+    /// The animation, by name. Default: the file's only one.
+    pub name: Option<At<String>>,
 }
 
 /// A circle at constant speed.

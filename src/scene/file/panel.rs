@@ -34,7 +34,8 @@ pub(in crate::scene) struct Panel {
     pub name: At<String>,
     /// What stands beneath the panel on a sheet. Default: the name.
     pub label: Option<At<String>>,
-    /// What the panel shows: "picture", or "isochrones" (the retarded times in colours, with a legend).
+    /// What the panel shows: "picture", "isochrones" (the retarded times in colours, with a legend) or "luminance" (the same of
+    /// the luminance, by its logarithm).
     /// Default: "picture".
     #[serde(default)]
     pub show: Show,

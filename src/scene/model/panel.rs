@@ -32,6 +32,8 @@ pub enum Show {
     Picture,
     /// Retarded times.
     Isochrones,
+    /// Luminance, in colours by its logarithm.
+    Luminance,
 }
 
 /// How panels are put on one page.

@@ -54,10 +54,7 @@ fn pose(cx: &Context, at: &At<Camera>) -> Result<Pose> {
     let camera = &at.value;
     let mut keys = pose::Keys::from(camera);
     let mover = Mover::from(camera);
-    let start = match mover.keyframes() {
-        Some(keyframes) => path::start(cx, &mover, keyframes)?,
-        None => None,
-    };
+    let start = path::start(cx, &mover)?;
     if camera.gltf.is_none() && start.is_some() {
         keys.eye = &start;
     }

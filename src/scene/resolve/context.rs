@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::error::{Error, Result};
+use crate::io::gltf::Track;
 use crate::scene::at::At;
 use crate::scene::inputs::{Inputs, Pose};
 use crate::scene::memory;
@@ -276,6 +277,13 @@ impl Context {
         self.path(file, GLTF)?;
         let missing = || Err(self.refuse(file, "the camera of this file was not read", ""));
         self.inputs.pose(file).unwrap_or_else(missing)
+    }
+
+    /// The way of an animated node of a glTF file.
+    pub(in crate::scene) fn gltf_track(&self, file: &At<String>) -> Result<Track> {
+        self.path(file, GLTF)?;
+        let missing = || Err(self.refuse(file, "the animation of this file was not read", ""));
+        self.inputs.track(file).unwrap_or_else(missing)
     }
 
     /// The rows of the spectrum in a text file.

@@ -179,10 +179,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
         span: &light.clock_zero.span,
     };
     motion::only_one_way(cx, &mover)?;
-    let start = match mover.keyframes() {
-        Some(keyframes) => path::start(cx, &mover, keyframes)?,
-        None => None,
-    };
+    let start = path::start(cx, &mover)?;
     let position = start.as_ref().or(light.position.as_ref());
     let position = match (position, beam) {
         (Some(position), _) => position.value.vec(),

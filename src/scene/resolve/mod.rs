@@ -73,6 +73,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         bits: settings::bits(&cx, &file.display)?,
         false_colour: settings::false_colour(&cx, &file.display)?,
         times: settings::times(&cx, &file.display)?,
+        luminances: settings::luminances(&cx, &file.display)?,
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
         panels: panel::resolve_all(&cx, &file.panel)?,

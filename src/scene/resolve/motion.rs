@@ -15,8 +15,7 @@ use crate::spacetime::units::Time;
 use crate::spacetime::worldline::{Axes, Segment, WorldLine};
 use crate::spacetime::{Event, Velocity, World};
 
-const HELP: &str =
-    "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes` or `circle`";
+const HELP: &str = "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
 
 /// The keys of something that moves.
 pub(super) struct Mover<'a> {
@@ -41,13 +40,6 @@ impl<'a> From<&'a file::Camera> for Mover<'a> {
             motion: &camera.motion,
             span: &camera.time.span,
         }
-    }
-}
-
-impl Mover<'_> {
-    /// The keyframes, where it moves by them.
-    pub fn keyframes(&self) -> Option<&At<Vec<At<file::Keyframe>>>> {
-        self.motion.as_ref()?.value.keyframes.as_ref()
     }
 }
 
@@ -130,6 +122,8 @@ fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
         self::profile(cx, mover, profile)
     } else if let Some(keyframes) = &motion.keyframes {
         path::keyframes(cx, mover.noun, keyframes)
+    } else if let Some(animation) = &motion.animation {
+        path::animation(cx, mover.noun, animation)
     } else if let Some(circle) = &motion.circle {
         path::circle(cx, mover, circle, position)
     } else {
@@ -147,6 +141,7 @@ pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
         ("segments", At::span_of(&motion.segments)),
         ("profile", At::span_of(&motion.profile)),
         ("keyframes", At::span_of(&motion.keyframes)),
+        ("animation", At::span_of(&motion.animation)),
         ("circle", At::span_of(&motion.circle)),
     ];
     cx.only_one("the motion", ways, HELP)

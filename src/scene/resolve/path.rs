@@ -8,22 +8,39 @@ use super::context::{ABOVE, BELOW, Context};
 use super::motion::Mover;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
-use crate::scene::file::{Circle, Keyframe};
+use crate::scene::file::{Animation, Circle, Keyframe};
 use crate::scene::model::Motion;
-use crate::scene::values::Vector;
+use crate::scene::values::{Numbers, Vector};
 use crate::spacetime::{Event, World};
 
 /// The smallest distance from the axis, in parts of the distances that it is the difference of.
 const ON_AXIS: f64 = 1e-12;
 
-/// The position of the first keyframe, in place of that of `mover`: beside keyframes nothing else gives where it
-/// is or how fast.
-pub(super) fn start(
-    cx: &Context,
-    mover: &Mover,
-    at: &At<Vec<At<Keyframe>>>,
-) -> Result<Option<At<Vector>>> {
-    let key = (at, "keyframes");
+/// Where the first event of `mover` is, where its motion gives events: beside these nothing else says where it is or how fast.
+pub(super) fn start(cx: &Context, mover: &Mover) -> Result<Option<At<Vector>>> {
+    let Some(motion) = mover.motion.as_ref().map(|at| &at.value) else {
+        return Ok(None);
+    };
+    if let Some(at) = &motion.keyframes {
+        alone(cx, mover, (at, "keyframes"))?;
+        cx.bounded(at, 2, "keyframes")?;
+        let first = at.value.first();
+        return Ok(first.map(|first| first.value.position.clone()));
+    }
+    let Some(at) = &motion.animation else {
+        return Ok(None);
+    };
+    alone(cx, mover, (at, "animation"))?;
+    let track = cx.gltf_track(&at.value.gltf)?;
+    let first = track.points.first().map(|(_, position)| At {
+        value: Numbers(position.to_array()),
+        span: at.span.clone(),
+    });
+    Ok(first)
+}
+
+/// Refuses other keys that say where `mover` is.
+fn alone<T>(cx: &Context, mover: &Mover, key: (&At<T>, &str)) -> Result<()> {
     if let (Some(position), name) = mover.position {
         return Err(cx.refuse_both(key, (position, name)));
     }
@@ -33,9 +50,39 @@ pub(super) fn start(
     if mover.clock_zero.is_given() {
         return Err(cx.refuse_both(key, (mover.clock_zero, "clock_zero")));
     }
-    cx.bounded(at, 2, "keyframes")?;
-    let first = at.value.first();
-    Ok(first.map(|first| first.value.position.clone()))
+    Ok(())
+}
+
+/// A motion by the animation of a node, ct = ct(seconds).
+pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<Motion> {
+    let Animation { gltf, node, .. } = &at.value;
+    let track = cx.gltf_track(gltf)?;
+    let metres = |seconds: f64| seconds * cx.speed_of_light;
+    for pair in track.points.windows(2) {
+        let ((from, a), (to, b)) = (pair[0], pair[1]);
+        let beta = (b - a).length() / (metres(to) - metres(from));
+        if !(beta < 1.0) {
+            let what = format!(
+                "node {:?} moves at |β| = {beta} between {from} s and {to} s of its animation",
+                node.value
+            );
+            return Err(cx.refuse(node, what, slower(noun)));
+        }
+    }
+    if track.points.len() < 2 {
+        let what = "the animation has a single time, and goes nowhere";
+        return Err(cx.refuse(node, what, "give two keys or more"));
+    }
+    let event = |(seconds, x): &(f64, DVec3)| Event::new(metres(*seconds), *x);
+    Ok(Motion::Keyframes(track.points.iter().map(event).collect()))
+}
+
+/// What helps against an animation that is too fast.
+pub(super) fn slower(noun: &str) -> String {
+    format!(
+        "a {noun} is slower than light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
+         a second of it"
+    )
 }
 
 /// A motion by keyframes.

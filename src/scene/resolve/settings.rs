@@ -136,6 +136,19 @@ pub(super) fn times(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64;
     ))
 }
 
+/// What the colours of luminance span.
+pub(super) fn luminances(cx: &Context, at: &At<file::Display>) -> Result<Option<[f64; 2]>> {
+    let Some(at) = &at.value.luminances else {
+        return Ok(None);
+    };
+    let [low, high] = at.value.0;
+    if 0.0 < low && low < high {
+        return Ok(Some([low, high]));
+    }
+    let what = "these luminances span nothing, or are not above 0";
+    Err(cx.refuse(at, what, "give the lower one first, like [1e-4, 1e2]"))
+}
+
 pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {
     let samples = &at.value.samples_per_pixel;
     if (1..=MOST_SAMPLES).contains(&samples.value) {

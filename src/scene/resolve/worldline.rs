@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::context::Context;
 use super::motion::Mover;
+use super::path;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -31,6 +32,14 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             );
             cx.report.refuse(here, what, WEAKER)
         }
+        WorldLineError::Superluminal { ct, speed, .. } if animated(mover).is_some() => {
+            let node = animated(mover).map_or("", |animation| &animation.node.value);
+            let seconds = ct / cx.speed_of_light;
+            let what = format!(
+                "the smooth way of node {node:?} moves at |β| = {speed} at {seconds} s of its animation"
+            );
+            cx.report.refuse(here, what, path::slower(noun))
+        }
         WorldLineError::Superluminal { index, ct, speed } => {
             let what = format!(
                 "the curve from the keyframe before to this one moves at |β| = {speed} at world time {ct} m"
@@ -44,6 +53,12 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
         }
         _ => cx.report.refuse(here, error.to_string(), ""),
     }
+}
+
+/// The animation that a motion follows.
+fn animated<'a>(mover: &Mover<'a>) -> Option<&'a file::Animation> {
+    let motion = mover.motion.as_ref()?;
+    motion.value.animation.as_ref().map(|at| &at.value)
 }
 
 /// The span of an entry of the motion's list, or else of the motion itself.

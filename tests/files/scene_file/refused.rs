@@ -147,6 +147,8 @@ cases! { SETTINGS:
     "wavelength = \"532 nm\"" => "" at "radiance.quantity" "\"line\"": "needs its wavelength", "wavelength = \"532 nm\"";
     "\"532 nm\"" => "\"0 nm\"" at "radiance.wavelength" "\"0 nm\"": "not above 0", "above 0";
     "quantity = \"line\"" => "quantity = \"photons\"" at "radiance.wavelength" "\"532 nm\"": "only the radiance of a spectral line", "quantity = \"line\"";
+    "exposure = \"98 %\"" => "luminances = [2, 1]" at "display.luminances" "[2, 1]": "span nothing", "[1e-4, 1e2]";
+    "exposure = \"98 %\"" => "luminances = [0, 1]" at "display.luminances" "[0, 1]": "not above 0", "[1e-4, 1e2]";
     "\"98 %\"" => "\"0 %\"" at "display.exposure" "\"0 %\"": "not above 0 and at most 100 %", "99 %";
     "\"98 %\"" => "\"101 %\"" at "display.exposure" "\"101 %\"": "at most 100 %", "white";
     "exposure = \"98 %\"" => "white = 0" at "display.white" "0": "`white` is 0", "above 0";

@@ -11,7 +11,7 @@ const HFOV: &str = "hfov = \"40 deg\"";
 const SHIP: &str = "velocity = { beta = [0.5, 0, 0] }";
 
 cases! { MOTION:
-    TIME => "motion = {}" at "camera.motion" "{}": "no motion is given", "`acceleration`, `segments`, `profile`, `keyframes` or `circle`";
+    TIME => "motion = {}" at "camera.motion" "{}": "no motion is given", "`acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
     TIME => "motion = { acceleration = { proper = \"0 /m\" }, segments = [] }" at "camera.motion.segments" "[]": "given twice, as `acceleration` and as `segments`", "exactly one";
     TIME => "motion = { segments = [{}], keyframes = [] }" at "camera.motion.keyframes" "[]": "given twice, as `segments` and as `keyframes`", "exactly one";
     TIME => "motion.speed = 1" at "camera.motion.speed" "speed": "unknown key `speed`", "acceleration, axes, circle, keyframes, profile, segments";

@@ -122,6 +122,9 @@ fn every_motion_of_the_reference_scene_is_accepted() {
             _ => motions.push(line.to_string()),
         }
     }
+    assert_eq!(motions.len(), 7);
+    // An animation names a file, which is not there; see `cameras_and_lights_follow_animated_nodes_slower_than_light`.
+    motions.retain(|motion| !motion.starts_with("animation"));
     assert_eq!(motions.len(), 6);
     for motion in motions {
         let eye = match motion.starts_with("keyframes") {

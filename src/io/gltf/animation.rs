@@ -1,0 +1,359 @@
+//! Animations of nodes (glTF 2.0 §3.11): where a node is in the course of time.
+//!
+//! Each channel sets translation, rotation or scale of a node by a sampler: values at ascending times, between which they
+//! are interpolated. With t the part of the way from time k to k + 1, d the seconds between them, a and b the values there,
+//!
+//! ```text
+//! LINEAR        a + t (b − a);   of rotations along the shorter arc: (sin((1 − t)φ) a ± sin(tφ) b)/sin φ,  cos φ = |a·b|
+//! CUBICSPLINE   (2t³ − 3t² + 1) a + d (t³ − 2t² + t) m_a + (3t² − 2t³) b + d (t³ − t²) m_b,   m_a the out-, m_b the in-tangent
+//! ```
+//!
+//! and before the first and after the last time they stay. STEP is refused: what jumps is faster than light.
+
+use std::path::Path;
+
+use ::gltf::json::Index;
+use ::gltf::json::accessor::Accessor;
+use ::gltf::json::animation::{Animation, Interpolation, Property, Sampler};
+use ::gltf::json::scene::Node;
+use ::gltf::json::validation::Checked;
+use glam::{DAffine3, DVec3};
+
+use super::accessor::{self, Layout, Purpose};
+use super::buffers::Buffers;
+use super::document::{Document, label, listed, shortened};
+use super::nodes::{Hierarchy, local, named, placing};
+use super::summary::files;
+use super::warnings::Warnings;
+use crate::Result;
+
+/// A node on its way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
+    pub points: Vec<(f64, DVec3)>,
+}
+
+/// Pieces of the way between two times where it bends.
+const PIECES: usize = 8;
+/// The most points of a track.
+const MOST: usize = 100_000;
+
+/// The values of a channel.
+struct Channel {
+    node: usize,
+    property: Property,
+    interpolation: Interpolation,
+    times: Vec<f64>,
+    /// As many as times; of splines three for each: in-tangent, value, out-tangent.
+    values: Vec<[f64; 4]>,
+}
+
+/// The way of the origin of the node called `node`, by the animation called `animation` or else by the only one.
+pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>) -> Result<Track> {
+    refuse_outside(document)?;
+    let target = named(document, node)?;
+    let index = chosen(document, animation)?;
+    let chain = chain(document, target)?;
+    let channels = channels(document, index, &chain)?;
+    let place = document.node_label(target);
+    if channels.is_empty() {
+        let what = format!("{} does not move it", animation_label(document, index));
+        let help = "name a node that the animation moves, or one below such a node";
+        return Err(document.invalid(place, what, help));
+    }
+    let mut points = Vec::new();
+    for seconds in times(&channels) {
+        let world = chain.iter().try_fold(DAffine3::IDENTITY, |world, node| {
+            Ok::<_, crate::Error>(world * posed(document, *node, &channels, seconds)?)
+        })?;
+        points.push((seconds, world.translation));
+    }
+    if points.len() > MOST || !points.iter().all(|(_, x)| x.is_finite()) {
+        let what = format!(
+            "its way has {} points, or leaves the range of numbers",
+            points.len()
+        );
+        return Err(document.invalid(place, what, format!("at most {MOST} finite points")));
+    }
+    Ok(Track { points })
+}
+
+/// Refuses a file that refers to others outside its own folder: its data are read before anybody is asked.
+fn refuse_outside(document: &Document) -> Result<()> {
+    let own = document
+        .directory
+        .as_ref()
+        .map(|folder| match folder.as_os_str().is_empty() {
+            true => Path::new(".").canonicalize(),
+            false => folder.canonicalize(),
+        });
+    let Some(Ok(own)) = own else { return Ok(()) };
+    for other in files(document) {
+        let real = other.canonicalize().unwrap_or_else(|_| other.clone());
+        if !real.starts_with(&own) {
+            let what = format!(
+                "it refers to {}, which is outside its folder",
+                other.display()
+            );
+            let help = "put the file beside it, or export the model as one .glb";
+            return Err(document.invalid("uri", what, help));
+        }
+    }
+    Ok(())
+}
+
+/// The animation of this name, or the only one.
+fn chosen(document: &Document, name: Option<&str>) -> Result<usize> {
+    let all = &document.root.animations;
+    let is_called = |a: &Animation| name.is_none() || a.name.as_deref() == name;
+    let found: Vec<usize> = (0..all.len()).filter(|&i| is_called(&all[i])).collect();
+    if let [index] = found[..] {
+        return Ok(index);
+    }
+    let what = match (name, found.len()) {
+        (Some(name), 0) => format!("the file has no animation {:?}", shortened(name)),
+        (_, 0) => "the file has no animation".to_owned(),
+        (_, count) => format!("there are {count} animations to choose from"),
+    };
+    let names = listed(all.iter().filter_map(|a| a.name.as_deref()));
+    Err(document.invalid(
+        "animations",
+        what,
+        format!("the animations of the file: {names}"),
+    ))
+}
+
+fn animation_label(document: &Document, index: usize) -> String {
+    let animation = document.root.animations.get(index);
+    label(
+        "animation",
+        index,
+        animation.and_then(|a| a.name.as_deref()),
+    )
+}
+
+/// A node and those above it, the root first.
+fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
+    // The hierarchy has no cycles once it is known.
+    Hierarchy::new(document, &mut Warnings::default())?;
+    let nodes = &document.root.nodes;
+    let is_child = |parent: &Node, node: usize| {
+        let mut children = parent.children.iter().flatten();
+        children.any(|child| child.value() == node)
+    };
+    let mut chain = vec![node];
+    while let Some(parent) = nodes
+        .iter()
+        .position(|n| is_child(n, chain[chain.len() - 1]))
+    {
+        chain.push(parent);
+    }
+    chain.reverse();
+    Ok(chain)
+}
+
+/// The channels of an animation that move one of the nodes.
+fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Result<Vec<Channel>> {
+    let name = animation_label(document, animation);
+    let described = document.root.animations[animation].channels.iter();
+    let described: Vec<_> = described
+        .enumerate()
+        .map(|(k, c)| (k, c.target.node.value(), c.target.path, c.sampler))
+        .filter(|(_, node, ..)| nodes.contains(node))
+        .collect();
+    let mut channels = Vec::new();
+    for (k, node, path, sampler) in described {
+        let place = format!("{name}, channel {k} ({})", document.node_label(node));
+        let Checked::Valid(property) = path else {
+            let help = "\"translation\", \"rotation\", \"scale\" or \"weights\"";
+            return Err(document.invalid(place, "its path is not of glTF", help));
+        };
+        if property == Property::MorphTargetWeights {
+            continue;
+        }
+        let samplers = &document.root.animations[animation].samplers;
+        let Some(Sampler {
+            input,
+            output,
+            interpolation,
+            ..
+        }) = samplers.get(sampler.value())
+        else {
+            let what = format!("sampler {} is not there", sampler.value());
+            return Err(document.invalid(place, what, "every index must be within its list"));
+        };
+        let (input, output, interpolation) = (*input, *output, *interpolation);
+        let Checked::Valid(interpolation) = interpolation else {
+            let help = "\"LINEAR\", \"STEP\" or \"CUBICSPLINE\"";
+            return Err(document.invalid(place, "its interpolation is not of glTF", help));
+        };
+        if interpolation == Interpolation::Step {
+            let what = "it goes in steps (STEP): what jumps is faster than light";
+            return Err(document.invalid(place, what, "export the animation with linear keys"));
+        }
+        channels.push(read(
+            document,
+            &place,
+            (node, property, interpolation),
+            (input, output),
+        )?);
+    }
+    Ok(channels)
+}
+
+fn read(
+    document: &mut Document,
+    place: &str,
+    (node, property, interpolation): (usize, Property, Interpolation),
+    (input, output): (Index<Accessor>, Index<Accessor>),
+) -> Result<Channel> {
+    let purpose = match property {
+        Property::Rotation => Purpose::Rotations,
+        _ => Purpose::Vectors,
+    };
+    let [input, output] = [(input, Purpose::Times), (output, purpose)]
+        .map(|(index, purpose)| Layout::new(document, index, purpose, place));
+    let (input, output) = (input?, output?);
+    let per_time = match interpolation {
+        Interpolation::CubicSpline => 3,
+        _ => 1,
+    };
+    if output.count != per_time * input.count || input.count > MOST as u64 {
+        let what = format!("it has {} times and {} values", input.count, output.count);
+        let help = format!("{per_time} values for each time, and at most {MOST} times");
+        return Err(document.invalid(place, what, help));
+    }
+    let mut times = vec![0.0; input.count as usize];
+    let mut values = vec![[0.0; 4]; output.count as usize];
+    let mut buffers = Buffers::new(document);
+    accessor::read::<1>(&mut buffers, &input, &mut |at, [t]| times[at as usize] = t)?;
+    match property {
+        Property::Rotation => accessor::read::<4>(&mut buffers, &output, &mut |at, q| {
+            values[at as usize] = q;
+        })?,
+        _ => accessor::read::<3>(&mut buffers, &output, &mut |at, [x, y, z]| {
+            values[at as usize] = [x, y, z, 0.0];
+        })?,
+    }
+    let ascending = times.windows(2).all(|pair| pair[0] < pair[1]);
+    let finite = times
+        .iter()
+        .chain(values.as_flattened())
+        .all(|v| v.is_finite());
+    if !ascending || !finite {
+        let what = "its times do not ascend, or a number is not finite";
+        return Err(document.invalid(place, what, "export the animation again"));
+    }
+    Ok(Channel {
+        node,
+        property,
+        interpolation,
+        times,
+        values,
+    })
+}
+
+/// All times at which a channel has values, and some between them where the way bends.
+fn times(channels: &[Channel]) -> Vec<f64> {
+    let mut times: Vec<f64> = channels
+        .iter()
+        .flat_map(|c| c.times.iter().copied())
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let straight = |c: &Channel| {
+        c.property == Property::Translation && c.interpolation == Interpolation::Linear
+    };
+    // Several channels of one straight way each still make a curve.
+    if channels.len() == 1 && channels.iter().all(straight) {
+        return times;
+    }
+    let mut all = Vec::with_capacity(PIECES * times.len());
+    for pair in times.windows(2) {
+        let step = (pair[1] - pair[0]) / PIECES as f64;
+        all.extend((0..PIECES).map(|k| pair[0] + k as f64 * step));
+    }
+    all.extend(times.last());
+    all
+}
+
+/// The transform of a node itself at a time.
+fn posed(document: &Document, node: usize, channels: &[Channel], seconds: f64) -> Result<DAffine3> {
+    let Some(rest) = document.root.nodes.get(node) else {
+        return Ok(DAffine3::IDENTITY);
+    };
+    let mut own = channels
+        .iter()
+        .filter(|channel| channel.node == node)
+        .peekable();
+    if own.peek().is_none() || rest.matrix.is_some() {
+        return local(document, rest, node, &mut Warnings::default());
+    }
+    let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let mut translation = rest.translation.map_or(DVec3::ZERO, wide);
+    let mut scale = rest.scale.map_or(DVec3::ONE, wide);
+    let mut rotation = rest.rotation.unwrap_or_default().0.map(f64::from);
+    for channel in own {
+        let [x, y, z, w] = channel.at(seconds);
+        match channel.property {
+            Property::Translation => translation = DVec3::new(x, y, z),
+            Property::Scale => scale = DVec3::new(x, y, z),
+            Property::Rotation => rotation = [x, y, z, w],
+            Property::MorphTargetWeights => {}
+        }
+    }
+    let norm = rotation.iter().map(|c| c * c).sum();
+    Ok(placing(translation, (rotation, norm), scale))
+}
+
+impl Channel {
+    /// The value at a time.
+    fn at(&self, seconds: f64) -> [f64; 4] {
+        let after = self.times.partition_point(|t| *t <= seconds);
+        let last = self.times.len() - 1;
+        if after == 0 || after > last {
+            return self.value(if after == 0 { 0 } else { last });
+        }
+        let (k, d) = (after - 1, self.times[after] - self.times[after - 1]);
+        let t = (seconds - self.times[k]) / d;
+        let (a, b) = (self.value(k), self.value(after));
+        match (self.interpolation, self.property) {
+            (Interpolation::CubicSpline, _) => {
+                let (out, into) = (self.values[3 * k + 2], self.values[3 * after]);
+                let (t2, t3) = (t * t, t * t * t);
+                std::array::from_fn(|i| {
+                    (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
+                        + d * (t3 - 2.0 * t2 + t) * out[i]
+                        + (3.0 * t2 - 2.0 * t3) * b[i]
+                        + d * (t3 - t2) * into[i]
+                })
+            }
+            (_, Property::Rotation) => slerp(a, b, t),
+            _ => std::array::from_fn(|i| a[i] + t * (b[i] - a[i])),
+        }
+    }
+
+    fn value(&self, k: usize) -> [f64; 4] {
+        match self.interpolation {
+            Interpolation::CubicSpline => self.values[3 * k + 1],
+            _ => self.values[k],
+        }
+    }
+}
+
+/// Along the shorter arc between two unit quaternions.
+fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
+    let dot: f64 = (0..4).map(|i| a[i] * b[i]).sum();
+    let angle = libm::acos(dot.abs().min(1.0));
+    let (from, to) = match angle > 1e-6 {
+        true => (libm::sin((1.0 - t) * angle), libm::sin(t * angle)),
+        false => (1.0 - t, t),
+    };
+    std::array::from_fn(|i| from * a[i] + to * b[i] * dot.signum())
+}
+
+/// What [`track`] gives of the file at `path`.
+pub(super) fn load(path: &Path, node: &str, animation: Option<&str>) -> Result<Track> {
+    track(&mut Document::open(path)?, node, animation)
+}

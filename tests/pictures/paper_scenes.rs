@@ -452,6 +452,11 @@ fn in_diagram(file: &str) -> Vec<f64> {
             };
             (1..=3).map(time).collect()
         }
+        // The velocity at the sensor's edge, where each of the first curves ends.
+        "figure-10.toml" => {
+            let ends = model.curves.iter().take(4).map(|curve| curve.points.last());
+            ends.map(|end| rounded(end.unwrap().ct / unit)).collect()
+        }
         _ => (0..model.curves.len()).map(|k| k as f64 / 10.0).collect(),
     }
 }
@@ -474,7 +479,7 @@ fn listed(what: &str, scene: &Scene) -> f64 {
 #[test]
 fn panels_have_the_values_of_the_captions() {
     let rows = captions();
-    assert_eq!(rows.len(), 26);
+    assert_eq!(rows.len(), 27);
     let mut checked = 0;
     for [file, prefix, what, values] in rows {
         let values: Vec<f64> = values
@@ -590,6 +595,26 @@ fn the_four_diagrams_of_figure_8_are_those_of_the_caption() {
         .map(|i| panels[0].world_lines[i].curve.points[0].x)
         .collect();
     assert!(before[0].abs() < 1e-9 && (before[1] - 150.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_velocity_field_of_figure_10_is_that_of_a_rotation() {
+    let panels = diagram(10);
+    let curves = &panels[0].curves;
+    assert_eq!(curves.len(), 4 + 8);
+    for (curve, edge) in curves.iter().zip([0.0, 0.4, 0.8, 0.99]) {
+        for p in &curve.points {
+            assert!((p.ct - edge * p.x).abs() < 1e-9, "{p:?}");
+        }
+    }
+    // From the sensor to the velocity of the fastest.
+    for curve in &curves[4..] {
+        let [from, to] = [curve.points[0], curve.points[1]];
+        assert!(
+            from.ct == 0.0 && (to.ct - 0.99 * to.x).abs() < 1e-9,
+            "{curve:?}"
+        );
+    }
 }
 
 #[test]

@@ -428,7 +428,7 @@ pub struct RenderArguments {
     /// over small previews of them all.
     #[arg(long)]
     pub same_exposure: bool,
-    /// Beneath each picture of a film: these words, and the camera's time.
+    /// Beneath each picture of a film: these words, the camera's time and, where it moves, its speed (β and γ).
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Pictures per second of a film when it is played. Default: 24.
@@ -667,8 +667,8 @@ pub struct DiagramArguments {
     /// on standard output. Repeatable. Default: the scene's name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Text of an .svg as text, to be searched and edited, in the fonts of whoever shows it. Default: outlines, which look
-    /// the same everywhere.
+    /// Text of an .svg or a .pdf as text, to be searched and edited: in the fonts of whoever shows the .svg, in its own in a
+    /// .pdf. Default: outlines, which look the same everywhere.
     #[arg(long)]
     pub text: bool,
     /// Draw in the coordinates of this frame: "world", "camera", or one of the file's; with --pixel also the

@@ -76,6 +76,7 @@ impl Rendered {
         say(quiet, &remarks::blackness(&self.film))?;
         if remarks::is_black(&self.film) {
             say(quiet, &remarks::times(scene, &mut self.prepared))?;
+            say(quiet, &remarks::shift(scene, &self.prepared))?;
         }
         warn(quiet, &self.warnings)
     }

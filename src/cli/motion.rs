@@ -100,12 +100,17 @@ fn no_motion() -> Error {
     refused("film", what, help)
 }
 
-/// The speed in three digits.
+/// The speed of a moving camera.
 pub fn caption(shot: &Shot) -> String {
-    let beta = shot.velocity.beta().length();
+    speed(shot.velocity)
+}
+
+/// A speed and its Lorentz factor, in three digits.
+pub fn speed(velocity: Velocity) -> String {
+    let (beta, gamma) = (velocity.beta().length(), velocity.gamma());
     match beta {
-        b if b > 0.999 => format!("γ = {:.2}", shot.velocity.gamma()),
-        b => format!("β = {b:.3}"),
+        b if b > 0.999 => format!("γ = {gamma:.2}"),
+        b => format!("β = {b:.3}, γ = {gamma:.3}"),
     }
 }
 

@@ -54,7 +54,8 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         let later = time - scene.camera.time;
         still.iter().map(move |shot| shot.later(later))
     };
-    let frames = Frames::of_shots(times.iter().flat_map(moment).collect());
+    let shots: Vec<Shot> = times.iter().flat_map(moment).collect();
+    let frames = Frames::of_shots(shots.clone());
     let folder = Folder::of(&[path.to_path_buf()])?;
     let pattern = folder.pattern("page");
     let outputs = Outputs {
@@ -95,7 +96,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         pictures: pictures.collect::<Result<_>>()?,
         diagrams: diagrams(arguments, &still)?,
         grid: arguments.grid.unwrap_or_default(),
-        probes: probes(arguments, scene, &still)?,
+        probes: probes(arguments, scene, &shots)?,
     };
     let html = page::html(&page)?;
     let megabytes = html.len() as f64 / 1e6;
@@ -152,7 +153,7 @@ fn diagrams(arguments: &PageArguments, shots: &[Shot]) -> Result<Vec<String>> {
     series?.map(|drawing| svg::write(&drawing?)).collect()
 }
 
-/// The diagrams of the pixels in the middle of the cells of the grid, for each speed.
+/// The diagrams of the pixels in the middle of the cells of the grid, for each picture.
 fn probes(arguments: &PageArguments, scene: &Scene, shots: &[Shot]) -> Result<Vec<Vec<u8>>> {
     let Some([columns, rows]) = arguments.grid else {
         return Ok(Vec::new());

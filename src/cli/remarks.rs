@@ -7,6 +7,7 @@ use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
 use nullray::render::survey;
 use nullray::scene::model::Scene;
+use nullray::spacetime::Quantity;
 
 /// Rays and times.
 pub fn cost(rays: u64, prepared_in: f64, rendered_in: f64) -> String {
@@ -58,6 +59,24 @@ pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
     text
 }
 
+/// That all light in view is shifted out of sight, if it is; empty otherwise.
+pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
+    if scene.quantity != Quantity::Rgb || !scene.effects.doppler {
+        return String::new();
+    }
+    // From one end of what is visible to the other.
+    let across = 830.0 / 360.0;
+    match survey::wavelength_ratios(prepared) {
+        Some([low, high]) if low > across || high < across.recip() => format!(
+            "all light in view has {} to {} times the wavelength that it left with, so that nothing visible stays visible: \
+             see display.false_colour, radiance.continuation and effects.doppler\n",
+            short(low),
+            short(high)
+        ),
+        _ => String::new(),
+    }
+}
+
 /// A number in four significant digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
@@ -65,8 +84,8 @@ fn short(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-const UNLIT: &str = "nothing in view is lit at the moment at which its light left: try another --time (and see \
-     display.back_faces)";
+const UNLIT: &str = "nothing in view is lit at the moment at which its light left: try another --time (see display.back_faces, \
+     too, and whether lamps are inside objects, whose outside they do not light)";
 
 /// The main reason for which data are missing, if most of them are.
 fn missing(c: Coverage) -> &'static str {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
+use nullray::camera::Camera;
 use nullray::figures::contact_sheet::{self, Panel, SheetOptions};
 use nullray::io::image::RgbImage;
 use nullray::render::metadata;
@@ -20,7 +21,7 @@ use super::names::{named_after, numbered, suffixed};
 use super::output::{Outputs, extension};
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, exposure, inputs, panels, print, say};
+use super::{builtin, exposure, inputs, motion, panels, print, say};
 
 /// Pictures per second of a film for which nothing else is said.
 pub const PLAY_FPS: f64 = 24.0;
@@ -186,10 +187,13 @@ impl Film<'_> {
         let Some(text) = self.caption else {
             return Ok(picture);
         };
-        let time = job.frames.time(number).unwrap_or_default();
-        let time = format!("t′ = {time:.3} m").replace('-', "−");
-        let separator = if text.is_empty() { "" } else { ", " };
-        let label = format!("{text}{separator}{time}");
+        let mut scene = job.scene.clone();
+        scene.camera.time = job.frames.time(number).unwrap_or_default();
+        let velocity = Camera::new(&scene)?.shot.frame.velocity();
+        let mut words = vec![format!("t′ = {:.3} m", scene.camera.time).replace('-', "−")];
+        words.extend((!velocity.is_rest()).then(|| motion::speed(velocity)));
+        words.splice(0..0, (!text.is_empty()).then(|| text.to_string()));
+        let label = words.join(", ");
         contact_sheet::compose(
             &[Panel {
                 picture,

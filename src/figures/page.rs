@@ -29,7 +29,7 @@ pub struct Page {
     pub diagrams: Vec<String>,
     /// Columns and rows of the grid of pixels that have diagrams; 0 where there is none.
     pub grid: [u32; 2],
-    /// PNG files: for each speed, those of the grid row by row; of the first time.
+    /// PNG files: for each time and each speed, as the pictures, those of the grid row by row.
     pub probes: Vec<Vec<u8>>,
 }
 
@@ -44,7 +44,7 @@ pub fn html(page: &Page) -> Result<String> {
         && times > 0
         && page.pictures.len() == speeds * times
         && (page.diagrams.is_empty() || page.diagrams.len() == speeds)
-        && page.probes.len() == cells * speeds;
+        && page.probes.len() == cells * speeds * times;
     if !fits {
         let what = format!(
             "{} pictures of {speeds} speeds and {times} times",

@@ -67,6 +67,24 @@ pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
     })
 }
 
+/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet; none where they meet nothing.
+pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
+    let surfaces = Surfaces::new(&scene.frames, scene.camera.shot.event, scene.ray_index);
+    let range = |index| {
+        let mut range: Option<[f64; 2]> = None;
+        let tile = Tile::of_image(scene.layout.size, index);
+        each_point(scene, &surfaces, tile, |observed| {
+            let (w, [low, high]) = (observed.w.0, range.unwrap_or([observed.w.0; 2]));
+            range = Some([low.min(w), high.max(w)]);
+        });
+        range
+    };
+    let tiles = (0..Tile::count(scene.layout.size)).into_par_iter();
+    tiles
+        .filter_map(range)
+        .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
 /// Camera times, in metres, between which `before`, seen at the camera's time of `scene`, comes to meet its data; none
 /// where a later shot does not see later light.
 pub fn meeting_times(
@@ -93,6 +111,20 @@ pub fn meeting_times(
 }
 
 fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile) -> Vec<SeenTimes> {
+    let mut all = Vec::new();
+    each_point(scene, surfaces, tile, |observed| {
+        at_point(light, observed, &mut all);
+    });
+    all
+}
+
+/// What the rays through the centres of a tile's pixels meet.
+fn each_point(
+    scene: &Prepared,
+    surfaces: &Surfaces,
+    tile: Tile,
+    mut each: impl FnMut(&ObservedPoint),
+) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     let view = &scene.camera.view;
     view.generate(&mut camera_rays, &Sampler::centred(), tile, 0);
@@ -105,14 +137,12 @@ fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile)
         event: scene.camera.shot.event,
         index: scene.ray_index,
     };
-    let mut all = Vec::new();
     for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
         let sees = traced.rays.origin(ray).sees();
         if let Some(observed) = traced.observed(ray, *ratio).filter(|_| sees) {
-            at_point(light, &observed, &mut all);
+            each(&observed);
         }
     }
-    all
 }
 
 /// Notes the times of all sources that light a point.

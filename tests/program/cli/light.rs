@@ -108,6 +108,31 @@ fn luminance_is_drawn_with_a_legend() {
     refused(&folder, &arguments, &["end its name in .png"]);
 }
 
+#[test]
+fn light_that_is_shifted_out_of_sight_is_said_to_be() {
+    let folder = Folder::empty();
+    // Straight away from a wall at γ = 1000: W is near 2γ.
+    let scene = "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [8, 6]\n\
+                 velocity = { gamma = 1000, direction = [0, 0, 1] }\n[radiance]\nquantity = \"rgb\"\n\
+                 continuation = \"dark\"\n[[object]]\nshape = { box = { size = [100, 100, 1] } }\n";
+    folder.write("w.toml", scene);
+    let said = folder.ok(&["render", "w.toml", "-o", "w.png"]);
+    assert!(said.contains("the picture is black"), "{said}");
+    assert!(
+        said.contains("times the wavelength that it left with"),
+        "{said}"
+    );
+    let said = folder.ok(&[
+        "render",
+        "w.toml",
+        "-o",
+        "w.png",
+        "--set",
+        "effects.doppler=false",
+    ]);
+    assert!(!said.contains("wavelength that it left with"), "{said}");
+}
+
 /// A floor of 2 m seen from 4 m above, and a pulse from 3 m above it at ct = 10 m.
 const PULSE: &str = "
 [camera]

@@ -39,7 +39,7 @@ fn a_page_is_one_file_that_refers_to_nothing() {
     assert_eq!(count("\"data:image/svg+xml;base64,"), SPEEDS);
     assert_eq!(
         count("\"data:image/png;base64,"),
-        2 * SPEEDS + 4 * SPEEDS + 1
+        2 * SPEEDS + 2 * 4 * SPEEDS + 1
     );
     assert!(html.contains("<h1>A &lt;crate&gt;</h1>"));
     // Equal steps of rapidity: half of artanh 0.6 is artanh 1/3.

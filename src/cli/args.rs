@@ -450,9 +450,41 @@ pub struct RenderArguments {
     #[arg(long)]
     pub print_scene: bool,
     #[command(flatten)]
+    pub passes: PassArguments,
+    #[command(flatten)]
     pub model: ModelArguments,
     #[command(flatten)]
     pub frames: FrameArguments,
+}
+
+/// When a picture is good enough.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Pictures that improve")]
+pub struct PassArguments {
+    /// Go on until the standard error of each tile of 16 x 16 pixels is at most this part of its radiance, or of the picture's mean
+    /// where that is more: "1 %". Passes of --spp samples, more of them where there is more noise. The files improve as they are
+    /// done; after Ctrl-C, the same command goes on where it stopped.
+    #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
+    pub error: Option<f64>,
+    /// Go on for this long: "60 s", "5 min" or "1 h". Two passes are the least.
+    #[arg(long, value_name = "TIME", value_parser = values::work_time)]
+    pub budget: Option<f64>,
+    /// Go on for so many passes at most, an even number. A file tells how many it has (`nullray info`): so many passes have its bits.
+    #[arg(long, value_name = "N", value_parser = values::passes)]
+    pub passes: Option<u32>,
+}
+
+impl PassArguments {
+    /// The first option that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            (self.error.is_some(), "--error"),
+            (self.budget.is_some(), "--budget"),
+            (self.passes.is_some(), "--passes"),
+        ];
+        let given = options.into_iter().find(|(is_given, _)| *is_given);
+        given.map(|(_, option)| option)
+    }
 }
 
 /// How a model is looked at that is given in place of a scene.
@@ -499,9 +531,11 @@ pub struct SheetArguments {
 pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Where to write: a .npy array (H, W, T, 3) of energies per bin, f32; with several objects, one file for each, by
-    /// their names. Default: the scene's name with -light.npy, in the current directory.
-    #[arg(short, long, value_name = "FILE.npy")]
+    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and
+    /// metadata, or .npy with the energies alone; with several objects, one file for each, by their names. What is done is kept in
+    /// FILE.parts until all is: the same command goes on where it was stopped.
+    /// Default: the scene's name with -light.npy, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Bake what the scene's camera sees, which rests with the objects, by the times of arrival; not the objects' surfaces.
     #[arg(long, conflicts_with_all = ["object", "texels", "uv"])]
@@ -527,6 +561,9 @@ pub struct BakeArguments {
     /// Energies in half precision.
     #[arg(long)]
     pub half: bool,
+    /// Print what it would load and how much memory it would take, and bake nothing.
+    #[arg(long)]
+    pub plan: bool,
     #[command(flatten)]
     pub work: WorkArguments,
 }

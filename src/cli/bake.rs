@@ -1,11 +1,13 @@
 //! `nullray bake`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nullray::io::cube::{Cube, Samples};
-use nullray::io::image::npz;
+use nullray::io::cube::Samples;
+use nullray::io::image::npz::{self, CubeOptions};
 use nullray::render::aov::Aov;
 use nullray::render::bake::{self, Baked, Bins, Surface};
+use nullray::render::journal::Journal;
+use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
 use nullray::render::prepare::Prepared;
 use nullray::scene::model::Scene;
@@ -16,9 +18,9 @@ use super::check::Names;
 use super::failure::refused;
 use super::film::in_pool;
 use super::names::{named_after, suffixed};
-use super::output::extension;
+use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, memory, say, warn};
+use super::{inputs, interrupt, memory, print, say, warn};
 
 /// What is baked into one file.
 struct Job {
@@ -37,7 +39,12 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         job.surface
             .map_or(scene.camera.size, |surface| surface.size)
     };
-    let largest = jobs.iter().map(|job| bake::bytes(size(job), &bins)).max();
+    let threads = arguments
+        .work
+        .threads
+        .map_or_else(rayon::current_num_threads, usize::from);
+    let bytes = |job| bake::bytes(size(job), &bins, threads);
+    let largest = jobs.iter().map(bytes).max();
     let request = Request {
         // Texture coordinates are loaded where a channel shows them.
         aovs: match arguments.camera {
@@ -49,7 +56,14 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         ..arguments.scene.changes.request()
     };
     let plan = Plan::new(&scene, &request)?;
-    check_names(arguments, &jobs, &inputs::of(&scene, &plan))?;
+    let read = inputs::of(&scene, &plan);
+    check_names(arguments, &jobs, &read)?;
+    if arguments.plan {
+        return print(&planned(&plan, &jobs, &size, &bins, arguments.half));
+    }
+    let inputs = Inputs::read(read.get(1..).unwrap_or_default());
+    let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
+    interrupt::can_resume("run the same command again to go on where it stopped");
     let quiet = arguments.work.quiet;
     in_pool(arguments.work.threads, || {
         let samples = u64::from(plan.film.samples);
@@ -58,14 +72,30 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         let prepared = Prepared::new(&scene, &plan, &bar)?;
         bar.start();
         for job in &jobs {
+            let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
+            let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
+            if journal.found() > 0 {
+                say(
+                    quiet,
+                    &format!("goes on where it stopped with {}\n", job.path.display()),
+                )?;
+            }
+            let kept = Some(&journal);
             let baked = match &job.surface {
-                None => bake::camera_cube(&scene, &prepared, &bins, &bar)?,
-                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, &bar)?,
+                None => bake::camera_cube(&scene, &prepared, &bins, kept, &bar)?,
+                Some(surface) => bake::surface_cube(&scene, &prepared, surface, &bins, kept, &bar)?,
             };
             interrupt::check()?;
-            let told = report(&scene, &prepared, job, &bins, &baked);
-            write(&job.path, baked.cube, arguments.half)?;
-            say(quiet, &told)?;
+            write(
+                job,
+                &scene,
+                &bins,
+                plan.film.samples,
+                &baked,
+                arguments.half,
+            )?;
+            journal.remove()?;
+            say(quiet, &report(&scene, &prepared, job, &bins, &baked))?;
         }
         warn(quiet, &prepared.warnings)
     })
@@ -102,12 +132,12 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
         Some(path) => path.clone(),
         None => named_after(arguments.scene.scene.as_deref(), "-light.npy"),
     };
-    if extension(&path) != "npy" {
-        let what = "a cube is written as .npy";
+    if !["npy", "npz"].contains(&extension(&path).as_str()) {
+        let what = "a cube is written as .npy, or as .npz with what it is of";
         return Err(refused(
             format!("-o {}", path.display()),
             what,
-            "end it in .npy",
+            "end it in .npz or .npy",
         ));
     }
     if arguments.camera {
@@ -159,23 +189,70 @@ fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> R
     );
     for job in jobs {
         names.check(&format!("-o {}", job.path.display()), &job.path)?;
+        let unfinished = job.unfinished();
+        names.check(&format!("parts in {}", unfinished.display()), &unfinished)?;
     }
     Ok(())
 }
 
-fn write(path: &Path, cube: Cube, half: bool) -> Result<()> {
-    let samples = match (half, cube.samples) {
-        (true, Samples::F32(values)) => {
-            let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
-            if most > f32::from(half::f16::MAX) {
-                let what = format!("energies up to {most:e} do not fit half precision");
-                return Err(Error::invalid(path, "--half", what, "leave --half out"));
-            }
-            Samples::F16(values.into_iter().map(half::f16::from_f32).collect())
+impl Job {
+    /// The file of finished parts.
+    fn unfinished(&self) -> PathBuf {
+        let mut name = self.path.as_os_str().to_owned();
+        name.push(".parts");
+        name.into()
+    }
+}
+
+/// What a bake would take.
+fn planned(
+    plan: &Plan,
+    jobs: &[Job],
+    size: &impl Fn(&Job) -> [u32; 2],
+    bins: &Bins,
+    half: bool,
+) -> String {
+    let mut text = plan.to_string();
+    for job in jobs {
+        let [w, h] = size(job);
+        let samples = u64::from(w) * u64::from(h) * bins.count as u64 * 3;
+        let bytes = samples * if half { 2 } else { 4 };
+        text += &format!(
+            "{}: {h} rows × {w} columns × {} bins, {:.1} MB, and as much for its parts while it is made\n",
+            job.path.display(),
+            bins.count,
+            bytes as f64 / 1e6
+        );
+    }
+    text
+}
+
+fn write(
+    job: &Job,
+    scene: &Scene,
+    bins: &Bins,
+    samples: u32,
+    baked: &Baked,
+    half: bool,
+) -> Result<()> {
+    if let (true, Samples::F32(values)) = (half, &baked.cube.samples) {
+        let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
+        if most > f32::from(half::f16::MAX) {
+            let what = format!("energies up to {most:e} do not fit half precision");
+            return Err(Error::invalid(
+                &job.path,
+                "--half",
+                what,
+                "leave --half out",
+            ));
         }
-        (_, samples) => samples,
+    }
+    let options = CubeOptions {
+        half,
+        arrays: &[("standard_error", &baked.standard_error)],
+        metadata: &metadata::of_baked(scene, bins, samples, baked),
     };
-    npz::write_cube(path, &Cube { samples, ..cube })
+    npz::write_cube_with(&job.path, &baked.cube, &options)
 }
 
 /// What was written, what is not in it, and how a scene uses it.
@@ -199,6 +276,10 @@ fn report(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Ba
             part(energy.after)
         );
     }
+    if !baked.standard_error.iter().any(|e| e.is_nan()) {
+        let error = 100.0 * baked.relative_error();
+        text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
+    }
     text += "\n\n";
     text + &source(scene, prepared, job, bins, baked)
 }
@@ -206,8 +287,13 @@ fn report(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Ba
 /// The table of a scene file that reads the cube.
 fn source(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Baked) -> String {
     let file = job.path.file_name().unwrap_or_default().to_string_lossy();
+    // An archive holds more arrays than one.
+    let array = match extension(&job.path).as_str() {
+        "npz" => "array = \"radiance\", ",
+        _ => "",
+    };
     let axis = format!(
-        "file = {file:?}, start = \"{} m\", bin_width = \"{} m\"",
+        "file = {file:?}, {array}start = \"{} m\", bin_width = \"{} m\"",
         bins.start, bins.width
     );
     match &job.surface {

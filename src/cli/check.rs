@@ -36,6 +36,15 @@ pub fn check_all(all: impl IntoIterator<Item = Outputs>, read: &[PathBuf]) -> Re
     Ok(())
 }
 
+/// Refuses to keep sums in `path` where that cannot be, or over a picture or one of the files that are `read`.
+pub fn check_beside(path: &Path, outputs: &Outputs, read: &[PathBuf]) -> Result<()> {
+    let mut names = Names::of_scene(read);
+    for (flag, path) in outputs.paths() {
+        names.check(&format!("{flag} {}", path.display()), path)?;
+    }
+    names.check(&format!("sums of passes in {}", path.display()), path)
+}
+
 /// Refuses to write what a rendering has cost over one of the files that are `read`, or into nothing.
 pub fn check_statistics(path: &Path, read: &[PathBuf]) -> Result<()> {
     let option = format!("--stats-json {}", path.display());

@@ -68,9 +68,30 @@ pub struct Rendered {
 }
 
 impl Rendered {
+    /// A film of passes that took so long to prepare and to render, in seconds.
+    pub fn of_passes(
+        film: Film,
+        [prepared_in, rendered_in]: [f64; 2],
+        warnings: Vec<String>,
+        prepared: Prepared,
+    ) -> Self {
+        Rendered {
+            film,
+            prepared_in,
+            rendered_in,
+            warnings,
+            prepared,
+        }
+    }
+
     /// Prints what it cost and what is odd, unless `quiet`.
     pub fn remark(&mut self, scene: &Scene, plan: &Plan, quiet: bool) -> Result<()> {
-        let cost = remarks::cost(plan.rays.camera, self.prepared_in, self.rendered_in);
+        self.remark_on(scene, plan, plan.rays.camera, quiet)
+    }
+
+    /// The same of so many camera rays.
+    pub fn remark_on(&mut self, scene: &Scene, plan: &Plan, rays: u64, quiet: bool) -> Result<()> {
+        let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film, plan))?;
         say(quiet, &remarks::blackness(&self.film))?;

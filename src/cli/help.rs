@@ -28,6 +28,7 @@ No environment variable changes what is computed; NO_COLOR turns off colours in 
 pub const RENDER: &str = "\
 Examples:
   nullray render scene.toml -o still.png -o data.exr --aovs all
+  nullray render scene.toml --error \"1 %\" --budget \"5 min\" -o still.exr
   nullray render scene.toml --time \"2 ns\" --set \"camera.velocity={beta=[0,0,-0.5]}\"
   nullray render scene.toml --size 320x240 --spp 1 --isochrones times.png
   nullray render scene.toml --overlay figure.pdf --overlay-parts outlines,beta
@@ -107,6 +108,7 @@ other renderers how to read it and how to compare. A directory that is not an ex
 pub const BAKE: &str = "\
 Examples:
   nullray bake scene.toml --camera --bin-width \"5 cm\" --bins 200 --set render.bounces=4 --spp 256 -o light.npy
+  nullray bake scene.toml --object floor --texels 512x512 --bin-width \"5 cm\" --bins 1000 --plan
   nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
 
 Each sample is a path of `render.bounces` surfaces after the first, and its light goes into all bins of time in which it arrives. \

@@ -5,6 +5,7 @@
 //! once the flag is set ([`check`]).
 
 use std::io::IsTerminal;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -17,14 +18,13 @@ use super::{complain, complain_styled};
 pub const CODE: u8 = 130;
 /// The message.
 const MESSAGE: &str = "nullray: stopped; no unfinished file is left\n";
-/// And where the work can be resumed.
-const RESUME: &str = "run the same command again to render the missing frames\n";
 
 /// How long work may take to notice.
 const PATIENCE: Duration = Duration::from_millis(600);
 
 static STOPPING: AtomicBool = AtomicBool::new(false);
-static CAN_RESUME: AtomicBool = AtomicBool::new(false);
+/// What to do to resume the work, where it can be resumed.
+static RESUME: OnceLock<&'static str> = OnceLock::new();
 
 /// Handles signals from now on.
 pub fn install() {
@@ -45,16 +45,16 @@ fn stop() {
     std::process::exit(CODE.into());
 }
 
-/// Notes that the work can be resumed after it was stopped.
-pub fn can_resume() {
-    CAN_RESUME.store(true, Ordering::Relaxed);
+/// Notes how the work can be resumed after it was stopped; the first note counts.
+pub fn can_resume(how: &'static str) {
+    let _ = RESUME.set(how);
 }
 
 /// The message when everything has stopped.
 pub fn message() -> String {
-    match CAN_RESUME.load(Ordering::Relaxed) {
-        true => format!("{MESSAGE}{RESUME}"),
-        false => MESSAGE.into(),
+    match RESUME.get() {
+        Some(how) => format!("{MESSAGE}{how}\n"),
+        None => MESSAGE.into(),
     }
 }
 

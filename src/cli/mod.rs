@@ -24,6 +24,7 @@ mod output;
 mod overlay;
 mod page;
 mod panels;
+mod passes;
 mod plan;
 mod progress;
 mod reel;

@@ -143,6 +143,17 @@ impl Outputs {
             .chain(overlays.map(|path| ("--overlay", path.as_path())))
     }
 
+    /// Those of radiance alone: no lines, and no retarded times.
+    pub fn of_film_alone(&self) -> Outputs {
+        let is_picture = |path: &&PathBuf| Kind::of(path, self.show) != Kind::Isochrones;
+        Outputs {
+            images: self.images.iter().filter(is_picture).cloned().collect(),
+            isochrones: None,
+            overlays: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// The same with every file's name changed.
     pub fn renamed(&self, name: impl Fn(&Path) -> PathBuf) -> Outputs {
         Outputs {
@@ -474,6 +485,14 @@ impl Identity {
     /// The fingerprint of the frame's picture with these lines over it, as text.
     pub fn of_overlay(&self, parts: Parts) -> String {
         self.number(&format!("overlay {parts:?}"), self.step)
+    }
+
+    /// The fingerprint of unfinished work of this description.
+    pub fn of_sums(&self, what: &str) -> [u8; 32] {
+        let mut parts = Digests::default();
+        parts.add(&self.common);
+        parts.add(what.as_bytes());
+        parts.0.finalize().into()
     }
 
     fn number(&self, what: &str, step: Option<f64>) -> String {

@@ -21,7 +21,7 @@ use super::names::{named_after, numbered, suffixed};
 use super::output::{Outputs, extension};
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, exposure, inputs, motion, panels, print, say};
+use super::{builtin, exposure, inputs, motion, panels, passes, print, say};
 
 /// Pictures per second of a film for which nothing else is said.
 pub const PLAY_FPS: f64 = 24.0;
@@ -75,6 +75,10 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         ));
     }
     let mut account = wanted.then(Account::default);
+    let improves = arguments.passes.given();
+    if let Some(option) = improves {
+        check_passes(option, arguments, frames.is_some())?;
+    }
     in_pool(arguments.work.threads, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
@@ -93,6 +97,16 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
             film.make(&job, account.as_mut())
         }
         None if of_panels => all_panels(arguments, &file, &scene, &outputs, account.as_mut()),
+        None if improves.is_some() => {
+            let request = request(arguments, &outputs, &scene);
+            passes::one(
+                &scene,
+                request,
+                &outputs,
+                arguments.passes,
+                arguments.work.quiet,
+            )
+        }
         None => {
             let request = request(arguments, &outputs, &scene);
             one(
@@ -269,6 +283,30 @@ fn exposed(
     }
 }
 
+/// Refuses passes of what is not a picture of the ray tracer.
+fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) -> Result<()> {
+    let refuse = |what: &str, help: &str| Err(refused(option, what, help));
+    match () {
+        () if is_sequence => refuse(
+            "it improves pictures, and this is a sequence of them",
+            "one --time, or samples for all frames: --spp N",
+        ),
+        () if arguments.method != Method::Trace => refuse(
+            "it improves pictures of the ray tracer",
+            "leave out --method",
+        ),
+        () if arguments.changes.pixel_centers => refuse(
+            "rays through the centres of pixels have no noise to improve",
+            "leave out --pixel-centers",
+        ),
+        () if arguments.stats || arguments.stats_json.is_some() => refuse(
+            "it keeps no statistics",
+            "leave out --stats, or give --spp N",
+        ),
+        () => Ok(()),
+    }
+}
+
 /// Says and writes what it has cost, as far as that is wanted.
 fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
     if arguments.stats {
@@ -330,8 +368,11 @@ fn all_panels(
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     for (request, scene, outputs) in &jobs {
-        let account = account.as_deref_mut();
-        one(scene, request, outputs, arguments.work.quiet, account)?;
+        let quiet = arguments.work.quiet;
+        match arguments.passes.given() {
+            Some(_) => passes::one(scene, request.clone(), outputs, arguments.passes, quiet)?,
+            None => one(scene, request, outputs, quiet, account.as_deref_mut())?,
+        }
     }
     Ok(())
 }

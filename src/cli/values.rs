@@ -144,6 +144,37 @@ pub fn samples(text: &str) -> Result<SampleList, String> {
     study::parse_samples(text).map(SampleList)
 }
 
+/// A relative error, as a part of 1: "1 %" or 0.01.
+pub fn relative_error(text: &str) -> Result<f64, String> {
+    let help = "a relative error above 0 % and at most 100 %, like \"1 %\"";
+    let (digits, unit) = match text.trim().strip_suffix('%') {
+        Some(digits) => (digits, 0.01),
+        None => (text, 1.0),
+    };
+    number(digits, f64::MIN_POSITIVE..=1.0 / unit, help).map(|number| number * unit)
+}
+
+/// A time to work, in seconds: "60 s", "5 min" or "1 h", up to a month.
+pub fn work_time(text: &str) -> Result<f64, String> {
+    let help = "a time with its unit, like \"60 s\", \"5 min\" or \"1 h\"";
+    let text = text.trim();
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match &text[digits.len()..] {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(help.into()),
+    };
+    number(digits, 0.0..=2.6e6 / unit, help).map(|number| number * unit)
+}
+
+/// How many passes: pairs, one for each half of the samples.
+pub fn passes(text: &str) -> Result<u32, String> {
+    let number = text.trim().parse::<u32>().ok();
+    let even = number.filter(|n| (2..=65_536).contains(n) && n % 2 == 0);
+    even.ok_or("passes come in pairs: an even number from 2 to 65536".into())
+}
+
 /// A number of seconds, up to a month.
 pub fn seconds(text: &str) -> Result<f64, String> {
     number(text, 0.0..=2.6e6, "a number of seconds, like 60")

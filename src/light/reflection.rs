@@ -22,6 +22,17 @@
 //! ```
 //!
 //! the second term from p(h) = G₁ (v·h) D/(n·v), dω_h/dω_l = 1/(4 v·h) and G₁ = 2 n·v/(n·v + √(…)).
+//!
+//! Smooth glass, between the indices n₁ on the side of the observer and n₂, is a mirror with the F of Fresnel's equations for light of no
+//! polarization (Born and Wolf, Principles of Optics, § 1.5.2). Of the rest the part t goes through: light that comes along
+//!
+//! ```text
+//! l = −(n₁/n₂) v + ((n₁/n₂) cos θ₁ − cos θ₂) n,     n₁ sin θ₁ = n₂ sin θ₂,
+//! ```
+//!
+//! has the radiance (n₁/n₂)² as large on the near side, as L/n² does not change along rays (dω cos θ n² is invariant: ibid., § 4.8), times c.
+//! Where no θ₂ exists, all is reflected. A film without thickness lets light through unbent; with the reflections between its two faces its F
+//! is 2F/(1 + F). Neglected: dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
 
 use std::f64::consts::{PI, TAU};
 
@@ -46,6 +57,23 @@ pub struct Reflection {
     alpha: f64,
     /// Whether the specular part is that of a mirror.
     is_mirror: bool,
+    /// What goes through.
+    through: Option<Through>,
+    /// Refractive index on the side of the observer, over that of the medium of the scene.
+    near: f64,
+}
+
+/// What goes through a surface.
+#[derive(Debug, Clone, Copy)]
+struct Through {
+    /// t c (1 − m).
+    colour: [f64; 3],
+    /// Index on the other side.
+    far: f64,
+    /// F.
+    reflected: f64,
+    /// Along which light comes that goes through; none where all is reflected.
+    l: Option<DVec3>,
 }
 
 /// A direction in which light is followed on.
@@ -55,8 +83,10 @@ pub struct Scattered {
     pub l: DVec3,
     /// f (n·l) over the density.
     pub weight: [f64; 3],
-    /// Per solid angle; infinite for a mirror's direction.
+    /// Per solid angle; infinite for the direction of a mirror or through glass.
     pub density: f64,
+    /// Refractive index along it, over that of the medium of the scene.
+    pub index: f64,
 }
 
 impl Reflection {
@@ -70,6 +100,8 @@ impl Reflection {
             specular: None,
             alpha: 1.0,
             is_mirror: false,
+            through: None,
+            near: 1.0,
         }
     }
 
@@ -91,6 +123,8 @@ impl Reflection {
             specular: Some(colour.map(|c| 0.04 * (1.0 - metallic) + c * metallic)),
             alpha: (roughness * roughness).max(SMOOTHEST),
             is_mirror: false,
+            through: None,
+            near: 1.0,
         }
     }
 
@@ -98,6 +132,38 @@ impl Reflection {
     pub fn as_mirror(self) -> Self {
         Reflection {
             is_mirror: true,
+            ..self
+        }
+    }
+
+    /// The same where the observer is in a medium of this index.
+    pub fn within(self, near: f64) -> Self {
+        Reflection { near, ..self }
+    }
+
+    /// The same as smooth glass, of which the part `transmission` of what is not reflected goes through to the index `far`; a film without
+    /// thickness where `solid` is false.
+    pub fn as_glass(self, transmission: f64, far: f64, solid: bool) -> Self {
+        let ratio = if solid { self.near / far } else { 1.0 };
+        let (mut reflected, cosine) = fresnel(self.facing.min(1.0), far / self.near);
+        if !solid {
+            reflected = 2.0 * reflected / (1.0 + reflected);
+        }
+        let refracted =
+            |cosine: f64| self.normal * (ratio * self.facing - cosine) - self.view * ratio;
+        let l = match solid {
+            true => cosine.map(|cosine| refracted(cosine).normalize_or(-self.normal)),
+            false => Some(-self.view),
+        };
+        Reflection {
+            diffuse: self.diffuse.map(|c| c * (1.0 - transmission)),
+            is_mirror: true,
+            through: Some(Through {
+                colour: self.diffuse.map(|c| c * transmission * ratio * ratio),
+                far: if solid { far } else { self.near },
+                reflected,
+                l,
+            }),
             ..self
         }
     }
@@ -209,15 +275,37 @@ impl Reflection {
         if x < share && self.is_mirror {
             let f0 = self.specular?;
             let weight = schlick(self.facing);
+            let reflected = match self.through {
+                None => f0.map(|f| f + (1.0 - f) * weight),
+                Some(glass) => [glass.reflected; 3],
+            };
             return Some(Scattered {
                 l: self.normal * (2.0 * self.normal.dot(self.view)) - self.view,
-                weight: f0.map(|f| (f + (1.0 - f) * weight) / share),
+                weight: reflected.map(|f| f / share),
                 density: f64::INFINITY,
+                index: self.near,
             });
         }
         let l = match x < share {
             true => self.sample_specular([x / share, y])?.0,
-            false => by_cosine(self.normal, [(x - share) / (1.0 - share), y]),
+            false => {
+                let x = (x - share) / (1.0 - share);
+                let part = self.share_through();
+                if let Some(glass) = self.through.filter(|_| x < part) {
+                    let weight = (1.0 - glass.reflected) / ((1.0 - share) * part);
+                    return Some(Scattered {
+                        l: glass.l?,
+                        weight: glass.colour.map(|c| c * weight),
+                        density: f64::INFINITY,
+                        index: glass.far,
+                    });
+                }
+                let x = match part > 0.0 {
+                    true => (x - part) / (1.0 - part),
+                    false => x,
+                };
+                by_cosine(self.normal, [x, y])
+            }
         };
         let (cosine, density) = (self.normal.dot(l), self.density(l));
         let is_drawn = cosine > 0.0 && density > 0.0;
@@ -225,6 +313,7 @@ impl Reflection {
             l,
             weight: self.value(l).map(|f| f * cosine / density),
             density,
+            index: self.near,
         })
     }
 
@@ -232,7 +321,10 @@ impl Reflection {
     #[inline]
     pub fn density(&self, l: DVec3) -> f64 {
         let share = self.specular_share();
-        let diffuse = (1.0 - share) * self.normal.dot(l).max(0.0) / PI;
+        let mut diffuse = (1.0 - share) * self.normal.dot(l).max(0.0) / PI;
+        if self.through.is_some() {
+            diffuse *= 1.0 - self.share_through();
+        }
         if share == 0.0 || self.is_mirror {
             return diffuse;
         }
@@ -247,13 +339,32 @@ impl Reflection {
         let Some(f0) = self.specular else {
             return 0.0;
         };
-        let mean = |[r, g, b]: [f64; 3]| (r + g + b) / 3.0;
         let weight = schlick(self.facing);
+        if let Some(glass) = &self.through {
+            let rest = mean(self.diffuse) + mean(glass.colour);
+            return match glass.l.is_some() && rest > 0.0 {
+                true => glass.reflected.clamp(0.1, 0.9),
+                false => 1.0,
+            };
+        }
         let specular = mean(f0.map(|f| f + (1.0 - f) * weight));
         let diffuse = (1.0 - specular).max(0.0) * mean(self.diffuse);
         match diffuse > 0.0 {
             true => (specular / (specular + diffuse)).clamp(0.1, 0.9),
             false => 1.0,
+        }
+    }
+
+    /// Of what is not reflected as by a mirror, the part of directions that go through.
+    #[inline]
+    fn share_through(&self) -> f64 {
+        let Some(glass) = &self.through else {
+            return 0.0;
+        };
+        let through = mean(glass.colour);
+        match through > 0.0 {
+            true => through / (through + mean(self.diffuse)),
+            false => 0.0,
         }
     }
 
@@ -318,6 +429,8 @@ impl VectorLoop for Values<'_> {
                     specular: None,
                     alpha: alpha[k],
                     is_mirror: false,
+                    through: None,
+                    near: 1.0,
                 };
                 values.set(k, of.glossy_value(specular.get(k), l.get(k)));
             }
@@ -333,6 +446,24 @@ impl VectorLoop for Values<'_> {
             begin += BLOCK;
         }
     }
+}
+
+/// F of light that falls with `cosine` on a body whose index is `ratio` times as high, and the cosine within; none where all is reflected.
+#[inline]
+fn fresnel(cosine: f64, ratio: f64) -> (f64, Option<f64>) {
+    let within = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
+    if within <= 0.0 {
+        return (1.0, None);
+    }
+    let within = within.sqrt();
+    let s = (cosine - ratio * within) / (cosine + ratio * within);
+    let p = (ratio * cosine - within) / (ratio * cosine + within);
+    (0.5 * (s * s + p * p), Some(within))
+}
+
+#[inline]
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
 }
 
 /// A direction about `n`, drawn with the cosine by two numbers in [0, 1).
@@ -460,6 +591,40 @@ mod tests {
                 "{k}"
             );
         }
+    }
+
+    #[test]
+    fn glass_reflects_by_fresnel_and_bends_by_snell() {
+        // Of normal incidence ((n − 1)/(n + 1))², in glass of 1.5 as from air; nothing is polarized at Brewster's angle, whose tangent is n, and
+        // (n² − 1)²/(n² + 1)²/2 is reflected there; beyond the critical angle, sin θ = 1/n, all of it.
+        let n = 1.5;
+        let glass = |v, near: f64, far: f64| {
+            let r = Reflection::metallic_roughness(DVec3::Z, v, [1.0; 3], 0.0, 0.0);
+            r.within(near).as_glass(1.0, far, true)
+        };
+        let reflected = |r: Reflection| r.through.unwrap().reflected;
+        assert!((reflected(glass(DVec3::Z, 1.0, n)) - 0.04).abs() < 1e-15);
+        assert!((reflected(glass(DVec3::Z, n, 1.0)) - 0.04).abs() < 1e-15);
+        let brewster = view(1.0 / (1.0 + n * n).sqrt());
+        let expected = 0.5 * ((n * n - 1.0) / (n * n + 1.0)).powi(2);
+        assert!((reflected(glass(brewster, 1.0, n)) - expected).abs() < 1e-15);
+        let beyond = glass(view(0.74), n, 1.0);
+        assert!(0.74f64 < (1.0 - 1.0 / (n * n)).sqrt() && reflected(beyond) == 1.0);
+        assert!(beyond.sample([0.999, 0.5]).unwrap().l.z > 0.0);
+        // A direction through: n₁ sin θ₁ = n₂ sin θ₂ on the other side, and radiance as n².
+        let s = glass(view(0.6), 1.0, n).sample([0.95, 0.5]).unwrap();
+        assert!((s.l - DVec3::new(-0.8 / n, 0.0, -(1.0 - 0.64 / (n * n)).sqrt())).length() < 1e-15);
+        assert!((s.index, s.density) == (n, f64::INFINITY));
+        let drawn = grid(200).map(|u| glass(view(0.6), 1.0, n).sample(u).unwrap());
+        let (mut up, mut down) = (0.0, 0.0);
+        for s in drawn {
+            *if s.l.z > 0.0 { &mut up } else { &mut down } += s.weight[0] / 40_000.0;
+        }
+        let f = reflected(glass(view(0.6), 1.0, n));
+        assert!(
+            (up - f).abs() < 1e-3 && (down - (1.0 - f) / (n * n)).abs() < 1e-3,
+            "{up} {down} {f}"
+        );
     }
 
     #[test]

@@ -4,4 +4,4 @@ pub mod shapes;
 mod triangles;
 
 pub use shapes::Shape;
-pub use triangles::{AlphaMode, Material, Mesh, MeshError, Part, TextureRef, Wrap};
+pub use triangles::{AlphaMode, MOST_INDEX, Material, Mesh, MeshError, Part, TextureRef, Wrap};

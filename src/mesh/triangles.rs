@@ -36,6 +36,9 @@ pub struct Part {
     pub node: String,
 }
 
+/// The highest refractive index of glass.
+pub const MOST_INDEX: f32 = 10.0;
+
 /// What a surface is made of: the metallic-roughness model of glTF 2.0 (§3.9).
 ///
 /// Its base colour at a point is factor × texture × vertex colour ([`Mesh::colours`]), linear RGBA.
@@ -57,6 +60,12 @@ pub struct Material {
     pub emissive: [f32; 3],
     /// The texture of the emitted radiance, sRGB.
     pub emissive_texture: Option<TextureRef>,
+    /// The part of the light not reflected that goes through, 0 to 1 (KHR_materials_transmission).
+    pub transmission: f32,
+    /// Refractive index of the body that it bounds (KHR_materials_ior).
+    pub ior: f32,
+    /// Whether it bounds a body of that index (KHR_materials_volume); otherwise it is a film without thickness.
+    pub solid: bool,
     /// Factor on alpha, 0 to 1.
     pub alpha: f32,
     /// What alpha does.
@@ -94,6 +103,9 @@ impl Default for Material {
             metallic_roughness_texture: None,
             emissive: [0.0; 3],
             emissive_texture: None,
+            transmission: 0.0,
+            ior: 1.5,
+            solid: false,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             unlit: false,

@@ -67,6 +67,8 @@ pub(crate) enum Combine {
     Coverage,
     /// The film's own: the standard error of the radiance.
     StandardError,
+    /// The film's own: how many samples the radiance is the mean of.
+    Samples,
     /// The film's own: the part of the radiance that is missing for one reason.
     Missing,
 }
@@ -134,8 +136,10 @@ aovs! {
         "part of the samples that meet an object";
     ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: a pass of ids, as compositors read it",
         "k + 1, or 0";
-    StandardError, "standard_error", StandardError, "estimated standard error of the pixel's mean radiance (mean of R, G, B), above 1 sample per pixel",
-        "√(sample variance / n) of the n samples' (R + G + B)/3";
+    StandardError, "standard_error", StandardError, "standard error of the pixel's mean radiance (mean of R, G, B), from independent parts of its samples; above 1 sample per pixel",
+        "√(Σ (m_k − m)²/(R (R − 1))), m_k the mean (R + G + B)/3 of part k of R = 8 or more equal parts of the samples, and m their mean";
+    Samples, "samples", Samples, "how many samples the pixel's radiance is the mean of",
+        "number of rays";
 }
 
 impl Aov {

@@ -3,7 +3,20 @@
 //! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
 //! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
 //! arrives, so that the cost is that of the paths, whatever the number of bins. Pixels and texels are each summed by one thread,
-//! sample by sample: the bits do not depend on the threads.
+//! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`] as they are
+//! done, where one is given.
+//!
+//! # The standard error
+//!
+//! The samples of a texel are R = 2 or more independent parts ([`sampler`](crate::render::sampler)). With the sums S_k of part k in a bin, the
+//! numbers f_k of its samples that lie on the surface, and m = Σ S_k/Σ f_k what is baked,
+//!
+//! ```text
+//! standard error² = R/(R − 1) Σ (S_k − m f_k)²/(Σ f_k)²
+//! ```
+//!
+//! (Cochran, Sampling Techniques, § 6.4; of equal f_k it is the variance of R means over R). Of each bin the root of the mean square over all
+//! texels is told.
 //!
 //! A camera's times are those of arrival: of emission at the surface, by the world's clock (or the object's own where all moves), plus η
 //! times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose arrays (H, W, T, C) these are. A surface's times
@@ -19,10 +32,11 @@ use crate::error::{Error, Result};
 use crate::io::cube::{Cube, Samples};
 use crate::light::Received;
 use crate::light::lamp::Lamp;
-use crate::render::film::Tile;
+use crate::render::film::{TILE, Tile};
+use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::sampler::{pixel_key, sobol};
+use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
 use crate::render::trace::{CameraRays, Patch, RayGenerator, RestFrame, TimedPaths};
 use crate::scene::model::{LightKind, Motion, ProjectionKind, Scene, SourceKind};
 use crate::spacetime::{Direction, Velocity};
@@ -56,16 +70,42 @@ pub struct Energy {
 pub struct Baked {
     /// Energy per bin, (H, W, T, 3), linear RGB, f32.
     pub cube: Cube,
+    /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); NaN of one sample.
+    pub standard_error: Vec<f64>,
     /// What is in it, and what is not.
     pub energy: Energy,
     /// Whether its times are those of the object's own clock, and not of the world's.
     pub own_clock: bool,
 }
 
-/// Bytes of a cube of `size` (columns and rows) and `bins`.
-pub fn bytes(size: [u32; 2], bins: &Bins) -> u64 {
+impl Baked {
+    /// The root of the mean square over all bins of the standard error, over that of the energy.
+    pub fn relative_error(&self) -> f64 {
+        let bins = self.standard_error.len().max(1);
+        let errors: f64 = self.standard_error.iter().map(|e| e * e).sum();
+        let [h, w, t, _] = self.cube.shape;
+        let texels = (0..h * w).flat_map(|texel| (0..t).map(move |bin| (texel, bin)));
+        let square = |(texel, bin)| (self.cube.total(texel, bin) / 3.0).powi(2);
+        let squares: f64 = texels.map(square).sum();
+        let mean = squares / (h * w * t) as f64;
+        match mean > 0.0 {
+            true => (errors / bins as f64 / mean).sqrt(),
+            false => 0.0,
+        }
+    }
+}
+
+/// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
+const PARTS: u32 = 2;
+
+/// Bytes of a cube of `size` (columns and rows) and `bins`, and of what is summed at a time on this many threads.
+pub fn bytes(size: [u32; 2], bins: &Bins, threads: usize) -> u64 {
     let texels = u64::from(size[0]) * u64::from(size[1]);
-    texels.saturating_mul(bins.count as u64).saturating_mul(12)
+    let bins = bins.count as u64;
+    // A tile of sums: two of three channels, two for the error, each f64; and what it becomes.
+    let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12);
+    let cube = texels.saturating_mul(bins).saturating_mul(12);
+    cube.saturating_add(tile.saturating_mul(threads as u64))
 }
 
 /// Refuses scenes whose light cannot be baked.
@@ -136,16 +176,64 @@ pub fn check(scene: &Scene) -> Result<()> {
 
 /// Energy per bin of one pixel or texel.
 struct Histogram {
+    /// Of the part that is being taken: sums by bin and channel, and how many samples.
+    part: Vec<f64>,
+    found: u32,
+    /// Of all parts before it.
     values: Vec<f64>,
+    all_found: u32,
+    parts: u32,
+    /// Σ f².
+    found_squares: f64,
+    /// By bin Σ S² and Σ S f, with S the mean of the channels.
+    squares: Vec<[f64; 2]>,
     energy: Energy,
 }
 
 impl Histogram {
     fn new(bins: &Bins) -> Self {
         Histogram {
+            part: vec![0.0; 3 * bins.count],
+            found: 0,
             values: vec![0.0; 3 * bins.count],
+            all_found: 0,
+            parts: 0,
+            found_squares: 0.0,
+            squares: vec![[0.0; 2]; bins.count],
             energy: Energy::NONE,
         }
+    }
+
+    /// Ends a part.
+    fn end_part(&mut self) {
+        if self.found == 0 {
+            return;
+        }
+        let f = f64::from(self.found);
+        for (bin, [squares, with_found]) in self.squares.iter_mut().enumerate() {
+            let part = &mut self.part[3 * bin..3 * bin + 3];
+            let s = (part[0] + part[1] + part[2]) / 3.0;
+            *squares += s * s;
+            *with_found += s * f;
+            for (sum, part) in self.values[3 * bin..].iter_mut().zip(part) {
+                *sum += *part;
+                *part = 0.0;
+            }
+        }
+        self.all_found += self.found;
+        self.found_squares += f * f;
+        self.parts += 1;
+        self.found = 0;
+    }
+
+    /// The square of the standard error in a bin.
+    fn error_square(&self, bin: usize) -> f64 {
+        let (n, r) = (f64::from(self.all_found), f64::from(self.parts));
+        let m = self.values[3 * bin..3 * bin + 3].iter().sum::<f64>() / (3.0 * n);
+        let [squares, with_found] = self.squares[bin];
+        // Σ (S − m f)².
+        let spread = squares - 2.0 * m * with_found + m * m * self.found_squares;
+        r / (r - 1.0) * spread.max(0.0) / (n * n)
     }
 
     /// Adds `light` times the emission of `lamp` at its proper times, which are `delay` before those of the bins.
@@ -159,13 +247,19 @@ impl Histogram {
         let bin = |time: f64| (time + delay - bins.start) / bins.width;
         let first = (bin(from).max(0.0) as usize).min(bins.count);
         let end = (bin(to).ceil().max(0.0) as usize).min(bins.count);
-        let until = |bin: usize| lamp.emitted_until(bins.start + bin as f64 * bins.width - delay);
+        let edge = |bin: usize| bins.start + bin as f64 * bins.width - delay;
+        let until = |bin: usize| lamp.emitted_until(edge(bin));
         let mean = (light[0] + light[1] + light[2]) / 3.0;
-        let begun = until(first);
+        // Most paths have all of their light in the bins: its integral is not asked for before it begins and after it ends.
+        let begun = if edge(first) <= from {
+            0.0
+        } else {
+            until(first)
+        };
         let mut before = begun;
         for bin in first..end {
             let after = until(bin + 1);
-            for (value, light) in self.values[3 * bin..3 * bin + 3].iter_mut().zip(light) {
+            for (value, light) in self.part[3 * bin..3 * bin + 3].iter_mut().zip(light) {
                 *value += light * (after - before);
             }
             before = after;
@@ -174,7 +268,10 @@ impl Histogram {
         self.energy.add(&Energy {
             held: mean * (before - begun),
             before: mean * begun,
-            after: mean * (lamp.emitted_until(to) - before),
+            after: match edge(end) >= to {
+                true => 0.0,
+                false => mean * (lamp.emitted_until(to) - before),
+            },
             span: Some(span),
         });
     }
@@ -200,65 +297,202 @@ impl Energy {
     }
 }
 
-/// The cube of the scene's camera, which rests relative to all objects.
+/// What becomes of a tile of pixels or a row of texels.
+#[derive(Debug, Default)]
+struct Part {
+    /// Energy by texel, bin and channel.
+    values: Vec<f32>,
+    /// By texel, whether there is any surface.
+    covered: Vec<bool>,
+    summary: Summary,
+}
+
+/// What is summed over texels.
+#[derive(Debug)]
+struct Summary {
+    energy: Energy,
+    /// By bin, Σ of the squares of standard errors.
+    error_squares: Vec<f64>,
+    /// Of so many texels.
+    texels: u64,
+}
+
+impl Default for Summary {
+    fn default() -> Self {
+        Summary {
+            energy: Energy::NONE,
+            error_squares: Vec::new(),
+            texels: 0,
+        }
+    }
+}
+
+impl Part {
+    fn new(bins: &Bins) -> Self {
+        let mut part = Part::default();
+        part.summary.error_squares = vec![0.0; bins.count];
+        part
+    }
+
+    /// Adds the next texel.
+    fn push(&mut self, texel: &Histogram) {
+        let n = texel.all_found;
+        self.covered.push(n > 0);
+        if n == 0 {
+            let blank = std::iter::repeat_n(0.0, texel.values.len());
+            return self.values.extend(blank);
+        }
+        let scale = 1.0 / f64::from(n);
+        let means = texel.values.iter().map(|sum| (sum * scale) as f32);
+        self.values.extend(means);
+        self.summary.energy.add(&texel.energy);
+        self.summary.texels += 1;
+        for (bin, sum) in self.summary.error_squares.iter_mut().enumerate() {
+            *sum += texel.error_square(bin);
+        }
+    }
+
+    fn to_bytes(&self) -> Vec<u8> {
+        let Summary {
+            energy,
+            error_squares,
+            texels,
+        } = &self.summary;
+        let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
+        let numbers = [energy.held, energy.before, energy.after, from, to];
+        let mut bytes = texels.to_le_bytes().to_vec();
+        let numbers = numbers.iter().chain(error_squares);
+        bytes.extend(numbers.flat_map(|x| x.to_le_bytes()));
+        bytes.extend(self.covered.iter().map(|covered| u8::from(*covered)));
+        bytes.extend(self.values.iter().flat_map(|x| x.to_le_bytes()));
+        bytes
+    }
+
+    /// Of so many texels; none where that is not what these bytes are.
+    fn from_bytes(bytes: &[u8], texels: usize, bins: usize) -> Option<Part> {
+        let (count, rest) = bytes.split_first_chunk::<8>()?;
+        let (numbers, rest) = rest.split_at_checked(8 * (5 + bins))?;
+        let (covered, values) = rest.split_at_checked(texels)?;
+        let (values, left) = values.as_chunks::<4>();
+        if values.len() != 3 * texels * bins || !left.is_empty() {
+            return None;
+        }
+        let numbers = numbers.as_chunks::<8>().0.iter();
+        let numbers: Vec<f64> = numbers.map(|x| f64::from_le_bytes(*x)).collect();
+        let span = [numbers[3], numbers[4]];
+        let energy = Energy {
+            held: numbers[0],
+            before: numbers[1],
+            after: numbers[2],
+            span: (!span[0].is_nan()).then_some(span),
+        };
+        Some(Part {
+            values: values.iter().map(|x| f32::from_le_bytes(*x)).collect(),
+            covered: covered.iter().map(|covered| *covered == 1).collect(),
+            summary: Summary {
+                energy,
+                error_squares: numbers[5..].to_vec(),
+                texels: u64::from_le_bytes(*count),
+            },
+        })
+    }
+}
+
+/// Part `index` of the work, of `texels` texels: from the journal, or else made by `make` and added to it.
+fn kept(
+    journal: Option<&Journal>,
+    index: usize,
+    [texels, bins]: [usize; 2],
+    make: impl FnOnce() -> Result<Part>,
+) -> Result<Part> {
+    let Some(journal) = journal else {
+        return make();
+    };
+    let bytes = journal.part(index as u64)?;
+    if let Some(part) = bytes.and_then(|bytes| Part::from_bytes(&bytes, texels, bins)) {
+        return Ok(part);
+    }
+    let part = make()?;
+    journal.add(index as u64, &part.to_bytes())?;
+    Ok(part)
+}
+
+/// The cube of the scene's camera, which rests relative to all objects; tiles are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, a camera that moves relative to the objects, and [`Error::Cancelled`] when `progress` says so.
+/// What [`check`] refuses, a camera that moves relative to the objects, I/O errors of the journal, and [`Error::Cancelled`] when `progress` says so.
 pub fn camera_cube(
     scene: &Scene,
     prepared: &Prepared,
     bins: &Bins,
+    journal: Option<&Journal>,
     progress: &dyn Progress,
 ) -> Result<Baked> {
     check(scene)?;
     check_camera(scene)?;
     let paths = paths(scene, prepared)?;
     let layout = &prepared.layout;
+    let per_part = samples_per_part(layout.samples, PARTS);
+    let sampler = match layout.pixel_centers {
+        true => prepared.sampler,
+        false => prepared.sampler.with_samples(per_part),
+    };
     let [width, height] = layout.size.map(|n| n as usize);
     let mut values = vec![0f32; width * height * bins.count * 3];
-    let tiles = Tile::count(layout.size);
-    let mut energies = vec![Energy::NONE; tiles as usize];
     let placed = Mutex::new(&mut values);
-    energies.par_iter_mut().enumerate().try_for_each_init(
-        CameraRays::default,
-        |rays, (index, energy)| {
-            let tile = Tile::of_image(layout.size, index as u64);
-            let mut pixels: Vec<_> = (0..tile.pixels()).map(|_| Histogram::new(bins)).collect();
-            for sample in 0..layout.samples {
-                progress.check()?;
-                sample_tile(prepared, &paths, bins, (tile, sample), rays, &mut pixels);
-                progress.rays_done(tile.pixels() as u64);
+    let make = |tile: Tile, rays: &mut CameraRays| {
+        let mut pixels: Vec<_> = (0..tile.pixels()).map(|_| Histogram::new(bins)).collect();
+        for sample in 0..layout.samples {
+            progress.check()?;
+            let place = (tile, sample);
+            sample_tile(prepared, &paths, (bins, &sampler), place, rays, &mut pixels);
+            if (sample + 1).is_multiple_of(per_part) {
+                pixels.iter_mut().for_each(Histogram::end_part);
             }
+        }
+        let mut part = Part::new(bins);
+        pixels.iter().for_each(|pixel| part.push(pixel));
+        Ok(part)
+    };
+    let tiles = (0..Tile::count(layout.size) as usize).into_par_iter();
+    let summaries: Vec<Summary> = tiles
+        .map_init(CameraRays::default, |rays, index| {
+            let tile = Tile::of_image(layout.size, index as u64);
+            let size = [tile.pixels(), bins.count];
+            let part = kept(journal, index, size, || make(tile, rays))?;
+            progress.rays_done(tile.pixels() as u64 * u64::from(layout.samples));
             // A poisoned lock means a panic elsewhere, which rayon passes on.
             let mut values = placed.lock().unwrap_or_else(PoisonError::into_inner);
-            for ((column, row), pixel) in tile.coordinates().zip(&pixels) {
+            let pixels = part.values.chunks(3 * bins.count);
+            for ((column, row), pixel) in tile.coordinates().zip(pixels) {
                 let first = (row as usize * width + column as usize) * bins.count * 3;
-                put(&mut values[first..], pixel, layout.samples);
-                energy.add(&pixel.energy);
+                values[first..first + pixel.len()].copy_from_slice(pixel);
             }
-            Ok::<(), Error>(())
-        },
-    )?;
-    baked(scene, prepared, [height, width], bins, values, &energies)
+            Ok(part.summary)
+        })
+        .collect::<Result<_>>()?;
+    baked(scene, prepared, [height, width], bins, values, &summaries)
 }
 
 /// Adds one sample to each pixel of a tile.
 fn sample_tile(
     prepared: &Prepared,
     paths: &TimedPaths,
-    bins: &Bins,
+    (bins, sampler): (&Bins, &Sampler),
     (tile, sample): (Tile, u32),
     rays: &mut CameraRays,
     pixels: &mut [Histogram],
 ) {
     let view = &prepared.camera.view;
-    view.generate(rays, &prepared.sampler, tile, sample);
+    view.generate(rays, sampler, tile, sample);
+    let (within, salt) = sampler.replicate(sample);
     let frame = &paths.rest.frame;
     let boost = frame.frame_from_world();
     let shot = frame.event_from_world(prepared.camera.shot.event);
     let traced = rays.rays(prepared.method);
     let keys = tile.coordinates();
     for (ray, ((column, row), pixel)) in keys.zip(pixels).enumerate() {
+        pixel.found += 1;
         let origin = traced.origin(ray);
         let d = Direction::from_unit(traced.directions[ray]);
         let d = boost.direction(d).0.unit();
@@ -267,7 +501,7 @@ fn sample_tile(
             continue;
         };
         let clock = paths.clock(paths.rest.patch(hit.triangle));
-        let key = (pixel_key(column, row), sample);
+        let key = (pixel_key(column, row) ^ salt, within);
         paths.follow((origin, d), hit, key, |lamp, light, delay| {
             pixel.add(bins, lamp, light, delay + clock);
         });
@@ -281,14 +515,6 @@ fn nearest(rest: &RestFrame, origin: DVec3, direction: DVec3) -> Option<Hit> {
         s_min: 0.0,
     };
     rest.bvh.closest(&ray, f64::INFINITY)
-}
-
-/// Puts the mean of `samples` samples into an array of f32.
-fn put(values: &mut [f32], pixel: &Histogram, samples: u32) {
-    let scale = 1.0 / f64::from(samples);
-    for (value, sum) in values.iter_mut().zip(&pixel.values) {
-        *value = (sum * scale) as f32;
-    }
 }
 
 /// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the
@@ -358,10 +584,19 @@ fn baked(
     [height, width]: [usize; 2],
     bins: &Bins,
     values: Vec<f32>,
-    energies: &[Energy],
+    summaries: &[Summary],
 ) -> Result<Baked> {
     let mut energy = Energy::NONE;
-    energies.iter().for_each(|part| energy.add(part));
+    summaries.iter().for_each(|part| energy.add(&part.energy));
+    let texels: u64 = summaries.iter().map(|part| part.texels).sum();
+    let square = |bin: usize| {
+        summaries
+            .iter()
+            .map(|part| part.error_squares[bin])
+            .sum::<f64>()
+    };
+    let standard_error = (0..bins.count).map(|bin| (square(bin) / texels as f64).sqrt());
+    let standard_error = standard_error.collect();
     let cube = Cube::new([height, width, bins.count, 3], Samples::F32(values));
     let cube = cube.map_err(|e| {
         let help = "lamps whose light f32 can hold";
@@ -370,6 +605,7 @@ fn baked(
     let still = |frame: &RestFrame| frame.frame.velocity().is_rest();
     Ok(Baked {
         cube,
+        standard_error,
         energy,
         own_clock: !prepared.frames.iter().all(still),
     })
@@ -386,16 +622,17 @@ pub struct Surface {
     pub size: [u32; 2],
 }
 
-/// The cube of the surface of an object by its texture coordinates.
+/// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
 ///
 /// # Errors
-/// What [`check`] refuses, no texture coordinates, some outside [0, 1], charts that overlap, and [`Error::Cancelled`] when
-/// `progress` says so.
+/// What [`check`] refuses, no texture coordinates, some outside [0, 1], charts that overlap, I/O errors of the journal, and
+/// [`Error::Cancelled`] when `progress` says so.
 pub fn surface_cube(
     scene: &Scene,
     prepared: &Prepared,
     surface: &Surface,
     bins: &Bins,
+    journal: Option<&Journal>,
     progress: &dyn Progress,
 ) -> Result<Baked> {
     check(scene)?;
@@ -404,35 +641,36 @@ pub fn surface_cube(
     let [width, height] = surface.size.map(|n| n as usize);
     let row = width * bins.count * 3;
     let mut values = vec![0f32; height * row];
-    let rows: Vec<(Energy, Vec<bool>)> = values
+    let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));
+    let sampling = (sampler.with_seed(scene.seed), prepared.layout.samples);
+    let make = |i: usize| {
+        let mut part = Part::new(bins);
+        for j in 0..width {
+            progress.check()?;
+            let mut texel = Histogram::new(bins);
+            charts.gather(&paths, bins, [j, i], sampling, &mut texel)?;
+            part.push(&texel);
+        }
+        Ok(part)
+    };
+    let rows: Vec<(Summary, Vec<bool>)> = values
         .par_chunks_mut(row)
         .enumerate()
         .map(|(i, values)| {
-            let mut energy = Energy::NONE;
-            let mut covered = Vec::with_capacity(width);
-            for (j, values) in values.chunks_mut(bins.count * 3).enumerate() {
-                progress.check()?;
-                let mut texel = Histogram::new(bins);
-                let found =
-                    charts.gather(&paths, bins, [j, i], prepared.layout.samples, &mut texel)?;
-                covered.push(found > 0);
-                if found > 0 {
-                    put(values, &texel, found);
-                    energy.add(&texel.energy);
-                }
-            }
+            let part = kept(journal, i, [width, bins.count], || make(i))?;
+            values.copy_from_slice(&part.values);
             progress.rays_done(width as u64 * u64::from(prepared.layout.samples));
-            Ok((energy, covered))
+            Ok((part.summary, part.covered))
         })
         .collect::<Result<_>>()?;
-    let (energies, covered): (Vec<Energy>, Vec<Vec<bool>>) = rows.into_iter().unzip();
+    let (summaries, covered): (Vec<Summary>, Vec<Vec<bool>>) = rows.into_iter().unzip();
     fill_gutters(
         &mut values,
         covered.concat(),
         [width, height],
         bins.count * 3,
     );
-    baked(scene, prepared, [height, width], bins, values, &energies)
+    baked(scene, prepared, [height, width], bins, values, &summaries)
 }
 
 /// The triangles of an object on its texture.
@@ -551,30 +789,32 @@ impl<'a> Charts<'a> {
         Ok(found)
     }
 
-    /// Adds all samples of a texel, and returns how many of them lie on the surface.
+    /// Adds all samples of a texel that lie on the surface.
     fn gather(
         &self,
         paths: &TimedPaths,
         bins: &Bins,
         [j, i]: [usize; 2],
-        samples: u32,
+        (sampler, samples): (Sampler, u32),
         texel: &mut Histogram,
-    ) -> Result<u32> {
-        let key = pixel_key(j as u32, i as u32);
-        let mut found = 0;
+    ) -> Result<()> {
         for sample in 0..samples {
-            let [x, y] = sobol(key, sample, IN_TEXEL);
+            let (within, salt) = sampler.replicate(sample);
+            let key = pixel_key(j as u32, i as u32) ^ salt;
+            let [x, y] = sobol(key, within, IN_TEXEL);
             let point = DVec2::new(j as f64 + x, i as f64 + y);
-            let Some(hit) = self.locate([j, i], point)? else {
-                continue;
-            };
-            found += 1;
-            let clock = paths.clock(paths.rest.patch(hit.triangle));
-            paths.follow_from(hit, (key, sample), |lamp, light, delay| {
-                texel.add(bins, lamp, light, delay + clock);
-            });
+            if let Some(hit) = self.locate([j, i], point)? {
+                texel.found += 1;
+                let clock = paths.clock(paths.rest.patch(hit.triangle));
+                paths.follow_from(hit, (key, within), |lamp, light, delay| {
+                    texel.add(bins, lamp, light, delay + clock);
+                });
+            }
+            if within + 1 == sampler.samples() {
+                texel.end_part();
+            }
         }
-        Ok(found)
+        Ok(())
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use sha2::{Digest, Sha256};
 
+use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
     Assembly, CameraModel, Elements, Equations, Motion, Pivot, ProjectionKind, Records, Scene,
@@ -34,7 +35,10 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         ("units", "metres; times are c·t in metres; c = 1".into()),
         ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
         ("medium_index", scene.medium_index.to_string()),
-        ("samples_per_pixel", film.samples().to_string()),
+        (
+            "samples_per_pixel",
+            (u64::from(film.samples()) * u64::from(film.passes())).to_string(),
+        ),
         ("pixel_centers", film.is_centred().to_string()),
         ("precision", film.precision().name().into()),
         ("radiance_quantity", scene.quantity.to_string()),
@@ -64,6 +68,10 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .false_colour
         .map(|l| ("false_colour_m", l.to_string()));
     let bounces = (scene.bounces > 0).then(|| ("bounces", scene.bounces.to_string()));
+    let passes = (film.passes() > 1).then(|| ("passes", film.passes().to_string()));
+    let error = film
+        .error_asked_for()
+        .map(|error| ("relative_error_asked_for", error.to_string()));
     let equations = (scene.equations != Equations::Exact)
         .then(|| ("equations", equations(scene.equations).to_string()));
     let own = pairs
@@ -71,11 +79,48 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
         .chain(continuation)
         .chain(false_colour)
         .chain(bounces)
+        .chain(passes)
+        .chain(error)
         .chain(projection(camera))
         .chain(equations)
         .chain(moving(camera))
         .chain(sensor(camera));
     let own = own.map(|(key, value)| (key.into(), value));
+    of_text(&scene.name, &scene.text)
+        .into_iter()
+        .chain(own)
+        .collect()
+}
+
+/// Of baked light: program, scene, hash, units, bins.
+pub fn of_baked(scene: &Scene, bins: &Bins, samples: u32, baked: &Baked) -> Vec<(String, String)> {
+    let energy = &baked.energy;
+    let pairs = [
+        (
+            "units",
+            "energy of radiance per bin of time; metres; times are c·t in metres; c = 1".into(),
+        ),
+        ("speed_of_light_m_per_s", scene.speed_of_light.to_string()),
+        ("medium_index", scene.medium_index.to_string()),
+        ("samples_per_pixel", samples.to_string()),
+        ("radiance_quantity", scene.quantity.to_string()),
+        ("bounces", scene.bounces.to_string()),
+        ("start", bins.start.to_string()),
+        ("bin_width", bins.width.to_string()),
+        ("bins", bins.count.to_string()),
+        (
+            "clock",
+            if baked.own_clock { "object" } else { "world" }.into(),
+        ),
+        ("energy_in_bins", energy.held.to_string()),
+        ("energy_before_bins", energy.before.to_string()),
+        ("energy_after_bins", energy.after.to_string()),
+        (
+            "relative_standard_error",
+            baked.relative_error().to_string(),
+        ),
+    ];
+    let own = pairs.map(|(key, value): (_, String)| (key.into(), value));
     of_text(&scene.name, &scene.text)
         .into_iter()
         .chain(own)

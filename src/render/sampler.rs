@@ -4,6 +4,10 @@
 //! a sub-column of its own, so that the n samples also project onto n different strata of x and of y
 //! (Chiu, Shirley, Wang, "Multi-jittered sampling", Graphics Gems IV, 1994). A prime n is 1 × n, which
 //! is N-rooks. Nothing depends on threads, tiles or the order of rendering.
+//!
+//! Samples beyond the n-th are those of further replicates: sample k n + i is sample i of replicate k, which is the same set of strata
+//! with random numbers of its own, independent of all other replicates. The mean of R replicates has the variance of one of them over R,
+//! which R means tell without bias however well the samples of each are spread (Owen, "Monte Carlo theory, methods and examples", § 17.3).
 
 use crate::accel::vectors::{VectorLoop, dispatch};
 
@@ -15,6 +19,7 @@ pub struct Sampler {
     /// Width and height of a cell: 1 / columns, 1 / rows.
     cell: [f64; 2],
     centred: bool,
+    seed: u32,
 }
 
 impl Sampler {
@@ -32,7 +37,18 @@ impl Sampler {
             rows,
             cell: [1.0 / root as f64, 1.0 / rows as f64],
             centred: false,
+            seed: 0,
         }
+    }
+
+    /// The same with other random numbers, independent of those of other seeds.
+    pub fn with_seed(self, seed: u32) -> Self {
+        Sampler { seed, ..self }
+    }
+
+    /// The same random numbers for replicates of `samples` samples.
+    pub(crate) fn with_samples(self, samples: u32) -> Self {
+        Sampler::stratified(samples).with_seed(self.seed)
     }
 
     /// One sample, at the pixel's centre.
@@ -42,23 +58,37 @@ impl Sampler {
             rows: 1,
             cell: [1.0; 2],
             centred: true,
+            seed: 0,
         }
     }
 
-    /// Samples per pixel.
+    /// Samples per pixel of one replicate.
     pub fn samples(&self) -> u32 {
         self.columns * self.rows
+    }
+
+    /// The sample of its replicate that sample `index` is, and what the keys of pixels are combined with there by exclusive or; 0 for
+    /// the first replicate of seed 0.
+    pub(crate) fn replicate(&self, index: u32) -> (u32, u64) {
+        let (replicate, within) = (index / self.samples(), index % self.samples());
+        let number = u64::from(replicate) | u64::from(self.seed) << 32;
+        match number {
+            0 => (within, 0),
+            number => (within, hash(hash(number))),
+        }
     }
 
     /// The offset of sample `index` in pixel `(column, row)`, each in [0, 1).
     pub fn offset(&self, column: u32, row: u32, index: u32) -> [f64; 2] {
         let (mut x, mut y) = ([0.0], [0.0]);
-        self.offsets(&[pixel_key(column, row)], index, &mut x, &mut y);
+        let (within, salt) = self.replicate(index);
+        let key = pixel_key(column, row) ^ salt;
+        self.offsets(&[key], within, &mut x, &mut y);
         [x[0], y[0]]
     }
 
-    /// The same in many pixels, by their keys.
-    pub fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
+    /// The same in many pixels, by their keys; `index` is below [`Sampler::samples`].
+    pub(crate) fn offsets(&self, pixels: &[u64], index: u32, x: &mut [f64], y: &mut [f64]) {
         if self.centred {
             x.fill(0.5);
             y.fill(0.5);
@@ -88,6 +118,15 @@ impl Sampler {
             y,
         });
     }
+}
+
+/// Samples of each of at least `parts` equal parts of `samples`, or of as many as there are samples.
+pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
+    let counts = parts.min(samples)..=samples;
+    let parts = counts
+        .into_iter()
+        .find(|r| *r > 0 && samples.is_multiple_of(*r));
+    samples / parts.unwrap_or(1)
 }
 
 /// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the points of Roberts's R₂ sequence
@@ -197,7 +236,8 @@ impl Sampler {
             return 0.5;
         }
         let (a, b) = (self.columns, self.rows);
-        let pixel = hash(!pixel_key(column, row));
+        let (index, salt) = self.replicate(index);
+        let pixel = hash(!(pixel_key(column, row) ^ salt));
         let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let (i, j) = (index % a, index / a);
         let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::render::film::{Film, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
+use crate::render::sampler::Sampler;
 use crate::render::trace::{
     CameraRays, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
     TracedRays, record,
@@ -53,7 +54,7 @@ fn tiles_with(
     progress: &dyn Progress,
     total: Option<&Mutex<Stats>>,
 ) -> Result<Film> {
-    let pipeline = Pipeline::new(scene);
+    let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
     tiles
@@ -65,6 +66,7 @@ fn tiles_with(
             for sample in 0..layout.samples {
                 progress.check()?;
                 pipeline.sample(tile, sample, buffers, &mut tile_film, &mut meter);
+                tile_film.end_sample(sample);
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.
@@ -80,30 +82,32 @@ fn tiles_with(
 }
 
 /// From film points to radiance.
-struct Pipeline<'a> {
+pub(super) struct Pipeline<'a> {
     scene: &'a Prepared,
+    sampler: Sampler,
     surfaces: Surfaces<'a>,
 }
 
 /// Buffers of one thread's tile.
 #[derive(Debug, Default)]
-struct Buffers {
+pub(super) struct Buffers {
     camera_rays: CameraRays,
     hits: HitBuffer,
     shading: Shading,
 }
 
 impl<'a> Pipeline<'a> {
-    fn new(scene: &'a Prepared) -> Self {
+    pub(super) fn new(scene: &'a Prepared, sampler: Sampler) -> Self {
         let event = scene.camera.shot.event;
         Pipeline {
             scene,
+            sampler,
             surfaces: Surfaces::new(&scene.frames, event, scene.ray_index),
         }
     }
 
     /// Renders sample `index` of every pixel of `tile`.
-    fn sample(
+    pub(super) fn sample(
         &self,
         tile: Tile,
         index: u32,
@@ -121,7 +125,7 @@ impl<'a> Pipeline<'a> {
         scene
             .camera
             .view
-            .generate(camera_rays, &scene.sampler, tile, index);
+            .generate(camera_rays, &self.sampler, tile, index);
         meter.lap(Stage::CameraRays);
         let rays = camera_rays.rays(scene.method);
         surfaces.nearest(&rays, hits, meter);

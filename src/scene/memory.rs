@@ -118,12 +118,24 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
         let Material {
             metallic,
             roughness,
+            transmission,
+            ior,
+            solid,
             alpha,
             ..
         } = *material;
         add(
             hash,
-            &[metallic, roughness, alpha, mode, cutoff],
+            &[
+                metallic,
+                roughness,
+                transmission,
+                ior,
+                f32::from(u8::from(solid)),
+                alpha,
+                mode,
+                cutoff,
+            ],
             |c: &f32| c.to_le_bytes(),
         );
     }

@@ -70,6 +70,8 @@ pub struct Scene {
     pub effects: Effects,
     /// How many more times light is reflected after the first surface that it falls on.
     pub bounces: u32,
+    /// Which random numbers are drawn.
+    pub seed: u32,
     /// What stands in for data that a source does not have.
     pub outside: Outside,
     /// Back faces, where the scene overrides the files.
@@ -150,6 +152,10 @@ pub enum Geometry {
         metallic: f32,
         /// Perceptual roughness, 0 to 1.
         roughness: f32,
+        /// The part of the light not reflected that goes through, 0 to 1.
+        transmission: f32,
+        /// Refractive index of the body.
+        ior: f32,
     },
     /// A mesh in memory, in its own coordinates. Textures of its materials are not there.
     Mesh(Arc<Mesh>),

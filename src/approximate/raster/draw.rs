@@ -217,6 +217,7 @@ pub(super) fn film<P: Visibility>(
                 rays.clear();
                 visibility.paint(&samples, tile, &mut buffers.tile, rays);
                 stage.shade(buffers, &mut tile_film);
+                tile_film.end_sample(sample);
                 progress.rays_done(tile.pixels() as u64);
             }
             // A poisoned lock means a panic elsewhere, which rayon passes on.

@@ -62,7 +62,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         all.map(|k| outputs.renamed(|path| numbered(path, k))),
         &read,
     )?;
-    interrupt::can_resume();
+    interrupt::can_resume("run the same command again to render the missing frames");
     let mut sequence = Sequence {
         job,
         plan,

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 
 /// The extensions that may be required: what this program reads is complete without the others,
 /// or with these.
-const UNDERSTOOD: [&str; 7] = [
+const UNDERSTOOD: [&str; 10] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_node_visibility",
@@ -20,6 +20,9 @@ const UNDERSTOOD: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
+    "KHR_materials_transmission",
+    "KHR_materials_ior",
+    "KHR_materials_volume",
 ];
 
 /// A parsed glTF document.

@@ -1,7 +1,9 @@
 //! Materials (glTF 2.0 §3.9): metallic-roughness factors and textures, emission with its strength
-//! (KHR_materials_emissive_strength), alpha, sides, and whether light matters (KHR_materials_unlit).
+//! (KHR_materials_emissive_strength), alpha, sides, whether light matters (KHR_materials_unlit), and glass: the part of light that
+//! goes through (KHR_materials_transmission), its index (KHR_materials_ior), and whether it bounds a body (KHR_materials_volume with a
+//! thickness above 0) or is a film.
 //!
-//! Normal and occlusion textures are not read.
+//! Normal and occlusion textures are not read, nor what a body of glass absorbs and where its transmission varies.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +18,7 @@ use super::import::Want;
 use super::primitive::MOST_SETS;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::mesh::{AlphaMode, Material, TextureRef, Wrap};
+use crate::mesh::{AlphaMode, MOST_INDEX, Material, TextureRef, Wrap};
 
 /// A material as the mesh will hold it, and what its texture coordinates still need.
 #[derive(Debug, Clone)]
@@ -27,6 +29,9 @@ pub(super) struct Resolved {
     /// The sets that KHR_texture_transform changes, and how; different ones.
     pub transforms: Vec<(usize, UvTransform)>,
 }
+
+/// The extension of what goes through.
+const TRANSMISSION: &str = "KHR_materials_transmission";
 
 /// Where numbers of transforms begin among the sets of a [`Resolved`] material.
 pub(super) const FIRST_TRANSFORMED: usize = MOST_SETS as usize;
@@ -126,6 +131,9 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
                 Some(info) if want.shading => Some(reader.texture(info)?),
                 _ => None,
             },
+            transmission: reader.transmission(material)?,
+            ior: reader.ior(material)?,
+            solid: reader.number(material, "KHR_materials_volume", "thicknessFactor", 0.0) > 0.0,
             alpha: reader.fraction(alpha, "the alpha of its base colour")?,
             alpha_mode,
             unlit: (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some()),
@@ -149,6 +157,15 @@ impl Reader<'_, '_> {
         if material.alpha_mode == Checked::Valid(JsonAlphaMode::Blend) {
             let what = "blending by alpha is not done: the surface is opaque";
             warnings.add(what, &self.place);
+        }
+        if self.number(material, TRANSMISSION, "transmissionFactor", 0.0) > 0.0 {
+            let pbr = &material.pbr_metallic_roughness;
+            if pbr.roughness_factor.0 > 0.0 || pbr.metallic_roughness_texture.is_some() {
+                warnings.add("rough glass is taken as smooth", &self.place);
+            }
+            if self.number(material, "KHR_materials_volume", "attenuationDistance", 0.0) > 0.0 {
+                warnings.add("what a body of glass absorbs is not computed", &self.place);
+            }
         }
         if material.normal_texture.is_some() {
             warnings.add("normal maps are not read", &self.place);
@@ -204,6 +221,35 @@ impl Reader<'_, '_> {
         let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
         let emitted = material.emissive_factor.0.map(|c| c * strength);
         self.colour(emitted, "emission")
+    }
+
+    fn transmission(&self, material: &material::Material) -> Result<f32> {
+        let factor = self.number(material, TRANSMISSION, "transmissionFactor", 0.0);
+        self.fraction(factor as f32, "transmissionFactor")
+    }
+
+    fn ior(&self, material: &material::Material) -> Result<f32> {
+        let ior = self.number(material, "KHR_materials_ior", "ior", 1.5) as f32;
+        match (1.0..=MOST_INDEX).contains(&ior) {
+            true => Ok(ior),
+            false => Err(self.invalid(
+                format!("its ior is {ior}"),
+                format!("a refractive index is from 1 to {MOST_INDEX}"),
+            )),
+        }
+    }
+
+    /// A number of an extension of a material.
+    fn number(
+        &self,
+        material: &material::Material,
+        extension: &str,
+        key: &str,
+        default: f64,
+    ) -> f64 {
+        let all = material.extensions.as_ref();
+        let said = all.and_then(|all| all.others.get(extension)?.get(key));
+        said.map_or(default, |value| value.as_f64().unwrap_or(f64::NAN))
     }
 
     fn texture(&mut self, info: &Info) -> Result<TextureRef> {

@@ -57,7 +57,7 @@ fn write_archive(
             return Ok(());
         }
     }
-    write_metadata(&mut archive, path, layers)?;
+    write_metadata(&mut archive, path, &layers.metadata)?;
     archive.finish().map_err(|e| failure(path, e))?;
     Ok(())
 }
@@ -76,31 +76,62 @@ pub fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
     })
 }
 
-/// Writes `cube` to `path` as one array of shape (H, W, T, C), a .npy file, whole or not at all.
+/// Writes `cube` to `path` as one array of shape (H, W, T, C), a .npy file or, in an .npz file, the array `radiance`; whole or not at all.
 ///
 /// # Errors
 /// I/O errors.
 pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
+    write_cube_with(path, cube, &CubeOptions::default())
+}
+
+/// What is written with a cube, and how.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CubeOptions<'a> {
+    /// Single precision as half, rounded to the nearest.
+    pub half: bool,
+    /// More arrays of one axis, with their names; in an .npz file alone.
+    pub arrays: &'a [(&'a str, &'a [f64])],
+    /// What `metadata` holds; in an .npz file alone.
+    pub metadata: &'a [(String, String)],
+}
+
+/// The same with more in it.
+///
+/// # Errors
+/// I/O errors.
+pub fn write_cube_with(path: &Path, cube: &Cube, options: &CubeOptions) -> Result<()> {
     let shape = format!("{:?}", cube.shape).replace(['[', ']'], "");
-    write_atomically(path, |writer| {
-        let mut write = |descriptor, bytes: &mut dyn Iterator<Item = u8>| {
-            write_all(writer, path, &npy_header(descriptor, &format!("({shape})")))?;
+    let descriptor = match (&cube.samples, options.half) {
+        (CubeSamples::F16(_), _) | (CubeSamples::F32(_), true) => "<f2",
+        (CubeSamples::F32(_), false) => "<f4",
+        (CubeSamples::F64(_), _) => "<f8",
+    };
+    let half = |x: &f32| half::f16::from_f32(*x).to_le_bytes();
+    let mut samples = |writer: &mut dyn Write| {
+        let mut write = |bytes: &mut dyn Iterator<Item = u8>| {
             let mut block = Vec::new();
             loop {
                 block.clear();
                 block.extend(bytes.take(1 << 16));
                 match block.as_slice() {
                     [] => return Ok(()),
-                    block => write_all(writer, path, block)?,
+                    block => writer.write_all(block).map_err(write_failed(path))?,
                 }
             }
         };
         match &cube.samples {
-            CubeSamples::F16(v) => write("<f2", &mut v.iter().flat_map(|x| x.to_le_bytes())),
-            CubeSamples::F32(v) => write("<f4", &mut v.iter().flat_map(|x| x.to_le_bytes())),
-            CubeSamples::F64(v) => write("<f8", &mut v.iter().flat_map(|x| x.to_le_bytes())),
+            CubeSamples::F16(v) => write(&mut v.iter().flat_map(|x| x.to_le_bytes())),
+            CubeSamples::F32(v) if options.half => write(&mut v.iter().flat_map(half)),
+            CubeSamples::F32(v) => write(&mut v.iter().flat_map(|x| x.to_le_bytes())),
+            CubeSamples::F64(v) => write(&mut v.iter().flat_map(|x| x.to_le_bytes())),
         }
-    })
+    };
+    write_arrays(
+        path,
+        (descriptor, &format!("({shape})")),
+        &mut samples,
+        options,
+    )
 }
 
 /// Writes an array that `write` gives as bytes, a `.npz` file in which it is called `radiance` or else a `.npy` file, whole or
@@ -113,6 +144,16 @@ pub(crate) fn write_stream(
     descriptor: &str,
     shape: &str,
     write: &mut dyn FnMut(&mut dyn Write) -> Result<()>,
+) -> Result<()> {
+    write_arrays(path, (descriptor, shape), write, &CubeOptions::default())
+}
+
+/// The same, with what else `options` have in an archive.
+fn write_arrays(
+    path: &Path,
+    (descriptor, shape): (&str, &str),
+    write: &mut dyn FnMut(&mut dyn Write) -> Result<()>,
+    options: &CubeOptions,
 ) -> Result<()> {
     let header = npy_header(descriptor, shape);
     let is_archive = path
@@ -128,13 +169,28 @@ pub(crate) fn write_stream(
         // How long it will be is not known: of any length.
         start(&mut archive, path, "radiance", u64::MAX)?;
         write_all(&mut archive, path, &header)?;
-        let written = write(&mut archive);
+        let written = write(&mut archive).and_then(|()| write_more(&mut archive, path, options));
         let finished = archive.finish().map(drop).map_err(|e| failure(path, e));
         match failed.into_inner() {
             None => written.and(finished),
             Some(failure) => Err(write_failed(path)(failure)),
         }
     })
+}
+
+/// Writes what an archive holds beside its cube.
+fn write_more(archive: &mut Archive, path: &Path, options: &CubeOptions) -> Result<()> {
+    for (name, values) in options.arrays {
+        start(archive, path, name, values.len() as u64 * 8)?;
+        let header = npy_header("<f8", &format!("({},)", values.len()));
+        write_all(archive, path, &header)?;
+        let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        write_all(archive, path, &bytes)?;
+    }
+    match options.metadata {
+        [] => Ok(()),
+        metadata => write_metadata(archive, path, metadata),
+    }
 }
 
 /// A writer that keeps its first failure to itself and lets what follows go nowhere: an archive that meets a failure
@@ -272,8 +328,8 @@ fn write_samples(archive: &mut Archive, path: &Path, channels: &[&Channel]) -> R
 }
 
 /// The metadata as JSON in a numpy text of UTF-32, shape ().
-fn write_metadata(archive: &mut Archive, path: &Path, layers: &Layers) -> Result<()> {
-    let entries = layers.metadata.iter();
+fn write_metadata(archive: &mut Archive, path: &Path, metadata: &[(String, String)]) -> Result<()> {
+    let entries = metadata.iter();
     let object: serde_json::Map<_, _> = entries
         .map(|(key, value)| (key.clone(), value.clone().into()))
         .collect();

@@ -3,7 +3,7 @@
 use super::planned::{Plan, Skipped};
 use crate::camera::Kind;
 use crate::colour::Continuation;
-use crate::scene::model::{Scene, SourceKind};
+use crate::scene::model::{Geometry, Object, Scene, SourceKind};
 use crate::spacetime::Quantity;
 
 pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
@@ -133,6 +133,10 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
         notes.push(
             "no light falls on any surface: there is nothing for `render.bounces` to follow".into(),
         );
+    }
+    let is_glass = |object: &Object| matches!(object.geometry, Geometry::Shape { transmission, .. } if transmission > 0.0);
+    if scene.bounces == 0 && scene.objects.iter().any(is_glass) {
+        notes.push("glass is opaque without `render.bounces`: give 2 for each body".into());
     }
     if scene.medium_index != 1.0 {
         notes.push(format!(

@@ -22,7 +22,7 @@ use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
     AreaLights, BaseColour, BaseColours, Colouring, Element, EmissionClock, Emitter, Eye, Finish,
-    Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
+    Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Equations, Geometry,
@@ -124,6 +124,7 @@ impl<'a> Builder<'a> {
             let finish = Finish {
                 colour: self.colours.len() - 1,
                 gloss: gloss(self.scene, material, &textures),
+                glass: glass(self.scene, material),
                 emission: emission(self.scene, object, material, &textures),
             };
             self.emitters.push((lit, finish));
@@ -291,10 +292,20 @@ fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss
     let is_matte = material.metallic == 0.0
         && material.roughness == 1.0
         && material.metallic_roughness_texture.is_none();
-    (scene.is_lit() && !is_matte).then(|| Gloss {
+    let is_glossy = !is_matte || glass(scene, material).is_some();
+    (scene.is_lit() && is_glossy).then(|| Gloss {
         metallic: f64::from(material.metallic),
         roughness: f64::from(material.roughness),
         texture: lookup(&material.metallic_roughness_texture, textures),
+    })
+}
+
+/// What goes through a surface, where light is followed.
+fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
+    (scene.bounces > 0 && material.transmission > 0.0).then(|| Glass {
+        transmission: f64::from(material.transmission),
+        index: f64::from(material.ior) / scene.medium_index,
+        solid: material.solid,
     })
 }
 

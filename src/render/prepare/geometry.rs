@@ -92,10 +92,15 @@ pub fn object_mesh(
             colour,
             metallic,
             roughness,
+            transmission,
+            ior,
         } => {
             let mut mesh = shapes::mesh(*shape, *colour);
             for material in &mut mesh.materials {
                 (material.metallic, material.roughness) = (*metallic, *roughness);
+                (material.transmission, material.ior) = (*transmission, *ior);
+                // A plane has no inside.
+                material.solid = !matches!(shape, shapes::Shape::Plane { .. });
             }
             (mesh, Vec::new())
         }
@@ -181,8 +186,11 @@ impl Gathered {
                 .push(mesh.corners(index).map(|p| p + origin.x));
         }
         for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
-            let double_sided = mesh.materials[part.material as usize].double_sided;
-            self.culled.push(is_culled(scene.back_faces, double_sided));
+            let material = &mesh.materials[part.material as usize];
+            // Glass is seen from within.
+            let is_glass = scene.bounces > 0 && material.transmission > 0.0;
+            let is_culled = is_culled(scene.back_faces, material.double_sided);
+            self.culled.push(is_culled && !is_glass);
             self.patches.push(Patch {
                 first: object_first + part.first_triangle,
                 object: object as u32,
@@ -190,7 +198,7 @@ impl Gathered {
                 object_first,
                 object_origin: origin,
                 emitter: emitters[part.material as usize],
-                black_back: scene.back_faces == BackFaces::Black,
+                black_back: scene.back_faces == BackFaces::Black && !is_glass,
             });
         }
         // The BVH holds the corners from here on; what addresses textures stays.

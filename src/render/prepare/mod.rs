@@ -77,7 +77,7 @@ impl Prepared {
         let sampler = if plan.film.pixel_centers {
             Sampler::centred()
         } else {
-            Sampler::stratified(plan.film.samples)
+            Sampler::stratified(plan.film.samples_per_part()).with_seed(scene.seed)
         };
         Ok(Prepared {
             camera,

@@ -12,7 +12,9 @@ use crate::render::sampler::{Sampler, pair, pixel_key, sobol};
 #[derive(Debug, Default)]
 pub struct CameraRays {
     pixels: Vec<u64>,
-    /// Which sample of each.
+    /// What random numbers come from: the keys of the pixels, as this replicate has them.
+    keys: Vec<u64>,
+    /// Which sample of the replicate.
     index: u32,
     offsets: [Vec<f64>; 2],
     film: [Vec<f64>; 2],
@@ -41,7 +43,7 @@ pub struct Rays<'a> {
 /// Which samples of which pixels the rays of a batch are.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Samples<'a> {
-    /// By ray, the key of its pixel; its own number stands for those that are not there.
+    /// By ray, the key of its pixel and replicate; its own number stands for those that are not there.
     pub pixels: &'a [u64],
     /// The sample of each.
     pub index: u32,
@@ -100,7 +102,7 @@ impl CameraRays {
             origins: (!self.origins.is_empty()).then_some(&self.origins),
             method,
             samples: Samples {
-                pixels: &self.pixels,
+                pixels: &self.keys,
                 index: self.index,
                 depth: 0,
             },
@@ -185,7 +187,8 @@ impl RayGenerator for AnyView {
 impl<V: View> RayGenerator for V {
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
         rays.resize::<V>(tile.pixels());
-        rays.index = index;
+        let (within, salt) = sampler.replicate(index);
+        rays.index = within;
         let [left, top] = tile.corner;
         let rows = rays.pixels.chunks_mut(tile.size[0].max(1) as usize);
         for (row, pixels) in (top..).zip(rows) {
@@ -193,8 +196,11 @@ impl<V: View> RayGenerator for V {
                 *pixel = pixel_key(column, row);
             }
         }
+        rays.keys.clear();
+        rays.keys
+            .extend(rays.pixels.iter().map(|pixel| pixel ^ salt));
         let [x, y] = &mut rays.offsets;
-        sampler.offsets(&rays.pixels, index, x, y);
+        sampler.offsets(&rays.keys, within, x, y);
         if V::USES_TIME {
             let moment = |(column, row)| sampler.moment(column, row, index);
             rays.moments.clear();

@@ -40,12 +40,12 @@ pub(crate) fn record(
                     film.add_aov(channel, pixel, value);
                 }
             }
-            Combine::Coverage | Combine::Missing | Combine::StandardError => {}
+            Combine::Coverage | Combine::Missing | Combine::StandardError | Combine::Samples => {}
         }
     }
 }
 
-/// The channel's value, or none where the sample has none. Coverage and standard error are the film's own.
+/// The channel's value, or none where the sample has none. Coverage, standard error and number of samples are the film's own.
 fn value(
     aov: Aov,
     radiance: &dyn Radiance,
@@ -90,6 +90,7 @@ fn value(
         | Aov::MissingAfter
         | Aov::MissingOffTexture
         | Aov::MissingOccluded
-        | Aov::StandardError => None,
+        | Aov::StandardError
+        | Aov::Samples => None,
     }
 }

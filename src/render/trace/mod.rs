@@ -41,7 +41,7 @@ pub use paths::PathTraced;
 pub(crate) use point::ObservedPoint;
 pub use point::SurfacePoint;
 pub use radiance::{
-    BaseColour, BaseColours, EmissionClock, Emitter, Finish, Gloss, Radiance, TextureLookup,
+    BaseColour, BaseColours, EmissionClock, Emitter, Finish, Glass, Gloss, Radiance, TextureLookup,
     TimeResolved,
 };
 pub(crate) use rest_frame::{BuildPlaceHasher, SharedVertices};

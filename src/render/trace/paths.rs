@@ -55,6 +55,14 @@
 //! Rays go on from 2⁻⁴² of the coordinates involved above their surface, 10⁻¹² m in a scene of metres: rounding puts events to 2⁻⁵³ of their
 //! coordinates, of which boosts make γ times as much, on one side of the surface or on the other.
 //!
+//! # Glass
+//!
+//! In a body of index n, light has the tangent (−n, d) of its rest frame F in place of (−1, d), which is carried on through all frames as any
+//! other; its frequency in F stays, so that W of all that rests in the body is 1. What moves relative to a body that it is in is not computed, and
+//! neither are bodies of glass that touch: from within, the other side is the scene's medium. Reflection and refraction are those of
+//! [`reflection`](crate::light::reflection). Lamps without extent are not found through glass, and glass stands in the way of what is drawn of others:
+//! their light through it is found by rays that meet them, as that of the sky is.
+//!
 //! Where data of a cube are missing, they are dark for other surfaces. Lines of different shifts that meet in one sample are
 //! shown in their mean wavelength. What `display.background` shows lights nothing.
 //!
@@ -79,7 +87,7 @@ use crate::light::Received;
 use crate::light::lamp::Incident;
 use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::CaptureView;
-use crate::spacetime::{Direction, Displacement, Rest};
+use crate::spacetime::{Direction, Displacement, Rest, World};
 
 /// What random numbers at a surface are for.
 const AREA: u32 = 0;
@@ -155,9 +163,29 @@ impl PathTraced {
             };
             let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
             let place = (run.rest, run.patch, &hit);
-            let reflection = reflection(&self.light.base, finish, place, normal, view);
+            let reflection = reflection(
+                &self.light.base,
+                finish,
+                place,
+                (normal, view),
+                self.near(run, k),
+            );
             emitted.reflections.push(reflection);
         }
+    }
+
+    /// The index on the side from which point `k` of `run` is seen, over that of the scene's medium.
+    fn near(&self, run: &Run, k: usize) -> f64 {
+        let traced = run.traced;
+        let ray = run.members[k] as usize;
+        if traced.rays.origin(ray).delay == 1.0 {
+            return 1.0;
+        }
+        // In glass: that of the ray in the rest frame.
+        let (local, _) = traced
+            .surfaces
+            .local(run.frame, ray, &traced.rays, traced.hits);
+        -local.tangent.ct / (local.tangent.x.length() * self.light.index)
     }
 
     /// Adds the light that comes to the points of `run` from lamps, and that is drawn of what shines and of the sky.
@@ -398,23 +426,37 @@ impl PathTraced {
     }
 }
 
-/// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`.
+/// How a surface of this finish reflects at a hit, towards `view` on the side of `normal`, where the observer is in a medium of the index
+/// `near`, over that of the scene's medium.
 pub(super) fn reflection(
     base: &BaseColours,
     finish: &Finish,
     (rest, patch, hit): (&RestFrame, &Patch, &Hit),
-    normal: DVec3,
-    view: DVec3,
+    (normal, view): (DVec3, DVec3),
+    near: f64,
 ) -> Reflection {
     let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
     let Some(gloss) = &finish.gloss else {
-        return Reflection::diffuse(normal, colour);
+        return Reflection::diffuse(normal, colour).within(near);
     };
     let [metallic, roughness] = base.gloss(gloss, rest, patch, hit);
     let reflection = Reflection::metallic_roughness(normal, view, colour, metallic, roughness);
-    match roughness == 0.0 {
-        true => reflection.as_mirror(),
-        false => reflection,
+    match &finish.glass {
+        // From within, the other side is the scene's medium: bodies of glass do not touch.
+        Some(glass) if glass.solid => {
+            let (near, far) = match hit.front {
+                true => (near, glass.index),
+                false => (glass.index, 1.0),
+            };
+            let reflection = reflection.within(near);
+            reflection.as_glass(glass.transmission, far, true)
+        }
+        Some(glass) => {
+            let reflection = reflection.within(near);
+            reflection.as_glass(glass.transmission, glass.index, false)
+        }
+        None if roughness == 0.0 => reflection.as_mirror().within(near),
+        None => reflection.within(near),
     }
 }
 
@@ -428,7 +470,12 @@ pub(super) fn diffuse_part(
     let colour = base.colour_at(&base.colours[finish.colour], rest, patch, hit);
     let metallic = finish.gloss.as_ref();
     let metallic = metallic.map_or(0.0, |gloss| base.gloss(gloss, rest, patch, hit)[0]);
-    Reflection::diffuse(normal, colour.map(|c| c * (1.0 - metallic)))
+    let transmission = finish
+        .glass
+        .as_ref()
+        .map_or(0.0, |glass| glass.transmission);
+    let part = (1.0 - metallic) * (1.0 - transmission);
+    Reflection::diffuse(normal, colour.map(|c| c * part))
 }
 
 impl Onward {
@@ -446,26 +493,48 @@ impl Onward {
     fn push(&mut self, k: usize, drawn: Scattered, run: &Run, point: &SurfacePoint) {
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
-        let (d, ratio) = world_from_rest.direction(Direction::<Rest>::from_unit(drawn.l));
+        let (d, ratio, delay) = along(run, &drawn);
         // From the event of the shot to the point, and off its surface.
         let way = point.origin.displacement + point.ray.tangent * point.hit.s;
         let gamma = run.rest.frame.velocity().gamma();
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
             + point.local.origin.x.abs().max_element()
             + point.rest_event().x.abs().max_element();
-        let off = point.facing_normal() * (CLEARANCE * size);
+        let side = match point.facing_normal().dot(drawn.l) < 0.0 {
+            true => -CLEARANCE,
+            false => CLEARANCE,
+        };
+        let off = point.facing_normal() * (side * size);
         let off = world_from_rest.displacement(Displacement::new(0.0, off));
         self.drawn.push((k, drawn));
         self.directions.push(d.unit());
         self.ratios.push(ratio);
         self.origins.push(RayOrigin {
             displacement: way + off,
-            delay: 1.0,
+            delay,
             weight: 1.0,
         });
         let ray = run.members[k] as usize;
         self.pixels.push(run.traced.rays.samples.pixel(ray));
     }
+}
+
+/// The look direction in the world of a ray that goes on along `drawn`, ω_world/ω_rest of light from there, and the factor on its delay.
+fn along(run: &Run, drawn: &Scattered) -> (Direction<World>, f64, f64) {
+    let frame = &run.rest.frame;
+    let l = Direction::<Rest>::from_unit(drawn.l);
+    if drawn.index == 1.0 {
+        let (d, ratio) = frame.world_from_frame().direction(l);
+        return (d, ratio, 1.0);
+    }
+    // In glass (−n, l) in its rest frame; the ray that all frames know goes one metre of the world at s = 1.
+    let index = run.traced.index * drawn.index;
+    let tangent = frame.world_from_frame().tangent(index, l);
+    let length = tangent.x.length();
+    let d = Direction::from_unit(tangent.x / length);
+    // Light keeps its frequency in glass: W of what is met there at rest is 1.
+    let (_, rho) = frame.frame_from_world().direction(d);
+    (d, 1.0 / rho, -tangent.ct / (length * run.traced.index))
 }
 
 /// Puts the rays that have met something into `order`, by patch. Black backs are nothing that shines.

@@ -66,8 +66,21 @@ pub struct Finish {
     pub colour: usize,
     /// Metalness and roughness; none of a diffuse surface.
     pub gloss: Option<Gloss>,
+    /// What goes through; none of an opaque surface.
+    pub glass: Option<Glass>,
     /// Radiance of its own.
     pub emission: Option<BaseColour>,
+}
+
+/// What goes through a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Glass {
+    /// The part of what is not reflected.
+    pub transmission: f64,
+    /// Refractive index of the body that it bounds.
+    pub index: f64,
+    /// Whether it bounds a body, and is not a film without thickness.
+    pub solid: bool,
 }
 
 /// Metalness and roughness.

@@ -60,7 +60,7 @@ impl TimedPaths<'_> {
         found: impl FnMut(&Lamp, [f64; 3], f64),
     ) {
         let delay = self.light.index * hit.s;
-        if let Some((vertex, lamps)) = self.vertex(from, d, hit) {
+        if let Some((vertex, lamps)) = self.vertex(from, d, hit, 1.0) {
             self.go_on(vertex, lamps, delay, sample, found);
         }
     }
@@ -127,16 +127,16 @@ impl TimedPaths<'_> {
             let Some((from, d, hit)) = next else {
                 return;
             };
-            delay += self.light.index * hit.s;
-            let Some(met) = self.vertex(from, d, hit) else {
+            delay += self.light.index * drawn.index * hit.s;
+            let Some(met) = self.vertex(from, d, hit, drawn.index) else {
                 return;
             };
             (vertex, lit_by) = met;
         }
     }
 
-    /// The surface at `hit`, and the lamps that light it; none where nothing is reflected.
-    fn vertex(&self, from: DVec3, d: DVec3, hit: Hit) -> Option<(Vertex, &[usize])> {
+    /// The surface at `hit`, which is seen through the index `near`, and the lamps that light it; none where nothing is reflected.
+    fn vertex(&self, from: DVec3, d: DVec3, hit: Hit, near: f64) -> Option<(Vertex, &[usize])> {
         let patch = self.rest.patch(hit.triangle);
         if patch.black_back && !hit.front {
             return None;
@@ -151,7 +151,7 @@ impl TimedPaths<'_> {
             hit,
             x: from + d * hit.s,
             from,
-            reflection: reflection(&self.light.base, finish, place, normal, -d),
+            reflection: reflection(&self.light.base, finish, place, (normal, -d), near),
         };
         Some((vertex, lamps))
     }
@@ -187,7 +187,9 @@ impl TimedPaths<'_> {
     fn onward(&self, vertex: &Vertex, l: DVec3) -> Option<(DVec3, DVec3, Hit)> {
         // As far from the surface as in `paths`.
         let off = shadow_ray(vertex.from, vertex.x, l).s_min;
-        let origin = vertex.x + vertex.reflection.normal() * off;
+        let normal = vertex.reflection.normal();
+        let side = if normal.dot(l) < 0.0 { -off } else { off };
+        let origin = vertex.x + normal * side;
         let ray = Ray {
             origin,
             direction: l,

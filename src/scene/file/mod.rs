@@ -174,12 +174,16 @@ pub(in crate::scene) struct Render {
     /// How many more times light is reflected after the first surface that it falls on, 0 to 64: 0 is direct light
     /// alone, 1 has light from one surface to the next, and so on. Default: 0.
     pub bounces: At<u32>,
+    /// Which random numbers are drawn, 0 to 4294967295: pictures of different seeds have the same light and independent noise.
+    /// Default: 0.
+    pub seed: u32,
 }
 
 impl Default for Render {
     fn default() -> Self {
         Render {
             bounces: At::nowhere(0),
+            seed: 0,
         }
     }
 }

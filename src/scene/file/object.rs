@@ -42,6 +42,11 @@ pub(in crate::scene) struct Object {
     /// Perceptual roughness of the shape under lights and sky, 0 (mirror) to 1; glTF's model. With 1 and no
     /// metalness it is diffuse. Default: 1.
     pub roughness: Option<At<Number>>,
+    /// The part of the light not reflected that goes through the shape, 0 (opaque) to 1 (glass), where `render.bounces` follows
+    /// it: a smooth body of index `ior`, whatever its roughness. Default: 0.
+    pub transmission: Option<At<Number>>,
+    /// Refractive index of a shape that light goes through, 1 to 10. Default: 1.5.
+    pub ior: Option<At<Number>>,
     /// Object coordinates from the file's (or shape's) coordinates. Default: the identity.
     pub transform: Option<At<Transform>>,
     /// Velocity in the world. Default: at rest.

@@ -66,6 +66,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         equations: file.model.value,
         effects: settings::effects(&file.effects),
         bounces: settings::bounces(&cx, file)?,
+        seed: file.render.seed,
         outside: settings::outside(&file.outside),
         sky: sky::resolve(&cx, &file.sky)?,
         back_faces: file.display.value.back_faces,

@@ -7,6 +7,7 @@ use super::context::{Context, GLTF};
 use super::{shape, spectrum, transform, velocity};
 use crate::colour::{Continuation, Spectrum};
 use crate::error::Result;
+use crate::mesh::MOST_INDEX;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{Geometry, Object};
@@ -122,6 +123,11 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         cx.exclusive((&object.gltf, "gltf"), (&object.colour, "colour"))?;
         cx.exclusive((&object.gltf, "gltf"), (&object.metallic, "metallic"))?;
         cx.exclusive((&object.gltf, "gltf"), (&object.roughness, "roughness"))?;
+        cx.exclusive(
+            (&object.gltf, "gltf"),
+            (&object.transmission, "transmission"),
+        )?;
+        cx.exclusive((&object.gltf, "gltf"), (&object.ior, "ior"))?;
         if let Some(mesh) = cx.in_memory(gltf, |name| cx.inputs.memory.mesh(name))? {
             cx.exclusive((&object.gltf, "mesh"), (&object.node, "node"))?;
             return Ok(Geometry::Mesh(mesh));
@@ -143,6 +149,8 @@ fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
         colour: colour(cx, object)?,
         metallic: part(cx, &object.metallic, "metallic", 0.0)?,
         roughness: part(cx, &object.roughness, "roughness", 1.0)?,
+        transmission: part(cx, &object.transmission, "transmission", 0.0)?,
+        ior: ior(cx, &object.ior)?,
     })
 }
 
@@ -156,6 +164,18 @@ fn part(cx: &Context, at: &Option<At<Number>>, key: &str, default: f32) -> Resul
         part => {
             let what = format!("`{key}` is {part}, which is not from 0 to 1");
             Err(cx.refuse(at, what, format!("give `{key}` from 0 to 1, like 0.3")))
+        }
+    }
+}
+
+/// A refractive index.
+fn ior(cx: &Context, at: &Option<At<Number>>) -> Result<f32> {
+    match at.as_ref().map(|at| (at, at.value.0)) {
+        None => Ok(1.5),
+        Some((_, ior)) if (1.0..=f64::from(MOST_INDEX)).contains(&ior) => Ok(ior as f32),
+        Some((at, ior)) => {
+            let what = format!("`ior` is {ior}, which is not from 1 to {MOST_INDEX}");
+            Err(cx.refuse(at, what, "give a refractive index, like 1.5"))
         }
     }
 }

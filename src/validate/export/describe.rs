@@ -209,7 +209,8 @@ fn missing(aov: Aov) -> Option<&'static str> {
     match aov.combine() {
         Combine::NearestIdentity => Some("-1"),
         Combine::Nearest | Combine::MeanOfHits => Some("NaN"),
-        Combine::MeanOfAll | Combine::Coverage | Combine::Missing | Combine::StandardError => None,
+        Combine::MeanOfAll | Combine::Coverage | Combine::Missing => None,
+        Combine::StandardError | Combine::Samples => None,
     }
 }
 

@@ -17,7 +17,7 @@ use crate::scene::model::Scene;
 pub fn channels() -> Vec<Aov> {
     let all = Aov::ALL.iter().copied();
     all.filter(|aov| match aov.combine() {
-        Combine::StandardError => false,
+        Combine::StandardError | Combine::Samples => false,
         Combine::NearestIdentity
         | Combine::Nearest
         | Combine::MeanOfHits

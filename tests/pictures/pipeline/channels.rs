@@ -3,6 +3,8 @@
 
 use glam::DVec3;
 use nullray::render::aov::Aov;
+use nullray::render::film::Film;
+use nullray::render::plan::Request;
 use nullray::render::sampler::Sampler;
 use nullray::scene::model::Scene;
 
@@ -36,7 +38,12 @@ struct Sample {
 
 /// The samples of pixel `i`, traced by hand.
 fn samples(scene: &Scene, i: usize) -> Vec<Sample> {
-    let sampler = Sampler::stratified(scene.samples_per_pixel);
+    let count = scene.samples_per_pixel;
+    samples_of(scene, &Sampler::stratified(count), count, i)
+}
+
+/// The first `count` samples of `sampler` in pixel `i`.
+fn samples_of(scene: &Scene, sampler: &Sampler, count: u32, i: usize) -> Vec<Sample> {
     let (column, row) = (i as u32 % 20, i as u32 / 20);
     let eye = scene.camera.origin.x;
     let sample = |index| {
@@ -50,7 +57,7 @@ fn samples(scene: &Scene, i: usize) -> Vec<Sample> {
             met: (x_hit.x.abs() < 1.0 && x_hit.z.abs() < 1.0).then_some((s, x_hit)),
         }
     };
-    (0..scene.samples_per_pixel).map(sample).collect()
+    (0..count).map(sample).collect()
 }
 
 #[test]
@@ -116,44 +123,67 @@ fn identities_and_places_are_those_of_the_sample_nearest_to_the_centre() {
     }
 }
 
+/// The standard error of all pixels of `scene`.
+fn standard_errors(scene: &Scene) -> Film {
+    let request = Request {
+        aovs: vec![Aov::Object, Aov::StandardError, Aov::Samples],
+        ..Request::default()
+    };
+    stage::rendered(scene, &request).unwrap()
+}
+
 #[test]
-fn the_standard_error_is_that_of_independent_samples() {
-    // Of n samples a share m is 1, the rest 0: variance n m (1 − m)/(n − 1), of the mean m (1 − m)/(n − 1).
-    for n in [4, 16, 64] {
-        let film = stage::rendered(&square(n), &stage::sampled()).unwrap();
-        for i in 0..stage::pixels(&film) {
-            let m = film.radiance()[i][0];
-            let expected = (m * (1.0 - m) / (f64::from(n) - 1.0)).sqrt();
-            let got = stage::value(&film, Aov::StandardError, i);
-            assert!(
-                (got - expected).abs() < 1e-12,
-                "{n} samples: {got} {expected}"
-            );
-        }
+fn the_standard_error_is_that_of_eight_means_of_independent_parts() {
+    // The parts by hand: part k of n/8 samples is replicate k. Each mean is the share of its samples that meet the square.
+    let n = 64;
+    let scene = square(n);
+    let film = standard_errors(&scene);
+    let sampler = Sampler::stratified(n / 8);
+    let mut uneven = 0;
+    for i in 0..stage::pixels(&film) {
+        let met: Vec<f64> = samples_of(&scene, &sampler, n, i)
+            .iter()
+            .map(|s| f64::from(s.met.is_some()))
+            .collect();
+        let means: Vec<f64> = met
+            .chunks(8)
+            .map(|part| part.iter().sum::<f64>() / 8.0)
+            .collect();
+        let mean = means.iter().sum::<f64>() / 8.0;
+        let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+        let expected = (squares / (8.0 * 7.0)).sqrt();
+        let got = stage::value(&film, Aov::StandardError, i);
+        assert!((got - expected).abs() < 1e-12, "{got} {expected}");
+        assert!((film.radiance()[i][0] - mean).abs() < 1e-12);
+        assert_eq!(stage::value(&film, Aov::Samples, i), f64::from(n));
+        uneven += u32::from(expected > 0.0);
     }
+    assert!(uneven > 20, "{uneven}");
 }
 
 #[test]
 fn a_pixel_of_one_radiance_has_no_standard_error() {
-    for n in [3, 5, 16] {
+    for n in [3, 5, 16, 17, 22] {
         let mut scene = square(n);
         scene.background = [0.1, 0.7, 0.123];
-        let film = stage::rendered(&scene, &stage::sampled()).unwrap();
-        for i in (0..stage::pixels(&film)).filter(|i| film.aov(Aov::Object).unwrap()[*i] < 0.0) {
-            if samples(&scene, i).iter().all(|s| s.met.is_none()) {
-                assert_eq!(
-                    stage::value(&film, Aov::StandardError, i),
-                    0.0,
-                    "{n} samples"
-                );
-            }
+        let film = standard_errors(&scene);
+        let is_dark = |i: &usize| film.aov(Aov::Object).unwrap()[*i] < 0.0;
+        // Far from the square: its outline is a pixel away.
+        let corner = [0, 19, 300, 319];
+        for i in corner.iter().filter(|i| is_dark(i)) {
+            assert_eq!(
+                stage::value(&film, Aov::StandardError, *i),
+                0.0,
+                "{n} samples"
+            );
         }
+        assert!(corner.iter().any(|i| is_dark(i)));
     }
 }
 
 #[test]
 fn one_sample_has_no_standard_error_to_tell() {
-    let film = stage::film(&square(1));
+    let film = standard_errors(&square(1));
     assert!(
         film.aov(Aov::StandardError)
             .unwrap()

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
+use nullray::render::plan::Request;
 use nullray::scene::{self, Overrides};
 
 use crate::pipeline::stage;
@@ -19,7 +20,12 @@ fn film_on(threads: usize, scene: &scene::model::Scene) -> Vec<u64> {
         .num_threads(threads)
         .build()
         .unwrap();
-    pool.install(|| bits(&stage::rendered(scene, &stage::sampled()).unwrap()))
+    // With the standard error, and so in parts.
+    let request = Request {
+        pixel_centers: false,
+        ..stage::centred()
+    };
+    pool.install(|| bits(&stage::rendered(scene, &request).unwrap()))
 }
 
 fn same_on_any_number_of_threads(file: &str) {

@@ -32,12 +32,14 @@ pub fn centred() -> Request {
     }
 }
 
-/// All auxiliary channels, and the scene's own samples per pixel.
+/// All auxiliary channels but the standard error, which has the samples taken in parts, and the scene's own samples per pixel.
 pub fn sampled() -> Request {
-    Request {
+    let mut request = Request {
         pixel_centers: false,
         ..centred()
-    }
+    };
+    request.aovs.retain(|aov| *aov != Aov::StandardError);
+    request
 }
 
 /// The film of `scene`.

@@ -30,6 +30,8 @@ fn what_bake_prints_reads_what_it_has_written() {
     for (options, file) in [
         (["--camera", "--spp=16"], "cube.npy"),
         (["--texels=32x32", "--spp=4"], "floor.npy"),
+        (["--camera", "--spp=16"], "cube.npz"),
+        (["--texels=32x32", "--spp=4"], "floor.npz"),
     ] {
         let folder = Folder::empty();
         folder.write("lit.toml", FLASH.to_string() + LIGHT);
@@ -38,7 +40,9 @@ fn what_bake_prints_reads_what_it_has_written() {
         let said = folder.ok(&arguments);
         assert!(said.starts_with(&format!("wrote {file}: ")), "{said}");
         assert!(said.contains("light arrives between"), "{said}");
+        assert!(said.contains("standard error of a bin"), "{said}");
         assert!(!said.contains("warning"), "{said}");
+        assert!(!folder.path(&format!("{file}.parts")).exists());
         // The picture through the cube is that of the light itself, but for the width of its bins and texels.
         let source = said.split_once("\n\n").unwrap().1;
         folder.write("baked.toml", FLASH.to_string() + source);
@@ -54,6 +58,40 @@ fn what_bake_prints_reads_what_it_has_written() {
             "{baked} {lit}"
         );
     }
+}
+
+#[test]
+fn an_archive_says_what_it_is_of_and_a_plan_what_it_takes() {
+    let folder = Folder::empty();
+    folder.write("lit.toml", FLASH.to_string() + LIGHT);
+    let bake = [
+        "bake",
+        "lit.toml",
+        "--texels=64x32",
+        "--bin-width=10 cm",
+        "--bins=150",
+        "--spp=4",
+    ];
+    let said = folder.ok(&[&bake[..], &["--plan", "-o", "a.npz"]].concat());
+    assert!(
+        said.contains("a.npz: 32 rows × 64 columns × 150 bins, 3.7 MB"),
+        "{said}"
+    );
+    assert!(said.contains("memory"), "{said}");
+    assert!(!folder.path("a.npz").exists());
+    folder.ok(&[&bake[..], &["-o", "a.npz"]].concat());
+    folder.ok(&[&bake[..], &["--half", "-o", "half.npz"]].concat());
+    let said = folder.ok(&["info", "a.npz"]);
+    assert!(
+        said.contains("radiance") && said.contains("standard_error"),
+        "{said}"
+    );
+    let length = |name: &str| folder.read(name).len();
+    assert!(length("half.npz") < length("a.npz"));
+    // What another bake has left is not taken for this one's.
+    folder.write("a.npz.parts", "nullray parts 1\nand more");
+    let said = folder.ok(&[&bake[..], &["-o", "a.npz"]].concat());
+    assert!(!said.contains("goes on"), "{said}");
 }
 
 #[test]

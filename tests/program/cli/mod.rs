@@ -15,6 +15,7 @@ mod models;
 mod overlay;
 mod page;
 mod panels;
+mod passes;
 mod pixel;
 mod plan;
 mod reference;

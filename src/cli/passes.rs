@@ -1,0 +1,198 @@
+//! A picture that improves: `nullray render --error`, `--budget` and `--passes`.
+//!
+//! The sums of finished passes stand in a file beside the first picture, under its name with `.passes`, until the picture is as good as it
+//! was asked for. So work that was stopped goes on where it was.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use nullray::render::passes::{self, Passes};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::scene::model::Scene;
+use nullray::{Error, Result};
+
+use super::args::PassArguments;
+use super::check::{check_all, check_beside};
+use super::film::{Rendered, times};
+use super::output::{Identity, Inputs, Outputs};
+use super::progress::Bar;
+use super::{inputs, interrupt, overlay, say};
+
+/// Files are written anew after this many times as long as writing them takes, and after this many seconds.
+const WRITING_SHARE: f64 = 10.0;
+const LEAST_BETWEEN: f64 = 1.0;
+
+/// Renders one scene to its outputs in passes.
+pub fn one(
+    scene: &Scene,
+    mut request: Request,
+    outputs: &Outputs,
+    wanted: PassArguments,
+    quiet: bool,
+) -> Result<()> {
+    let began = Instant::now();
+    let layout = Plan::new(scene, &request)?.film;
+    request.beside = request.beside.saturating_add(passes::bytes(&layout));
+    let plan = Plan::new(scene, &request)?;
+    overlay::check(outputs, scene)?;
+    let read = inputs::of(scene, &plan);
+    check_all([outputs.clone()], &read)?;
+    let sums = sums_of(outputs);
+    check_beside(&sums, outputs, &read)?;
+    let inputs = Inputs::read(read.get(1..).unwrap_or_default());
+    let identity = Identity::new(scene, &request, outputs, &inputs);
+    let fingerprint = identity.of_sums(&format!("passes {:?}", wanted.error));
+    let bar = Bar::new(plan.rays.camera, quiet);
+    let mut prepared = Prepared::new(scene, &plan, &bar)?;
+    drop(bar);
+    let prepared_in = began.elapsed().as_secs_f64();
+    let mut work = Work {
+        passes: Passes::new(&prepared, wanted.error),
+        scene,
+        outputs,
+        sums,
+        fingerprint,
+        wanted,
+        quiet,
+        began,
+        rays: 0,
+    };
+    work.resume(&prepared)?;
+    work.go_on(&prepared)?;
+    let rendered = Rendered::of_passes(
+        work.passes.film(),
+        [prepared_in, began.elapsed().as_secs_f64() - prepared_in],
+        std::mem::take(&mut prepared.warnings),
+        prepared,
+    );
+    work.conclude(rendered, &plan)
+}
+
+/// The file of sums: beside the first picture.
+fn sums_of(outputs: &Outputs) -> PathBuf {
+    let first = outputs.paths().map(|(_, path)| path).next();
+    let mut name = first.unwrap_or(Path::new("picture")).as_os_str().to_owned();
+    name.push(".passes");
+    name.into()
+}
+
+/// Work in passes.
+struct Work<'a> {
+    passes: Passes,
+    scene: &'a Scene,
+    outputs: &'a Outputs,
+    sums: PathBuf,
+    fingerprint: [u8; 32],
+    wanted: PassArguments,
+    quiet: bool,
+    began: Instant,
+    /// Camera rays that were traced here.
+    rays: u64,
+}
+
+impl Work<'_> {
+    /// Takes up what was stopped.
+    fn resume(&mut self, prepared: &Prepared) -> Result<()> {
+        if self.passes.resume(&self.sums, &self.fingerprint)? {
+            let text = format!("goes on after pass {}\n", self.passes.done());
+            say(self.quiet, &text)?;
+        } else {
+            // What was read of another's sums is forgotten.
+            self.passes = Passes::new(prepared, self.wanted.error);
+        }
+        Ok(())
+    }
+
+    /// Whether the picture is as good as it was asked for.
+    fn is_good(&self) -> bool {
+        let most = self.wanted.passes.unwrap_or(self.passes.most());
+        self.passes.is_settled() || self.passes.done() >= most
+    }
+
+    /// Renders passes until the picture is good enough or the time is over.
+    fn go_on(&mut self, prepared: &Prepared) -> Result<()> {
+        interrupt::can_resume(
+            "the picture has all finished passes: run the same command again to go on",
+        );
+        let mut written = (Instant::now(), 0.0);
+        while !self.is_good() {
+            let start = Instant::now();
+            self.pass(prepared)?;
+            let took = start.elapsed().as_secs_f64();
+            let time = self.began.elapsed().as_secs_f64() + took;
+            if self.wanted.budget.is_some_and(|budget| time > budget) {
+                break;
+            }
+            let since = written.0.elapsed().as_secs_f64();
+            if since > LEAST_BETWEEN.max(WRITING_SHARE * written.1) {
+                let start = Instant::now();
+                self.passes.write(&self.sums, &self.fingerprint)?;
+                let pictures = self.outputs.of_film_alone();
+                pictures.write(self.scene, &self.passes.film(), None, true)?;
+                written = (Instant::now(), start.elapsed().as_secs_f64());
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders two passes.
+    fn pass(&mut self, prepared: &Prepared) -> Result<()> {
+        let rays = self.passes.rays();
+        let done = self.passes.done();
+        let error = match done {
+            0 => String::new(),
+            _ => format!(", error {:.2} %", 100.0 * self.passes.error()),
+        };
+        let bar = Bar::new(rays, self.quiet).named(format!("pass {}{error}", done + 2));
+        self.passes.advance(prepared, &bar)?;
+        drop(bar);
+        self.rays += rays;
+        interrupt::check()
+    }
+
+    /// Writes all files, says how good the picture is, and removes the sums where no more is to be done.
+    fn conclude(mut self, mut rendered: Rendered, plan: &Plan) -> Result<()> {
+        let (quiet, scene, outputs) = (self.quiet, self.scene, self.outputs);
+        // An error that was asked for and is not reached can be reached another time.
+        let is_left = self.wanted.error.is_some() && !self.passes.is_settled();
+        if is_left {
+            self.passes.write(&self.sums, &self.fingerprint)?;
+        }
+        let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
+        outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;
+        let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
+        say(
+            quiet,
+            &format!("{passes} passes, standard error {error:.3} % of the mean radiance\n"),
+        )?;
+        match is_left {
+            true => say(quiet, &self.missing())?,
+            false => remove(&self.sums)?,
+        }
+        rendered.remark_on(scene, plan, self.rays, quiet)?;
+        let Rendered { film, prepared, .. } = &mut rendered;
+        overlay::write(outputs, scene, film, prepared, quiet)
+    }
+
+    /// What is not reached.
+    fn missing(&self) -> String {
+        let error = 100.0 * self.wanted.error.unwrap_or_default();
+        format!(
+            "warning: {} tiles have not reached an error of {error} % yet: the same command goes on from {}; light that only a few \
+             of many paths find, as through mirrors and glass from small lamps, may never converge\n",
+            self.passes.unsettled(),
+            self.sums.display()
+        )
+    }
+}
+
+/// Removes the sums, if there are any.
+fn remove(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::io(path, "cannot remove")(error))
+        }
+        _ => Ok(()),
+    }
+}

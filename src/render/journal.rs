@@ -1,0 +1,202 @@
+//! Parts of long work in a file, as they are done, so that work that was stopped goes on where it was.
+//!
+//! A line that names the format and the fingerprint of the work; then for each part its index, its length in bytes, its bytes, and
+//! the CRC-32 of all three, numbers in little-endian order. What was being written when a process ended does not have its checksum, and is
+//! cut off.
+
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use crate::error::{Error, Result};
+
+/// The first line.
+const FORMAT: &[u8] = b"nullray parts 1\n";
+/// Bytes of a fingerprint, and of index and length.
+const FINGERPRINT: usize = 32;
+const HEAD: usize = 16;
+
+/// Finished parts of some work.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: Mutex<File>,
+    found: Found,
+}
+
+/// By index of a part, where its bytes lie, and how many.
+type Found = HashMap<u64, (u64, usize)>;
+
+impl Journal {
+    /// Opens the file of the work of this fingerprint; parts of any other are forgotten.
+    ///
+    /// # Errors
+    /// I/O errors, and a file at which another process is working.
+    pub fn open(path: &Path, fingerprint: &[u8; FINGERPRINT]) -> Result<Journal> {
+        let failed = || Error::io(path, "cannot write");
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(false);
+        let mut file = options.open(path).map_err(failed())?;
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            let what = "another process is working at this";
+            return Err(Error::invalid(
+                path,
+                "",
+                what,
+                "wait for it, or write elsewhere",
+            ));
+        }
+        let (found, end) = scan(&mut file, fingerprint).map_err(failed())?;
+        file.set_len(end).map_err(failed())?;
+        file.seek(SeekFrom::Start(end)).map_err(failed())?;
+        if end == 0 {
+            file.write_all(&[FORMAT, fingerprint].concat())
+                .map_err(failed())?;
+        }
+        Ok(Journal {
+            path: path.into(),
+            file: Mutex::new(file),
+            found,
+        })
+    }
+
+    /// How many parts were there.
+    pub fn found(&self) -> usize {
+        self.found.len()
+    }
+
+    /// The bytes of a part that was there.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn part(&self, index: u64) -> Result<Option<Vec<u8>>> {
+        let Some((at, length)) = self.found.get(&index) else {
+            return Ok(None);
+        };
+        let read = |file: &mut File| {
+            let end = file.stream_position()?;
+            let mut bytes = vec![0; *length];
+            file.seek(SeekFrom::Start(*at))?;
+            file.read_exact(&mut bytes)?;
+            file.seek(SeekFrom::Start(end))?;
+            Ok(bytes)
+        };
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let bytes = read(&mut file).map_err(Error::io(&self.path, "cannot read"))?;
+        Ok(Some(bytes))
+    }
+
+    /// Adds a part.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn add(&self, index: u64, bytes: &[u8]) -> Result<()> {
+        let mut record = Vec::with_capacity(HEAD + bytes.len() + 4);
+        record.extend(index.to_le_bytes());
+        record.extend((bytes.len() as u64).to_le_bytes());
+        record.extend(bytes);
+        let mut crc = flate2::Crc::new();
+        crc.update(&record);
+        record.extend(crc.sum().to_le_bytes());
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.write_all(&record)
+            .map_err(Error::io(&self.path, "cannot write"))
+    }
+
+    /// Removes the file: all parts are where they belong.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn remove(self) -> Result<()> {
+        std::fs::remove_file(&self.path).map_err(Error::io(&self.path, "cannot remove"))
+    }
+}
+
+/// The whole parts in `file`, if they are of this work, and where they end.
+fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, u64)> {
+    let length = file.metadata()?.len();
+    let mut found = Found::new();
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let mut head = [0; FORMAT.len() + FINGERPRINT];
+    let is_ours = match reader.read_exact(&mut head) {
+        Ok(()) => head.starts_with(FORMAT) && head.ends_with(fingerprint),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
+        Err(error) => return Err(error),
+    };
+    if !is_ours {
+        return Ok((found, 0));
+    }
+    let mut at = head.len() as u64;
+    let mut block = vec![0; 1 << 16];
+    while let Some(after) = at.checked_add(HEAD as u64).filter(|after| *after <= length) {
+        let mut crc = flate2::Crc::new();
+        let mut numbers = [0; HEAD];
+        reader.read_exact(&mut numbers)?;
+        crc.update(&numbers);
+        let number = |from: usize| {
+            let bytes = std::array::from_fn(|k| numbers[from + k]);
+            u64::from_le_bytes(bytes)
+        };
+        let (index, bytes) = (number(0), number(8));
+        let end = after.checked_add(bytes).and_then(|end| end.checked_add(4));
+        let (Some(end), Ok(size)) = (end.filter(|end| *end <= length), usize::try_from(bytes))
+        else {
+            break;
+        };
+        let mut left = size;
+        while left > 0 {
+            let piece = left.min(block.len());
+            reader.read_exact(&mut block[..piece])?;
+            crc.update(&block[..piece]);
+            left -= piece;
+        }
+        let mut sum = [0; 4];
+        reader.read_exact(&mut sum)?;
+        if u32::from_le_bytes(sum) != crc.sum() {
+            break;
+        }
+        found.insert(index, (after, size));
+        at = end;
+    }
+    Ok((found, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_parts_are_found_again_and_torn_ones_are_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("parts");
+        let journal = Journal::open(&path, &[1; 32]).unwrap();
+        journal.add(7, b"seven").unwrap();
+        journal.add(2, &[9; 100_000]).unwrap();
+        assert!(Journal::open(&path, &[1; 32]).is_err());
+        drop(journal);
+        let whole = std::fs::read(&path).unwrap();
+        for (cut, parts) in [(0, 2), (1, 1), (100_003, 1), (100_021, 0)] {
+            std::fs::write(&path, &whole[..whole.len() - cut]).unwrap();
+            let journal = Journal::open(&path, &[1; 32]).unwrap();
+            assert_eq!(journal.found(), parts, "{cut}");
+            let seven = journal.part(7).unwrap();
+            assert_eq!(seven.as_deref(), (parts > 0).then_some(&b"seven"[..]));
+            journal.add(3, b"more").unwrap();
+            drop(journal);
+            let journal = Journal::open(&path, &[1; 32]).unwrap();
+            assert_eq!(journal.part(3).unwrap().unwrap(), b"more");
+        }
+        // A changed byte ends what is whole; other work begins anew.
+        let mut changed = whole.clone();
+        changed[60] ^= 1;
+        std::fs::write(&path, &changed).unwrap();
+        assert_eq!(Journal::open(&path, &[1; 32]).unwrap().found(), 0);
+        std::fs::write(&path, &whole).unwrap();
+        let other = Journal::open(&path, &[2; 32]).unwrap();
+        assert_eq!(other.found(), 0);
+        other.remove().unwrap();
+        assert!(!path.exists());
+    }
+}

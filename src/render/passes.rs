@@ -1,0 +1,335 @@
+//! A picture that improves: passes of independent samples, until an error is reached or the caller has had enough.
+//!
+//! Each pass takes the samples of the layout anew, with random numbers of its own ([`sampler`](crate::render::sampler)). Passes come in
+//! pairs, one for each half of a tile's samples, and each half decides how many passes of the other count, so that the picture has
+//! no bias ([`film`](crate::render::film)). A half asks for no more passes of the other once, in its own eyes,
+//!
+//! ```text
+//! √(mean over pixels of standard error²) ≤ ε · (mean radiance of the tile, or of the picture where that is more),
+//! ```
+//!
+//! and a tile takes part in passes until both halves are decided. The picture of P passes is a function of scene, ε and P: the same bits
+//! on any number of threads, and whether or not the work was stopped and taken up again in between.
+//!
+//! The file of the sums: a line that names the format, the fingerprint of what is rendered, passes, ε and the picture's mean
+//! radiance by half, the sums of all tiles in order, numbers in little-endian order, and the SHA-256 of all that.
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
+use crate::io::image::write_atomically;
+use crate::render::film::{Film, Layout, Tile, TileFilm};
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::sampler::Sampler;
+use crate::render::tiles::{Buffers, Pipeline};
+use crate::render::trace::Meter;
+use crate::scene::model::MOST_SAMPLES;
+
+/// Passes of each half before it decides anything.
+const FIRST: u32 = 4;
+/// The first line of a file of sums.
+const FORMAT: &[u8] = b"nullray passes 1\n";
+/// What is wrong with a file of sums.
+const DAMAGED: &str = "this file of finished passes is damaged";
+/// Bytes of a SHA-256.
+const DIGEST: usize = 32;
+
+/// The sums of all finished passes.
+#[derive(Debug)]
+pub struct Passes {
+    tiles: Vec<TileFilm>,
+    layout: Layout,
+    sampler: Sampler,
+    done: u32,
+    /// ε.
+    error: Option<f64>,
+    /// By half, mean radiance of the picture when the first decisions were taken.
+    mean: Option<[f64; 2]>,
+}
+
+impl Passes {
+    /// No passes yet of a prepared scene, towards the error `error`, a part of the radiance; none for passes without an end.
+    pub fn new(scene: &Prepared, error: Option<f64>) -> Self {
+        let layout = scene.layout.clone();
+        let tiles = 0..Tile::count(layout.size);
+        Passes {
+            tiles: tiles
+                .map(|index| TileFilm::of_passes(Tile::of_image(layout.size, index), &layout))
+                .collect(),
+            sampler: scene.sampler.with_samples(layout.samples),
+            layout,
+            done: 0,
+            error,
+            mean: None,
+        }
+    }
+
+    /// How many passes are done; an even number.
+    pub fn done(&self) -> u32 {
+        self.done
+    }
+
+    /// The most passes of a layout: those of 65,536 samples per pixel, or 16.
+    pub fn most(&self) -> u32 {
+        (MOST_SAMPLES / self.layout.samples / 2 * 2).max(4 * FIRST)
+    }
+
+    /// Whether all tiles have the error that was asked for.
+    pub fn is_settled(&self) -> bool {
+        self.unsettled() == 0
+    }
+
+    /// How many tiles need more passes.
+    pub fn unsettled(&self) -> usize {
+        let parts = self.tiles.iter().filter_map(TileFilm::parts);
+        parts.filter(|parts| !parts.is_settled()).count()
+    }
+
+    /// Camera rays of the next two passes.
+    pub fn rays(&self) -> u64 {
+        let unsettled = self.tiles.iter().filter(|tile| needs_more(tile));
+        let pixels: usize = unsettled.map(|tile| tile.tile().pixels()).sum();
+        2 * pixels as u64 * u64::from(self.layout.samples)
+    }
+
+    /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one that they began with.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when `progress` says so: what is held is then of no use any more.
+    pub fn advance(&mut self, scene: &Prepared, progress: &dyn Progress) -> Result<()> {
+        let pipeline = Pipeline::new(scene, self.sampler);
+        let samples = self.layout.samples;
+        let first = self.done * samples;
+        let unsettled = self.tiles.par_iter_mut().filter(|tile| needs_more(tile));
+        unsettled.try_for_each_init(Buffers::default, |buffers, film| {
+            let tile = film.tile();
+            for index in first..first + 2 * samples {
+                progress.check()?;
+                pipeline.sample(tile, index, buffers, film, &mut Meter::new(false));
+                film.end_sample(index);
+                progress.rays_done(tile.pixels() as u64);
+            }
+            Ok::<(), Error>(())
+        })?;
+        self.done += 2;
+        self.decide();
+        Ok(())
+    }
+
+    /// Has each half of each tile decide whether it needs more passes of the other.
+    fn decide(&mut self) {
+        let Some(error) = self.error.filter(|_| self.done >= 2 * FIRST) else {
+            return;
+        };
+        let mean = *self.mean.get_or_insert_with(|| means(&self.tiles));
+        for parts in self.tiles.iter_mut().filter_map(TileFilm::parts_mut) {
+            for half in 0..2 {
+                let judge = 1 - half;
+                let [radiance, standard_error] = parts.tile_judgement(judge);
+                // Light that is no number does not get better.
+                let is_coarse = standard_error > error * radiance.max(mean[judge]);
+                parts.settled[half] |= !is_coarse;
+            }
+        }
+    }
+
+    /// The picture so far.
+    pub fn film(&self) -> Film {
+        let mut film = Film::new(self.layout.clone()).with_passes(self.done, self.error);
+        self.tiles.iter().for_each(|tile| film.place(tile));
+        film
+    }
+
+    /// The standard error of the picture so far: root of the mean square over pixels, over their mean radiance. 0 where it is dark.
+    pub fn error(&self) -> f64 {
+        let (mut square, mut pixels) = (0.0, 0);
+        for parts in self.tiles.iter().filter_map(TileFilm::parts) {
+            let count = parts.spread.len();
+            pixels += count;
+            square += (0..count)
+                .map(|pixel| parts.standard_error(pixel).powi(2))
+                .sum::<f64>();
+        }
+        let [a, b] = means(&self.tiles);
+        let mean = 0.5 * (a + b);
+        match mean > 0.0 {
+            true => (square / pixels as f64).sqrt() / mean,
+            false => 0.0,
+        }
+    }
+
+    /// Writes all sums to `path`, whole or not at all. `fingerprint` tells what is rendered.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn write(&mut self, path: &Path, fingerprint: &[u8; DIGEST]) -> Result<()> {
+        let head = self.head(fingerprint);
+        write_atomically(path, |writer| {
+            let mut hash = Sha256::new();
+            let mut block = head;
+            let mut failed = Ok(());
+            let mut flush = |block: &mut Vec<u8>, least: usize| {
+                if block.len() > least && failed.is_ok() {
+                    hash.update(&*block);
+                    failed = writer.write_all(block);
+                    block.clear();
+                }
+            };
+            for tile in &mut self.tiles {
+                let block = std::cell::RefCell::new(&mut block);
+                tile.each_sum(
+                    &mut |numbers| {
+                        let bytes = numbers.iter().flat_map(|x| x.to_le_bytes());
+                        block.borrow_mut().extend(bytes);
+                    },
+                    &mut |count| block.borrow_mut().extend(count.to_le_bytes()),
+                );
+                flush(&mut block.borrow_mut(), 1 << 16);
+            }
+            flush(&mut block, 0);
+            let written = failed.and_then(|()| writer.write_all(&hash.finalize()));
+            written.map_err(Error::io(path, "cannot write"))
+        })
+    }
+
+    fn head(&self, fingerprint: &[u8; DIGEST]) -> Vec<u8> {
+        let mut head = FORMAT.to_vec();
+        head.extend(fingerprint);
+        head.extend(self.done.to_le_bytes());
+        head.push(u8::from(self.mean.is_some()));
+        for mean in self.mean.unwrap_or_default() {
+            head.extend(mean.to_le_bytes());
+        }
+        head
+    }
+
+    /// Goes on from the sums in `path`; false, with nothing changed, where they are of something else, and where there is no such file.
+    ///
+    /// # Errors
+    /// A file that is damaged; I/O errors.
+    pub fn resume(&mut self, path: &Path, fingerprint: &[u8; DIGEST]) -> Result<bool> {
+        let file = match std::fs::File::open(path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(Error::io(path, "cannot read")(error)),
+        };
+        let mut reader = Hashed {
+            reader: io::BufReader::with_capacity(1 << 16, file),
+            hash: Sha256::new(),
+        };
+        let failed = |error: io::Error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => damaged(path),
+            _ => Error::io(path, "cannot read")(error),
+        };
+        let mut head = [0; FORMAT.len() + DIGEST];
+        reader.read_exact(&mut head).map_err(failed)?;
+        if !head.starts_with(FORMAT) || !head.ends_with(fingerprint) {
+            return Ok(false);
+        }
+        let (done, mean) = self.read_sums(&mut reader).map_err(failed)?;
+        let found = reader.hash.finalize();
+        let mut digest = [0; DIGEST];
+        reader.reader.read_exact(&mut digest).map_err(failed)?;
+        // Nothing follows.
+        let ends = reader.reader.read(&mut [0]).map_err(failed)? == 0;
+        if found[..] != digest || !ends || done % 2 != 0 {
+            return Err(damaged(path));
+        }
+        (self.done, self.mean) = (done, mean);
+        Ok(true)
+    }
+
+    /// Reads the number of passes, the means and the sums of all tiles.
+    fn read_sums(&mut self, reader: &mut impl Read) -> io::Result<(u32, Option<[f64; 2]>)> {
+        let mut number = [0; 4];
+        reader.read_exact(&mut number)?;
+        let mut has_mean = [0];
+        reader.read_exact(&mut has_mean)?;
+        let mut mean = [0.0; 2];
+        for mean in &mut mean {
+            *mean = f64::from_le_bytes(read_eight(reader)?);
+        }
+        let reader = std::cell::RefCell::new(reader);
+        let mut failed = Ok(());
+        let failed = std::cell::RefCell::new(&mut failed);
+        let next = || match read_eight(*reader.borrow_mut()) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                **failed.borrow_mut() = Err(error);
+                [0; 8]
+            }
+        };
+        for tile in &mut self.tiles {
+            tile.each_sum(
+                &mut |numbers| numbers.fill_with(|| f64::from_le_bytes(next())),
+                &mut |count| *count = u64::from_le_bytes(next()),
+            );
+            if failed.borrow().is_err() {
+                break;
+            }
+        }
+        let result = std::mem::replace(*failed.borrow_mut(), Ok(()));
+        result.map(|()| {
+            (
+                u32::from_le_bytes(number),
+                (has_mean == [1]).then_some(mean),
+            )
+        })
+    }
+}
+
+/// Bytes that passes of `layout` hold beside the film.
+pub fn bytes(layout: &Layout) -> u64 {
+    layout.bytes_of_passes()
+}
+
+fn needs_more(tile: &TileFilm) -> bool {
+    tile.parts().is_some_and(|parts| !parts.is_settled())
+}
+
+/// By half, the mean radiance of all pixels.
+fn means(tiles: &[TileFilm]) -> [f64; 2] {
+    std::array::from_fn(|half| {
+        let (mut sum, mut pixels) = (0.0, 0);
+        for parts in tiles.iter().filter_map(TileFilm::parts) {
+            let count = parts.spread.len();
+            pixels += count;
+            sum += parts.tile_judgement(half)[0] * count as f64;
+        }
+        sum / pixels as f64
+    })
+}
+
+fn damaged(path: &Path) -> Error {
+    Error::invalid(
+        path,
+        "",
+        DAMAGED,
+        "remove it, and the picture is begun anew",
+    )
+}
+
+fn read_eight(reader: &mut impl Read) -> io::Result<[u8; 8]> {
+    let mut bytes = [0; 8];
+    reader.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Hashes what is read.
+struct Hashed<R> {
+    reader: R,
+    hash: Sha256,
+}
+
+impl<R: Read> Read for Hashed<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.reader.read(buffer)?;
+        self.hash.update(&buffer[..n]);
+        Ok(n)
+    }
+}

@@ -1,0 +1,112 @@
+//! Pictures that improve: `render --error`, `--budget` and `--passes`.
+
+use super::Folder;
+
+/// A floor in the soft light of a panel.
+const SOFT: &str = r#"
+[camera]
+eye = [0, 2, 4]
+look_at = [0, 0, 0]
+hfov = "50 deg"
+size = [24, 18]
+[[object]]
+name = "floor"
+shape = { plane = { size = [4, 4] } }
+[[object]]
+name = "panel"
+shape = { plane = { size = [1, 1] } }
+transform = { translate = [0, 1, 0], rotate = { axis = [1, 0, 0], angle = "180 deg" } }
+[[light]]
+type = "area"
+object = "panel"
+radiance = 3
+"#;
+
+fn folder() -> Folder {
+    let folder = Folder::empty();
+    folder.write("soft.toml", SOFT);
+    folder
+}
+
+const TO_NPZ: [&str; 8] = [
+    "render",
+    "soft.toml",
+    "--spp",
+    "2",
+    "--aovs",
+    "standard_error,samples",
+    "-o",
+    "a.npz",
+];
+
+#[test]
+fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did_not_stop() {
+    let goal = ["--error", "0.01 %", "--passes"];
+    let (whole, parts) = (folder(), folder());
+    let said = whole.ok(&[&TO_NPZ[..], &goal, &["24"]].concat());
+    assert!(said.contains("24 passes, standard error"), "{said}");
+    assert!(
+        said.contains("have not reached an error of 0.01 %"),
+        "{said}"
+    );
+    for passes in ["2", "8", "16", "24"] {
+        let said = parts.ok(&[&TO_NPZ[..], &goal, &[passes]].concat());
+        assert_eq!(said.contains("goes on after pass"), passes != "2", "{said}");
+    }
+    assert!(whole.read("a.npz") == parts.read("a.npz"));
+    assert!(parts.path("a.npz.passes").exists());
+    // Of another scene, the sums are begun anew; of an error that is reached, none stay.
+    parts.write("soft.toml", SOFT.replace("radiance = 3", "radiance = 4"));
+    let said = parts.ok(&[&TO_NPZ[..], &["--error", "60 %"]].concat());
+    assert!(
+        !said.contains("goes on") && said.contains("8 passes"),
+        "{said}"
+    );
+    assert!(!parts.path("a.npz.passes").exists());
+    // A damaged file is refused, and named.
+    parts.write("a.npz.passes", "nullray passes 1\n");
+    let run = parts.run(&[&TO_NPZ[..], &["--passes", "2"]].concat());
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("damaged"), "{}", run.stderr);
+}
+
+#[test]
+fn a_budget_ends_after_whole_passes_whose_number_gives_the_bits() {
+    let folder = folder();
+    let said = folder.ok(&[&TO_NPZ[..], &["--budget", "0.3 s"]].concat());
+    let passes = said
+        .lines()
+        .find_map(|line| line.split_once(" passes, standard error"));
+    let passes = passes.unwrap().0.to_string();
+    let first = folder.read("a.npz");
+    folder.ok(&[&TO_NPZ[..], &["--passes", &passes]].concat());
+    assert!(first == folder.read("a.npz"), "{passes} passes");
+    assert!(!folder.path("a.npz.passes").exists());
+}
+
+#[test]
+fn passes_of_what_does_not_improve_are_refused() {
+    let folder = folder();
+    for (arguments, message) in [
+        (&["--passes", "3"][..], "in pairs"),
+        (&["--error", "0 %"], "above 0 %"),
+        (&["--budget", "60"], "with its unit"),
+        (
+            &["--error", "1 %", "--frames", "0..3", "--interval", "1 m"],
+            "a sequence",
+        ),
+        (&["--error", "1 %", "--method", "raster:none"], "ray tracer"),
+        (&["--error", "1 %", "--stats"], "statistics"),
+    ] {
+        let run = folder.run(&[&TO_NPZ[..], arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(
+            run.stderr.contains(message),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+    }
+    std::fs::create_dir(folder.path("a.npz.passes")).unwrap();
+    let run = folder.run(&[&TO_NPZ[..], &["--passes", "2"]].concat());
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

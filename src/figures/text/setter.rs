@@ -20,6 +20,7 @@ pub(super) enum Style {
 }
 
 /// A glyph of a line of text, and where it stands.
+#[cfg_attr(not(feature = "pdf"), allow(dead_code))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Glyph {
     /// Whether its font is the leaning one.
@@ -37,6 +38,7 @@ pub(crate) struct Glyph {
 }
 
 /// A font as files embed it.
+#[cfg(feature = "pdf")]
 pub(crate) struct Font {
     /// Its PostScript name.
     pub name: &'static str,

@@ -61,13 +61,14 @@ pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<
     for pair in track.points.windows(2) {
         let ((from, a), (to, b)) = (pair[0], pair[1]);
         let beta = (b - a).length() / (metres(to) - metres(from));
-        if !(beta < 1.0) {
-            let what = format!(
-                "node {:?} moves at |β| = {beta} between {from} s and {to} s of its animation",
-                node.value
-            );
-            return Err(cx.refuse(node, what, slower(noun)));
+        if beta < 1.0 {
+            continue;
         }
+        let what = format!(
+            "node {:?} moves at |β| = {beta} between {from} s and {to} s of its animation",
+            node.value
+        );
+        return Err(cx.refuse(node, what, slower(noun)));
     }
     if track.points.len() < 2 {
         let what = "the animation has a single time, and goes nowhere";

@@ -287,16 +287,15 @@ impl Projection for Perspective {
         DVec3::new(right / self.focal, up / self.focal, 1.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
         let [width, height] = self.size;
-        (v.z > 0.0).then(|| {
-            let scale = self.focal / v.z;
-            [0.5 * width + scale * v.x, 0.5 * height - scale * v.y]
-        })
+        let scale = self.focal / v.z;
+        let place = [0.5 * width + scale * v.x, 0.5 * height - scale * v.y];
+        if v.z > 0.0 { Some(place) } else { None }
     }
 
-    #[inline]
+    #[inline(always)]
     fn footprint(&self, v: DVec3) -> f64 {
         v.z / self.focal
     }

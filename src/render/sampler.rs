@@ -232,30 +232,86 @@ impl Sampler {
     /// are permuted at random in each pixel, or the samples would lie on planes of place and time.
     #[inline]
     pub fn moment(&self, column: u32, row: u32, index: u32) -> f64 {
+        let mut moment = [0.0];
+        let (within, salt) = self.replicate(index);
+        let key = pixel_key(column, row) ^ salt;
+        self.moments(&[key], within, &mut moment);
+        moment[0]
+    }
+
+    /// The same in many pixels, by their keys; `index` is below [`Sampler::samples`].
+    pub(crate) fn moments(&self, pixels: &[u64], index: u32, moments: &mut [f64]) {
         if self.centred {
-            return 0.5;
+            moments.fill(0.5);
+            return;
         }
+        let of = Moments {
+            columns: self.columns,
+            rows: self.rows,
+            index,
+            pixels,
+            moments,
+        };
+        // Permutations of powers of two take no walk: loops of them go in vectors.
+        match (self.columns.is_power_of_two(), self.rows.is_power_of_two()) {
+            (true, true) => dispatch(of),
+            _ => of.fill::<false>(),
+        }
+    }
+}
+
+/// Pixels to moments of one of their samples.
+struct Moments<'a> {
+    columns: u32,
+    rows: u32,
+    index: u32,
+    pixels: &'a [u64],
+    moments: &'a mut [f64],
+}
+
+impl VectorLoop for Moments<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.fill::<true>();
+    }
+}
+
+impl Moments<'_> {
+    /// For grids whose numbers of columns and rows are powers of two, or any.
+    #[inline(always)]
+    fn fill<const POWERS_OF_TWO: bool>(self) {
         let (a, b) = (self.columns, self.rows);
-        let (index, salt) = self.replicate(index);
-        let pixel = hash(!(pixel_key(column, row) ^ salt));
-        let noise = hash(pixel ^ (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let (i, j) = (index % a, index / a);
-        let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
-        // The b-th part of the time: the orthogonal array over rows and columns.
-        let part = (permuted(j, b, rows) + permuted(i, a, columns) * (b / a)) % b;
-        // Within the part, one of a strata, permuted anew for each part.
-        let within = permuted(i, a, !columns ^ part.wrapping_mul(0x9e37_79b9));
-        let within = (f64::from(within) + unit(noise as u32)) / f64::from(a);
-        // Rounding may lift the last sample to 1.
-        ((f64::from(part) + within) / f64::from(b)).min(1.0 - f64::EPSILON)
+        let (i, j) = (self.index % a, self.index / a);
+        let salt = (self.index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        for (pixel, moment) in self.pixels.iter().zip(self.moments) {
+            let pixel = hash(!pixel);
+            let noise = hash(pixel ^ salt);
+            let (columns, rows) = (pixel as u32, (pixel >> 32) as u32);
+            // The b-th part of the time: the orthogonal array over rows and columns.
+            let place = permuted::<POWERS_OF_TWO>(j, b, rows)
+                + permuted::<POWERS_OF_TWO>(i, a, columns) * (b / a);
+            let part = match POWERS_OF_TWO {
+                true => place & (b - 1),
+                false => place % b,
+            };
+            // Within the part, one of a strata, permuted anew for each part.
+            let seed = !columns ^ part.wrapping_mul(0x9e37_79b9);
+            let within = permuted::<POWERS_OF_TWO>(i, a, seed);
+            let within = (f64::from(within) + unit(noise as u32)) / f64::from(a);
+            // Rounding may lift the last sample to 1.
+            *moment = ((f64::from(part) + within) / f64::from(b)).min(1.0 - f64::EPSILON);
+        }
     }
 }
 
 /// Place of `k` in a random permutation of 0..n, by its seed: a bijection of the next power of two, walked
 /// until it is below n (Kensler, "Correlated multi-jittered sampling", Pixar 2013).
-#[inline]
-fn permuted(k: u32, n: u32, seed: u32) -> u32 {
-    let mask = n.next_power_of_two() - 1;
+#[inline(always)]
+fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
+    let mask = match POWER_OF_TWO {
+        true => n - 1,
+        false => n.next_power_of_two() - 1,
+    };
     let mut i = k;
     loop {
         i ^= seed;
@@ -276,6 +332,9 @@ fn permuted(k: u32, n: u32, seed: u32) -> u32 {
         i = i.wrapping_mul(0xc860_a3df);
         i &= mask;
         i ^= i >> 5;
+        if POWER_OF_TWO {
+            return i.wrapping_add(seed) & mask;
+        }
         if i < n {
             return (i.wrapping_add(seed)) % n;
         }

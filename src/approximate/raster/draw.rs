@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::camera::{Point, RayOrigin};
+use crate::camera::RayOrigin;
 use crate::error::{Error, Result};
 use crate::light::time_texture::Coverage;
 use crate::render::film::{Film, Tile, TileFilm};
@@ -159,7 +159,6 @@ impl TileSamples<'_> {
 /// A scene, and who sees it.
 struct Stage<'a> {
     scene: &'a Prepared,
-    view: Point<'a>,
     surfaces: Surfaces<'a>,
     /// Of the medium; 1 where rays have delays of their own.
     index: f64,
@@ -181,14 +180,17 @@ pub(super) fn film<P: Visibility>(
     visibility: &P,
     progress: &dyn Progress,
 ) -> Result<Film> {
-    let view = scene.camera.view.point();
+    scene
+        .camera
+        .view
+        .point()
+        .ok_or_else(crate::approximate::projection::apart)?;
     let index = match visibility.has_own_delays() {
         true => 1.0,
         false => scene.ray_index,
     };
     let stage = Stage {
         scene,
-        view: view.ok_or_else(crate::approximate::projection::apart)?,
         surfaces: Surfaces::unbuffered(&scene.frames, scene.camera.shot.event, index),
         index,
     };
@@ -207,8 +209,8 @@ pub(super) fn film<P: Visibility>(
                 let Buffers {
                     camera_rays, rays, ..
                 } = buffers;
-                let sampler = &scene.sampler;
-                stage.view.generate(camera_rays, sampler, tile, sample);
+                let view = &scene.camera.view;
+                view.generate(camera_rays, &scene.sampler, tile, sample);
                 let samples = TileSamples {
                     camera_rays,
                     surfaces: &stage.surfaces,

@@ -100,10 +100,18 @@ const NOTHING: Seen = Seen {
 /// A surface point in the capture camera's coordinates, prepared for comparing with pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Aim {
-    position: DVec3,
-    normal: DVec3,
+    pub position: DVec3,
+    pub normal: DVec3,
     /// Width of a pixel at the point's depth.
-    footprint: f64,
+    pub footprint: f64,
+}
+
+impl Aim {
+    /// Whether the side that is looked at faces the pinhole.
+    #[inline(always)]
+    pub fn faces(&self) -> bool {
+        self.normal.dot(self.position) < 0.0
+    }
 }
 
 impl Capture {
@@ -190,14 +198,39 @@ impl Capture {
     }
 
     /// Where `point` lies in the image, pixels from its top left corner; none behind the pinhole.
-    #[inline]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        let Lens {
-            eye, projection, ..
-        } = &self.lens;
-        let place = projection.film_point(projection.along_axes(point - *eye))?;
+        let point = SurfacePoint {
+            position: point,
+            normal: DVec3::ZERO,
+        };
+        self.look_at(&self.lens.projection, &point).0
+    }
+
+    /// How the camera sees its whole film.
+    pub(super) fn projection(&self) -> &AnyProjection {
+        &self.lens.projection
+    }
+
+    /// Where `point` lies in the image, pixels from its top left corner, none behind the pinhole; and the point by the
+    /// camera's axes. `film` is [`Capture::projection`], or what that is.
+    #[inline(always)]
+    pub(super) fn look_at<P: Projection>(
+        &self,
+        film: &P,
+        point: &SurfacePoint,
+    ) -> (Option<[f64; 2]>, Aim) {
+        let position = film.along_axes(point.position - self.lens.eye);
+        let aim = Aim {
+            position,
+            normal: film.along_axes(point.normal),
+            footprint: film.footprint(position),
+        };
         let [left, above] = self.lens.offset;
-        Some([place[0] - left, place[1] - above])
+        let place = match film.film_point(position) {
+            Some([x, y]) => Some([x - left, y - above]),
+            None => None,
+        };
+        (place, aim)
     }
 
     /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.
@@ -224,17 +257,8 @@ impl Capture {
     /// The point, if its looked-at side faces the pinhole and is before it.
     #[inline]
     pub(super) fn aim(&self, point: &SurfacePoint) -> Option<Aim> {
-        let Lens {
-            eye, projection, ..
-        } = &self.lens;
-        let p = projection.along_axes(point.position - *eye);
-        let normal = projection.along_axes(point.normal);
-        let faces = normal.dot(p) < 0.0;
-        (faces && projection.film_point(p).is_some()).then(|| Aim {
-            position: p,
-            normal,
-            footprint: projection.footprint(p),
-        })
+        let (place, aim) = self.look_at(&self.lens.projection, point);
+        (place.is_some() && aim.faces()).then_some(aim)
     }
 
     /// How this camera looks at the point; none from behind its surface, and behind the pinhole.

@@ -9,11 +9,38 @@ const GROUP: usize = 16;
 /// Samples of a group, and one that may be read without effect.
 const ROOM: usize = GROUP * 4 * MOST_BINS * 3 + 1;
 
+/// Where lookups read, and with which weights: by tap, bin and lookup.
+pub(super) trait Reads {
+    /// The first sample.
+    fn origin(&self, tap: usize, at: usize) -> usize;
+    /// The weight of a tap.
+    fn weight(&self, tap: usize, at: usize) -> f64;
+    /// The weight of a bin of a tap.
+    fn bin_weight(&self, tap: usize, bin: usize, at: usize) -> f64;
+}
+
+impl Reads for Places {
+    #[inline(always)]
+    fn origin(&self, tap: usize, at: usize) -> usize {
+        self.origins[tap][at] as usize
+    }
+
+    #[inline(always)]
+    fn weight(&self, tap: usize, at: usize) -> f64 {
+        self.taps[tap][at]
+    }
+
+    #[inline(always)]
+    fn bin_weight(&self, _: usize, bin: usize, at: usize) -> f64 {
+        self.bins[bin][at]
+    }
+}
+
 /// Sums the samples of plain lookups.
 #[inline(always)]
-pub(super) fn read<S: Sample, const C: usize, const N: usize>(
+pub(super) fn read<S: Sample, R: Reads, const C: usize, const N: usize>(
     samples: &[S],
-    places: &Places,
+    places: &R,
     count: usize,
     factor: f64,
     radiance: &mut [[f64; 4]; BATCH],
@@ -21,14 +48,14 @@ pub(super) fn read<S: Sample, const C: usize, const N: usize>(
     // The samples of the next group are on their way while those of this one are summed.
     let mut staged = [S::ZERO; ROOM];
     let mut wide = [S::ZERO.wide(); ROOM];
-    ask_for::<S, C, N>(samples, places, 0, count);
+    ask_for::<S, R, C, N>(samples, places, 0, count);
     let mut begin = 0;
     while begin < count {
         let end = (begin + GROUP).min(count);
-        ask_for::<S, C, N>(samples, places, end, count);
+        ask_for::<S, R, C, N>(samples, places, end, count);
         let mut at = begin;
         while at < end {
-            stage::<S, C, N>(samples, places, at, &mut staged[(at - begin) * 4 * N * C..]);
+            stage::<S, R, C, N>(samples, places, at, &mut staged[(at - begin) * 4 * N * C..]);
             at += 1;
         }
         let used = (end - begin) * 4 * N * C;
@@ -36,7 +63,7 @@ pub(super) fn read<S: Sample, const C: usize, const N: usize>(
         let mut at = begin;
         while at < end {
             let values = &wide[(at - begin) * 4 * N * C..];
-            radiance[at] = sum::<S, C, N>(values, places, at, factor);
+            radiance[at] = sum::<S, R, C, N>(values, places, at, factor);
             at += 1;
         }
         begin = end;
@@ -45,9 +72,9 @@ pub(super) fn read<S: Sample, const C: usize, const N: usize>(
 
 /// Prefetches the samples of the group that begins at `begin`.
 #[inline(always)]
-fn ask_for<S, const C: usize, const N: usize>(
+fn ask_for<S, R: Reads, const C: usize, const N: usize>(
     samples: &[S],
-    places: &Places,
+    places: &R,
     begin: usize,
     count: usize,
 ) {
@@ -55,7 +82,7 @@ fn ask_for<S, const C: usize, const N: usize>(
     while at < (begin + GROUP).min(count) {
         let mut tap = 0;
         while tap < 4 {
-            let first = places.origins[tap][at] as usize;
+            let first = places.origin(tap, at);
             prefetch(samples, first);
             prefetch(samples, first + N * C - 1);
             tap += 1;
@@ -66,16 +93,16 @@ fn ask_for<S, const C: usize, const N: usize>(
 
 /// Copies the samples of one lookup, tap after tap.
 #[inline(always)]
-fn stage<S: Sample, const C: usize, const N: usize>(
+fn stage<S: Sample, R: Reads, const C: usize, const N: usize>(
     samples: &[S],
-    places: &Places,
+    places: &R,
     at: usize,
     to: &mut [S],
 ) {
     let to = &mut to[..4 * N * C];
     let mut tap = 0;
     while tap < 4 {
-        let first = places.origins[tap][at] as usize;
+        let first = places.origin(tap, at);
         // What is not plain may lie anywhere.
         if let Some(from) = samples.get(first..first + N * C) {
             to[tap * N * C..(tap + 1) * N * C].copy_from_slice(from);
@@ -93,9 +120,9 @@ fn widen<S: Sample>(staged: &[S], wide: &mut [S::Wide]) {
 
 /// The weighted sum over taps and bins, times `factor`.
 #[inline(always)]
-fn sum<S: Sample, const C: usize, const N: usize>(
+fn sum<S: Sample, R: Reads, const C: usize, const N: usize>(
     values: &[S::Wide],
-    places: &Places,
+    places: &R,
     at: usize,
     factor: f64,
 ) -> [f64; 4] {
@@ -107,7 +134,7 @@ fn sum<S: Sample, const C: usize, const N: usize>(
         let mut texel = [0.0; 4];
         let mut bin = 0;
         while bin < N {
-            let weight = places.bins[bin][at];
+            let weight = places.bin_weight(tap, bin, at);
             let first = (tap * N + bin) * C;
             let mut c = 0;
             while c < if C == 3 { 4 } else { 1 } {
@@ -117,7 +144,7 @@ fn sum<S: Sample, const C: usize, const N: usize>(
             }
             bin += 1;
         }
-        let weight = places.taps[tap][at];
+        let weight = places.weight(tap, at);
         let mut c = 0;
         while c < 4 {
             sum[c] += weight * texel[c];

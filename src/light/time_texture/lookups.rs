@@ -52,15 +52,22 @@ impl Default for Lookups {
 impl Lookups {
     /// Bytes of samples that the `count` lookups have read from `texture`.
     pub fn bytes_read(&self, texture: &TimeTexture, count: usize) -> u64 {
-        let plain = self.places.plain[..count].iter().filter(|p| **p).count();
-        let cube = texture.cube();
-        let sample = match &cube.samples {
-            Samples::F16(_) => 2,
-            Samples::F32(_) => 4,
-            Samples::F64(_) => 8,
-        };
-        (plain * 4 * bins_of(texture.axis().filter) * cube.shape[3] * sample) as u64
+        bytes_of(
+            texture,
+            self.places.plain[..count].iter().filter(|p| **p).count(),
+        )
     }
+}
+
+/// Bytes of samples that so many lookups read from `texture`.
+pub(super) fn bytes_of(texture: &TimeTexture, lookups: usize) -> u64 {
+    let cube = texture.cube();
+    let sample = match &cube.samples {
+        Samples::F16(_) => 2,
+        Samples::F32(_) => 4,
+        Samples::F64(_) => 8,
+    };
+    (lookups * 4 * bins_of(texture.axis().filter) * cube.shape[3] * sample) as u64
 }
 
 /// How many bins a filter reads.
@@ -148,12 +155,12 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         );
         let factor = self.texture.factor();
         match (&self.texture.cube().samples, self.texture.cube().shape[3]) {
-            (Samples::F16(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F16(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
-            (Samples::F32(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F32(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
-            (Samples::F64(s), 3) => read::<_, 3, N>(s, places, self.count, factor, radiance),
-            (Samples::F64(s), _) => read::<_, 1, N>(s, places, self.count, factor, radiance),
+            (Samples::F16(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F16(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
+            (Samples::F32(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F32(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
+            (Samples::F64(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
+            (Samples::F64(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
         }
     }
 }

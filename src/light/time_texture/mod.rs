@@ -16,13 +16,14 @@
 //! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
+//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, and `capture_lookups` many points of theirs at a time; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
 //! lookups at a time, with `places` for where they read and `gather` for what. All that `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
 //! integral over prefix sums) is another producer of such runs.
 
 mod axis;
 mod bilinear;
 mod capture;
+mod capture_lookups;
 mod coverage;
 mod gather;
 mod irregular;
@@ -35,6 +36,7 @@ mod texture;
 
 pub use axis::TimeAxis;
 pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};
+pub use capture_lookups::CaptureLookups;
 pub use coverage::Coverage;
 pub use lookups::Lookups;
 pub use places::BATCH;

@@ -77,7 +77,7 @@ fn floor(x: f64) -> f64 {
 
 /// An integer in [0, 2⁵²) as one, by an addition.
 #[inline(always)]
-fn integer(x: f64) -> u64 {
+pub(super) fn integer(x: f64) -> u64 {
     const INTEGERS: f64 = (1u64 << 52) as f64;
     (x + INTEGERS).to_bits() & ((1 << 52) - 1)
 }

@@ -9,7 +9,7 @@ use crate::scene::model::{Fill, Outside, Reconstruction};
 use super::axis::TimeAxis;
 use super::axis::{Moment, Phase, Timeline};
 use super::bilinear::{Tap, taps};
-use super::capture::{Capture, SurfacePoint};
+use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
 use super::reader;
 use crate::io::cube::{Cube, CubeError};
@@ -50,6 +50,15 @@ impl Located {
     /// Whether it remains to be asked if the scene blocks the line to the camera.
     pub fn is_seen(&self) -> bool {
         matches!(self.0, Spot::Seen(..) | Spot::Sharp(..))
+    }
+
+    /// The pixels that are interpolated, where they are read as they are.
+    #[inline]
+    pub(super) fn taps(&self) -> Option<&[Tap; 4]> {
+        match &self.0 {
+            Spot::Seen(_, taps, ..) => Some(taps),
+            _ => None,
+        }
     }
 }
 
@@ -170,13 +179,26 @@ impl TimeTexture {
     /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
     #[inline]
     pub fn locate(&self, capture: &Capture, point: &SurfacePoint) -> Located {
-        let Some(place) = capture.project(point.position) else {
+        let (place, aim) = capture.look_at(capture.projection(), point);
+        let aim = (place.is_some() && aim.faces()).then_some(aim);
+        self.located(capture, place, aim)
+    }
+
+    /// What lies at `place` of the image, behind the pinhole if that is none; `aim` is the point, if it faces the pinhole.
+    #[inline]
+    pub(super) fn located(
+        &self,
+        capture: &Capture,
+        place: Option<[f64; 2]>,
+        aim: Option<Aim>,
+    ) -> Located {
+        let Some(place) = place else {
             return Located(Spot::Behind);
         };
         if !self.on_image(place) {
             return Located(Spot::Beside(place));
         }
-        let Some(aim) = capture.aim(point) else {
+        let Some(aim) = aim else {
             return Located(Spot::Unseen(place));
         };
         let taps = self.taps_where(place, |pixel| capture.saw(pixel, &aim));

@@ -202,9 +202,8 @@ impl<V: View> RayGenerator for V {
         let [x, y] = &mut rays.offsets;
         sampler.offsets(&rays.keys, within, x, y);
         if V::USES_TIME {
-            let moment = |(column, row)| sampler.moment(column, row, index);
-            rays.moments.clear();
-            rays.moments.extend(tile.coordinates().map(moment));
+            rays.moments.resize(tile.pixels(), 0.0);
+            sampler.moments(&rays.keys, within, &mut rays.moments);
         }
         rays.look_through(self);
     }

@@ -14,7 +14,7 @@ use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
-use crate::light::time_texture::{Coverage, Located, Lookups, Sampled};
+use crate::light::time_texture::{CaptureLookups, Coverage, Located, Lookups, Sampled};
 use crate::spacetime::Quantity;
 
 /// Radiance that leaves a surface, per channel, in its rest frame.
@@ -144,6 +144,9 @@ pub struct Emitted {
     pub(super) reflections: Vec<Reflection>,
     /// Radiance beside what diffuse surfaces reflect of all lamps, by point; empty where there is none.
     pub(super) added: Vec<[f64; 3]>,
+    /// Lookups of points that a capture camera saw, and what is known of each: radiance, and how much of it the data hold.
+    pub(super) captured: Box<CaptureLookups>,
+    pub(super) known: Vec<Option<([f64; 3], f64)>>,
     /// Where points lie in the image of a capture camera.
     pub(super) located: Vec<Located>,
     /// Times of emission.
@@ -212,6 +215,8 @@ impl Default for Emitted {
             incident: Vec::new(),
             reflections: Vec::new(),
             added: Vec::new(),
+            captured: Box::default(),
+            known: Vec::new(),
             located: Vec::new(),
             times: Vec::new(),
             own_weights: Vec::new(),

@@ -16,7 +16,8 @@ use crate::io::image::Texture;
 use crate::light::lamp::Lamp;
 use crate::light::reflection::Reflection;
 use crate::light::time_texture::{
-    BATCH, Capture, CaptureView, SurfacePoint as CapturePoint, TimeTexture,
+    BATCH, Capture, CaptureLookups, CaptureView, Coverage, Located, Sampled,
+    SurfacePoint as CapturePoint, TimeTexture,
 };
 use crate::mesh::Wrap;
 
@@ -351,34 +352,88 @@ fn project(
 ) {
     emitted.located.clear();
     emitted.segments.clear();
-    for point in run.points() {
-        let captured = CapturePoint {
-            position: point.rest_event().x,
-            normal: point.facing_normal(),
-        };
-        let located = texture.locate(capture, &captured);
-        if located.is_seen() {
-            let from = captured.position;
-            emitted.segments.push(Segment {
-                ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
+    emitted.points.fill(run);
+    let Emitted {
+        points,
+        segments,
+        located,
+        ..
+    } = emitted;
+    texture.locate_each(capture, &points.positions, &points.normals, |k, at| {
+        if at.is_seen() {
+            let from = points.positions.get(k);
+            segments.push(Segment {
+                ray: shadow_ray(points.eye(k), from, capture.eye() - from),
                 s_max: 1.0,
-                skip: Some(point.hit.triangle),
+                skip: Some(points.triangles[k]),
             });
         }
-        emitted.located.push(located);
-    }
+        located.push(at);
+    });
     emitted.times.resize(run.count(), 0.0);
     clock.times(run, 0, &mut emitted.times);
     let (method, counts) = (run.traced.rays.method, meter.occlusion());
     let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
     any_hit(&run.rest.bvh, method, segments, blocked, counts);
-    // Only points that lie in the camera's image have a segment.
-    let mut answers = 0;
+    // Only points that lie in the camera's image have a segment: by point, whether it is blocked.
+    let seen = emitted.located.iter().map(Located::is_seen);
+    let mut answers = emitted.blocked.drain(..);
+    let blocked: Vec<bool> = seen
+        .map(|seen| seen && answers.next() == Some(true))
+        .collect();
+    drop(answers);
+    emitted.blocked = blocked;
+
+    // Points all of whose taps hold data together, the others one by one.
+    let Emitted {
+        captured,
+        located,
+        times,
+        blocked,
+        known,
+        ..
+    } = emitted;
+    known.clear();
+    known.resize(located.len(), None);
+    captured.clear();
+    let mut look_up = |captured: &mut CaptureLookups| {
+        texture.sample_taps(captured);
+        for (at, radiance, held) in captured.answers() {
+            known[at] = Some((radiance, if capture.is_warped() { held } else { 1.0 }));
+        }
+        if meter.is_on() {
+            meter.count(Counter::TextureBytes, captured.bytes_read(texture));
+        }
+        captured.clear();
+    };
+    for (at, located) in located.iter().enumerate() {
+        if !blocked[at] {
+            captured.push(at, capture, located, times[at]);
+        }
+        if captured.is_full() {
+            look_up(captured);
+        }
+    }
+    look_up(captured);
     for at in 0..emitted.located.len() {
-        let located = emitted.located[at];
-        let blocked = located.is_seen() && emitted.blocked[answers];
-        answers += usize::from(located.is_seen());
-        let sampled = texture.sample_located(capture, &located, emitted.times[at], blocked);
+        let sampled = match emitted.known[at] {
+            Some((radiance, 1.0)) => {
+                emitted.radiance.push(radiance);
+                continue;
+            }
+            Some((radiance, held)) => Sampled {
+                radiance,
+                coverage: Coverage {
+                    held,
+                    ..Coverage::default()
+                },
+                ..Sampled::default()
+            },
+            None => {
+                let (located, time) = (&emitted.located[at], emitted.times[at]);
+                texture.sample_located(capture, located, time, emitted.blocked[at])
+            }
+        };
         emitted.push(Emission::stored(sampled));
     }
 }

@@ -92,17 +92,9 @@ impl Bvh {
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Option<Hit> {
-        let mut query = ClosestHit {
-            bvh: self,
-            line: &ray.line,
-            s_min: ray.s_min,
-            s: s_max * ray.per_unit,
-            found: None,
-            tally,
-        };
+        let mut query = ClosestHit::new(self, ray, s_max, tally);
         self.trace(ray, stack, &mut query);
-        let (crossing, slot) = query.found?;
-        Some(ray.hit(self, &crossing, slot))
+        query.into_hit(ray)
     }
 
     #[inline(always)]
@@ -200,7 +192,7 @@ impl ScaledRay {
 }
 
 /// The nearest hit so far.
-struct ClosestHit<'a, T> {
+pub(super) struct ClosestHit<'a, T> {
     bvh: &'a Bvh,
     line: &'a Line,
     s_min: f64,
@@ -209,7 +201,27 @@ struct ClosestHit<'a, T> {
     tally: &'a mut T,
 }
 
-impl<T: Tally> ClosestHit<'_, T> {
+impl<'a, T: Tally> ClosestHit<'a, T> {
+    /// For hits of `ray` before `s_max` of the ray as it was given.
+    #[inline(always)]
+    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, tally: &'a mut T) -> Self {
+        ClosestHit {
+            bvh,
+            line: &ray.line,
+            s_min: ray.s_min,
+            s: s_max * ray.per_unit,
+            found: None,
+            tally,
+        }
+    }
+
+    /// What was found, of the ray as it was given.
+    #[inline(always)]
+    pub fn into_hit(self, ray: &ScaledRay) -> Option<Hit> {
+        let (crossing, slot) = self.found?;
+        Some(ray.hit(self.bvh, &crossing, slot))
+    }
+
     /// Takes over the triangle in `slot` if it comes first: nearer, or as near with a smaller id.
     #[inline(always)]
     fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
@@ -244,6 +256,13 @@ impl<T: Tally> Query for ClosestHit<'_, T> {
                 break;
             }
         }
+        false
+    }
+
+    #[inline(always)]
+    fn triangle(&mut self, slot: usize) -> bool {
+        self.tally.add(Work::Triangles, 1);
+        self.consider(slot as u32, &self.bvh.corners[slot], self.bvh.tags[slot]);
         false
     }
 
@@ -284,6 +303,12 @@ impl<'a, T: Tally> AnyHit<'a, T> {
         }
     }
 
+    /// Whether anything does, of what was tested.
+    #[inline(always)]
+    pub fn is_found(&self) -> bool {
+        self.found
+    }
+
     /// Whether the triangle in `slot` does.
     #[inline(always)]
     pub fn test(&mut self, slot: usize) -> bool {
@@ -313,6 +338,12 @@ impl<T: Tally> Query for AnyHit<'_, T> {
             }
         }
         false
+    }
+
+    #[inline(always)]
+    fn triangle(&mut self, slot: usize) -> bool {
+        self.tally.add(Work::Triangles, 1);
+        self.test(slot)
     }
 
     #[inline(always)]

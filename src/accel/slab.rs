@@ -51,6 +51,9 @@ pub(super) struct SlabRay {
     start: f64,
     /// What is unknown about k s − τ₀: (S7).
     blur: f64,
+    /// r, and ρ: (S2).
+    pub base: DVec3,
+    pub unsure: f64,
 }
 
 /// 1/|d| beyond which an axis is traversed as if it were this: (S4).
@@ -94,15 +97,35 @@ impl SlabRay {
             scale: space.scale,
             start,
             blur,
+            base,
+            unsure,
         })
     }
 
     /// The range to clip to while hits up to parameter `s` are of interest: (S7), and (S4) for t itself.
     #[inline(always)]
     pub fn range(&self, s: f64) -> Vec4 {
-        let t = s * self.scale - self.start;
-        let far = (t + t.abs() * power_of_two(-22) + self.blur) as f32;
+        let far = self.far(s);
         Vec4::new(0.0, 0.0, -far, -far)
+    }
+
+    /// Beyond this t no box is of interest while hits up to parameter `s` are.
+    #[inline(always)]
+    pub fn far(&self, s: f64) -> f32 {
+        let t = s * self.scale - self.start;
+        (t + t.abs() * power_of_two(-22) + self.blur) as f32
+    }
+
+    /// Along an axis r₊, for planes below, and r₋, for planes above.
+    #[inline(always)]
+    pub fn origins(&self, axis: usize) -> [f32; 2] {
+        [self.origin[axis].x, -self.origin[axis].z]
+    }
+
+    /// Along an axis 1/|d| for entries and for exits.
+    #[inline(always)]
+    pub fn inverses(&self, axis: usize) -> [f32; 2] {
+        [self.inverse[axis].x, self.inverse[axis].z]
     }
 
     /// For both children of `node`: where the ray enters (lanes 0, 1) and minus where it leaves (2, 3), bounded

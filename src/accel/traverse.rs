@@ -10,6 +10,9 @@ pub(super) trait Query {
     /// Tests the triangles of the leaf that starts at `slot`; true ends the traversal.
     fn leaf(&mut self, slot: usize) -> bool;
 
+    /// Tests the triangle in `slot`; true ends the traversal.
+    fn triangle(&mut self, slot: usize) -> bool;
+
     /// Counts a node.
     fn node(&mut self);
 

@@ -10,6 +10,7 @@ use super::ray_set::{OwnOrigins, RaySet, SharedOrigin};
 use super::refine::RefinedHits;
 use super::tile::Tile;
 use super::traverse::{Outcome, StackEntry};
+use super::walk::{AnySingles, ClosestSingles};
 use crate::accel::bvh::Bvh;
 use crate::accel::float::power_of_two;
 use crate::accel::node::NodeRef;
@@ -48,7 +49,7 @@ impl Bvh {
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
         // Setting a block up costs more than a few single rays; where the bounds of packets do not hold, single rays do.
-        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
+        if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.closest_singly(from, directions, hits, tally, replaced);
         }
         match from {
@@ -83,7 +84,7 @@ impl Bvh {
         let count = segments.len().min(blocked.len());
         let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
         tally.add(Work::Rays, count);
-        if method.kernel == Kernel::Scalar || count < FEW || !self.suits_packets() {
+        if method.kernel == Kernel::Scalar || !self.suits_packets() {
             return self.any_singly(segments, blocked, tally);
         }
         blocked.fill(false);
@@ -105,10 +106,14 @@ impl Bvh {
                     });
                 }
                 if outcome == Outcome::Incoherent {
-                    for &ray in &block.order[..block.count] {
-                        let ray = ray as usize;
-                        self.any_singly(&segments[ray..=ray], &mut blocked[ray..=ray], tally);
-                    }
+                    method.kernel.run(AnySingles {
+                        bvh: self,
+                        segments,
+                        order: &block.order[..block.count],
+                        blocked,
+                        stack,
+                        tally,
+                    });
                 }
             }
         });
@@ -142,8 +147,15 @@ impl Bvh {
                         space.replace(self, precision, rays, hits, tally, &mut replaced)
                     }
                     Outcome::Incoherent => {
-                        let order = &space.block.order[..space.block.count];
-                        self.closest_of_rays(order, rays, hits, tally, &mut replaced)
+                        method.kernel.run(ClosestSingles {
+                            bvh: self,
+                            rays,
+                            order: &space.block.order[..space.block.count],
+                            hits,
+                            stack,
+                            tally,
+                            replaced: &mut replaced,
+                        });
                     }
                 }
             }
@@ -186,24 +198,6 @@ impl Bvh {
                 stack,
                 tally,
             }),
-        }
-    }
-
-    /// For incoherent rays: those in `order`, one by one.
-    #[cold]
-    fn closest_of_rays(
-        &self,
-        order: &[u32],
-        rays: impl RaySet,
-        hits: &mut [Option<Hit>],
-        tally: &mut impl Tally,
-        replaced: &mut impl FnMut(usize),
-    ) {
-        for &ray in order {
-            let ray = ray as usize;
-            let from = Origins::Shared(rays.origin(ray));
-            let hit = &mut hits[ray..=ray];
-            self.closest_singly(from, &[rays.direction(ray)], hit, tally, |_| replaced(ray));
         }
     }
 

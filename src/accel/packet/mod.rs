@@ -6,7 +6,8 @@
 //! (`refine`): the triangle that is hit, and s, u and v, are those of single rays, bit for bit, with every kernel.
 //!
 //! Rays may share their origin or have their own; the farther those are from one another, the less a block
-//! culls. Rays that are incoherent, and origins more than 2¹⁰ scene sizes away, are traced singly.
+//! culls. Rays that are incoherent go through the wide tree one by one (`walk`); origins more than 2¹⁰ scene sizes away, through the
+//! binary tree.
 
 mod any_hits;
 mod batch;
@@ -22,5 +23,6 @@ mod setup;
 mod simd;
 mod tile;
 mod traverse;
+mod walk;
 
 pub use method::{Kernel, Method, Precision};

@@ -12,7 +12,7 @@ use nullray::render::render;
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, SceneFile};
 
-/// A panel as a small picture of rays through pixel centres, with the channels that are looked at.
+/// A panel, or the scene itself (""), as a small picture of rays through pixel centres, with the channels that are looked at.
 struct Shot {
     scene: Scene,
     film: Film,
@@ -33,13 +33,21 @@ impl Shot {
         };
         let file = SceneFile::read(&path).unwrap();
         let whole = file.scene(&overrides).unwrap_or_else(|e| panic!("{e}"));
-        let named = whole.panels.iter().find(|p| p.name == panel).unwrap();
-        let scene = file
-            .panel(&whole, named, &overrides)
-            .unwrap_or_else(|e| panic!("{e}"));
+        let scene = match whole.panels.iter().find(|p| p.name == panel) {
+            Some(named) => {
+                let scene = file.panel(&whole, named, &overrides);
+                scene.unwrap_or_else(|e| panic!("{e}"))
+            }
+            // The scene itself has no name.
+            None => {
+                assert_eq!(panel, "");
+                whole.clone()
+            }
+        };
         let request = Request {
             aovs: vec![
                 Aov::Object,
+                Aov::EventCt,
                 Aov::EventX,
                 Aov::EventY,
                 Aov::EventZ,
@@ -159,6 +167,90 @@ fn the_tunnel_is_aberrated_and_shifted_as_its_header_says() {
     // 1/(10 (1 + 0.99499)) = 0.05013 straight ahead; a pixel at 0.4° has 0.1 % more. arccos 0.99499 = 5.739° abeam.
     assert!((bluest(&shot) - 0.0501).abs() < 3e-4, "{}", bluest(&shot));
     assert!((abeam(&shot, eye, forward, 64.0) - 5.74).abs() < 0.4);
+}
+
+#[test]
+fn the_cornell_box_is_abeam_where_its_header_says() {
+    let rest = Shot::of("cornell.toml", "rest", [48, 48], &[]);
+    assert!(
+        rest.shows("tall")
+            .all(|p| (rest.aov(Aov::WavelengthRatio, p) - 1.0).abs() < 1e-12)
+    );
+    let shot = Shot::of("cornell.toml", "passing", [96, 96], &[]);
+    let forward = DVec3::new(0.9, 0.0, -0.436);
+    let gamma = 1.0 / (1.0f64 - 0.81).sqrt();
+    let seen = shot.pixels().filter(|&p| shot.aov(Aov::Object, p) >= 0.0);
+    let mut nearest = (f64::INFINITY, 0.0, 0.0);
+    for pixel in seen {
+        // W = γ (1 − β cos θ′), θ′ from ahead, which is +x.
+        let cos = shot.direction(pixel, forward, 18.0).x;
+        let found = shot.aov(Aov::WavelengthRatio, pixel);
+        assert!(
+            (found / (gamma * (1.0 - 0.9 * cos)) - 1.0).abs() < 1e-4,
+            "{found} {cos}"
+        );
+        let off = shot.event(pixel).x.abs();
+        if off < nearest.0 {
+            nearest = (off, cos.acos().to_degrees(), found);
+        }
+    }
+    // Abeam: arccos 0.9 = 25.84° and 1/γ = 0.436; a pixel is 0.2°.
+    let (_, angle, ratio) = nearest;
+    assert!(
+        (angle - 25.84).abs() < 0.2 && (ratio - 0.436).abs() < 5e-3,
+        "{angle} {ratio}"
+    );
+}
+
+#[test]
+fn no_place_is_lit_before_the_flash_has_reached_it_and_walls_glow_behind_its_front() {
+    // The direct way is the shortest: what is r away from the flash is dark until r, less the length of the flash; with 3 bounces it glows
+    // after. Nine standard deviations of 12 cm are 1.08 m, where f64 has nothing left of a Gaussian.
+    let flash = DVec3::new(1.2, 2.8, 1.0);
+    for panel in ["first", "second", "third"] {
+        let shot = Shot::of("flash.toml", panel, [96, 96], &[]);
+        let (mut early, mut glowing) = (0, 0);
+        for pixel in shot.pixels().filter(|&p| shot.aov(Aov::Object, p) >= 0.0) {
+            let radiance = shot.film.radiance()[pixel];
+            let late = shot.aov(Aov::EventCt, pixel) - (shot.event(pixel) - flash).length();
+            if late < -1.08 {
+                assert_eq!(radiance, [0.0; 3], "{panel}, pixel {pixel}: {late} m");
+                early += 1;
+            }
+            glowing += u32::from(late > 1.08 && radiance[1] > 0.0);
+        }
+        assert!(panel != "first" || early > 50, "{early}");
+        assert!(panel != "third" || glowing > 100, "{glowing}");
+    }
+    // Ahead at 0.9 c, √(0.1/1.9) of the wavelength.
+    let fast = Shot::of("flash.toml", "fast", [96, 96], &[]);
+    assert!((bluest(&fast) - 0.2294).abs() < 1e-2, "{}", bluest(&fast));
+}
+
+#[test]
+fn the_mirrors_shift_light_as_their_header_says() {
+    let shot = Shot::of("mirrors.toml", "", [192, 108], &[]);
+    let eye = DVec3::new(0.0, 1.3, 6.0);
+    for (name, beta) in [("coming", 0.15), ("resting", 0.0), ("going", -0.15f64)] {
+        let gamma = 1.0 / (1.0 - beta * beta).sqrt();
+        let mut seen = 0;
+        for pixel in shot.shows(name) {
+            // Of light that leaves at the angle α from the mirror's velocity, W = γ (1 − β cos α).
+            let cos = (eye - shot.event(pixel)).normalize().z;
+            let ratio = gamma * (1.0 - beta * cos);
+            let found = shot.aov(Aov::WavelengthRatio, pixel);
+            assert!(
+                (found / ratio - 1.0).abs() < 1e-6,
+                "{name}: {found} {ratio}"
+            );
+            seen += 1;
+        }
+        assert!(seen > 50, "{name}: {seen}");
+        // Straight there and back: W².
+        let straight = (gamma * (1.0 - beta)).powi(2);
+        assert!((straight - (1.0 - beta) / (1.0 + beta)).abs() < 1e-12);
+        assert!(name != "coming" || (straight - 0.739).abs() < 5e-4);
+    }
 }
 
 #[test]

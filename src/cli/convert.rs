@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Changes, Converted, Wanted};
-use nullray::io::npy::{self, Dtype, Numbers};
+use nullray::io::npy::{self, Dtype};
 use nullray::render::plan::bytes;
 use nullray::scene::model::SPEED_OF_LIGHT;
 use nullray::{Error, Result};
@@ -136,12 +136,7 @@ fn distances(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
             "give a distance per pixel of the whole picture",
         ));
     }
-    Ok(match map.samples {
-        Numbers::F32(v) => v.into_iter().map(f64::from).collect(),
-        Numbers::F64(v) => v,
-        Numbers::I32(v) => v.into_iter().map(f64::from).collect(),
-        Numbers::U32(v) => v.into_iter().map(f64::from).collect(),
-    })
+    Ok(map.samples.into_f64())
 }
 
 fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {

@@ -127,6 +127,16 @@ pictures) is written to a temporary file first. A picture of distances comes fro
 sees it: nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Bins that a shift splits are shared out, so that \
 sums stay what they are. Outputs appear once they are complete.";
 
+pub const MESH_FROM_DEPTH: &str = "\
+Examples:
+  nullray mesh-from-depth capture.npz --eye 3.2,3,4.6 --look-at -0.4,1,-0.6 --fov \"45 deg\" --start \"7.2 m\" --bin-width \"0.05 m\" --lamp 1.2,2.8,1 -o wall.glb
+  nullray mesh-from-depth seen.npz --from distance --eye 0,1,5 --look-at 0,0,0 --fov \"60 deg\" -o seen.glb
+
+A vertex lies in the centre of each pixel, with the texture coordinates of that place in the picture: a cube of the same camera by \
+times of emission is addressed by `uv = 0`, and one by times of arrival by `capture` with the same camera. Surfaces are torn where \
+they end before others. The light that came first is that which a surface sent on directly; where only light over other \
+surfaces arrived the distance would be too long, so that dark pixels are left out (--least).";
+
 pub const STUDY: &str = "\
 Examples:
   nullray study scene.toml

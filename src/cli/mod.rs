@@ -18,6 +18,7 @@ mod info;
 mod inputs;
 mod interrupt;
 mod memory;
+mod mesh_from_depth;
 mod motion;
 mod names;
 mod output;
@@ -68,6 +69,7 @@ fn carry_out(command: Option<Command>) -> Result<Done> {
         Some(Command::Diagram(diagram)) => diagram::run(*diagram),
         Some(Command::Export(export)) => export::run(&export),
         Some(Command::Convert(convert)) => convert::run(&convert),
+        Some(Command::MeshFromDepth(mesh)) => mesh_from_depth::run(&mesh),
         Some(Command::Plan(plan)) => plan::run(&plan),
         Some(Command::Tessellation(forecast)) => tessellation::run(&forecast),
         Some(Command::Info(info)) => info::run(&info),

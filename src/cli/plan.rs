@@ -2,9 +2,11 @@
 
 use nullray::Result;
 use nullray::figures::overlay;
+use nullray::render;
 use nullray::render::plan::{Plan, Request};
 
 use super::args::PlanArguments;
+use super::progress::Bar;
 use super::{print, print_json};
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
@@ -20,8 +22,11 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
         beside,
         ..arguments.scene.changes.request()
     };
-    let plan = Plan::new(&scene, &request)?;
+    let mut plan = Plan::new(&scene, &request)?;
     arguments.method.check(&plan)?;
+    let bar = Bar::new(plan.rays.camera, arguments.json).named("what will be read".into());
+    render::foretell(&scene, &mut plan, &bar)?;
+    drop(bar);
     match arguments.json {
         true => print_json(&plan),
         false => print(&plan.to_string()),

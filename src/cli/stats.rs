@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use nullray::io::cube::BytesRead;
 use nullray::io::image::write_atomically;
 use nullray::render::plan;
 use nullray::render::trace::{Stage, Stats};
@@ -62,6 +63,12 @@ impl Account {
             "bytes of time data read",
             &plan::bytes(stats.texture_bytes),
         ));
+        if stats.disk.all > 0 {
+            let BytesRead { all, again } = stats.disk;
+            rows.push(row("needed of cubes on disk", &plan::bytes(all - again)));
+            rows.push(row("read of them", &plan::bytes(all)));
+            rows.push(row("read again", &plan::bytes(again)));
+        }
         rows.push(row("files", &seconds(self.loaded_in)));
         rows.push(row("trees", &seconds(self.built_in)));
         rows.push(row("rendering", &seconds(self.rendered_in)));
@@ -110,6 +117,11 @@ impl Account {
             "visibility": counts(&stats.visibility),
             "occlusion": counts(&stats.occlusion),
             "texture_bytes": stats.texture_bytes,
+            "disk_bytes": {
+                "needed": stats.disk.all - stats.disk.again,
+                "read": stats.disk.all,
+                "read_again": stats.disk.again,
+            },
             "seconds": {
                 "load": self.loaded_in,
                 "build": self.built_in,

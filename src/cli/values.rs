@@ -75,6 +75,16 @@ pub fn heading(text: &str) -> Result<Heading, String> {
     }
 }
 
+/// Three numbers.
+pub fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers = text.split(',').map(|n| n.trim().parse::<f64>().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("write three numbers, like 0.5,1,-2".into()),
+    }
+}
+
 /// Columns and rows of a grid.
 pub fn grid(text: &str) -> Result<[u32; 2], String> {
     match size(text)? {

@@ -67,6 +67,11 @@ pub fn open(path: &Path) -> io::Result<(Reader, u64)> {
     Ok((reader, length))
 }
 
+/// Whether the file at `path` is one of the operating system's.
+pub(super) fn is_on_disk(path: &Path) -> bool {
+    path.strip_prefix(BUILT_IN).is_err()
+}
+
 fn built_in(path: &Path) -> Option<io::Result<&'static [u8]>> {
     let below = path.strip_prefix(BUILT_IN).ok()?;
     let file = FILES.iter().find(|(name, _)| Path::new(name) == below);

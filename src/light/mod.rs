@@ -3,6 +3,7 @@
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
+pub mod depth;
 pub mod lamp;
 mod received;
 pub mod reflection;

@@ -132,6 +132,8 @@ aovs! {
         "width of a pixel at the point's depth, over the cosine between normal and the way to the capture camera";
     CaptureCosine, "capture.cosine", Nearest, "cosine between normal and the way to the capture camera: near 0 where that grazes the surface",
         "n·(eye − p) over the length of eye − p, n the normal on the side that is seen";
+    CaptureSource, "capture.source", NearestIdentity, "index in the scene file of the source, a capture, that gives most of the radiance, −1 where no capture holds it",
+        "the capture of largest s e (cos θ / a)⁴ of those that saw the point at that time, or the first of them";
     Alpha, "alpha", MeanOfAll, "part of the pixel that shows an object, 0 to 1",
         "part of the samples that meet an object";
     ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: a pass of ids, as compositors read it",

@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
-    Assembly, CameraModel, Elements, Equations, Motion, Pivot, ProjectionKind, Records, Scene,
+    Assembly, CameraModel, Elements, Equations, Integration, Motion, Pivot, ProjectionKind,
+    Records, Scene,
 };
 use crate::spacetime::Quantity;
 
@@ -157,6 +158,12 @@ fn moving(camera: &CameraModel) -> Vec<(&'static str, String)> {
     if let Some(shutter) = camera.shutter {
         pairs.push(("shutter_duration", shutter.duration.to_string()));
         pairs.push(("shutter_records", records(shutter.records).into()));
+        if shutter.integration == Integration::Means {
+            pairs.push((
+                "shutter_integration",
+                integration(shutter.integration).into(),
+            ));
+        }
     }
     if let Some(interval) = camera.frame_interval {
         pairs.push(("frame_interval", interval.to_string()));
@@ -224,6 +231,14 @@ pub fn elements(elements: Elements) -> &'static str {
         Elements::Exact => "exact",
         Elements::Comoving => "comoving",
         Elements::Aberrated => "aberrated",
+    }
+}
+
+/// As the scene file says it.
+pub fn integration(integration: Integration) -> &'static str {
+    match integration {
+        Integration::Moments => "moments",
+        Integration::Means => "means",
     }
 }
 

@@ -7,6 +7,7 @@
 pub mod aov;
 pub mod bake;
 pub mod film;
+mod foretell;
 pub mod identities;
 pub mod journal;
 pub mod metadata;
@@ -20,4 +21,5 @@ mod tiles;
 pub mod tonemap;
 pub mod trace;
 
+pub use foretell::foretell;
 pub use tiles::{render, render_tiles, render_with_stats};

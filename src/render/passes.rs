@@ -100,22 +100,27 @@ impl Passes {
     /// Renders two more passes of the tiles that need them, on rayon's current thread pool; `scene` is the one that they began with.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] when `progress` says so: what is held is then of no use any more.
+    /// [`Error::Cancelled`] when `progress` says so, and data that cannot be read: what is held is then of no use any more.
     pub fn advance(&mut self, scene: &Prepared, progress: &dyn Progress) -> Result<()> {
         let pipeline = Pipeline::new(scene, self.sampler);
         let samples = self.layout.samples;
         let first = self.done * samples;
         let unsettled = self.tiles.par_iter_mut().filter(|tile| needs_more(tile));
-        unsettled.try_for_each_init(Buffers::default, |buffers, film| {
+        let done = unsettled.try_for_each_init(Buffers::default, |buffers, film| {
             let tile = film.tile();
             for index in first..first + 2 * samples {
                 progress.check()?;
+                if scene.light.has_failed() {
+                    return Err(Error::Cancelled);
+                }
                 pipeline.sample(tile, index, buffers, film, &mut Meter::new(false));
                 film.end_sample(index);
                 progress.rays_done(tile.pixels() as u64);
             }
             Ok::<(), Error>(())
-        })?;
+        });
+        scene.light.check()?;
+        done?;
         self.done += 2;
         self.decide();
         Ok(())

@@ -17,8 +17,8 @@ use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Surfaces,
-    TimeResolved, TracedRays,
+    CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Surfaces, TimeResolved,
+    TracedRays,
 };
 use crate::scene::model::Scene;
 
@@ -148,10 +148,6 @@ fn each_point(
 /// Notes the times of all sources that light a point.
 fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTimes>) {
     let point = &observed.point;
-    let on = |clock| match clock {
-        EmissionClock::World => point.event().ct,
-        EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
-    };
     let mut of_cube = |cube: usize, t: f64| {
         let times = SeenTimes {
             source: light.cube_sources[cube],
@@ -162,19 +158,17 @@ fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTi
     };
     match &light.emitters[point.patch.emitter as usize].0 {
         Emitter::Base(_) => {}
-        Emitter::Uv { cube, clock, .. } => of_cube(*cube, on(*clock)),
-        Emitter::Capture {
-            cube,
-            capture,
-            clock,
-        } => {
-            let capture = &light.captures[*capture];
-            let distance = (point.rest_event().x - capture.eye()).length();
-            let delay = match capture.is_warped() {
-                true => light.index * distance,
-                false => 0.0,
-            };
-            of_cube(*cube, on(*clock) + delay);
+        Emitter::Uv { cube, clock, .. } => of_cube(*cube, clock.time(point)),
+        Emitter::Captured(captures) => {
+            for captured in captures {
+                let capture = &light.captures[captured.capture];
+                let distance = (point.rest_event().x - capture.eye()).length();
+                let delay = match capture.is_warped() {
+                    true => light.index * distance,
+                    false => 0.0,
+                };
+                of_cube(captured.cube, captured.clock.time(point) + delay);
+            }
         }
         Emitter::Lit { lamps, .. } => {
             for index in lamps {

@@ -5,7 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::io::cube::BytesRead;
 use crate::render::film::{Film, Tile, TileFilm};
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
@@ -31,11 +32,15 @@ pub fn render(scene: &Prepared, progress: &dyn Progress) -> Result<Film> {
 pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(Film, Stats)> {
     let tiles = 0..Tile::count(scene.layout.size);
     let total = Mutex::new(Stats::default());
+    let before = scene.light.bytes_read();
     let film = tiles_with(scene, tiles, progress, Some(&total))?;
-    Ok((
-        film,
-        total.into_inner().unwrap_or_else(PoisonError::into_inner),
-    ))
+    let after = scene.light.bytes_read();
+    let mut total = total.into_inner().unwrap_or_else(PoisonError::into_inner);
+    total.disk = BytesRead {
+        all: after.all - before.all,
+        again: after.again - before.again,
+    };
+    Ok((film, total))
 }
 
 /// Renders some tiles of the image alone, by [`Tile::of_image`], each with the bits that it has in the whole;
@@ -47,17 +52,24 @@ pub fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress
     tiles_with(scene, tiles, progress, None)
 }
 
+/// Renders every `step`-th tile.
+pub(super) fn render_every(scene: &Prepared, step: u64, progress: &dyn Progress) -> Result<Film> {
+    let all = 0..Tile::count(scene.layout.size);
+    let tiles = all.into_par_iter().filter(|tile| tile % step == 0);
+    tiles_with(scene, tiles, progress, None)
+}
+
 /// The same; what it costs is added to `total`.
 fn tiles_with(
     scene: &Prepared,
-    tiles: Range<u64>,
+    tiles: impl IntoParallelIterator<Item = u64>,
     progress: &dyn Progress,
     total: Option<&Mutex<Stats>>,
 ) -> Result<Film> {
     let pipeline = Pipeline::new(scene, scene.sampler);
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
-    tiles
+    let done = tiles
         .into_par_iter()
         .try_for_each_init(Buffers::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
@@ -65,6 +77,9 @@ fn tiles_with(
             let mut meter = Meter::new(total.is_some());
             for sample in 0..layout.samples {
                 progress.check()?;
+                if scene.light.has_failed() {
+                    return Err(Error::Cancelled);
+                }
                 pipeline.sample(tile, sample, buffers, &mut tile_film, &mut meter);
                 tile_film.end_sample(sample);
                 progress.rays_done(tile.pixels() as u64);
@@ -77,7 +92,9 @@ fn tiles_with(
                 total.merge(stats);
             }
             Ok(())
-        })?;
+        });
+    scene.light.check()?;
+    done?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
@@ -127,7 +144,10 @@ impl<'a> Pipeline<'a> {
             .view
             .generate(camera_rays, &self.sampler, tile, index);
         meter.lap(Stage::CameraRays);
-        let rays = camera_rays.rays(scene.method);
+        let mut rays = camera_rays.rays(scene.method);
+        let duration = scene.integrated_exposure;
+        rays.samples.exposure =
+            duration.and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
         surfaces.nearest(&rays, hits, meter);
         let traced = TracedRays {
             surfaces,

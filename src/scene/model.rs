@@ -22,8 +22,8 @@ pub use crate::io::gltf::BadVertices;
 pub use crate::mesh::Shape;
 
 pub use camera::{
-    Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Records, Rotation, Sensor,
-    Shutter, Stereo,
+    Assembly, CameraModel, Elements, Integration, Motion, Pivot, ProjectionKind, Records, Rotation,
+    Sensor, Shutter, Stereo,
 };
 pub use light::{Beam, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};
@@ -72,6 +72,8 @@ pub struct Scene {
     pub bounces: u32,
     /// Which random numbers are drawn.
     pub seed: u32,
+    /// Which of several captures of one surface gives it its radiance.
+    pub captures: CaptureChoice,
     /// What stands in for data that a source does not have.
     pub outside: Outside,
     /// Back faces, where the scene overrides the files.
@@ -509,6 +511,18 @@ pub struct Effects {
     /// Off: light takes no time (η = 0 in the ray): surfaces are hit, and their radiance looked up,
     /// at the world time of the shot.
     pub retardation: bool,
+}
+
+/// Which of several captures of one surface gives it its radiance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum CaptureChoice {
+    /// All that hold the point, weighted by how well they see it.
+    #[default]
+    Blend,
+    /// The first in the scene that holds it.
+    First,
 }
 
 /// What stands in for data that a source does not have; coverage says where.

@@ -13,7 +13,7 @@ use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::render;
-use nullray::scene::model::{Records, Scene, Shutter};
+use nullray::scene::model::{Integration, Records, Scene, Shutter};
 use nullray::scene::{self, Overrides};
 use nullray::spacetime::Velocity;
 
@@ -61,6 +61,7 @@ fn scene(camera: &str) -> Scene {
     scene.camera.shutter = Some(Shutter {
         duration: DURATION,
         records: Records::Mean,
+        integration: Default::default(),
     });
     scene
 }
@@ -107,6 +108,7 @@ fn an_exposure_frozen_or_timed_by_the_worlds_clock_fails_by_far() {
     undilated.camera.shutter = Some(Shutter {
         duration: DURATION / gamma,
         records: Records::Mean,
+        integration: Default::default(),
     });
     assert!(score(&undilated, "exp_right06") > 0.25);
 }
@@ -119,6 +121,7 @@ fn energy_is_the_mean_times_the_duration() {
     scene.camera.shutter = Some(Shutter {
         duration: DURATION,
         records: Records::Energy,
+        integration: Default::default(),
     });
     for (energy, mean) in picture(&scene).into_iter().zip(means) {
         assert!((energy - DURATION * mean).abs() <= 1e-13 * mean.abs());
@@ -144,6 +147,7 @@ display = { samples_per_pixel = 4096, background = [0, 0, 0] }
         scene.camera.shutter = Some(Shutter {
             duration,
             records: Records::Energy,
+            integration: Default::default(),
         });
         picture(&scene)[0]
     };
@@ -157,4 +161,26 @@ display = { samples_per_pixel = 4096, background = [0, 0, 0] }
         "{}",
         moving / rest
     );
+}
+
+/// The same with samples that take means over their parts of the exposure.
+fn integrated(mut scene: Scene) -> Scene {
+    scene.camera.shutter = Some(Shutter {
+        duration: DURATION,
+        records: Records::Mean,
+        integration: Integration::Means,
+    });
+    scene
+}
+
+#[test]
+fn means_over_parts_of_an_exposure_match_the_transient_renderer_with_fewer_samples() {
+    assert!(score(&integrated(scene(MOVING)), "exp_right06") <= LIMIT);
+    assert!(score(&integrated(scene(STILL)), "exp_static") <= LIMIT);
+    // What is left of the error is that of places in pixels.
+    let mut few = scene(STILL);
+    few.samples_per_pixel = 16;
+    let moments = score(&few, "exp_static");
+    let means = score(&integrated(few), "exp_static");
+    assert!(means < 0.7 * moments, "{means} {moments}");
 }

@@ -10,8 +10,10 @@ mod common {
 
 mod accel;
 mod baked;
+mod bricks;
 mod cameras;
 mod capture;
+mod captures;
 mod exposures;
 mod gallery;
 mod in_memory;
@@ -24,6 +26,7 @@ mod paper_versus_exact;
 mod pipeline;
 mod raster;
 mod scenes;
+mod spans;
 mod survey;
 mod textures;
 mod time_texture;

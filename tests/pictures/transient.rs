@@ -11,6 +11,7 @@
 use std::path::Path;
 
 use crate::common::frames::{Frame, frames, reference};
+use nullray::io::cube::{Changes, Wanted, convert};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -169,6 +170,41 @@ fn captures_taken_as_means_come_nearer_to_the_transient_renderer() {
     }
     let mean = gains.iter().sum::<f64>() / gains.len() as f64;
     assert!(mean > 1.2, "{mean}: {gains:?}");
+}
+
+/// A cube has the same bits whatever holds it, and so has a picture: what holds of one format holds of all.
+#[test]
+fn captures_are_the_same_in_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let frame = &frames()[0];
+    for source in [1, 2] {
+        let (name, cube) = SOURCES[source];
+        let file = cube.split('"').nth(1).unwrap();
+        let plain = text(frame, source, "cubic_means")
+            .replace("filter =", "reconstruction = \"sharp\"\nfilter =");
+        let expected = picture(&plain);
+        for (target, axes) in [
+            ("array.npy", None),
+            ("frames-first.npy", Some("T H W")),
+            ("archive.npz", None),
+            ("frames", Some("T H W")),
+        ] {
+            let to = folder.path().join(format!("{name}-{target}"));
+            let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+            let is_array = target.contains('.');
+            let changes = Changes {
+                axes: axes.filter(|_| is_array).map(|axes| axes.parse().unwrap()),
+                ..Changes::default()
+            };
+            let from = (root.join(file), Wanted::default());
+            convert((&from.0, from.1), &to, &changes, &mut |_, _| true).unwrap();
+            let mut converted = plain.replace(file, to.to_str().unwrap());
+            if let Some(axes) = axes {
+                converted = converted.replace("filter =", &format!("axes = \"{axes}\"\nfilter ="));
+            }
+            assert!(picture(&converted) == expected, "{name} {target}");
+        }
+    }
 }
 
 #[test]

@@ -196,14 +196,14 @@ pub(super) fn film<P: Visibility>(
     };
     let layout = &scene.layout;
     let film = Mutex::new(Film::new(layout.clone()));
-    (0..Tile::count(layout.size))
+    let done = (0..Tile::count(layout.size))
         .into_par_iter()
         .try_for_each_init(Buffers::<P::TileBuffers>::default, |buffers, index| {
             let tile = Tile::of_image(layout.size, index);
             let mut tile_film = TileFilm::new(tile, layout);
             visibility.begin(tile, &mut buffers.tile);
             for sample in 0..layout.samples {
-                if progress.is_cancelled() {
+                if progress.is_cancelled() || scene.light.has_failed() {
                     return Err(Error::Cancelled);
                 }
                 let Buffers {
@@ -226,7 +226,9 @@ pub(super) fn film<P: Visibility>(
             let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
             film.place(&tile_film);
             Ok(())
-        })?;
+        });
+    scene.light.check()?;
+    done?;
     Ok(film.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 

@@ -4,8 +4,8 @@ use glam::DVec3;
 use nullray::render::metadata;
 use nullray::render::plan::motion;
 use nullray::scene::model::{
-    Assembly, CameraModel, Elements, Motion, Pivot, ProjectionKind, Records, Rotation, Scene,
-    Shutter,
+    Assembly, CameraModel, Elements, Integration, Motion, Pivot, ProjectionKind, Records, Rotation,
+    Scene, Shutter,
 };
 use nullray::spacetime::{Event, Velocity, World};
 use serde_json::{Value, json};
@@ -82,15 +82,26 @@ fn at_zero(camera: &CameraModel) -> String {
 
 fn exposure(camera: &CameraModel) -> String {
     let time = camera.time;
-    let Some(Shutter { duration, records }) = camera.shutter else {
+    let Some(Shutter {
+        duration,
+        records,
+        integration,
+    }) = camera.shutter
+    else {
         return format!("the shot is at {time} m of its own time");
     };
     let records = match records {
         Records::Mean => "the mean",
         Records::Energy => "the integral",
     };
+    let integration = match integration {
+        Integration::Moments => "",
+        Integration::Means => ", of cubes by means over the parts of the exposure",
+    };
     let end = time + duration;
-    format!("the shutter is open from {time} m to {end} m of its own time; records {records}")
+    format!(
+        "the shutter is open from {time} m to {end} m of its own time; records {records}{integration}"
+    )
 }
 
 /// How the camera moves on; nothing for one without acceleration.
@@ -200,6 +211,7 @@ pub fn data(camera: &CameraModel) -> Value {
         "shutter": camera.shutter.map(|shutter| json!({
             "duration": shutter.duration,
             "records": metadata::records(shutter.records),
+            "integration": metadata::integration(shutter.integration),
         })),
         "frame_interval": camera.frame_interval,
     })

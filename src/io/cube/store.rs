@@ -44,32 +44,47 @@ pub(super) struct StoredLayout {
 impl Store {
     /// The cube at `path` that is `wanted` of it, by the checks of loading it.
     pub fn open(path: &Path, wanted: Wanted) -> Result<Store> {
-        if sequence::is_sequence(path) {
-            let mut spool = Spool::new(path)?;
-            let layout = sequence::write_out(path, wanted, &mut spool.writer)?;
-            return Store::new(path, spool.finish()?, layout);
-        }
-        let (mut reader, _) = crate::io::open::open_regular(path)?;
-        if transient_image::FORMAT.is(&mut reader, path)? {
-            let layout = transient_image::stored(&mut reader, path, wanted)?;
-            return Store::new(path, reader, layout);
-        }
-        if npy::ARRAY.is(&mut reader, path)? {
-            let layout = npy::stored(&mut reader, path, wanted)?;
-            return Store::new(path, reader, layout);
+        let (located, layout) = Store::locate(path, wanted)?;
+        Store::new(path, located.into_reader(), layout)
+    }
+
+    /// Where the samples of the cube lie.
+    pub fn locate(path: &Path, wanted: Wanted) -> Result<(Located, StoredLayout)> {
+        if let Some(located) = Store::locate_in_place(path, wanted)? {
+            return Ok(located);
         }
         let mut spool = Spool::new(path)?;
-        let layout = npy::write_out(&mut reader, path, wanted, &mut spool.writer)?;
-        Store::new(path, spool.finish()?, layout)
+        let layout = match sequence::is_sequence(path) {
+            true => sequence::write_out(path, wanted, &mut spool.writer)?,
+            false => {
+                let (mut reader, _) = crate::io::open::open_regular(path)?;
+                npy::write_out(&mut reader, path, wanted, &mut spool.writer)?
+            }
+        };
+        Ok((Located::Spooled(spool.finish()?), layout))
+    }
+
+    /// The same of files in which samples have a place.
+    pub fn locate_in_place(path: &Path, wanted: Wanted) -> Result<Option<(Located, StoredLayout)>> {
+        if sequence::is_sequence(path) {
+            return Ok(None);
+        }
+        let (mut reader, _) = crate::io::open::open_regular(path)?;
+        let layout = if transient_image::FORMAT.is(&mut reader, path)? {
+            transient_image::stored(&mut reader, path, wanted)?
+        } else if npy::ARRAY.is(&mut reader, path)? {
+            npy::stored(&mut reader, path, wanted)?
+        } else {
+            return Ok(None);
+        };
+        Ok(Some((Located::InPlace(reader), layout)))
     }
 
     fn new(path: &Path, reader: Reader, layout: StoredLayout) -> Result<Store> {
-        let arrangement = Arrangement::of(&layout.sizes, &layout.axes, false)
-            .map_err(|what| Error::invalid(path, "", what, "name the axes of the array"))?;
         Ok(Store {
             reader,
             path: path.to_path_buf(),
-            shape: arrangement.shape,
+            shape: layout.shape(path)?,
             layout,
             bytes: Vec::new(),
             run: Vec::new(),
@@ -139,38 +154,72 @@ impl Store {
             ..
         } = self.layout;
         let size = number.stored();
-        let failed = || Error::io(&self.path, "cannot read");
+        let failed = |error| Store::unreadable(&self.path, error);
         self.reader
             .seek(SeekFrom::Start(start + first as u64 * size))
-            .map_err(failed())?;
+            .map_err(failed)?;
         self.bytes.resize(count * size as usize, 0);
-        self.reader
-            .read_exact(&mut self.bytes)
-            .map_err(|error| match error.kind() {
-                std::io::ErrorKind::UnexpectedEof => Error::invalid(
-                    &self.path,
-                    "samples",
-                    "the file has become shorter while it was read",
-                    "let nobody write to it meanwhile",
-                ),
-                _ => failed()(error),
-            })?;
+        self.reader.read_exact(&mut self.bytes).map_err(failed)?;
         self.run.clear();
         number.decode(&self.bytes, big_endian, &mut self.run);
         match self.run.iter().position(|sample| !sample.is_finite()) {
             None => Ok(()),
-            Some(bad) => Err(Error::invalid(
-                &self.path,
-                format!("sample {} of the file", first + bad),
-                "the sample is not a finite number",
-                "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
-            )),
+            Some(bad) => Err(Store::not_finite(&self.path, (first + bad) as u64)),
+        }
+    }
+
+    /// Samples that cannot be read.
+    pub fn unreadable(path: &Path, error: std::io::Error) -> Error {
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => Error::invalid(
+                path,
+                "samples",
+                "the file has become shorter while it was read",
+                "let nobody write to it meanwhile",
+            ),
+            _ => Error::io(path, "cannot read")(error),
+        }
+    }
+
+    /// A sample that is no number.
+    pub fn not_finite(path: &Path, sample: u64) -> Error {
+        Error::invalid(
+            path,
+            format!("sample {sample} of the file"),
+            "the sample is not a finite number",
+            "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+        )
+    }
+}
+
+impl StoredLayout {
+    /// H, W, T, C of the cube in `path`.
+    pub fn shape(&self, path: &Path) -> Result<[usize; 4]> {
+        Arrangement::of(&self.sizes, &self.axes, false)
+            .map(|arrangement| arrangement.shape)
+            .map_err(|what| Error::invalid(path, "", what, "name the axes of the array"))
+    }
+}
+
+/// Where samples are read.
+pub(super) enum Located {
+    /// In the cube's own file.
+    InPlace(Reader),
+    /// In a temporary one.
+    Spooled(File),
+}
+
+impl Located {
+    pub fn into_reader(self) -> Reader {
+        match self {
+            Located::InPlace(reader) => reader,
+            Located::Spooled(file) => Box::new(file) as Box<dyn ReadSeek>,
         }
     }
 }
 
 /// How far apart entries along each axis are.
-fn strides(sizes: &[usize]) -> Vec<usize> {
+pub(super) fn strides(sizes: &[usize]) -> Vec<usize> {
     let mut strides = vec![1; sizes.len()];
     for axis in (1..sizes.len()).rev() {
         strides[axis - 1] = strides[axis] * sizes[axis];
@@ -194,13 +243,11 @@ impl Spool {
         })
     }
 
-    fn finish(mut self) -> Result<Reader> {
+    fn finish(mut self) -> Result<File> {
         let failed = || Error::io(&self.path, "cannot write a temporary file for");
         self.writer.flush().map_err(failed())?;
-        let file = self
-            .writer
+        self.writer
             .into_inner()
-            .map_err(|error| failed()(error.into_error()))?;
-        Ok(Box::new(file) as Box<dyn ReadSeek>)
+            .map_err(|error| failed()(error.into_error()))
     }
 }

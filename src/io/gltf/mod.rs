@@ -23,6 +23,7 @@ mod camera;
 mod container;
 mod document;
 mod draft;
+pub(crate) mod glb;
 mod images;
 mod import;
 mod instances;
@@ -40,6 +41,7 @@ use std::path::Path;
 
 pub use animation::Track;
 pub use camera::GltfCamera;
+pub use glb::to_glb;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
 pub use summary::Summary;

@@ -38,6 +38,18 @@ pub enum Numbers {
     U32(Vec<u32>),
 }
 
+impl Numbers {
+    /// All as f64.
+    pub fn into_f64(self) -> Vec<f64> {
+        match self {
+            Numbers::F32(v) => v.into_iter().map(f64::from).collect(),
+            Numbers::F64(v) => v,
+            Numbers::I32(v) => v.into_iter().map(f64::from).collect(),
+            Numbers::U32(v) => v.into_iter().map(f64::from).collect(),
+        }
+    }
+}
+
 /// Reads an array of numbers.
 pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<Plain> {
     let mut array = Array::open(stored, file, budget)?;

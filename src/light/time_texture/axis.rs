@@ -151,10 +151,10 @@ pub(super) struct Timeline {
     pub start: f64,
     pub end: f64,
     pub bins_per_metre: f64,
-    bins: usize,
+    pub bins: usize,
     pub reading: Reading,
-    before: Fill,
-    after: Fill,
+    pub before: Fill,
+    pub after: Fill,
 }
 
 impl Timeline {

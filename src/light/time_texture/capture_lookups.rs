@@ -259,7 +259,10 @@ impl<'a, F, const N: usize> Plan<'a, F, N> {
 impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
     #[inline(always)]
     fn run(self) {
-        let cube = self.texture.cube();
+        let Some(cube) = self.texture.cube().in_memory() else {
+            // Of cubes on disk, points are looked up one by one.
+            return self.lookups.plain.fill(false);
+        };
         place::<F, N>(cube.shape, self.timeline, self.lookups);
         let lookups = &*self.lookups;
         let (count, factor) = (lookups.count, self.texture.factor());

@@ -12,7 +12,7 @@ use super::gather::read;
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use super::texture::{Sampled, TimeTexture};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::io::cube::Samples;
+use crate::io::cube::{Bricks, CubeStore, Held, Samples};
 use crate::scene::model::TimeFilter;
 
 /// A batch of lookups: what is asked and, after [`TimeTexture::sample_each`], the answers.
@@ -29,6 +29,16 @@ pub struct Lookups {
     /// Lookups that are not so plain.
     pub others: Vec<(usize, Sampled)>,
     places: Places,
+    from_disk: FromDisk,
+}
+
+/// What lookups from bricks need.
+#[derive(Debug, Default)]
+struct FromDisk {
+    held: Held,
+    wanted: Vec<u64>,
+    /// The samples of all taps, brought together.
+    values: Vec<f64>,
 }
 
 impl Default for Lookups {
@@ -45,6 +55,7 @@ impl Default for Lookups {
                 bins: [[0.0; BATCH]; MOST_BINS],
                 plain: [false; BATCH],
             },
+            from_disk: FromDisk::default(),
         }
     }
 }
@@ -62,12 +73,7 @@ impl Lookups {
 /// Bytes of samples that so many lookups read from `texture`.
 pub(super) fn bytes_of(texture: &TimeTexture, lookups: usize) -> u64 {
     let cube = texture.cube();
-    let sample = match &cube.samples {
-        Samples::F16(_) => 2,
-        Samples::F32(_) => 4,
-        Samples::F64(_) => 8,
-    };
-    (lookups * 4 * bins_of(texture.axis().filter) * cube.shape[3] * sample) as u64
+    (lookups * 4 * bins_of(texture.axis().filter) * cube.shape()[3] * cube.sample_bytes()) as u64
 }
 
 /// How many bins a filter reads.
@@ -142,10 +148,11 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             t,
             radiance,
             places,
+            from_disk,
             ..
         } = self.lookups;
         place::<F, N>(
-            self.texture.cube().shape,
+            self.texture.cube().shape(),
             self.timeline,
             u,
             v,
@@ -154,13 +161,63 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             places,
         );
         let factor = self.texture.factor();
-        match (&self.texture.cube().samples, self.texture.cube().shape[3]) {
+        let cube = match self.texture.cube() {
+            CubeStore::Memory(cube) => cube,
+            CubeStore::Disk(bricks) => {
+                from_disk.bring_together::<N>(bricks, places, self.count);
+                let values = &from_disk.values[..];
+                return match bricks.shape()[3] {
+                    3 => read::<_, _, 3, N>(values, places, self.count, factor, radiance),
+                    _ => read::<_, _, 1, N>(values, places, self.count, factor, radiance),
+                };
+            }
+        };
+        match (&cube.samples, cube.shape[3]) {
             (Samples::F16(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
             (Samples::F16(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
             (Samples::F32(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
             (Samples::F32(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
             (Samples::F64(s), 3) => read::<_, _, 3, N>(s, places, self.count, factor, radiance),
             (Samples::F64(s), _) => read::<_, _, 1, N>(s, places, self.count, factor, radiance),
+        }
+    }
+}
+
+impl FromDisk {
+    /// Reads the bricks of the first `count` lookups, each once; brings their samples together, and has the places tell
+    /// where they are now.
+    fn bring_together<const N: usize>(
+        &mut self,
+        bricks: &Bricks,
+        places: &mut Places,
+        count: usize,
+    ) {
+        let [_, _, bins, channels] = bricks.shape();
+        let plain = || (0..count).filter(|at| places.plain[*at]);
+        let place = |origin: u64| {
+            let bin = origin as usize / channels;
+            (bin / bins, bin % bins)
+        };
+        for at in plain() {
+            for tap in 0..4 {
+                let (pixel, bin) = place(places.origins[tap][at]);
+                bricks.want(&self.held, pixel, bin, N, &mut self.wanted);
+            }
+        }
+        bricks.bring(&mut self.held, &mut self.wanted);
+        let each = N * channels;
+        self.values.resize(count * 4 * each, 0.0);
+        for at in plain() {
+            for tap in 0..4 {
+                let (pixel, bin) = place(places.origins[tap][at]);
+                let values = &mut self.values[(at * 4 + tap) * each..][..each];
+                bricks.samples(&mut self.held, pixel, bin, values);
+            }
+        }
+        for at in 0..count {
+            for tap in 0..4 {
+                places.origins[tap][at] = ((at * 4 + tap) * each) as u64;
+            }
         }
     }
 }

@@ -17,8 +17,8 @@
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
 //! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, and `capture_lookups` many points of theirs at a time; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
-//! lookups at a time, with `places` for where they read and `gather` for what. All that `axis` gives out is a short run of bins with weights, so another temporal operator (an exact box
-//! integral over prefix sums) is another producer of such runs.
+//! lookups at a time, with `places` for where they read and `gather` for what. `axis` gives out short runs of bins with
+//! weights; `spans` means over spans of time, of any length, by prefix sums.
 
 mod axis;
 mod bilinear;
@@ -31,6 +31,7 @@ mod lookups;
 mod places;
 mod reader;
 mod sharp;
+mod spans;
 pub mod survey;
 mod texture;
 

@@ -3,7 +3,7 @@
 
 use super::axis::{BinWeights, Moment};
 use super::bilinear::Tap;
-use crate::io::cube::{Cube, Samples};
+use crate::io::cube::{Bricks, Cube, CubeStore, Held, Samples};
 
 /// A stored number.
 pub(super) trait Sample: Copy {
@@ -57,7 +57,11 @@ impl Sample for f64 {
 
 /// The weighted sum over taps and over the bins of each; one channel is given to all three.
 #[inline]
-pub(super) fn read(cube: &Cube, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+pub(super) fn read(cube: &CubeStore, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+    let cube = match cube {
+        CubeStore::Memory(cube) => cube,
+        CubeStore::Disk(bricks) => return read_from_disk(bricks, taps, moments),
+    };
     match &cube.samples {
         Samples::F16(samples) => by_channels(samples, cube.shape, taps, moments),
         Samples::F32(samples) => by_channels(samples, cube.shape, taps, moments),
@@ -66,7 +70,14 @@ pub(super) fn read(cube: &Cube, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64;
 }
 
 /// The weighted sum over the bins of one texel; one channel is given to all three.
-pub(super) fn read_texel(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] {
+pub(super) fn read_texel(cube: &CubeStore, texel: usize, moment: &Moment) -> [f64; 3] {
+    match cube {
+        CubeStore::Memory(cube) => read_texel_in_memory(cube, texel, moment),
+        CubeStore::Disk(bricks) => texel_on_disk(bricks, texel, &moment.bins),
+    }
+}
+
+fn read_texel_in_memory(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] {
     fn of<S: Sample>(
         samples: &[S],
         [_, _, bins, channels]: [usize; 4],
@@ -84,6 +95,31 @@ pub(super) fn read_texel(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3]
         Samples::F32(samples) => of(samples, cube.shape, texel, moment),
         Samples::F64(samples) => of(samples, cube.shape, texel, moment),
     }
+}
+
+/// As [`read`], operation by operation, from bricks.
+#[cold]
+fn read_from_disk(bricks: &Bricks, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (tap, moment) in taps.iter().zip(moments) {
+        let texel = texel_on_disk(bricks, tap.texel, &moment.bins);
+        for (sum, value) in sum.iter_mut().zip(texel) {
+            *sum += tap.weight * value;
+        }
+    }
+    sum
+}
+
+fn texel_on_disk(bricks: &Bricks, texel: usize, run: &BinWeights) -> [f64; 3] {
+    let channels = bricks.shape()[3];
+    let mut values = [0.0; 6 * 3];
+    let values = &mut values[..run.count * channels];
+    bricks.samples(&mut Held::default(), texel, run.first, values);
+    if channels == 3 {
+        return weighted::<f64, 3>(values.as_chunks().0, &run.weights);
+    }
+    let [grey] = weighted::<f64, 1>(values.as_chunks().0, &run.weights);
+    [grey; 3]
 }
 
 #[inline]

@@ -12,11 +12,10 @@
 //! Noise that pixels do not share: at a pixel's centre its standard deviation grows by √((28² + 4)/24²) = 1.17; on
 //! average over places it is 0.93 of a pixel's own, 1.4 times that of bilinear interpolation (0.67).
 
-use super::axis::{Moment, catmull_rom};
+use super::axis::catmull_rom;
 use super::bilinear::Tap;
 use super::capture::{Aim, Capture};
-use super::reader;
-use super::texture::{Sampled, TimeTexture};
+use super::texture::{Sampled, TimeTexture, When};
 
 /// The 4 × 4 pixels about a place, with their weights.
 fn bicubic([x, y]: [f64; 2], [width, height]: [usize; 2]) -> Option<[Tap; 16]> {
@@ -46,32 +45,36 @@ impl TimeTexture {
         taps.is_some_and(|taps| taps.iter().all(|tap| capture.saw(tap.texel, aim)))
     }
 
-    /// Every pixel at the time at which its own light reached the capture camera, as the mean that it is. `all` says
+    /// Every pixel when its own light reached the capture camera, as `when` has it, as the mean that it is. `all` says
     /// whether the 4 × 4 pixels are of one surface; `taps` are those of bilinear interpolation.
-    pub(super) fn sample_means(
+    pub(super) fn sample_means<W: When>(
         &self,
         capture: &Capture,
         (place, all): ([f64; 2], bool),
         taps: &[Tap; 4],
-        t: f64,
+        when: impl Fn(usize) -> W,
     ) -> Sampled {
         let mut sampled = Sampled::default();
         // Parts without data are weighed as bilinear interpolation has them, so that none is negative.
         for tap in taps {
-            let moment = self.moment_of(capture, tap.texel, t);
-            self.account(&mut sampled, tap.weight, moment.phase);
+            self.account_for(&mut sampled, tap.weight, &when(tap.texel));
         }
         match bicubic(place, self.size()).filter(|_| all) {
-            Some(taps) => self.add_means(&mut sampled.radiance, capture, &taps, t),
-            None => self.add_means(&mut sampled.radiance, capture, taps, t),
+            Some(taps) => self.add_means(&mut sampled.radiance, capture, &taps, when),
+            None => self.add_means(&mut sampled.radiance, capture, taps, when),
         }
         sampled
     }
 
-    fn add_means(&self, sum: &mut [f64; 3], capture: &Capture, taps: &[Tap], t: f64) {
+    fn add_means<W: When>(
+        &self,
+        sum: &mut [f64; 3],
+        capture: &Capture,
+        taps: &[Tap],
+        when: impl Fn(usize) -> W,
+    ) {
         for tap in taps.iter().filter(|tap| tap.weight != 0.0) {
-            let value =
-                self.less_spread(capture, tap.texel, &self.moment_of(capture, tap.texel, t));
+            let value = self.less_spread(capture, tap.texel, &when(tap.texel));
             for (sum, value) in sum.iter_mut().zip(value) {
                 *sum += tap.weight * self.factor() * value;
             }
@@ -79,8 +82,8 @@ impl TimeTexture {
     }
 
     /// a − (δ_xx a + δ_yy a)/24 of a pixel at one capture time.
-    fn less_spread(&self, capture: &Capture, pixel: usize, moment: &Moment) -> [f64; 3] {
-        let read = |pixel| reader::read_texel(self.cube(), pixel, moment);
+    fn less_spread(&self, capture: &Capture, pixel: usize, when: &impl When) -> [f64; 3] {
+        let read = |pixel| when.texel(self, pixel);
         let own = read(pixel);
         let mut sharp = own;
         let apart = [1, self.size()[0]];
@@ -92,10 +95,6 @@ impl TimeTexture {
             }
         }
         sharp
-    }
-
-    fn moment_of(&self, capture: &Capture, pixel: usize, t: f64) -> Moment {
-        self.timeline().moment(t + capture.delay_of(pixel))
     }
 }
 

@@ -54,9 +54,12 @@ pub fn of_samples(cube: &Cube, order: Order) -> Vec<String> {
     remarks
 }
 
-/// What looks wrong about how data lie in the image of the camera that captured them, and in time.
+/// What looks wrong about how data lie in the image of the camera that captured them, and in time. Of cubes that are
+/// read from disk nothing is looked at.
 pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
-    let cube = texture.cube();
+    let Some(cube) = texture.cube().in_memory() else {
+        return Vec::new();
+    };
     let [h, w, bins, _] = cube.shape;
     let [start, end] = texture.span();
     let axis = texture.axis();

@@ -12,7 +12,8 @@ use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
 use super::reader;
-use crate::io::cube::{Cube, CubeError};
+use super::spans::{PrefixSums, Span};
+use crate::io::cube::{CubeError, CubeStore};
 
 /// The answer to one lookup.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -34,10 +35,10 @@ pub struct Located(Spot);
 /// A place in an image, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Spot {
-    /// On it, and these pixels saw the surface around the point.
-    Seen([f64; 2], [Tap; 4]),
+    /// On it, and these pixels saw the surface around the point; the weight of those of the four that did.
+    Seen([f64; 2], [Tap; 4], f64),
     /// The same, to be read as the means that pixels are; whether all 4 × 4 about it saw the surface.
-    Sharp([f64; 2], [Tap; 4], bool),
+    Sharp([f64; 2], [Tap; 4], f64, bool),
     /// On it, where no pixel saw the surface.
     Unseen([f64; 2]),
     /// Outside it.
@@ -65,12 +66,42 @@ impl Located {
 /// A cube on its time axis, ready for lookups from any thread.
 #[derive(Debug, Clone)]
 pub struct TimeTexture {
-    cube: Arc<Cube>,
+    cube: CubeStore,
     axis: TimeAxis,
     outside: Outside,
     timeline: Timeline,
     factor: f64,
     reconstruction: Reconstruction,
+    sums: Option<Arc<PrefixSums>>,
+}
+
+/// When lookups of texels read: at a moment, or over a span.
+pub(super) trait When {
+    /// The weighted sum over the bins of a texel.
+    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3];
+    /// Its parts by where they lie.
+    fn parts(&self) -> [(Phase, f64); 3];
+}
+
+impl When for Moment {
+    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
+        reader::read_texel(&texture.cube, texel, self)
+    }
+
+    fn parts(&self) -> [(Phase, f64); 3] {
+        let part = |phase| (phase, f64::from(self.phase == phase));
+        [part(Phase::Before), part(Phase::Inside), part(Phase::After)]
+    }
+}
+
+impl When for Span {
+    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
+        Span::texel(self, texture, texel)
+    }
+
+    fn parts(&self) -> [(Phase, f64); 3] {
+        self.phases()
+    }
 }
 
 impl TimeTexture {
@@ -80,13 +111,15 @@ impl TimeTexture {
     /// A shape that the samples do not have, channels other than 1 or 3, a bin width that is not above 0
     /// or too small to be told apart at the start, a start or scale that is not finite.
     pub fn new(
-        cube: impl Into<Arc<Cube>>,
+        cube: impl Into<CubeStore>,
         axis: TimeAxis,
         outside: Outside,
     ) -> Result<TimeTexture, CubeError> {
         let cube = cube.into();
-        cube.check_shape()?;
-        let [_, _, bins, channels] = cube.shape;
+        if let Some(cube) = cube.in_memory() {
+            cube.check_shape()?;
+        }
+        let [_, _, bins, channels] = cube.shape();
         if channels != 1 && channels != 3 {
             return Err(CubeError::Channels(channels));
         }
@@ -94,6 +127,7 @@ impl TimeTexture {
             timeline: Timeline::new(&axis, bins, &outside)?,
             factor: axis.factor(),
             reconstruction: Reconstruction::default(),
+            sums: None,
             cube,
             axis,
             outside,
@@ -109,8 +143,25 @@ impl TimeTexture {
         }
     }
 
+    /// The same with prefix sums, by which means over spans of many bins are found without reading them all; of cubes on
+    /// disk there are none. They take [`TimeTexture::bytes_of_sums`].
+    #[must_use]
+    pub fn with_sums(self) -> TimeTexture {
+        let sums = self.cube.in_memory().map(PrefixSums::new).map(Arc::new);
+        TimeTexture { sums, ..self }
+    }
+
+    /// Bytes of the prefix sums of a cube of this shape.
+    pub fn bytes_of_sums(shape: [usize; 4]) -> u64 {
+        PrefixSums::bytes(shape)
+    }
+
+    pub(super) fn sums(&self) -> Option<&PrefixSums> {
+        self.sums.as_deref()
+    }
+
     /// The cube.
-    pub fn cube(&self) -> &Cube {
+    pub fn cube(&self) -> &CubeStore {
         &self.cube
     }
 
@@ -130,12 +181,13 @@ impl TimeTexture {
 
     /// Width and height, texels: the size of the image of a [`Capture`].
     pub fn size(&self) -> [usize; 2] {
-        [self.cube.shape[1], self.cube.shape[0]]
+        let [height, width, ..] = self.cube.shape();
+        [width, height]
     }
 
     /// The times between which it holds data, metres of ct on its own clock.
     pub fn span(&self) -> [f64; 2] {
-        [self.axis.end(0), self.axis.end(self.cube.shape[2])]
+        [self.axis.end(0), self.axis.end(self.cube.shape()[2])]
     }
 
     /// Radiance at texture coordinates `uv` (v = 0 is the top edge) and time `t`, metres of ct.
@@ -150,6 +202,75 @@ impl TimeTexture {
             read()
         } else {
             self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, read)
+        }
+    }
+
+    /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend. Where bins differ in width, it
+    /// is what there is in the middle of that time.
+    pub fn mean_uv(&self, uv: DVec2, [from, to]: [f64; 2]) -> Sampled {
+        let Some(span) = self.timeline.span(from, to) else {
+            return self.sample_uv(uv, 0.5 * (from + to));
+        };
+        let [width, height] = self.size();
+        let on_texture = uv.x >= 0.0 && uv.x <= 1.0 && uv.y >= 0.0 && uv.y <= 1.0;
+        let read = || {
+            let taps = taps(uv.x * width as f64, uv.y * height as f64, width, height);
+            self.gather(&taps, |_| span.clone())
+        };
+        if on_texture {
+            read()
+        } else {
+            self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, read)
+        }
+    }
+
+    /// The mean of [`TimeTexture::sample_located`] over the times from `from` to `to`, as [`TimeTexture::mean_uv`].
+    pub fn mean_located(
+        &self,
+        capture: &Capture,
+        located: &Located,
+        [from, to]: [f64; 2],
+        occluded: bool,
+    ) -> Sampled {
+        let span = |texel: usize| {
+            let delay = capture.delay_of(texel);
+            self.timeline.span(from + delay, to + delay)
+        };
+        // Places without data are filled as at a moment.
+        let middle = || self.sample_located(capture, located, 0.5 * (from + to), occluded);
+        if occluded || span(0).is_none() {
+            return middle();
+        }
+        let when = |texel| span(texel).unwrap_or_default();
+        match &located.0 {
+            Spot::Seen(_, taps, _) => self.gather(taps, when),
+            Spot::Sharp(place, taps, _, all) => {
+                self.sample_means(capture, (*place, *all), taps, when)
+            }
+            Spot::Unseen(_) | Spot::Beside(_) | Spot::Behind => middle(),
+        }
+    }
+
+    /// Taps, each when it is read.
+    fn gather<W: When>(&self, taps: &[Tap; 4], when: impl Fn(usize) -> W) -> Sampled {
+        let mut sampled = Sampled::default();
+        for tap in taps.iter().filter(|tap| tap.weight != 0.0) {
+            let when = when(tap.texel);
+            let value = when.texel(self, tap.texel);
+            for (sum, value) in sampled.radiance.iter_mut().zip(value) {
+                *sum += tap.weight * self.factor * value;
+            }
+            self.account_for(&mut sampled, tap.weight, &when);
+        }
+        sampled
+    }
+
+    /// Books a tap's weight where its times lie.
+    pub(super) fn account_for(&self, sampled: &mut Sampled, weight: f64, when: &impl When) {
+        for (phase, part) in when.parts() {
+            if part != 0.0 {
+                self.account(sampled, weight * part, phase);
+            }
         }
     }
 
@@ -203,9 +324,9 @@ impl TimeTexture {
         };
         let taps = self.taps_where(place, |pixel| capture.saw(pixel, &aim));
         Located(match (taps, self.reconstruction) {
-            (Some(taps), Reconstruction::Bilinear) => Spot::Seen(place, taps),
-            (Some(taps), Reconstruction::Sharp) => {
-                Spot::Sharp(place, taps, self.is_sharp_at(capture, place, &aim))
+            (Some((taps, part)), Reconstruction::Bilinear) => Spot::Seen(place, taps, part),
+            (Some((taps, part)), Reconstruction::Sharp) => {
+                Spot::Sharp(place, taps, part, self.is_sharp_at(capture, place, &aim))
             }
             (None, _) => Spot::Unseen(place),
         })
@@ -222,11 +343,12 @@ impl TimeTexture {
         occluded: bool,
     ) -> Sampled {
         match &located.0 {
-            Spot::Seen(_, taps) if !occluded => self.sample_pixels(capture, taps, t),
-            Spot::Sharp(place, taps, all) if !occluded => {
-                self.sample_means(capture, (*place, *all), taps, t)
+            Spot::Seen(_, taps, _) if !occluded => self.sample_pixels(capture, taps, t),
+            Spot::Sharp(place, taps, _, all) if !occluded => {
+                let when = |texel| self.timeline.moment(t + capture.delay_of(texel));
+                self.sample_means(capture, (*place, *all), taps, when)
             }
-            Spot::Seen(place, _) | Spot::Sharp(place, ..) | Spot::Unseen(place) => {
+            Spot::Seen(place, ..) | Spot::Sharp(place, ..) | Spot::Unseen(place) => {
                 self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
                     self.sample_anything(capture, *place, t)
                 })
@@ -242,6 +364,19 @@ impl TimeTexture {
         }
     }
 
+    /// How well the image shows the point, 0 to 1: the weight of those of four pixels about it that saw its surface, times
+    /// its distance from the edge of the image, pixels, at most 1. Above 0 wherever the point is seen.
+    pub fn seen_part(&self, located: &Located) -> f64 {
+        /// Where only one capture sees a point, any weight is as good.
+        const LEAST: f64 = 1e-6;
+        let (Spot::Seen([x, y], _, part) | Spot::Sharp([x, y], _, part, _)) = &located.0 else {
+            return 0.0;
+        };
+        let [width, height] = self.size().map(|n| n as f64);
+        let edge = x.min(width - x).min(*y).min(height - y);
+        part.max(LEAST) * edge.clamp(LEAST, 1.0)
+    }
+
     fn on_image(&self, [x, y]: [f64; 2]) -> bool {
         let [width, height] = self.size().map(|n| n as f64);
         x >= 0.0 && x <= width && y >= 0.0 && y <= height
@@ -250,14 +385,18 @@ impl TimeTexture {
     /// The nearest pixels that saw anything.
     fn sample_anything(&self, capture: &Capture, place: [f64; 2], t: f64) -> Sampled {
         match self.taps_where(place, |pixel| capture.distance(pixel).is_some()) {
-            Some(taps) => self.sample_pixels(capture, &taps, t),
+            Some((taps, _)) => self.sample_pixels(capture, &taps, t),
             None => Sampled::default(),
         }
     }
 
-    /// The bilinear taps at `place` without those that are not `valid`; weights sum to 1.
+    /// The bilinear taps at `place` without those that are not `valid`, whose weights sum to 1, and to what they summed.
     #[inline]
-    fn taps_where(&self, [x, y]: [f64; 2], valid: impl Fn(usize) -> bool) -> Option<[Tap; 4]> {
+    fn taps_where(
+        &self,
+        [x, y]: [f64; 2],
+        valid: impl Fn(usize) -> bool,
+    ) -> Option<([Tap; 4], f64)> {
         let [width, height] = self.size();
         let mut taps = taps(x, y, width, height);
         let mut sum = 0.0;
@@ -271,13 +410,14 @@ impl TimeTexture {
             }
         }
         if complete {
-            return Some(taps);
+            return Some((taps, 1.0));
         }
         (sum > 0.0).then(|| {
-            taps.map(|tap| Tap {
+            let taps = taps.map(|tap| Tap {
                 weight: tap.weight / sum,
                 ..tap
-            })
+            });
+            (taps, sum)
         })
     }
 

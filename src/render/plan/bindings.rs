@@ -14,6 +14,8 @@ pub enum Lit {
     Spectrum,
     /// A stored cube.
     Cube(usize),
+    /// Several, each from a capture camera of its own, in the order of the scene.
+    Captures(Vec<usize>),
     /// The scene's lights and sky, and these pulses, which it reflects.
     Reflecting(Vec<usize>),
 }
@@ -31,12 +33,17 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
                 && (materials.is_empty() || materials.iter().any(|m| m == material))
         }
     };
-    let mut pulses = Vec::new();
+    let (mut cubes, mut pulses) = (Vec::new(), Vec::new());
     for (index, source) in scene.sources.iter().enumerate().filter(|(_, s)| bound(s)) {
         match source.kind {
-            SourceKind::Cube(_) => return Lit::Cube(index),
+            SourceKind::Cube(_) => cubes.push(index),
             SourceKind::Pulse(_) => pulses.push(index),
         }
+    }
+    match cubes.as_slice() {
+        [] => {}
+        [only] => return Lit::Cube(*only),
+        _ => return Lit::Captures(cubes),
     }
     if pulses.is_empty() && !scene.is_lit() {
         Lit::Base
@@ -53,11 +60,35 @@ pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool
             match lit_by(scene, index, material) {
                 Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => used[source] = true,
-                Lit::Reflecting(sources) => sources.iter().for_each(|s| used[*s] = true),
+                Lit::Captures(sources) | Lit::Reflecting(sources) => {
+                    sources.iter().for_each(|s| used[*s] = true)
+                }
             }
         }
     }
     used
+}
+
+/// The most capture cameras that one surface is projected from.
+pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
+    let is_projected = |source: usize| {
+        let cube = match &scene.sources[source].kind {
+            SourceKind::Cube(cube) => cube,
+            SourceKind::Pulse(_) => return false,
+        };
+        matches!(cube.mapping, Mapping::Capture(_))
+    };
+    let of_surface = |object: usize, material: &String| match lit_by(scene, object, material) {
+        Lit::Cube(source) => usize::from(is_projected(source)),
+        Lit::Captures(sources) => sources.len(),
+        Lit::Base | Lit::Spectrum | Lit::Reflecting(_) => 0,
+    };
+    let surfaces = objects
+        .iter()
+        .enumerate()
+        .flat_map(|(object, planned)| planned.materials.iter().map(move |m| (object, m)));
+    let most = surfaces.map(|(object, material)| of_surface(object, material));
+    most.max().unwrap_or(0) as u64
 }
 
 /// Sets what is loaded of `object`, and from what it has its radiance.
@@ -89,6 +120,10 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
                 format!("base colour lit by {}", names.join(", ")),
             )
         }
+        Lit::Captures(sources) => {
+            let names: Vec<_> = sources.iter().map(name).collect();
+            (false, false, format!("{} by projection", names.join(", ")))
+        }
         Lit::Cube(source) => {
             let SourceKind::Cube(cube) = &scene.sources[*source].kind else {
                 return (false, false, String::new());
@@ -115,7 +150,8 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
             match lit_by(scene, index, material) {
                 Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => check_uv_set(scene, &scene.sources[source], object)?,
-                Lit::Reflecting(pulses) => check_pulses(scene, &pulses, object)?,
+                Lit::Captures(captures) => check_quantities(scene, &captures, object)?,
+                Lit::Reflecting(pulses) => check_quantities(scene, &pulses, object)?,
             }
         }
     }
@@ -167,14 +203,14 @@ fn check_uv_set(scene: &Scene, source: &Source, object: &PlannedObject) -> Resul
     }
 }
 
-/// Pulses of different quantities cannot light one surface: their sum would measure neither.
-fn check_pulses(scene: &Scene, pulses: &[usize], object: &PlannedObject) -> Result<()> {
-    let mut sources = pulses.iter().map(|p| &scene.sources[*p]);
+/// Sources of different quantities cannot light one surface: their sum would measure neither.
+fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) -> Result<()> {
+    let mut sources = sources.iter().map(|k| &scene.sources[*k]);
     let Some(first) = sources.next() else {
         return Ok(());
     };
     match sources.find(|s| s.quantity != first.quantity) {
-        None if scene.is_lit() && first.quantity != scene.quantity => {
+        None if scene.is_lit() && is_pulse(first) && first.quantity != scene.quantity => {
             let what = format!(
                 "lights object \"{}\" with another quantity than the scene's lights",
                 object.name
@@ -188,10 +224,14 @@ fn check_pulses(scene: &Scene, pulses: &[usize], object: &PlannedObject) -> Resu
                 "lights object \"{}\" with another quantity than source \"{}\"",
                 object.name, first.name
             );
-            let help = "pulses on one surface must declare the same quantity and wavelength";
+            let help = "sources of one surface must declare the same quantity and wavelength";
             Err(refuse(scene, other, "radiance", what, help))
         }
     }
+}
+
+fn is_pulse(source: &Source) -> bool {
+    matches!(source.kind, SourceKind::Pulse(_))
 }
 
 fn refuse(

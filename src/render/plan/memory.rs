@@ -2,6 +2,7 @@
 
 use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject};
 use crate::accel::Bvh;
+use crate::io::cube::{BRICK, LEAST_ROOM};
 use crate::light::time_texture::Capture;
 use crate::render::film::Layout;
 
@@ -11,6 +12,42 @@ const BUILDING: u64 = 220;
 /// What writing takes, in tenths of the film: channels, their single-precision copy, the
 /// compressed file. Measured: 1.6 for EXR, 1.1 for npz.
 const WRITING_TENTHS: u64 = 17;
+
+/// The most that is held of a cube that is read in parts: more than neighbouring tiles share.
+const MOST_HELD: u64 = 1 << 30;
+
+/// Reads cubes in parts, the largest first, until what is loaded stays within `limit`. They share what is left.
+pub(super) fn read_in_parts(
+    cubes: &mut [Option<PlannedCube>],
+    limit: u64,
+    memory: &dyn Fn(&[Option<PlannedCube>]) -> Memory,
+) {
+    loop {
+        let total = memory(cubes).total();
+        if total <= limit {
+            break;
+        }
+        let whole = cubes.iter().flatten().filter(|c| c.held.is_none());
+        let largest = whole.filter(|c| c.file.is_some()).max_by_key(|c| c.bytes);
+        // No more than what it takes whole can be saved.
+        let Some(largest) = largest.filter(|c| c.bytes > 2 * LEAST_ROOM) else {
+            return;
+        };
+        let (file, array) = (largest.file.clone(), largest.array.clone());
+        let same = |cube: &&mut PlannedCube| cube.file == file && cube.array == array;
+        for cube in cubes.iter_mut().flatten().filter(same) {
+            cube.held = Some(LEAST_ROOM);
+        }
+    }
+    let in_parts = cubes.iter().flatten().filter(|c| c.held.is_some()).count() as u64;
+    let Some(each) = (limit - memory(cubes).total()).checked_div(in_parts) else {
+        return;
+    };
+    for cube in cubes.iter_mut().flatten() {
+        let most = (cube.bytes + cube.bytes / 16).min(MOST_HELD);
+        cube.held = cube.held.map(|least| (least + each).min(most));
+    }
+}
 
 /// What the parts of a plan take.
 pub(super) fn memory(
@@ -31,14 +68,20 @@ pub(super) fn memory(
         .map(|o| 12 * o.triangles + 8 * o.vertices * (o.uv_sets as u64 + 1))
         .sum::<u64>();
     let cubes = cubes.iter().flatten();
-    let captures = cubes
-        .clone()
-        .map(|c| c.capture_rays * Capture::BYTES_PER_PIXEL);
+    let captures = cubes.clone().map(|c| {
+        c.capture_rays * Capture::BYTES_PER_PIXEL + if c.held.is_some() { 0 } else { c.sums }
+    });
     // One array that several sources use is loaded once; those in memory are there already.
     let mut files: Vec<_> = cubes
         .clone()
         .filter(|c| c.file.is_some())
-        .map(|c| (&c.file, &c.array, c.bytes))
+        .map(|c| {
+            (
+                &c.file,
+                &c.array,
+                c.held.map_or(c.bytes, |held| held + tables(c.bytes)),
+            )
+        })
         .collect();
     files.sort();
     files.dedup();
@@ -49,6 +92,12 @@ pub(super) fn memory(
         temporary: temporary(frames, layout),
         beside,
     }
+}
+
+/// Tables of the bricks that a cube of `bytes` has: a bit for each, where samples take two bytes more than they lie in
+/// at the least.
+fn tables(bytes: u64) -> u64 {
+    bytes / BRICK + (1 << 16)
 }
 
 /// The larger of what building and writing take: they do not happen at once.

@@ -15,6 +15,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::io::cube as cubes;
 use crate::io::gltf;
+use crate::light::time_texture::TimeTexture;
 use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
@@ -43,11 +44,13 @@ impl Plan {
         for (index, object) in objects.iter_mut().enumerate() {
             bindings::resolve(scene, index, object, wants_uv);
         }
-        let cubes = inspect_cubes(scene, &objects)?;
+        let mut cubes = inspect_cubes(scene, &objects)?;
         let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
-        let memory = memory::memory(&frames, &objects, &cubes, &layout, request.beside);
+        let memory = |cubes: &_| memory::memory(&frames, &objects, cubes, &layout, request.beside);
+        memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
+        let memory = memory(&cubes);
         let view = Camera::new(scene)?.view.kind();
         let mut plan = Plan {
             scene: scene.name.clone(),
@@ -60,6 +63,7 @@ impl Plan {
             rays,
             memory,
             memory_limit: request.memory_limit,
+            counts_only: false,
             skipped: Vec::new(),
             notes: Vec::new(),
         };
@@ -81,7 +85,7 @@ impl Plan {
                 report::bytes(total),
                 report::bytes(limit)
             ),
-            "a smaller image or cube, or a higher limit (--max-memory)",
+            "a smaller image or mesh, or a higher limit (--max-memory)",
         ))
     }
 }
@@ -212,6 +216,12 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
                 shape,
                 bytes,
                 capture_rays: if projected { (h * w) as u64 } else { 0 },
+                sums: match scene.camera.integrated_exposure() {
+                    Some(_) => TimeTexture::bytes_of_sums(shape),
+                    None => 0,
+                },
+                held: None,
+                read: None,
             }))
         })
         .collect()
@@ -274,7 +284,7 @@ fn rays(
     let sky = scene.sky.as_ref().filter(|sky| sky.lights && sky.shadows);
     let lights = lights + sky.map_or(0, |sky| 2 + u64::from(sky.sun.is_some()));
     let capture: u64 = cubes.iter().flatten().map(|c| c.capture_rays).sum();
-    let towards = (pulses + lights).max((capture > 0) as u64);
+    let towards = (pulses + lights).max(bindings::most_captures(scene, objects));
     // Each level of a path asks for its own shadows; after the last surface a ray looks for what shines.
     let (levels, reflects) = (u64::from(scene.bounces) + 1, pulses + lights > 0);
     let bounces_at_most = match scene.bounces > 0 && reflects {

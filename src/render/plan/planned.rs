@@ -59,6 +59,9 @@ pub struct Plan {
     pub memory: Memory,
     /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
     pub memory_limit: u64,
+    /// Whether parts of cubes that would be read are only counted: for [`foretell`](crate::render::foretell).
+    #[serde(skip)]
+    pub(crate) counts_only: bool,
     /// What is not done, and why.
     pub skipped: Vec<Skipped>,
     /// What the pictures do not show, and other things worth knowing.
@@ -124,8 +127,15 @@ pub struct PlannedCube {
     pub shape: [usize; 4],
     /// Bytes of its samples.
     pub bytes: u64,
+    /// Bytes of its prefix sums over time, which exposures are integrated by.
+    pub sums: u64,
     /// Rays from the capture camera, one per pixel, where the cube is projected.
     pub capture_rays: u64,
+    /// Bytes that may be held of it at a time, where it is read from disk in parts, as they are needed; none where it
+    /// is loaded whole.
+    pub held: Option<u64>,
+    /// Bytes that will be read of it then, as far as that was [foretold](crate::render::foretell).
+    pub read: Option<u64>,
 }
 
 /// How many rays.

@@ -97,6 +97,9 @@ impl Plan {
                 bytes(cube.bytes)
             );
             row(f, "cube", &text)?;
+            if let Some(held) = cube.held {
+                row(f, "", &in_parts(held, cube.read))?;
+            }
         }
         let size = cubes.iter().skip(MOST).map(|c| c.bytes).sum();
         more(f, "cube", cubes.len(), MOST, &bytes(size))
@@ -136,6 +139,15 @@ impl Plan {
             beside => format!("{text}, beside the picture {}", bytes(beside)),
         };
         row(f, "memory", &text)
+    }
+}
+
+/// How a cube is read that is not loaded whole.
+fn in_parts(held: u64, read: Option<u64>) -> String {
+    let held = format!("read from disk in parts, {} at a time", bytes(held));
+    match read {
+        Some(read) => format!("{held}: about {} of it are needed", bytes(read)),
+        None => held,
     }
 }
 

@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::accel::{Facing, Ray};
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Cube};
+use crate::io::cube::{self as cubes, Bricks, BytesRead, CubeStore};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
 use crate::light::Received;
@@ -21,8 +21,9 @@ use crate::mesh::{Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    AreaLights, BaseColour, BaseColours, Colouring, Element, EmissionClock, Emitter, Eye, Finish,
-    Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup, TimeResolved,
+    AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element, EmissionClock, Emitter,
+    Eye, Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup,
+    TimeResolved,
 };
 use crate::scene::model::{
     Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Equations, Geometry,
@@ -61,6 +62,32 @@ impl Light {
             Light::PathTraced(paths) => Some(&paths.light),
             Light::Constant(_) | Light::Custom(_) => None,
         }
+    }
+
+    /// Whether data could not be read while lookups asked for them.
+    pub(crate) fn has_failed(&self) -> bool {
+        let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
+        on_disk.any(Bricks::has_failed)
+    }
+
+    /// Whether all data could be read that lookups have asked for.
+    ///
+    /// # Errors
+    /// The first failure.
+    pub fn check(&self) -> Result<()> {
+        let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
+        on_disk.try_for_each(Bricks::check)
+    }
+
+    /// Bytes that have been read so far of cubes that are not loaded whole.
+    pub fn bytes_read(&self) -> BytesRead {
+        let mut sum = BytesRead::default();
+        for bricks in self.time_resolved().into_iter().flat_map(|l| l.on_disk()) {
+            let BytesRead { all, again } = bricks.bytes_read();
+            sum.all += all;
+            sum.again += again;
+        }
+        sum
     }
 
     /// The same, to be changed.
@@ -192,13 +219,18 @@ impl<'a> Builder<'a> {
         if !plan.time_resolved {
             return Ok(Light::Constant(base));
         }
-        let mut stores = Stores::default();
+        let mut stores = Stores {
+            counts_only: plan.counts_only,
+            ..Stores::default()
+        };
         let mut sources = Vec::new();
         for (index, source) in scene.sources.iter().enumerate() {
             progress.check()?;
-            let planned = plan.cubes.get(index).is_some_and(Option::is_some);
-            sources.push(match &source.kind {
-                SourceKind::Cube(cube) if planned => Some(stores.cube(scene, index, cube, frames)?),
+            let planned = plan.cubes.get(index).and_then(Option::as_ref);
+            sources.push(match (&source.kind, planned) {
+                (SourceKind::Cube(cube), Some(planned)) => {
+                    Some(stores.cube(scene, index, (cube, planned.held), frames)?)
+                }
                 _ => None,
             });
         }
@@ -220,6 +252,7 @@ impl<'a> Builder<'a> {
         let everywhere = || (scene.sources.len()..lamps.len()).filter(|k| lamps[*k].is_some());
         let quantities = self.emitters.iter().map(|(lit, _)| match lit {
             Lit::Cube(source) => scene.sources[*source].quantity,
+            Lit::Captures(sources) => scene.sources[sources[0]].quantity,
             Lit::Reflecting(pulses) => pulses
                 .first()
                 .map_or(scene.quantity, |pulse| scene.sources[*pulse].quantity),
@@ -247,6 +280,15 @@ impl<'a> Builder<'a> {
                     .unwrap_or(Emitter::Base(finish.colour));
                 (emitter, response(scene.sources[source].quantity, scene))
             }
+            Lit::Captures(indices) => {
+                let captured = |source: &usize| match &sources[*source] {
+                    Some(Emitter::Captured(one)) => one.clone(),
+                    _ => Vec::new(),
+                };
+                let all = indices.iter().flat_map(captured).collect();
+                let quantity = scene.sources[indices[0]].quantity;
+                (Emitter::Captured(all), response(quantity, scene))
+            }
         });
         let emitters = emitters.collect();
         warnings.append(&mut stores.warnings);
@@ -255,6 +297,7 @@ impl<'a> Builder<'a> {
             base,
             cubes: stores.cubes,
             cube_sources: stores.sources,
+            choice: scene.captures,
             captures: stores.captures,
             lamps,
             areas,
@@ -461,7 +504,9 @@ impl Textures {
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
 struct Stores {
-    files: HashMap<CubeFile, Arc<Cube>>,
+    files: HashMap<CubeFile, CubeStore>,
+    /// Whether the parts of cubes that are read as they are needed are only counted.
+    counts_only: bool,
     cubes: Vec<TimeTexture>,
     /// By cube: the source that it is.
     sources: Vec<usize>,
@@ -475,12 +520,16 @@ impl Stores {
         &mut self,
         scene: &Scene,
         source: usize,
-        cube: &CubeSource,
+        (cube, held): (&CubeSource, Option<u64>),
         frames: &[RestFrame],
     ) -> Result<Emitter> {
-        let texture = TimeTexture::new(self.load(cube)?, TimeAxis::from(cube), scene.outside)
+        let texture = TimeTexture::new(self.load(cube, held)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?
             .with_reconstruction(cube.reconstruction);
+        let texture = match scene.camera.integrated_exposure() {
+            Some(_) => texture.with_sums(),
+            None => texture,
+        };
         let size = texture.size();
         let assumed = match &cube.data {
             CubeData::File(file) if file.axes.is_some() => Order::Stated,
@@ -488,7 +537,9 @@ impl Stores {
             CubeData::File(_) => Order::Array,
             CubeData::Memory(_) => Order::Stated,
         };
-        self.warn(scene, source, survey::of_samples(texture.cube(), assumed));
+        if let Some(cube) = texture.cube().in_memory() {
+            self.warn(scene, source, survey::of_samples(cube, assumed));
+        }
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         let index = self.cubes.len();
@@ -512,11 +563,11 @@ impl Stores {
                 };
                 self.warn(scene, source, survey::of_capture(&texture, &capture));
                 self.captures.push(capture);
-                Emitter::Capture {
+                Emitter::Captured(vec![CapturedCube {
                     cube: index,
                     capture: self.captures.len() - 1,
                     clock,
-                }
+                }])
             }
         };
         self.cubes.push(texture);
@@ -530,17 +581,32 @@ impl Stores {
         self.warnings.extend(remarks.into_iter().map(named));
     }
 
-    fn load(&mut self, cube: &CubeSource) -> Result<Arc<Cube>> {
+    /// The cube, whole; or on disk, with room for `held` bytes of it.
+    fn load(&mut self, cube: &CubeSource, held: Option<u64>) -> Result<CubeStore> {
         let file = match &cube.data {
             CubeData::File(file) => file,
-            CubeData::Memory(cube) => return Ok(cube.clone()),
+            CubeData::Memory(cube) => return Ok(cube.clone().into()),
         };
         if let Some(loaded) = self.files.get(file) {
             return Ok(loaded.clone());
         }
-        let loaded = Arc::new(cubes::load(&file.path, file.wanted())?);
+        let loaded: CubeStore = match held {
+            Some(room) => Arc::new(self.bricks(file, room)?).into(),
+            None => cubes::load(&file.path, file.wanted())?.into(),
+        };
         self.files.insert(file.clone(), loaded.clone());
         Ok(loaded)
+    }
+}
+
+impl Stores {
+    fn bricks(&self, file: &CubeFile, room: u64) -> Result<Bricks> {
+        if self.counts_only
+            && let Some(bricks) = Bricks::counting(&file.path, file.wanted())?
+        {
+            return Ok(bricks);
+        }
+        Bricks::open(&file.path, file.wanted(), room)
     }
 }
 

@@ -29,6 +29,8 @@ pub struct Prepared {
     pub light: Light,
     /// Refractive index that delays camera rays; 0 where retardation is turned off.
     pub ray_index: f64,
+    /// How long the shutter is open, metres of the camera's own time, where data are integrated over that.
+    pub integrated_exposure: Option<f64>,
     /// What rays see that hit nothing.
     pub background: Background,
     /// Where samples lie in a pixel.
@@ -84,6 +86,7 @@ impl Prepared {
             frames,
             light,
             ray_index,
+            integrated_exposure: scene.camera.integrated_exposure(),
             background: sky::background(scene, sky),
             sampler,
             layout: plan.film.clone(),
@@ -103,6 +106,7 @@ impl Prepared {
     /// As [`Camera::new`].
     pub fn retake(&mut self, scene: &Scene) -> Result<()> {
         self.camera = Camera::new(scene)?;
+        self.integrated_exposure = scene.camera.integrated_exposure();
         Ok(())
     }
 }

@@ -49,6 +49,30 @@ pub struct Samples<'a> {
     pub index: u32,
     /// How many surfaces the rays come from, one after the other.
     pub depth: u32,
+    /// The parts of an exposure that they stand for, where data are integrated over these.
+    pub exposure: Option<Exposure<'a>>,
+}
+
+/// An exposure whose samples each stand for an equal part of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Exposure<'a> {
+    /// How long it takes, metres of the camera's own time.
+    pub duration: f64,
+    /// How many samples a pixel has.
+    pub samples: u32,
+    /// By ray, the moment of the exposure, 0 to 1.
+    pub moments: &'a [f64],
+    /// By ray, W for sources at rest in the world.
+    pub ratios: &'a [f64],
+}
+
+impl Exposure<'_> {
+    /// Camera time from the moment of a ray to both ends of the part that it stands for, metres.
+    pub(super) fn part(&self, ray: usize) -> [f64; 2] {
+        let (moment, count) = (self.moments[ray], f64::from(self.samples));
+        let part = (moment * count).floor();
+        [part, part + 1.0].map(|end| (end / count - moment) * self.duration)
+    }
 }
 
 /// Most pairs of numbers that are drawn at one surface of a path.
@@ -90,6 +114,16 @@ impl Rays<'_> {
 }
 
 impl CameraRays {
+    /// The exposure of `duration` of which the rays are one of `samples` samples of each pixel.
+    pub(crate) fn exposure(&self, duration: f64, samples: u32) -> Option<Exposure<'_>> {
+        (self.moments.len() == self.directions.len()).then_some(Exposure {
+            duration,
+            samples,
+            moments: &self.moments,
+            ratios: &self.ratios,
+        })
+    }
+
     /// Where in its pixel sample `ray` lies.
     pub(crate) fn offset(&self, ray: usize) -> [f64; 2] {
         [self.offsets[0][ray], self.offsets[1][ray]]
@@ -105,6 +139,7 @@ impl CameraRays {
                 pixels: &self.keys,
                 index: self.index,
                 depth: 0,
+                exposure: None,
             },
         }
     }

@@ -83,6 +83,7 @@ fn value(
         Aov::NormalZ => Some(normal()?.z),
         Aov::CaptureFootprint => Some(capture()?.footprint),
         Aov::CaptureCosine => Some(capture()?.cosine),
+        Aov::CaptureSource => Some(radiance.capture_source(point?)? as f64),
         Aov::ObjectId => Some(point.map_or(0.0, |p| f64::from(p.patch.object) + 1.0)),
         Aov::Alpha => Some(f64::from(observed.is_some())),
         Aov::Coverage

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::captures::Blend;
 use super::hits::HitBuffer;
 use super::lamps::Falling;
 use super::occlusion::OcclusionQueries;
@@ -14,7 +15,9 @@ use crate::camera::RayOrigin;
 use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
-use crate::light::time_texture::{CaptureLookups, Coverage, Located, Lookups, Sampled};
+use crate::light::time_texture::{
+    CaptureLookups, CaptureView, Coverage, Located, Lookups, Sampled,
+};
 use crate::spacetime::Quantity;
 
 /// Radiance that leaves a surface, per channel, in its rest frame.
@@ -149,6 +152,12 @@ pub struct Emitted {
     pub(super) known: Vec<Option<([f64; 3], f64)>>,
     /// Where points lie in the image of a capture camera.
     pub(super) located: Vec<Located>,
+    /// How capture cameras look at points, where there are several.
+    pub(super) capture_views: Vec<Option<CaptureView>>,
+    /// What the parts of an exposure span, from these times, and W of the points.
+    pub(super) spans: Vec<[f64; 2]>,
+    /// What several captures say of points.
+    pub(super) blends: Vec<Blend>,
     /// Times of emission.
     pub(super) times: Vec<f64>,
     /// Factors on what points shine of their own, where light is followed that was also drawn there; empty for 1.
@@ -218,6 +227,9 @@ impl Default for Emitted {
             captured: Box::default(),
             known: Vec::new(),
             located: Vec::new(),
+            capture_views: Vec::new(),
+            spans: Vec::new(),
+            blends: Vec::new(),
             times: Vec::new(),
             own_weights: Vec::new(),
             next: None,

@@ -13,6 +13,7 @@
 //! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
 
 mod camera_rays;
+mod captures;
 mod channels;
 mod cone;
 mod emitted;
@@ -33,6 +34,7 @@ mod timed_paths;
 mod tubes;
 
 pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
+pub use captures::CapturedCube;
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};

@@ -275,6 +275,7 @@ impl PathTraced {
                 pixels,
                 index: before.rays.samples.index,
                 depth: *depth,
+                exposure: None,
             },
         };
         before.surfaces.nearest(&rays, hits, meter);

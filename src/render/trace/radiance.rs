@@ -2,7 +2,9 @@
 //! which need no time, and time-resolved sources.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
+use super::captures::{CapturedCube, captured_point};
 use super::emitted::{Detail, Emission, Emitted, Response};
 use super::lamps;
 use super::lights::{AreaLights, SkyLight};
@@ -12,14 +14,15 @@ use super::rest_frame::{Patch, RestFrame};
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use crate::accel::{Hit, Segment};
+use crate::io::cube::Bricks;
 use crate::io::image::Texture;
 use crate::light::lamp::Lamp;
 use crate::light::reflection::Reflection;
 use crate::light::time_texture::{
-    BATCH, Capture, CaptureLookups, CaptureView, Coverage, Located, Sampled,
-    SurfacePoint as CapturePoint, TimeTexture,
+    BATCH, Capture, CaptureLookups, CaptureView, Coverage, Located, Sampled, TimeTexture,
 };
 use crate::mesh::Wrap;
+use crate::scene::model::CaptureChoice;
 
 /// Radiance of surfaces, run by run.
 pub trait Radiance: Debug + Send + Sync {
@@ -32,6 +35,12 @@ pub trait Radiance: Debug + Send + Sync {
 
     /// How the camera that captured the radiance of `point` looks at it; none where no camera did.
     fn capture(&self, _point: &SurfacePoint) -> Option<CaptureView> {
+        None
+    }
+
+    /// Index in the scene of the source, a capture, that gives the point most of its radiance; none where no capture
+    /// holds the point.
+    fn capture_source(&self, _point: &SurfacePoint) -> Option<usize> {
         None
     }
 }
@@ -117,6 +126,8 @@ pub struct TimeResolved {
     pub cubes: Vec<TimeTexture>,
     /// The source of the scene that each of them is.
     pub cube_sources: Vec<usize>,
+    /// Which of several captures of one surface is taken.
+    pub choice: CaptureChoice,
     /// Capture cameras and what they saw.
     pub captures: Vec<Capture>,
     /// By source of the scene: pulses; then the scene's lights without extent.
@@ -143,15 +154,8 @@ pub enum Emitter {
         /// The clock of its time axis.
         clock: EmissionClock,
     },
-    /// A cube projected from its capture camera.
-    Capture {
-        /// Index of the cube.
-        cube: usize,
-        /// Index of the capture camera.
-        capture: usize,
-        /// The clock before the delay to the capture camera.
-        clock: EmissionClock,
-    },
+    /// Cubes projected from their capture cameras, one or more.
+    Captured(Vec<CapturedCube>),
     /// The light of lamps, reflected, and also that of shining surfaces and of the sky.
     Lit {
         /// How it is reflected.
@@ -171,8 +175,16 @@ pub enum EmissionClock {
 }
 
 impl EmissionClock {
+    /// The time of emission at a point.
+    pub(crate) fn time(self, point: &SurfacePoint) -> f64 {
+        match self {
+            EmissionClock::World => point.event().ct,
+            EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
+        }
+    }
+
     /// The times of members `begin` and on.
-    fn times(self, run: &Run, begin: usize, times: &mut [f64]) {
+    pub(super) fn times(self, run: &Run, begin: usize, times: &mut [f64]) {
         match self {
             EmissionClock::World => run.world_times(begin, times),
             EmissionClock::Object => run.object_times(begin, times),
@@ -267,10 +279,23 @@ impl Radiance for TimeResolved {
 
     fn capture(&self, point: &SurfacePoint) -> Option<CaptureView> {
         match &self.emitters[point.patch.emitter as usize].0 {
-            Emitter::Capture { capture, .. } => self.captures[*capture].view_of(&CapturePoint {
-                position: point.rest_event().x,
-                normal: point.facing_normal(),
-            }),
+            Emitter::Captured(captures) => {
+                let chosen = match captures.as_slice() {
+                    [only] => *only,
+                    several => several[self.blend_at(several, point).most()?],
+                };
+                self.captures[chosen.capture].view_of(&captured_point(point))
+            }
+            Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Lit { .. } => None,
+        }
+    }
+
+    fn capture_source(&self, point: &SurfacePoint) -> Option<usize> {
+        match &self.emitters[point.patch.emitter as usize].0 {
+            Emitter::Captured(captures) => {
+                let chosen = self.blend_at(captures, point).most()?;
+                Some(self.cube_sources[captures[chosen].cube])
+            }
             Emitter::Base(_) | Emitter::Uv { .. } | Emitter::Lit { .. } => None,
         }
     }
@@ -283,14 +308,13 @@ impl Radiance for TimeResolved {
             Emitter::Uv { cube, set, clock } => {
                 look_up(&self.cubes[*cube], *set, *clock, run, emitted, meter);
             }
-            Emitter::Capture {
-                cube,
-                capture,
-                clock,
-            } => {
-                let (texture, capture) = (&self.cubes[*cube], &self.captures[*capture]);
-                project(texture, capture, *clock, run, emitted, meter);
-            }
+            Emitter::Captured(captures) => match captures.as_slice() {
+                [only] => {
+                    let (texture, capture) = (&self.cubes[only.cube], &self.captures[only.capture]);
+                    project(texture, capture, only.clock, run, emitted, meter);
+                }
+                several => self.blend(several, run, emitted, meter),
+            },
             Emitter::Lit { finish, lamps } => {
                 self.reflect(finish, lamps, run, emitted, meter);
             }
@@ -307,6 +331,17 @@ fn look_up(
     emitted: &mut Emitted,
     meter: &mut Meter,
 ) {
+    if run.spans(clock, &mut emitted.spans) {
+        emitted.times.resize(run.count(), 0.0);
+        clock.times(run, 0, &mut emitted.times);
+        for k in 0..run.count() {
+            let uv = run.hit(k).and_then(|hit| run.rest.uv(run.patch, set, &hit));
+            let span = emitted.spans[k].map(|after| emitted.times[k] + after);
+            let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span);
+            emitted.push(Emission::stored(sampled));
+        }
+        return;
+    }
     let mut begin = 0;
     while begin < run.count() {
         let count = (run.count() - begin).min(BATCH);
@@ -384,7 +419,9 @@ fn project(
     drop(answers);
     emitted.blocked = blocked;
 
-    // Points all of whose taps hold data together, the others one by one.
+    // Points all of whose taps hold data together, the others one by one, and so means and what is read from disk.
+    let means = run.spans(clock, &mut emitted.spans);
+    let singly = means || texture.cube().on_disk().is_some();
     let Emitted {
         captured,
         located,
@@ -407,7 +444,7 @@ fn project(
         captured.clear();
     };
     for (at, located) in located.iter().enumerate() {
-        if !blocked[at] {
+        if !blocked[at] && !singly {
             captured.push(at, capture, located, times[at]);
         }
         if captured.is_full() {
@@ -431,7 +468,13 @@ fn project(
             },
             None => {
                 let (located, time) = (&emitted.located[at], emitted.times[at]);
-                texture.sample_located(capture, located, time, emitted.blocked[at])
+                match means {
+                    true => {
+                        let span = emitted.spans[at].map(|after| time + after);
+                        texture.mean_located(capture, located, span, emitted.blocked[at])
+                    }
+                    false => texture.sample_located(capture, located, time, emitted.blocked[at]),
+                }
             }
         };
         emitted.push(Emission::stored(sampled));
@@ -439,6 +482,17 @@ fn project(
 }
 
 impl TimeResolved {
+    /// The cubes that are read from disk, each once.
+    pub(crate) fn on_disk(&self) -> impl Iterator<Item = &Bricks> {
+        let bricks = |at: usize| self.cubes[at].cube().on_disk();
+        let is_first = move |at: &usize| {
+            let mut earlier = (0..*at).filter_map(bricks);
+            bricks(*at).is_some_and(|own| !earlier.any(|other| Arc::ptr_eq(other, own)))
+        };
+        let first = (0..self.cubes.len()).filter(is_first);
+        first.filter_map(move |at| bricks(at).map(Arc::as_ref))
+    }
+
     /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other.
     fn reflect(
         &self,

@@ -3,6 +3,7 @@
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{ObservedPoint, SurfacePoint};
+use super::radiance::EmissionClock;
 use super::rest_frame::{Patch, RestFrame};
 use super::surfaces::Surfaces;
 use crate::accel::Hit;
@@ -132,6 +133,28 @@ impl<'a> Run<'a> {
         self.each_local(self.members, |k, _, rho| {
             ratios.push(world[self.members[k] as usize] * rho);
         });
+    }
+
+    /// Fills `spans` with how long before and after the times of emission the parts of the exposure reach for which the
+    /// members stand, by `clock`; whether there is such an exposure.
+    ///
+    /// The point that a member meets is taken for all of the part: of light that it sends in its own time dτ the camera
+    /// gets W dτ. In the world dt = γ dτ.
+    pub(super) fn spans(&self, clock: EmissionClock, spans: &mut Vec<[f64; 2]>) -> bool {
+        let Some(exposure) = &self.traced.rays.samples.exposure else {
+            return false;
+        };
+        let gamma = match clock {
+            EmissionClock::World => self.rest.frame.velocity().gamma(),
+            EmissionClock::Object => 1.0,
+        };
+        spans.clear();
+        self.each_local(self.members, |k, _, rho| {
+            let ray = self.members[k] as usize;
+            let per_camera_time = gamma / (exposure.ratios[ray] * rho);
+            spans.push(exposure.part(ray).map(|after| after * per_camera_time));
+        });
+        true
     }
 
     #[inline(always)]

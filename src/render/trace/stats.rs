@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use crate::accel::Counts;
+use crate::io::cube::BytesRead;
 
 /// The stages of a batch, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -72,6 +73,8 @@ pub struct Stats {
     pub occlusion: Counts,
     /// Bytes of time-resolved data that were read.
     pub texture_bytes: u64,
+    /// What of it was read from the disk meanwhile, where cubes are not loaded whole.
+    pub disk: BytesRead,
     /// Processor time by [`Stage::ALL`], seconds.
     pub seconds: [f64; Stage::ALL.len()],
     last: Option<Instant>,
@@ -90,6 +93,8 @@ impl Stats {
         self.visibility += other.visibility;
         self.occlusion += other.occlusion;
         self.texture_bytes += other.texture_bytes;
+        self.disk.all += other.disk.all;
+        self.disk.again += other.disk.again;
         for (sum, more) in self.seconds.iter_mut().zip(other.seconds) {
             *sum += more;
         }

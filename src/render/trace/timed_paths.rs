@@ -114,6 +114,7 @@ impl TimedPaths<'_> {
                 pixels: &[pixel],
                 index,
                 depth,
+                exposure: None,
             };
             let Some(drawn) = vertex.reflection.sample(samples.on_path(0, ONWARD)) else {
                 return;

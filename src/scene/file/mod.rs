@@ -21,7 +21,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
-use super::model::{BackFaces, Equations};
+use super::model::{BackFaces, CaptureChoice, Equations};
 use super::values::{Number, Numbers, Vector};
 use crate::spacetime::units::{Percentage, Speed, Time, Wavelength};
 
@@ -177,6 +177,9 @@ pub(in crate::scene) struct Render {
     /// Which random numbers are drawn, 0 to 4294967295: pictures of different seeds have the same light and independent noise.
     /// Default: 0.
     pub seed: u32,
+    /// Which of several captures of one surface gives it its radiance: "blend" (all that saw the point at that time,
+    /// those that saw it finest most) or "first" (the first of them in the scene file). Default: "blend".
+    pub captures: CaptureChoice,
 }
 
 impl Default for Render {
@@ -184,6 +187,7 @@ impl Default for Render {
         Render {
             bounces: At::nowhere(0),
             seed: 0,
+            captures: CaptureChoice::default(),
         }
     }
 }

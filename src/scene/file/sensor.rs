@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::at::At;
-use crate::scene::model::{Assembly, Elements, Pivot, Records};
+use crate::scene::model::{Assembly, Elements, Integration, Pivot, Records};
 use crate::scene::values::Vector;
 use crate::spacetime::units::{AngularRate, Length, Time};
 
@@ -84,4 +84,9 @@ pub(in crate::scene) struct Shutter {
     /// mean × duration in metres). Default: "mean".
     #[serde(default)]
     pub records: At<Records>,
+    /// What samples take of cubes: "moments" (what there is at a moment of the exposure) or "means" (the mean over the part of
+    /// the exposure that the sample stands for, of the point that it meets: without noise, and exact at any number of samples
+    /// where camera and object rest relative to each other). Default: "moments".
+    #[serde(default)]
+    pub integration: Integration,
 }

@@ -183,6 +183,14 @@ pub enum Elements {
     Aberrated,
 }
 
+impl CameraModel {
+    /// How long the shutter is open, where samples take means over parts of that.
+    pub fn integrated_exposure(&self) -> Option<f64> {
+        let shutter = self.shutter?;
+        (shutter.integration == Integration::Means).then_some(shutter.duration)
+    }
+}
+
 /// A shutter that is open for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shutter {
@@ -190,6 +198,20 @@ pub struct Shutter {
     pub duration: f64,
     /// What the picture holds.
     pub records: Records,
+    /// What samples take of time-resolved data.
+    pub integration: Integration,
+}
+
+/// What the samples of an exposure take of time-resolved data.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Integration {
+    /// What there is at the moment of the sample.
+    #[default]
+    Moments,
+    /// The mean over the part of the exposure that the sample stands for, of the point that it meets.
+    Means,
 }
 
 /// What an exposure records.

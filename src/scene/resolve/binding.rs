@@ -1,5 +1,5 @@
-//! Which surfaces a source is bound to. A surface takes its radiance from one cube, or reflects any
-//! number of pulses, or else has its base colour.
+//! Which surfaces a source is bound to. A surface takes its radiance from one cube by texture coordinates, or from any
+//! number of captures, or reflects any number of pulses, or else has its base colour.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -43,13 +43,31 @@ pub(super) fn span(at: &At<file::Source>) -> Range<usize> {
 #[derive(Debug, Clone)]
 struct Claim {
     span: Range<usize>,
-    /// Cubes share with nobody; pulses with pulses.
-    exclusive: bool,
+    kind: Kind,
+}
+
+/// With what else a source shares a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// With nothing.
+    Texture,
+    /// With captures.
+    Capture,
+    /// With pulses.
+    Pulse,
 }
 
 impl Claim {
     fn excludes(&self, other: &Claim) -> bool {
-        self.exclusive || other.exclusive
+        self.kind == Kind::Texture || self.kind != other.kind
+    }
+}
+
+fn kind(source: &file::Source) -> Kind {
+    match &source.cube {
+        Some(cube) if cube.value.capture.is_some() => Kind::Capture,
+        Some(_) => Kind::Texture,
+        None => Kind::Pulse,
     }
 }
 
@@ -169,7 +187,7 @@ impl<'a> Bindings<'a> {
     ) -> Result<()> {
         let here = Claim {
             span: span(at),
-            exclusive: at.value.cube.is_some(),
+            kind: kind(&at.value),
         };
         self.claimed += bound.len().saturating_mul(materials.len().max(1));
         if self.claimed > MOST_SURFACES {
@@ -220,8 +238,8 @@ impl<'a> Bindings<'a> {
             "two sources are bound to the same surface of {}",
             quoted(name)
         );
-        let help = "a surface takes its radiance from one cube, or reflects pulses: tell the sources \
-                    apart by `objects` or `materials`";
+        let help = "a surface takes its radiance from one cube, or from cubes that have all a `capture` camera, or \
+                    reflects pulses: tell the sources apart by `objects` or `materials`";
         let other = (other, "the other source");
         self.cx.report.refuse_two(here, other, what, help)
     }

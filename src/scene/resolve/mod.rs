@@ -67,6 +67,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         effects: settings::effects(&file.effects),
         bounces: settings::bounces(&cx, file)?,
         seed: file.render.seed,
+        captures: file.render.captures,
         outside: settings::outside(&file.outside),
         sky: sky::resolve(&cx, &file.sky)?,
         back_faces: file.display.value.back_faces,

@@ -105,6 +105,7 @@ pub(super) fn shutter(cx: &Context, camera: &file::Camera) -> Result<Option<Shut
     Ok(Some(Shutter {
         duration: cx.duration(&at.value.duration, "`duration`")?,
         records: at.value.records.value,
+        integration: at.value.integration,
     }))
 }
 

@@ -7,8 +7,8 @@ use super::bundle::{
     PartEntry, PulseEntry, Radiometry, RotationEntry, SceneEntry, SensorEntry, ShutterEntry,
     VelocityEntry,
 };
-use super::glb::Run;
 use crate::camera::{Camera, Kind, Projection};
+use crate::io::gltf::glb::Run;
 use crate::mesh::Mesh;
 use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
@@ -128,6 +128,7 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
         Lit::Base => ("base_colour", Vec::new()),
         Lit::Spectrum => ("spectrum", Vec::new()),
         Lit::Cube(source) => ("cube", vec![source]),
+        Lit::Captures(sources) => ("captures", sources),
         Lit::Reflecting(sources) => ("pulses", sources),
     };
     PartEntry {

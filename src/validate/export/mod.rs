@@ -10,7 +10,6 @@
 mod bundle;
 mod describe;
 mod folder;
-mod glb;
 mod reference;
 mod sources;
 mod vectors;
@@ -26,7 +25,7 @@ pub use vectors::{ObjectVectors, Tolerances, VECTORS_FORMAT, Vector, Vectors};
 use crate::accel::Precision;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::io::gltf::Want;
+use crate::io::gltf::{self, Want};
 use crate::io::image::{npz, write_atomically};
 use crate::render::metadata;
 use crate::render::plan::{Plan, Request};
@@ -219,12 +218,12 @@ fn objects(
             bad_vertices: object.bad_vertices,
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;
-        let runs = glb::runs(&mesh);
-        let bytes = glb::write(&object.name, &mesh, &runs, &images)
+        let runs = gltf::glb::runs(&mesh);
+        let bytes = gltf::glb::write(&object.name, &mesh, &runs, &images)
             .map_err(|what| unfit(scene, &object.name, what))?;
         let name = format!("geometry/{index:03}.glb");
         files.bytes(&name, &bytes)?;
-        let positions = (!glb::is_exact(&mesh)).then(|| format!("geometry/{index:03}.npy"));
+        let positions = (!gltf::glb::is_exact(&mesh)).then(|| format!("geometry/{index:03}.npy"));
         if let Some(name) = &positions {
             let rows: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
             files.written(name, |path| npz::write_vectors(path, &rows))?;

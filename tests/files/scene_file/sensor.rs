@@ -153,12 +153,14 @@ fn a_shutter_records_the_mean_or_the_energy() {
     let mean = Shutter {
         duration: 3.0,
         records: Records::Mean,
+        integration: Default::default(),
     };
     assert_eq!(camera.shutter, Some(mean));
     let camera = seen("shutter = { duration = '1 mm', records = 'energy' }");
     let energy = Shutter {
         duration: 1e-3,
         records: Records::Energy,
+        integration: Default::default(),
     };
     assert_eq!(camera.shutter, Some(energy));
 }

@@ -137,6 +137,7 @@ fn an_exposure_under_acceleration_begins_with_the_instant_and_follows_the_world_
     scene.camera.shutter = Some(Shutter {
         duration: 2.0,
         records: Records::Mean,
+        integration: Default::default(),
     });
     let camera = Camera::new(&scene).unwrap();
     assert_eq!(camera.view.kind(), Kind::Accelerated);

@@ -86,6 +86,7 @@ fn a_shutter_that_is_open_for_no_time_shows_the_instant() {
     scene.camera.shutter = Some(Shutter {
         duration: 1e-30,
         records: Records::Mean,
+        integration: Default::default(),
     });
     let exposed = view(&scene);
     assert_eq!(difference(&exposed, &instant), 0.0);

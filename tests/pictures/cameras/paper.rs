@@ -106,6 +106,7 @@ fn an_exposure_is_shortened_by_the_doppler_factor_and_sums_over_camera_time() {
         scene.camera.shutter = Some(Shutter {
             duration: 0.8,
             records: Records::Energy,
+            integration: Default::default(),
         });
         let ray = Camera::new(&scene).unwrap().view.ray(1.4, 0.9, 0.5);
         let d = instant.ratio;

@@ -206,7 +206,7 @@ shape = { box = { size = [0.3, 0.3, 0.3] } }
     let bytes: usize = light
         .cubes
         .iter()
-        .map(|c| c.cube().shape.iter().product::<usize>() * 8)
+        .map(|c| c.cube().shape().iter().product::<usize>() * 8)
         .sum();
     assert_eq!(bytes as u64, plan.memory.cubes);
     assert!(light.captures.is_empty() && plan.rays.capture == 0);

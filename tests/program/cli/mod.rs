@@ -3,6 +3,7 @@
 mod bake;
 mod builtin;
 mod convert;
+mod depth;
 mod diagram;
 mod export;
 mod film;

@@ -109,7 +109,7 @@ fn a_huge_cube_is_planned_from_its_header() {
         "scene.toml",
         "[camera]\neye = [1, 1, 4]\nlook_at = [0, 1, 0]\nhfov = \"60 deg\"\nsize = [32, 24]\n\
          [[object]]\ngltf = \"corner.glb\"\n[[source]]\n[source.cube]\nfile = \"data.npy\"\n\
-         bin_width = \"1 cm\"\nuv = 0\n",
+         start = \"-8 m\"\nbin_width = \"1 cm\"\nuv = 0\n",
     );
     let start = Instant::now();
     let text = folder.ok(&["plan", "scene.toml", "--max-memory", "20GiB"]);
@@ -122,10 +122,43 @@ fn a_huge_cube_is_planned_from_its_header() {
         text.contains("2048 rows × 2048 columns × 1024 time bins, 1 channel, 16.0 GiB"),
         "{text}"
     );
-    let run = folder.run(&["render", "scene.toml", "--max-memory", "8GiB"]);
+
+    // What does not fit is read in parts: as many as the plan foretells, and no more than that is held.
+    let limit = ["--memory", "64MiB"];
+    let text = folder.ok(&[&["plan", "scene.toml"], &limit[..]].concat());
+    let row = text
+        .lines()
+        .find(|line| line.contains("read from disk in parts"));
+    let needed = row.and_then(|row| row.split("about ").nth(1)).unwrap();
+    let needed = needed.strip_suffix(" of it are needed").unwrap();
+    let arguments = [
+        "render",
+        "scene.toml",
+        "--stats",
+        "-o",
+        "a.png",
+        "--stats-json",
+        "a.json",
+    ];
+    let text = folder.ok(&[&arguments[..], &limit].concat());
+    for row in ["needed of cubes on disk", "read of them"] {
+        let said = text.lines().find(|line| line.contains(row)).unwrap();
+        assert!(said.ends_with(needed), "{said} {needed}");
+    }
+    let said: Value = serde_json::from_slice(&fs::read(folder.path("a.json")).unwrap()).unwrap();
+    assert_eq!(said["disk_bytes"]["read"], said["disk_bytes"]["needed"]);
+    // 768 pixels have four samples of four texels, in two bricks at the most.
+    let read = said["disk_bytes"]["read"].as_u64().unwrap();
+    assert!(read > 4096 && read <= 768 * 4 * 4 * 2 * 4096, "{read}");
+}
+
+#[test]
+fn what_does_not_fit_even_in_parts_is_refused() {
+    let folder = Folder::new();
+    let run = folder.run(&["render", "scene.toml", "--max-memory", "1k"]);
     assert_eq!(run.code, 2);
     assert!(
-        run.message().contains("more than the limit of 8.0 GiB"),
+        run.message().contains("more than the limit"),
         "{}",
         run.message()
     );

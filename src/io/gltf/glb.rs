@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use crate::io::gltf::EncodedImage;
+use super::import::EncodedImage;
 use crate::mesh::{Material, Mesh, Wrap};
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -16,15 +16,19 @@ const UNSIGNED_INT: u32 = 5125;
 
 /// Consecutive triangles with one material, all of whose corners have the same sets of texture coordinates.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Run {
+pub struct Run {
+    /// The first triangle.
     pub first: u32,
+    /// How many.
     pub count: u32,
+    /// Index of the material.
     pub material: u32,
+    /// The sets of texture coordinates.
     pub uv_sets: Vec<usize>,
 }
 
 /// The primitives of `mesh`.
-pub(super) fn runs(mesh: &Mesh) -> Vec<Run> {
+pub fn runs(mesh: &Mesh) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for part in &mesh.parts {
         let start = runs.len();
@@ -57,12 +61,23 @@ fn sets(mesh: &Mesh, triangle: u32) -> Vec<usize> {
 }
 
 /// Whether the positions of `mesh` are what single precision makes of them.
-pub(super) fn is_exact(mesh: &Mesh) -> bool {
+pub(crate) fn is_exact(mesh: &Mesh) -> bool {
     mesh.positions.iter().all(|p| p.as_vec3().as_dvec3() == *p)
 }
 
-/// The GLB file of `mesh`, whose primitives are `runs`; or why there is none.
-pub(super) fn write(
+/// The GLB file of `mesh` without pictures.
+///
+/// # Errors
+/// Why there is none: too large, or beyond single precision.
+pub fn to_glb(name: &str, mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
+    write(name, mesh, &runs(mesh), &[])
+}
+
+/// The GLB file of `mesh`, whose primitives are `runs`.
+///
+/// # Errors
+/// As [`to_glb`].
+pub fn write(
     name: &str,
     mesh: &Mesh,
     runs: &[Run],

@@ -1,0 +1,194 @@
+//! `nullray mesh-from-depth`.
+
+use std::io::Write;
+use std::path::Path;
+
+use nullray::io::budget::Budget;
+use nullray::io::cube::{self, Wanted};
+use nullray::io::gltf::to_glb;
+use nullray::io::image::write_atomically;
+use nullray::io::npy;
+use nullray::light::depth::{DepthMesh, FirstLight, Flash, PixelRays, first_light};
+use nullray::scene::model::{CaptureCamera, SPEED_OF_LIGHT};
+use nullray::spacetime::units::Time;
+use nullray::{Error, Result};
+
+use super::args::{DepthKind, MeshFromDepthArguments};
+use super::failure::refused;
+use super::names::named_after;
+use super::output::extension;
+use super::{inputs, memory, print, warn};
+
+pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
+    let output = match &arguments.output {
+        Some(path) => path.clone(),
+        None => named_after(Some(&arguments.input), ".glb"),
+    };
+    if extension(&output) != "glb" {
+        let option = format!("-o {}", output.display());
+        return Err(refused(
+            option,
+            "the mesh is binary glTF",
+            "give a name that ends in .glb",
+        ));
+    }
+    if inputs::identity(&output) == inputs::identity(&arguments.input) {
+        let option = format!("-o {}", output.display());
+        return Err(refused(
+            option,
+            "this file is read",
+            "write to another name",
+        ));
+    }
+    let camera = camera(arguments)?;
+    let (rays, distances) = match arguments.from {
+        DepthKind::FirstLight => by_first_light(arguments, &camera)?,
+        DepthKind::Distance | DepthKind::Depth => by_map(arguments, &camera)?,
+    };
+    let made = rays.mesh(&distances, arguments.tear);
+    if made.mesh.triangles.is_empty() {
+        let what = "no three neighbouring pixels lie on one surface";
+        let help = "check the camera, the lamp and the times; --tear joins what lies farther apart";
+        return Err(Error::invalid(&arguments.input, "", what, help));
+    }
+    let glb = to_glb("surface", &made.mesh)
+        .map_err(|what| Error::invalid(&output, "", what, "give a smaller picture"))?;
+    write_atomically(&output, |file| {
+        file.write_all(&glb)
+            .map_err(Error::io(&output, "cannot write"))
+    })?;
+    if arguments.quiet {
+        return Ok(());
+    }
+    report(&output, &made, distances.len())
+}
+
+/// The camera that the options describe.
+fn camera(arguments: &MeshFromDepthArguments) -> Result<CaptureCamera> {
+    let (eye, up) = (arguments.eye, arguments.up);
+    let Some(forward) = (arguments.look_at - eye).try_normalize() else {
+        let what = "it is where the pinhole is";
+        return Err(refused(
+            "--look-at",
+            what,
+            "give a point on the forward axis",
+        ));
+    };
+    // Rounding leaves a little of what is parallel.
+    let across = forward.cross(up);
+    let is_across = across.length() > 1e-9 * up.length();
+    let Some(right) = across.try_normalize().filter(|_| is_across) else {
+        let what = "it lies along the forward axis";
+        return Err(refused(
+            "--up",
+            what,
+            "give a direction that is up in the picture",
+        ));
+    };
+    let fov = arguments.fov.radians();
+    if !(fov > 0.0 && fov < std::f64::consts::PI) {
+        let what = "a pinhole camera sees between 0 and 180 degrees";
+        return Err(refused("--fov", what, "give an angle like \"40 deg\""));
+    }
+    Ok(CaptureCamera {
+        fov_axis: arguments.fov_axis.into(),
+        near_clip: arguments.near_clip,
+        ..CaptureCamera::new(eye, [right, right.cross(forward), forward], fov)
+    })
+}
+
+/// Distances by when light first came back.
+fn by_first_light(
+    arguments: &MeshFromDepthArguments,
+    camera: &CaptureCamera,
+) -> Result<(PixelRays, Vec<f64>)> {
+    let Some(position) = arguments.lamp else {
+        let what = "where the pulse of light was sent is not known";
+        return Err(refused(
+            "--lamp",
+            what,
+            "add its place, like --lamp 1.2,2.8,1",
+        ));
+    };
+    let said = cube::times(&arguments.input)?;
+    let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
+    let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
+    let Some(width) = width.filter(|width| *width > 0.0 && width.is_finite()) else {
+        let what = "the width of a bin is not known, or not above 0";
+        return Err(refused(
+            "--bin-width",
+            what,
+            "add it, like --bin-width \"0.05 m\"",
+        ));
+    };
+    let start = (arguments.start.as_ref().map(metres)).or(said.map(|said| said.start));
+    let wanted = Wanted {
+        array: arguments.array.as_deref(),
+        axes: arguments.axes.as_ref(),
+        ..Wanted::default()
+    };
+    let info = cube::inspect(&arguments.input, wanted)?;
+    Budget::new(memory::limit(None)).take(info.bytes, &arguments.input)?;
+    let cube = cube::load(&arguments.input, wanted)?;
+    let [h, w, ..] = cube.shape;
+    let rays = PixelRays::new(camera, [w, h]);
+    let first = FirstLight {
+        rise: arguments.rise,
+        least: arguments.least,
+    };
+    let arrivals = first_light(&cube, start.unwrap_or(0.0), width, &first);
+    let flash = Flash {
+        position,
+        time: arguments.lamp_time.as_ref().map_or(0.0, metres),
+    };
+    let distances = rays.distances(&arrivals, &flash, arguments.medium_index);
+    Ok((rays, distances))
+}
+
+/// Distances that a map holds, or depths.
+fn by_map(
+    arguments: &MeshFromDepthArguments,
+    camera: &CaptureCamera,
+) -> Result<(PixelRays, Vec<f64>)> {
+    let file = &arguments.input;
+    let is_archive = extension(file) == "npz";
+    let kind = match arguments.from {
+        DepthKind::Depth => "depth",
+        _ => "distance",
+    };
+    let array = arguments.array.as_deref().or(is_archive.then_some(kind));
+    let budget = Budget::new(memory::limit(None));
+    let map = npy::load_plain(file, array, &budget)?;
+    let [h, w] = *map.shape.as_slice() else {
+        let what = format!("an array of shape {:?} is not a map of {kind}s", map.shape);
+        let help = format!("give an array (rows, columns) of metres, named {kind} in an .npz file");
+        return Err(Error::invalid(file, "", what, help));
+    };
+    let rays = PixelRays::new(camera, [w, h]);
+    let distances = match arguments.from {
+        DepthKind::Depth => rays.distances_of_depths(&map.samples.into_f64()),
+        _ => map.samples.into_f64(),
+    };
+    Ok((rays, distances))
+}
+
+fn report(output: &Path, made: &DepthMesh, pixels: usize) -> Result<()> {
+    let DepthMesh {
+        mesh,
+        unknown,
+        torn,
+    } = made;
+    print(&format!(
+        "wrote {}: {} triangles, {} vertices; texture coordinates are those of the picture (uv = 0)\n\
+         {torn} pairs of neighbouring pixels are not joined, as they lie on different surfaces\n",
+        output.display(),
+        mesh.triangles.len(),
+        mesh.positions.len(),
+    ))?;
+    if *unknown > 0 {
+        let warning =
+            format!("{unknown} of {pixels} pixels have no distance: the mesh has holes there");
+        warn(false, [&warning])?;
+    }
+    Ok(())
+}

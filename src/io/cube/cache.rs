@@ -1,0 +1,203 @@
+//! What was read last, under many locks: so much in all, wherever it lies.
+//!
+//! Each shard evicts by the clock algorithm: a hand goes round, and takes what was not used since it last came by. Shards may
+//! grow unevenly while there is room; once there is none, one with more than its part makes way for one with less.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Values by number.
+#[derive(Debug)]
+pub(super) struct Cache<V> {
+    shards: Box<[Mutex<Shard<V>>]>,
+    /// The most values that are kept; as many more as there are shards where each has one only.
+    room: usize,
+    count: AtomicUsize,
+}
+
+/// A part of the values, which are locked.
+pub(super) struct Locked<'a, V> {
+    cache: &'a Cache<V>,
+    number: usize,
+    shard: MutexGuard<'a, Shard<V>>,
+}
+
+#[derive(Debug)]
+struct Shard<V> {
+    places: HashMap<u64, usize>,
+    slots: Vec<Slot<V>>,
+    /// The slot that is asked next to make way.
+    hand: usize,
+}
+
+#[derive(Debug)]
+struct Slot<V> {
+    key: u64,
+    value: V,
+    /// Whether it was used since it was last asked to make way.
+    used: bool,
+}
+
+impl<V: Clone> Cache<V> {
+    /// With room for so many values under so many locks.
+    pub fn new(room: usize, shards: usize) -> Cache<V> {
+        let shard = || {
+            Mutex::new(Shard {
+                places: HashMap::new(),
+                slots: Vec::new(),
+                hand: 0,
+            })
+        };
+        Cache {
+            shards: (0..shards).map(|_| shard()).collect(),
+            room,
+            count: AtomicUsize::new(0),
+        }
+    }
+
+    /// Locks the values of a group of keys.
+    pub fn lock(&self, group: u64) -> Locked<'_, V> {
+        // Groups that are apart by a power of two must not all share a lock.
+        let mixed = group.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
+        let number = mixed as usize % self.shards.len();
+        let shard = &self.shards[number];
+        Locked {
+            cache: self,
+            number,
+            shard: shard.lock().unwrap_or_else(PoisonError::into_inner),
+        }
+    }
+}
+
+impl<V: Clone> Locked<'_, V> {
+    pub fn get(&mut self, key: u64) -> Option<V> {
+        let place = *self.shard.places.get(&key)?;
+        let slot = &mut self.shard.slots[place];
+        slot.used = true;
+        Some(slot.value.clone())
+    }
+
+    /// Keeps a value that is not there.
+    pub fn insert(&mut self, key: u64, value: V) {
+        let Cache {
+            shards,
+            room,
+            count,
+        } = self.cache;
+        if count.fetch_add(1, Ordering::Relaxed) >= *room {
+            let part = room / shards.len();
+            let makes_way = self.shard.slots.len() > part || !self.takes_from_others(part);
+            if makes_way && !self.shard.slots.is_empty() {
+                self.shard.evict();
+                count.fetch_sub(1, Ordering::Relaxed);
+            }
+        }
+        let place = self.shard.slots.len();
+        self.shard.places.insert(key, place);
+        self.shard.slots.push(Slot {
+            key,
+            value,
+            used: true,
+        });
+    }
+
+    /// Has a shard with more than its part evict something; whether there was one. Those that are locked are passed by.
+    fn takes_from_others(&self, part: usize) -> bool {
+        let shards = &self.cache.shards;
+        let others = (1..shards.len()).map(|k| &shards[(self.number + k) % shards.len()]);
+        for other in others {
+            if let Ok(mut other) = other.try_lock()
+                && other.slots.len() > part
+            {
+                other.evict();
+                self.cache.count.fetch_sub(1, Ordering::Relaxed);
+                return true;
+            }
+        }
+        false
+    }
+}
+
+impl<V> Shard<V> {
+    /// Drops what was not used for about the longest; there is something.
+    fn evict(&mut self) {
+        self.hand %= self.slots.len();
+        while std::mem::take(&mut self.slots[self.hand].used) {
+            self.hand = (self.hand + 1) % self.slots.len();
+        }
+        let slot = self.slots.swap_remove(self.hand);
+        self.places.remove(&slot.key);
+        if let Some(moved) = self.slots.get(self.hand) {
+            self.places.insert(moved.key, self.hand);
+        }
+        self.hand += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_is_kept_while_there_is_room_however_it_lies() {
+        let cache = Cache::new(100, 8);
+        // All in one group, under one lock.
+        for key in 0..100 {
+            cache.lock(3).insert(key, key);
+        }
+        assert!((0..100).all(|key| cache.lock(3).get(key) == Some(key)));
+    }
+
+    #[test]
+    fn what_was_not_used_makes_way_and_no_more_is_kept_than_there_is_room() {
+        let cache = Cache::new(100, 8);
+        for key in 0..10_000u64 {
+            let group = key % 50;
+            if cache.lock(0).get(0).is_none() {
+                cache.lock(0).insert(0, 7);
+            }
+            if key > 0 {
+                let mut locked = cache.lock(group);
+                assert_eq!(locked.get(key), None);
+                locked.insert(key, key);
+                assert_eq!(locked.get(key), Some(key));
+            }
+        }
+        let slots = |shard: &Mutex<Shard<u64>>| shard.lock().unwrap().slots.len();
+        let kept: usize = cache.shards.iter().map(slots).sum();
+        assert_eq!(kept, cache.count.load(Ordering::Relaxed));
+        assert!((90..=108).contains(&kept), "{kept}");
+        // Places are those of the slots, and what is used all the time has stayed.
+        for shard in &cache.shards {
+            let shard = shard.lock().unwrap();
+            assert_eq!(shard.places.len(), shard.slots.len());
+            for (place, slot) in shard.slots.iter().enumerate() {
+                assert_eq!(shard.places[&slot.key], place);
+            }
+        }
+        assert_eq!(cache.lock(0).get(0), Some(7));
+    }
+
+    #[test]
+    fn threads_share_it() {
+        let cache = Cache::new(64, 4);
+        std::thread::scope(|scope| {
+            for thread in 0..4u64 {
+                let cache = &cache;
+                scope.spawn(move || {
+                    for n in 0..20_000u64 {
+                        let key = (n * 7 + thread * 13) % 500;
+                        let mut locked = cache.lock(key % 20);
+                        match locked.get(key) {
+                            Some(value) => assert_eq!(value, key),
+                            None => locked.insert(key, key),
+                        }
+                    }
+                });
+            }
+        });
+        let slots = |shard: &Mutex<Shard<u64>>| shard.lock().unwrap().slots.len();
+        assert!(cache.shards.iter().map(slots).sum::<usize>() <= 64 + 4 + 4);
+    }
+}

@@ -1,0 +1,455 @@
+//! Geometry from what a capture camera measured: distances along its pixels' rays, or when light first came back.
+//!
+//! *Distances.* The pulse of a lamp at l, sent at time t₀, that falls on the point o + r d of a pixel's ray (o the pinhole, d
+//! a unit vector) and goes on to the pinhole arrives at t₀ + |o + r d − l| + r, in metres of light path in vacuum. With
+//! s the light path t − t₀ and q = o − l this is |q + r d| = s − r, and squared it is linear in r:
+//!
+//! ```text
+//! r = (s² − q²) / 2 (s + q·d),      r < s   (the ellipse with the foci o and l in polar coordinates about o)
+//! ```
+//!
+//! In a medium of index η all lengths are η times as long. For a lamp in the pinhole q = 0 and r = s/2.
+//!
+//! *When light first came back.* Of a pixel's bins, the first maximum that is at least a part `rise` of the highest. Light that
+//! goes over a second surface comes later than the direct light of the same pixel, but may be the brighter. About the
+//! maximum a Gaussian is fitted through three bins: ln a is a parabola there, whose vertex lies at
+//! k + ½ (ln a₋ − ln a₊)/(ln a₋ − 2 ln a₀ + ln a₊) from the bin's centre. Bins that are means of a Gaussian have the
+//! same vertex where they lie evenly about it, and are off by less than 10⁻³ of a bin for σ of a bin or more. Pixels whose
+//! maximum is below a part `least` of the picture's brightest are taken for dark: shadow, or nothing there.
+//!
+//! *Mesh.* Vertices lie in pixels' centres, with the texture coordinates of these centres, so that a cube of the same camera
+//! lies on the mesh by them. Neighbours are joined unless the surface is torn between them: if their distances from the
+//! pinhole differ by more than `tear` widths of a pixel, unless the line through the two pixels before them meets the
+//! second one's ray within that tolerance, and the line through the two behind them the first one's, as far as these have
+//! distances. On a plane they meet exactly, at any tilt. A triangle is made where both of its sides along rows and columns
+//! are joined.
+
+use glam::{DVec2, DVec3};
+
+use crate::camera::{AnyProjection, Projection};
+use crate::io::cube::Cube;
+use crate::mesh::{Material, Mesh, Part};
+use crate::scene::model::CaptureCamera;
+
+/// A pulse of a lamp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flash {
+    /// Where it is sent, metres.
+    pub position: DVec3,
+    /// When its centre is sent, metres of light path.
+    pub time: f64,
+}
+
+/// What counts as the first light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstLight {
+    /// The part of a pixel's highest value that its first maximum must reach.
+    pub rise: f64,
+    /// The part of the brightest pixel's highest value below which a pixel is dark.
+    pub least: f64,
+}
+
+impl Default for FirstLight {
+    fn default() -> Self {
+        FirstLight {
+            rise: 0.2,
+            least: 0.02,
+        }
+    }
+}
+
+/// A mesh from distances, and what became of the pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthMesh {
+    /// The mesh, in the camera's surroundings.
+    pub mesh: Mesh,
+    /// Pixels without a distance.
+    pub unknown: usize,
+    /// Pairs of neighbours that are not joined, although both have a distance.
+    pub torn: usize,
+}
+
+/// The rays of a capture camera's pixels.
+#[derive(Debug)]
+pub struct PixelRays {
+    eye: DVec3,
+    projection: AnyProjection,
+    offset: [f64; 2],
+    /// Depth of the near plane, on which times begin.
+    near: f64,
+    size: [usize; 2],
+}
+
+impl PixelRays {
+    /// Those of `camera`, whose picture has `size` (columns, rows).
+    pub fn new(camera: &CaptureCamera, size: [usize; 2]) -> PixelRays {
+        PixelRays {
+            eye: camera.eye,
+            projection: AnyProjection::of_capture(camera, size),
+            offset: (camera.crop).map_or([0.0; 2], |crop| crop.offset.map(f64::from)),
+            near: camera.near_clip,
+            size,
+        }
+    }
+
+    /// The unit direction through the centre of a pixel (row · columns + column); none of a pixel that sees nothing.
+    fn direction(&self, pixel: usize) -> Option<DVec3> {
+        let [width, _] = self.size;
+        let x = (pixel % width) as f64 + 0.5 + self.offset[0];
+        let y = (pixel / width) as f64 + 0.5 + self.offset[1];
+        let [right, up, forward] = self.projection.axes();
+        let v = self.projection.components(x, y);
+        let d = (right * v.x + up * v.y + forward * v.z).try_normalize()?;
+        self.projection.sees(x, y).then_some(d)
+    }
+
+    /// The width of a pixel at a point.
+    fn footprint(&self, point: DVec3) -> f64 {
+        let along = self.projection.along_axes(point - self.eye);
+        self.projection.footprint(along)
+    }
+
+    /// Distances, metres, of surfaces on which the light of `flash` fell before it came in at the times `arrivals`, metres
+    /// of light path; NaN where no surface could have sent it then.
+    pub fn distances(&self, arrivals: &[f64], flash: &Flash, index: f64) -> Vec<f64> {
+        let q = self.eye - flash.position;
+        let distance = |(pixel, arrival): (usize, &f64)| {
+            let d = self.direction(pixel).unwrap_or(DVec3::NAN);
+            // Times lack the way to the near plane, n / cos θ.
+            let lacking = self.near / d.dot(self.projection.forward());
+            let s = (arrival - flash.time) / index + lacking;
+            let r = (s * s - q.length_squared()) / (2.0 * (s + q.dot(d)));
+            match r > 0.0 && r < s && r.is_finite() {
+                true => r,
+                false => f64::NAN,
+            }
+        };
+        arrivals.iter().enumerate().map(distance).collect()
+    }
+
+    /// Distances along the rays of points at these depths along the forward axis.
+    pub fn distances_of_depths(&self, depths: &[f64]) -> Vec<f64> {
+        let forward = self.projection.forward();
+        let distance = |(pixel, depth): (usize, &f64)| {
+            let d = self.direction(pixel).unwrap_or(DVec3::NAN);
+            depth / d.dot(forward)
+        };
+        depths.iter().enumerate().map(distance).collect()
+    }
+
+    /// The mesh through points at `distances` from the pinhole, metres, row by row; of those that are not above 0 none.
+    pub fn mesh(&self, distances: &[f64], tear: f64) -> DepthMesh {
+        let points: Vec<Option<DVec3>> = (0..self.size[0] * self.size[1])
+            .map(|pixel| {
+                let r = *distances.get(pixel)?;
+                let d = self.direction(pixel)?;
+                (r > 0.0 && r.is_finite()).then(|| self.eye + d * r)
+            })
+            .collect();
+        Weaver {
+            rays: self,
+            points: &points,
+            tear,
+        }
+        .weave()
+    }
+}
+
+/// When light first came into each pixel of `cube`, metres of light path: `start` is that of its bin 0, `width` that of a
+/// bin. NaN of dark pixels.
+pub fn first_light(cube: &Cube, start: f64, width: f64, first: &FirstLight) -> Vec<f64> {
+    let [h, w, bins, _] = cube.shape;
+    let value = |pixel: usize, bin: usize| cube.total(pixel, bin);
+    let highest = |pixel: usize| (0..bins).map(|bin| value(pixel, bin)).fold(0.0, f64::max);
+    let all: Vec<f64> = (0..h * w).map(highest).collect();
+    let brightest = all.iter().copied().fold(0.0, f64::max);
+    let arrival = |pixel: usize| {
+        let highest = all[pixel];
+        if highest <= first.least * brightest {
+            return f64::NAN;
+        }
+        // The first maximum that is high enough; a plateau counts where it begins.
+        let at = |bin: usize| value(pixel, bin);
+        let is_peak = |bin: &usize| {
+            let (before, after) = (
+                if *bin == 0 { 0.0 } else { at(bin - 1) },
+                if bin + 1 == bins { 0.0 } else { at(bin + 1) },
+            );
+            at(*bin) >= first.rise * highest && at(*bin) > before && at(*bin) >= after
+        };
+        let Some(peak) = (0..bins).find(is_peak) else {
+            return f64::NAN;
+        };
+        let centre = start + (peak as f64 + 0.5) * width;
+        if peak == 0 || peak + 1 == bins {
+            return centre;
+        }
+        let [before, own, after] = [peak - 1, peak, peak + 1].map(|bin| at(bin).ln());
+        let curvature = before - 2.0 * own + after;
+        let beside = 0.5 * (before - after) / curvature;
+        match curvature < 0.0 && beside.abs() <= 1.0 {
+            true => centre + beside * width,
+            false => centre,
+        }
+    };
+    (0..h * w).map(arrival).collect()
+}
+
+/// Joins pixels to triangles.
+struct Weaver<'a> {
+    rays: &'a PixelRays,
+    points: &'a [Option<DVec3>],
+    tear: f64,
+}
+
+impl Weaver<'_> {
+    fn point(&self, column: i64, row: i64) -> Option<DVec3> {
+        let [width, height] = self.rays.size.map(|n| n as i64);
+        let inside = (0..width).contains(&column) && (0..height).contains(&row);
+        self.points[inside.then_some((row * width + column) as usize)?]
+    }
+
+    /// Whether the surface goes on from a pixel to its neighbour `step` further; none where one has no distance.
+    fn joins(&self, [column, row]: [i64; 2], [across, down]: [i64; 2]) -> Option<bool> {
+        let at = |n: i64| self.point(column + n * across, row + n * down);
+        let (a, b) = (at(0)?, at(1)?);
+        let [r_a, r_b] = [a, b].map(|p| p.distance(self.rays.eye));
+        // A tear is judged by the nearer one's pixels, which are the smaller.
+        let nearer = if r_a < r_b { a } else { b };
+        let tolerance = self.tear * self.rays.footprint(nearer);
+        if (r_a - r_b).abs() <= tolerance {
+            return Some(true);
+        }
+        // By the line through the pixels on either side, as far as there are any.
+        let goes_on = |before: Option<DVec3>, from: DVec3, to: DVec3| {
+            let met = self.met(before?, from, (to - self.rays.eye).normalize());
+            let to = to.distance(self.rays.eye);
+            Some(met.is_some_and(|r| (r - to).abs() <= tolerance))
+        };
+        let sides = [goes_on(at(-1), a, b), goes_on(at(2), b, a)];
+        Some(sides != [None; 2] && !sides.contains(&Some(false)))
+    }
+
+    /// The distance at which a ray from the pinhole comes nearest to the line on from `before` through `from`.
+    fn met(&self, before: DVec3, from: DVec3, d: DVec3) -> Option<f64> {
+        let (e, p) = ((from - before).try_normalize()?, from - self.rays.eye);
+        // Least squares of r d − (p + s e).
+        let c = d.dot(e);
+        let r = (p.dot(d) - c * p.dot(e)) / (1.0 - c * c);
+        (r > 0.0 && r.is_finite()).then_some(r)
+    }
+
+    fn weave(&self) -> DepthMesh {
+        let [width, height] = self.rays.size;
+        let mut torn = 0;
+        let mut sides = |step: [i64; 2]| -> Vec<bool> {
+            (0..width * height)
+                .map(|pixel| {
+                    let place = [(pixel % width) as i64, (pixel / width) as i64];
+                    let joins = self.joins(place, step);
+                    torn += usize::from(joins == Some(false));
+                    joins == Some(true)
+                })
+                .collect()
+        };
+        let (across, down) = (sides([1, 0]), sides([0, 1]));
+        // Two triangles per square of four pixels: those at two opposite corners whose sides are joined.
+        let mut triangles: Vec<[usize; 3]> = Vec::new();
+        for row in 0..height.saturating_sub(1) {
+            for column in 0..width.saturating_sub(1) {
+                let a = row * width + column;
+                let (b, c, d) = (a + 1, a + width, a + width + 1);
+                let (top, bottom, left, right) = (across[a], across[c], down[a], down[b]);
+                // By the shorter diagonal where all four are there, and else by that whose triangles are.
+                let length = |from: usize, to: usize| match (self.points[from], self.points[to]) {
+                    (Some(from), Some(to)) => from.distance_squared(to),
+                    _ => f64::INFINITY,
+                };
+                let slash = [(top && left, [a, c, b]), (bottom && right, [d, b, c])];
+                let backslash = [(left && bottom, [c, d, a]), (top && right, [b, a, d])];
+                let count = |pair: &[(bool, [usize; 3]); 2]| pair.iter().filter(|t| t.0).count();
+                let prefers_slash = match count(&slash).cmp(&count(&backslash)) {
+                    std::cmp::Ordering::Greater => true,
+                    std::cmp::Ordering::Less => false,
+                    std::cmp::Ordering::Equal => length(b, c) <= length(a, d),
+                };
+                let chosen = if prefers_slash { slash } else { backslash };
+                triangles.extend(chosen.into_iter().filter(|t| t.0).map(|t| t.1));
+            }
+        }
+        DepthMesh {
+            mesh: self.compacted(&triangles),
+            unknown: self.points.iter().filter(|p| p.is_none()).count(),
+            torn,
+        }
+    }
+
+    /// The mesh of these triangles of pixels, with those vertices that are used.
+    fn compacted(&self, triangles: &[[usize; 3]]) -> Mesh {
+        let [width, height] = self.rays.size;
+        let mut numbers = vec![u32::MAX; self.points.len()];
+        let (mut positions, mut uvs) = (Vec::new(), Vec::new());
+        let mut number = |pixel: usize| {
+            if numbers[pixel] == u32::MAX
+                && let Some(point) = self.points[pixel]
+            {
+                numbers[pixel] = positions.len() as u32;
+                positions.push(point);
+                let centre = DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5;
+                let uv = centre / DVec2::new(width as f64, height as f64);
+                uvs.push(uv.as_vec2().to_array());
+            }
+            numbers[pixel]
+        };
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(&mut number)).collect();
+        Mesh {
+            parts: vec![Part {
+                first_triangle: 0,
+                triangles: triangles.len() as u32,
+                material: 0,
+                node: "surface".into(),
+            }],
+            materials: vec![Material {
+                name: "surface".into(),
+                double_sided: true,
+                ..Material::matte([0.8; 3])
+            }],
+            positions,
+            uvs: vec![uvs],
+            triangles,
+            colours: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::cube::Samples;
+
+    fn camera() -> CaptureCamera {
+        let forward = DVec3::new(0.3, -0.2, -1.0).normalize();
+        let right = forward.cross(DVec3::Y).normalize();
+        CaptureCamera::new(
+            DVec3::new(0.5, 1.0, 4.0),
+            [right, right.cross(forward), forward],
+            0.8,
+        )
+    }
+
+    /// A floor, and a ball before it.
+    fn distance(origin: DVec3, d: DVec3) -> f64 {
+        let centre = DVec3::new(1.5, 0.7, 0.5);
+        let b = (centre - origin).dot(d);
+        let under = b * b - (centre - origin).length_squared() + 0.36;
+        if under > 0.0 {
+            return b - under.sqrt();
+        }
+        let r = -origin.y / d.y;
+        if r > 0.0 && r < 40.0 { r } else { f64::NAN }
+    }
+
+    #[test]
+    fn light_that_came_by_a_surface_tells_its_distance() {
+        let rays = PixelRays::new(&camera(), [24, 18]);
+        let truth: Vec<f64> = (0..24 * 18)
+            .map(|pixel| distance(rays.eye, rays.direction(pixel).unwrap()))
+            .collect();
+        for (position, index) in [
+            (DVec3::new(-1.0, 3.0, 2.0), 1.0),
+            (rays.eye, 1.0),
+            (DVec3::new(2.0, 2.0, 3.0), 1.33),
+        ] {
+            let flash = Flash {
+                position,
+                time: -0.7,
+            };
+            let arrivals: Vec<f64> = (truth.iter().enumerate())
+                .map(|(pixel, r)| {
+                    let point = rays.eye + rays.direction(pixel).unwrap() * *r;
+                    flash.time + index * (point.distance(position) + r)
+                })
+                .collect();
+            let found = rays.distances(&arrivals, &flash, index);
+            for (found, truth) in found.iter().zip(&truth) {
+                assert!(
+                    found.is_nan() && truth.is_nan() || (found - truth).abs() < 1e-12 * 40.0,
+                    "{found} is not {truth}"
+                );
+            }
+            // Light that came before it could.
+            assert!(rays.distances(&[flash.time - 1.0], &flash, index)[0].is_nan());
+        }
+    }
+
+    #[test]
+    fn a_mesh_lies_on_its_surfaces_and_is_torn_between_them() {
+        let size = [96, 72];
+        let rays = PixelRays::new(&camera(), size);
+        let directions: Vec<DVec3> = (0..96 * 72).map(|p| rays.direction(p).unwrap()).collect();
+        let distances: Vec<f64> = directions.iter().map(|d| distance(rays.eye, *d)).collect();
+        let DepthMesh {
+            mesh,
+            unknown,
+            torn,
+        } = rays.mesh(&distances, 4.0);
+        assert_eq!(unknown, distances.iter().filter(|r| r.is_nan()).count());
+        assert!(torn > 20 && torn < 400, "{torn}");
+        // All triangles lie on the floor, or on the ball up to the sagitta of a pixel: none bridges them.
+        let centre = DVec3::new(1.5, 0.7, 0.5);
+        let (mut on_floor, mut on_ball) = (0, 0);
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| mesh.positions[v as usize]);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            if corners.iter().all(|p| p.y.abs() < 1e-9) {
+                on_floor += 1;
+            } else {
+                assert!(
+                    corners
+                        .iter()
+                        .all(|p| (p.distance(centre) - 0.6).abs() < 1e-9)
+                );
+                assert!((middle.distance(centre) - 0.6).abs() < 0.05, "{middle}");
+                on_ball += 1;
+            }
+            // Seen from the camera it is the front.
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            assert!(normal.dot(middle - rays.eye) < 0.0);
+        }
+        let known = distances.iter().filter(|r| !r.is_nan()).count();
+        assert!(on_floor > 0 && on_ball > 300, "{on_floor} {on_ball}");
+        assert!(mesh.triangles.len() > 2 * known - 2 * known / 8, "{known}");
+        // Texture coordinates are those of the pixels that look there.
+        for (position, [u, v]) in mesh.positions.iter().zip(&mesh.uvs[0]) {
+            let (column, row) = (f64::from(*u) * 96.0 - 0.5, f64::from(*v) * 72.0 - 0.5);
+            let pixel = row.round() as usize * 96 + column.round() as usize;
+            let d = (*position - rays.eye).normalize();
+            assert!(d.distance(directions[pixel]) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_first_of_several_pulses_is_found_to_a_part_of_a_bin() {
+        const BINS: usize = 64;
+        let pulse = |t: f64, at: f64| (-0.5 * ((t - at) / 0.15).powi(2)).exp();
+        let arrivals = [1.234, 2.0, 3.871];
+        let mut samples = Vec::new();
+        for at in arrivals {
+            // The mean over bins of 0.1, by 20 places each; then a second, brighter pulse by way of another surface.
+            samples.extend((0..BINS).map(|k| {
+                let mean = |n: i32| {
+                    let t = (k as f64 + (f64::from(n) + 0.5) / 20.0) * 0.1;
+                    0.5 * pulse(t, at) + pulse(t, at + 1.7)
+                };
+                (0..20).map(mean).sum::<f64>() / 20.0
+            }));
+        }
+        samples.extend([1e-4; BINS]);
+        let cube = Cube::new([1, 4, BINS, 1], Samples::F64(samples)).unwrap();
+        let found = first_light(&cube, 5.0, 0.1, &FirstLight::default());
+        for (found, at) in found.iter().zip(arrivals) {
+            assert!((found - (5.0 + at)).abs() < 1e-3, "{found}");
+        }
+        assert!(found[3].is_nan());
+    }
+}

@@ -1,0 +1,319 @@
+//! Means over spans of time: what an exposure that takes a while records.
+//!
+//! What a filter makes of the bins is L(t) = Σ_k a_k φ(b − ½ − k) with b = (t − start)/w, so that over [b₀, b₁] its mean is
+//!
+//! ```text
+//! 1/(b₁ − b₀) Σ_k a_k (Φ(b₁ − ½ − k) − Φ(b₀ − ½ − k)),      Φ(x) = ∫ φ from −∞ to x
+//! ```
+//!
+//! - nearest: φ is 1 on [−½, ½];
+//! - linear: Φ = (1 + x)²/2 on [−1, 0];
+//! - cubic: φ = 3/2 |x|³ − 5/2 x² + 1 on |x| ≤ 1 and −½ |x|³ + 5/2 x² − 4 |x| + 2 on |x| ≤ 2, so that ∫ from 0 to x is
+//!   3/8 x⁴ − 5/6 x³ + x, then 13/24 + (−1/8 x⁴ + 5/6 x³ − 2x² + 2x − 17/24); Φ = ½ + sign x times that;
+//! - cubic from means: (26 Φ(x) − Φ(x − 1) − Φ(x + 1))/24 of the cubic one.
+//!
+//! Each Φ is 0 up to −3 and 1 from 3 on, so that bins which lie that far inside have the weight 1/(b₁ − b₀) all alike: their
+//! sum is a difference of prefix sums. These are kept at every 16th bin, which takes an eighth of what f64 samples take,
+//! and each as a sum of two f64, so that a faint tail keeps its digits after a bright peak. Without them (of cubes on disk) all
+//! bins are added one by one: the same, more slowly.
+//!
+//! Times beyond the data are what the policy says, by the part of the span that lies there.
+
+use super::axis::{Phase, Reading, Timeline};
+use super::texture::TimeTexture;
+use crate::io::cube::{Cube, CubeStore};
+use crate::scene::model::{Fill, TimeFilter};
+
+/// Bins between prefix sums.
+const BLOCK: usize = 16;
+/// Beyond so many bins from a bin's centre its weight is over.
+const REACH: f64 = 3.0;
+/// Beyond so many bins from the data a held end is constant.
+const FAR: f64 = 4.0;
+/// Bins at the ends of a span that are neither out of it nor full, at most: at each end those within the reach.
+const ENDS: usize = 18;
+
+/// Sums over the bins before every 16th, of each texel and channel.
+#[derive(Debug)]
+pub(super) struct PrefixSums {
+    /// Texel by texel, block by block, channel by channel: a sum, and what it lost to rounding.
+    sums: Vec<[f64; 2]>,
+    blocks: usize,
+    channels: usize,
+}
+
+/// The bins that a span of time reads.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Span {
+    /// Bins with weights of their own.
+    ends: [(usize, f64); ENDS],
+    count: usize,
+    /// Bins that all have the weight `full_weight`.
+    full: std::ops::Range<usize>,
+    full_weight: f64,
+    /// The parts of the span that lie before, inside and after the data.
+    pub parts: [f64; 3],
+}
+
+impl PrefixSums {
+    /// Bytes that those of a cube of this shape take.
+    pub fn bytes([h, w, t, c]: [usize; 4]) -> u64 {
+        [h, w, t / BLOCK + 1, c, size_of::<[f64; 2]>()]
+            .iter()
+            .fold(1, |product: u64, n| product.saturating_mul(*n as u64))
+    }
+
+    pub fn new(cube: &Cube) -> PrefixSums {
+        let [h, w, bins, channels] = cube.shape;
+        let blocks = bins / BLOCK + 1;
+        let mut sums = Vec::with_capacity(h * w * blocks * channels);
+        let mut running = vec![[0.0; 2]; channels];
+        for texel in 0..h * w {
+            running.fill([0.0; 2]);
+            for block in 0..blocks {
+                sums.extend_from_slice(&running);
+                for bin in block * BLOCK..((block + 1) * BLOCK).min(bins) {
+                    for (channel, sum) in running.iter_mut().enumerate() {
+                        let sample = cube.samples.get((texel * bins + bin) * channels + channel);
+                        add(sum, sample.unwrap_or(0.0));
+                    }
+                }
+            }
+        }
+        PrefixSums {
+            sums,
+            blocks,
+            channels,
+        }
+    }
+
+    /// The sum of blocks `from` to `to` of a texel.
+    fn between(&self, texel: usize, from: usize, to: usize, channel: usize) -> f64 {
+        let at = |block: usize| self.sums[(texel * self.blocks + block) * self.channels + channel];
+        let ([low, low_rest], [high, high_rest]) = (at(from), at(to));
+        (high - low) + (high_rest - low_rest)
+    }
+}
+
+/// Adds exactly, but for what is lost of the rest (Knuth's two-sum).
+fn add(sum: &mut [f64; 2], x: f64) {
+    let total = sum[0] + x;
+    let part = total - sum[0];
+    sum[1] += (sum[0] - (total - part)) + (x - part);
+    sum[0] = total;
+}
+
+/// Φ of a filter.
+fn integral(filter: TimeFilter, x: f64) -> f64 {
+    let cubic = |x: f64| {
+        let y = x.abs();
+        if y >= 2.0 {
+            return f64::from(x > 0.0);
+        }
+        let half = match y <= 1.0 {
+            true => ((0.375 * y - 5.0 / 6.0) * y * y + 1.0) * y,
+            false => {
+                13.0 / 24.0 + ((((5.0 / 6.0 - 0.125 * y) * y - 2.0) * y + 2.0) * y - 17.0 / 24.0)
+            }
+        };
+        0.5 + half.copysign(x)
+    };
+    match filter {
+        TimeFilter::Nearest => (x + 0.5).clamp(0.0, 1.0),
+        TimeFilter::Linear => {
+            let y = 1.0 - x.abs().min(1.0);
+            let outer = 0.5 * y * y;
+            if x < 0.0 { outer } else { 1.0 - outer }
+        }
+        TimeFilter::Cubic => cubic(x),
+        TimeFilter::CubicMeans => (26.0 * cubic(x) - cubic(x - 1.0) - cubic(x + 1.0)) / 24.0,
+    }
+}
+
+impl Timeline {
+    /// What the time from `from` to `to` reads, which are finite and ascend; none where bins differ in width.
+    pub(super) fn span(&self, from: f64, to: f64) -> Option<Span> {
+        let Reading::Uniform(filter) = self.reading else {
+            return None;
+        };
+        let last = self.bins as f64;
+        let [b0, b1] = [from, to].map(|t| (t - self.start) * self.bins_per_metre);
+        let length = b1 - b0;
+        let before = (b1.min(0.0) - b0).max(0.0) / length;
+        let after = (b1 - b0.max(last)).max(0.0) / length;
+        let mut span = Span {
+            ends: [(0, 0.0); ENDS],
+            count: 0,
+            full: 0..0,
+            full_weight: 1.0 / length,
+            parts: [before, (1.0 - before - after).max(0.0), after],
+        };
+        // What lies far beyond held ends is the end's own value.
+        let (mut low, mut high) = (b0.max(0.0), b1.min(last));
+        let mut far = [0.0; 2];
+        if self.before == Fill::Hold {
+            low = b0.max(-FAR).min(last + FAR);
+            far[0] = (b1.min(-FAR) - b0).max(0.0);
+        }
+        if self.after == Fill::Hold {
+            high = b1.min(last + FAR).max(-FAR);
+            far[1] = (b1 - b0.max(last + FAR)).max(0.0);
+        }
+        if high > low {
+            self.read(filter, low, high, &mut span);
+        }
+        for (bin, length) in [0, self.bins - 1].into_iter().zip(far) {
+            if length > 0.0 {
+                span.push(bin, length);
+            }
+        }
+        Some(span)
+    }
+
+    /// Weights, in bins, of what `low` to `high` reads.
+    fn read(&self, filter: TimeFilter, low: f64, high: f64, span: &mut Span) {
+        let first = (low - REACH - 0.5).floor() as i64;
+        let last = (high + REACH - 0.5).ceil() as i64;
+        let bins = self.bins as i64;
+        // Full ones that there are; without any, all are at the ends.
+        let full = ((low + REACH - 0.5).ceil() as i64).max(0)
+            ..((high - REACH - 0.5).floor() as i64 + 1).min(bins);
+        let (before, after) = match full.is_empty() {
+            true => (first..last + 1, 0..0),
+            false => (first..full.start, full.end..last + 1),
+        };
+        for k in before.chain(after) {
+            let centre = k as f64 + 0.5;
+            let weight = integral(filter, high - centre) - integral(filter, low - centre);
+            let black =
+                (k < 0 && self.before == Fill::Black) || (k >= bins && self.after == Fill::Black);
+            if weight != 0.0 && !black {
+                span.push(k.clamp(0, bins - 1) as usize, weight);
+            }
+        }
+        if !full.is_empty() {
+            span.full = full.start as usize..full.end as usize;
+        }
+    }
+}
+
+impl Span {
+    /// Adds `weight` bins of `bin`.
+    fn push(&mut self, bin: usize, weight: f64) {
+        match self.ends[..self.count].iter_mut().find(|end| end.0 == bin) {
+            Some(end) => end.1 += weight,
+            None => {
+                self.ends[self.count] = (bin, weight);
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The phases of its parts, with their sizes.
+    pub fn phases(&self) -> [(Phase, f64); 3] {
+        let [before, inside, after] = self.parts;
+        [
+            (Phase::Before, before),
+            (Phase::Inside, inside),
+            (Phase::After, after),
+        ]
+    }
+
+    /// The weighted sum over the bins of a texel; one channel is given to all three.
+    pub fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
+        let channels = texture.cube().shape()[3];
+        let mut rgb = [0.0; 3];
+        for (channel, value) in rgb.iter_mut().enumerate().take(channels) {
+            *value = self.channel(texture, texel, channel);
+        }
+        match channels {
+            1 => [rgb[0]; 3],
+            _ => rgb,
+        }
+    }
+
+    fn channel(&self, texture: &TimeTexture, texel: usize, channel: usize) -> f64 {
+        let [_, _, bins, channels] = texture.cube().shape();
+        let value = |bin: usize| match texture.cube() {
+            CubeStore::Memory(cube) => {
+                let at = (texel * bins + bin) * channels + channel;
+                cube.samples.get(at).unwrap_or(0.0)
+            }
+            CubeStore::Disk(bricks) => bricks.sample(texel, bin, channel),
+        };
+        let direct = |bins: std::ops::Range<usize>| bins.map(value).sum::<f64>();
+        let ends = self.ends[..self.count].iter();
+        let at_ends: f64 = ends.map(|(bin, weight)| weight * value(*bin)).sum();
+        let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
+        let full = match texture.sums() {
+            Some(sums) if first < last => {
+                direct(self.full.start..first * BLOCK)
+                    + sums.between(texel, first, last, channel)
+                    + direct(last * BLOCK..self.full.end)
+            }
+            _ => direct(self.full.clone()),
+        };
+        (at_ends + full) * self.full_weight
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axis::{catmull_rom, less_curvature};
+    use super::*;
+
+    const FILTERS: [TimeFilter; 4] = [
+        TimeFilter::Nearest,
+        TimeFilter::Linear,
+        TimeFilter::Cubic,
+        TimeFilter::CubicMeans,
+    ];
+
+    /// φ by the weights that lookups have: that of the bin whose centre lies x before the time.
+    fn kernel(filter: TimeFilter, x: f64) -> f64 {
+        let (k, f) = (x.floor(), x - x.floor());
+        // Bin 0 is the n-th of the run, which begins k − n bins before the time's own.
+        let of = |weights: &[f64], lead: f64| {
+            let n = lead - k;
+            match n >= 0.0 && (n as usize) < weights.len() {
+                true => weights[n as usize],
+                false => 0.0,
+            }
+        };
+        match filter {
+            TimeFilter::Nearest => f64::from((-0.5..0.5).contains(&x)),
+            TimeFilter::Linear => of(&[1.0 - f, f], 0.0),
+            TimeFilter::Cubic => of(&catmull_rom(f), 1.0),
+            TimeFilter::CubicMeans => of(&less_curvature(catmull_rom(f)), 2.0),
+        }
+    }
+
+    #[test]
+    fn integrals_are_those_of_the_weights_of_lookups() {
+        const STEPS: i32 = 4000;
+        for filter in FILTERS {
+            let mut sum = 0.0;
+            for n in -4 * STEPS..4 * STEPS {
+                let x = (f64::from(n) + 0.5) / f64::from(STEPS);
+                sum += kernel(filter, x) / f64::from(STEPS);
+                let end = f64::from(n + 1) / f64::from(STEPS);
+                let error = integral(filter, end) - sum;
+                assert!(error.abs() < 1e-6, "{filter:?} {end}: {error}");
+            }
+            assert_eq!(integral(filter, -3.0), 0.0, "{filter:?}");
+            assert!((integral(filter, 3.0) - 1.0).abs() < 1e-15, "{filter:?}");
+        }
+    }
+
+    #[test]
+    fn prefix_sums_keep_the_digits_of_a_tail_after_a_peak() {
+        let mut samples = vec![1e-9; 64];
+        samples[3] = 1e9;
+        samples[9] = 0.1;
+        let cube = Cube::new([1, 1, 64, 1], crate::io::cube::Samples::F64(samples)).unwrap();
+        let sums = PrefixSums::new(&cube);
+        let tail = sums.between(0, 1, 4, 0);
+        assert!((tail / 48e-9 - 1.0).abs() < 1e-14, "{tail}");
+        assert_eq!(PrefixSums::bytes(cube.shape), 16 * sums.sums.len() as u64);
+    }
+}

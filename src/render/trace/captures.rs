@@ -1,0 +1,213 @@
+//! Several captures of one surface: which of them a point takes its radiance from.
+//!
+//! A capture holds a point if its camera sees it, by [`TimeTexture::locate`] and nothing between, and if it has data of
+//! the time at which the light of the point arrived there. Of those that hold it, each is weighted by
+//!
+//! ```text
+//! w = s e (cos θ / a)⁴
+//! ```
+//!
+//! - a / cos θ is the width on the surface of one of its pixels along its tilt: a the width of a pixel at the point's
+//!   distance, θ the angle between the normal and the way to the camera. A pixel is a mean over that width, whose error
+//!   for a smooth surface is ∝ (a / cos θ)² by Taylor's series: w is the inverse of the squared error, as the means of
+//!   least variance have it.
+//! - s, the part of the bilinear weights whose pixels saw the surface, and e, the distance from the edge of the image in
+//!   pixels, 1 at most: no seam where a capture ends. Both are never 0, so that a point which one camera sees has its value.
+//!
+//! With [`CaptureChoice::First`] it is the first in the order of the scene that holds the point.
+
+use super::emitted::{Emission, Emitted};
+use super::occlusion::{any_hit, shadow_ray};
+use super::point::SurfacePoint;
+use super::radiance::{EmissionClock, TimeResolved};
+use super::run::Run;
+use super::stats::Meter;
+use crate::accel::Segment;
+use crate::light::time_texture::{
+    Capture, CaptureView, Coverage, Located, Sampled, SurfacePoint as CapturePoint, TimeTexture,
+};
+use crate::scene::model::CaptureChoice;
+
+/// A cube and the camera that captured it.
+#[derive(Debug, Clone, Copy)]
+pub struct CapturedCube {
+    /// Index of the cube.
+    pub cube: usize,
+    /// Index of the capture camera.
+    pub capture: usize,
+    /// The clock before the delay to the capture camera.
+    pub clock: EmissionClock,
+}
+
+/// What the captures of a surface say of one point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Blend {
+    /// Weighted sum of radiance, and the sum of the weights.
+    radiance: [f64; 3],
+    weight: f64,
+    /// Which captures make up most of it, with its weight; index into the emitter's.
+    most: Option<(usize, f64)>,
+    /// The best answer of those that do not hold the point, and how good it is.
+    stand_in: (f64, Sampled),
+}
+
+impl Blend {
+    /// Adds what capture `index` says, whose weight is `weight` if it sees the point.
+    fn add(&mut self, choice: CaptureChoice, index: usize, sampled: Sampled, weight: Option<f64>) {
+        match weight.filter(|_| sampled.coverage == Coverage::HELD) {
+            Some(weight) => {
+                if choice == CaptureChoice::First && self.weight > 0.0 {
+                    return;
+                }
+                // The first is taken with all its bits.
+                let counts = match choice {
+                    CaptureChoice::Blend => weight,
+                    CaptureChoice::First => 1.0,
+                };
+                self.weight += counts;
+                for (sum, value) in self.radiance.iter_mut().zip(sampled.radiance) {
+                    *sum += counts * value;
+                }
+                if self.most.is_none_or(|(_, most)| weight > most) {
+                    self.most = Some((index, weight));
+                }
+            }
+            None => {
+                // A camera that saw the point at another time says more than one that did not, and that more than
+                // one that looked elsewhere.
+                let good = match weight {
+                    Some(_) => 2.0 + sampled.coverage.held,
+                    None => 1.0 + sampled.coverage.occluded,
+                };
+                if good > self.stand_in.0 {
+                    self.stand_in = (good, sampled);
+                }
+            }
+        }
+    }
+
+    fn finish(&self) -> Sampled {
+        if self.weight == 0.0 {
+            return self.stand_in.1;
+        }
+        Sampled {
+            radiance: self.radiance.map(|sum| sum / self.weight),
+            coverage: Coverage::HELD,
+            ..Sampled::default()
+        }
+    }
+
+    /// The capture that makes up most of what the point is given; none where none holds it.
+    pub fn most(&self) -> Option<usize> {
+        self.most.map(|(index, _)| index)
+    }
+}
+
+impl TimeResolved {
+    /// What `captures` recorded of the points of `run`, as far as they saw them. They rest in the points' frame, and so
+    /// does all that can stand between.
+    pub(super) fn blend(
+        &self,
+        captures: &[CapturedCube],
+        run: &Run,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
+        let mut blends = std::mem::take(&mut emitted.blends);
+        blends.clear();
+        blends.resize(run.count(), Blend::default());
+        for (index, captured) in captures.iter().enumerate() {
+            let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
+            emitted.located.clear();
+            emitted.capture_views.clear();
+            emitted.segments.clear();
+            for point in run.points() {
+                let at = captured_point(&point);
+                let located = texture.locate(capture, &at);
+                if located.is_seen() {
+                    emitted.segments.push(towards(&point, &at, capture));
+                }
+                emitted.located.push(located);
+                emitted.capture_views.push(capture.view_of(&at));
+            }
+            emitted.times.resize(run.count(), 0.0);
+            captured.clock.times(run, 0, &mut emitted.times);
+            let (method, counts) = (run.traced.rays.method, meter.occlusion());
+            let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
+            any_hit(&run.rest.bvh, method, segments, blocked, counts);
+            let means = run.spans(captured.clock, &mut emitted.spans);
+            // Only points that lie in the camera's image have a segment.
+            let mut answers = emitted.blocked.iter();
+            for (at, blend) in blends.iter_mut().enumerate() {
+                let (located, view) = (&emitted.located[at], &emitted.capture_views[at]);
+                let blocked = located.is_seen() && answers.next() == Some(&true);
+                let time = emitted.times[at];
+                let sampled = match means {
+                    true => {
+                        let span = emitted.spans[at].map(|after| time + after);
+                        texture.mean_located(capture, located, span, blocked)
+                    }
+                    false => texture.sample_located(capture, located, time, blocked),
+                };
+                let weight = weight(texture, located, *view, blocked);
+                blend.add(self.choice, index, sampled, weight);
+            }
+        }
+        for blend in &blends {
+            emitted.push(Emission::stored(blend.finish()));
+        }
+        emitted.blends = blends;
+    }
+
+    /// What `captures` say of one point.
+    pub(super) fn blend_at(&self, captures: &[CapturedCube], point: &SurfacePoint) -> Blend {
+        let mut blend = Blend::default();
+        let at = captured_point(point);
+        for (index, captured) in captures.iter().enumerate() {
+            let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
+            let located = texture.locate(capture, &at);
+            let segment = towards(point, &at, capture);
+            let blocked = located.is_seen()
+                && point
+                    .rest
+                    .bvh
+                    .any(&segment.ray, segment.s_max, segment.skip);
+            let time = captured.clock.time(point);
+            let sampled = texture.sample_located(capture, &located, time, blocked);
+            let view = capture.view_of(&at);
+            let weight = weight(texture, &located, view, blocked);
+            blend.add(self.choice, index, sampled, weight);
+        }
+        blend
+    }
+}
+
+/// The weight s e (cos θ / a)⁴ of a capture that sees a point.
+fn weight(
+    texture: &TimeTexture,
+    located: &Located,
+    view: Option<CaptureView>,
+    blocked: bool,
+) -> Option<f64> {
+    let view = view.filter(|_| located.is_seen() && !blocked)?;
+    let fineness = 1.0 / (view.footprint * view.footprint);
+    Some(texture.seen_part(located) * fineness * fineness)
+}
+
+/// A point as its captures look at it.
+pub(super) fn captured_point(point: &SurfacePoint) -> CapturePoint {
+    CapturePoint {
+        position: point.rest_event().x,
+        normal: point.facing_normal(),
+    }
+}
+
+/// From a point to the pinhole of a capture camera.
+pub(super) fn towards(point: &SurfacePoint, at: &CapturePoint, capture: &Capture) -> Segment {
+    let from = at.position;
+    Segment {
+        ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
+        s_max: 1.0,
+        skip: Some(point.hit.triangle),
+    }
+}

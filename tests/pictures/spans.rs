@@ -1,0 +1,154 @@
+//! Means over spans of time: prefix sums against bins that are added one by one, and against many lookups.
+
+use std::time::Instant;
+
+use glam::DVec2;
+use nullray::io::cube::{Cube, Samples};
+use nullray::light::time_texture::{Sampled, TimeAxis, TimeTexture};
+use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
+
+const FILTERS: [TimeFilter; 4] = [
+    TimeFilter::Nearest,
+    TimeFilter::Linear,
+    TimeFilter::Cubic,
+    TimeFilter::CubicMeans,
+];
+
+/// A number in [0, 1) that tells nothing of its neighbours.
+fn noise(index: usize) -> f64 {
+    ((index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// 3 × 4 texels of `bins` bins of 0.1 from −1 on.
+fn texture(
+    bins: usize,
+    channels: usize,
+    filter: TimeFilter,
+    [before, after]: [Fill; 2],
+) -> TimeTexture {
+    let samples = (0..3 * 4 * bins * channels).map(noise).collect();
+    let cube = Cube::new([3, 4, bins, channels], Samples::F64(samples)).unwrap();
+    let axis = TimeAxis {
+        bins: TimeBins::Uniform {
+            start: -1.0,
+            width: 0.1,
+        },
+        values: BinValues::PerBin,
+        filter,
+        scale: 1.5,
+    };
+    let outside = Outside {
+        before,
+        after,
+        off_texture: Fill::Black,
+        occluded: Fill::Black,
+    };
+    TimeTexture::new(cube, axis, outside).unwrap()
+}
+
+const FILLS: [[Fill; 2]; 4] = [
+    [Fill::Black, Fill::Black],
+    [Fill::Hold, Fill::Hold],
+    [Fill::Hold, Fill::Black],
+    [Fill::Mark([1.0, 0.5, 0.25]), Fill::Hold],
+];
+
+fn difference(a: &Sampled, b: &Sampled) -> f64 {
+    let both = |a: [f64; 3], b: [f64; 3]| a.into_iter().zip(b).collect::<Vec<_>>();
+    let of_coverage = [
+        (a.coverage.held, b.coverage.held),
+        (a.coverage.before, b.coverage.before),
+        (a.coverage.after, b.coverage.after),
+    ];
+    both(a.radiance, b.radiance)
+        .into_iter()
+        .chain(both(a.unscaled, b.unscaled))
+        .chain(of_coverage)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn prefix_sums_equal_sums_of_bins() {
+    for filter in FILTERS {
+        for fills in FILLS {
+            for channels in [1, 3] {
+                let direct = texture(300, channels, filter, fills);
+                let summed = direct.clone().with_sums();
+                for n in 0..400 {
+                    let uv = DVec2::new(noise(3 * n), noise(3 * n + 1));
+                    let from = -8.0 + 44.0 * noise(3 * n + 2);
+                    let to = from + 1e-3 + 50.0 * noise(7 * n + 5).powi(3);
+                    let [a, b] = [&direct, &summed].map(|t| t.mean_uv(uv, [from, to]));
+                    // Values are of the size of 15.
+                    let error = difference(&a, &b);
+                    assert!(error <= 1e-12, "{filter:?} {from} {to}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn means_are_those_of_what_lookups_find() {
+    const LOOKUPS: usize = 4000;
+    for filter in FILTERS {
+        for fills in FILLS {
+            let texture = texture(40, 3, filter, fills).with_sums();
+            for (from, to) in [
+                (-0.93, -0.91),
+                (-0.75, 0.35),
+                (-1.4, 0.2),
+                (2.5, 3.4),
+                (-3.0, 5.0),
+                (-2.0, -1.7),
+                (4.1, 4.2),
+            ] {
+                let uv = DVec2::new(0.37, 0.61);
+                let mut sum = Sampled::default();
+                let part = 1.0 / LOOKUPS as f64;
+                for n in 0..LOOKUPS {
+                    let t = from + (to - from) * (n as f64 + 0.5) * part;
+                    let Sampled {
+                        radiance,
+                        unscaled,
+                        coverage,
+                    } = texture.sample_uv(uv, t);
+                    for c in 0..3 {
+                        sum.radiance[c] += radiance[c] * part;
+                        sum.unscaled[c] += unscaled[c] * part;
+                    }
+                    sum.coverage += coverage * part;
+                }
+                // Steps (of nearest, and at black ends) fall on one lookup or the next.
+                let error = difference(&texture.mean_uv(uv, [from, to]), &sum);
+                assert!(error < 0.02, "{filter:?} {fills:?} {from} {to}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Not a limit, but a figure: `cargo test --release --test pictures spans:: -- --nocapture --ignored`.
+#[test]
+#[ignore = "measures"]
+fn long_spans_cost_no_more_than_short_ones() {
+    for bins in [10, 100, 1000] {
+        let direct = texture(1200, 3, TimeFilter::CubicMeans, FILLS[0]);
+        let summed = direct.clone().with_sums();
+        let cost = |texture: &TimeTexture| {
+            let start = Instant::now();
+            let mut sum = 0.0;
+            for n in 0..20_000 {
+                let from = 0.5 + noise(n);
+                let span = [from, from + 0.1 * bins as f64];
+                sum += texture
+                    .mean_uv(DVec2::new(0.4, noise(n + 9)), span)
+                    .radiance[0];
+            }
+            assert!(sum > 0.0);
+            start.elapsed().as_secs_f64() / 20_000.0 * 1e9
+        };
+        let [one_by_one, by_sums] = [cost(&direct), cost(&summed)];
+        println!("{bins} bins: {one_by_one:.0} ns one by one, {by_sums:.0} ns by prefix sums");
+    }
+}

@@ -1,0 +1,147 @@
+//! `nullray mesh-from-depth`: from the transient renderer's capture, and from a picture of distances.
+
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+use nullray::io::budget::Budget;
+use nullray::io::gltf::{self, BadVertices, Want};
+use nullray::io::npy;
+
+use super::{Folder, repository};
+
+const EYE: DVec3 = DVec3::new(3.2, 3.0, 4.6);
+const CAMERA: [&str; 6] = [
+    "--eye",
+    "3.2,3,4.6",
+    "--look-at",
+    "-0.4,1,-0.6",
+    "--fov",
+    "45 deg",
+];
+
+/// What the camera of the capture sees of the corner: distances, (128, 128).
+fn seen(folder: &Folder) -> Vec<f64> {
+    fs::copy(
+        repository("scenes/corner/corner.glb"),
+        folder.path("corner.glb"),
+    )
+    .unwrap();
+    folder.write(
+        "seen.toml",
+        "[camera]\neye = [3.2, 3.0, 4.6]\nlook_at = [-0.4, 1.0, -0.6]\nhfov = \"45 deg\"\nsize = [128, 128]\n\
+         [display]\nback_faces = \"two_sided\"\n[[object]]\ngltf = \"corner.glb\"\n",
+    );
+    folder.ok(&[
+        "render",
+        "seen.toml",
+        "--aovs",
+        "distance",
+        "--pixel-centers",
+        "-o",
+        "seen.npz",
+    ]);
+    let map = npy::load_plain(
+        &folder.path("seen.npz"),
+        Some("distance"),
+        &Budget::default(),
+    );
+    map.unwrap().samples.into_f64()
+}
+
+/// By vertex of a mesh, how much farther it is from the pinhole than what the camera sees in its pixel.
+fn errors(path: &Path, seen: &[f64]) -> Vec<f64> {
+    let want = Want {
+        uvs: true,
+        textures: false,
+        shading: false,
+        bad_vertices: BadVertices::Refuse,
+    };
+    let mesh = gltf::load(path, None, want).unwrap().mesh;
+    let error = |(position, [u, v]): (&DVec3, &[f32; 2])| {
+        let [column, row] = [u, v].map(|x| (f64::from(*x) * 128.0 - 0.5).round() as usize);
+        position.distance(EYE) - seen[row * 128 + column]
+    };
+    mesh.positions.iter().zip(&mesh.uvs[0]).map(error).collect()
+}
+
+#[test]
+fn light_that_first_came_back_gives_the_corner_of_the_transient_renderer() {
+    let folder = Folder::empty();
+    let seen = seen(&folder);
+    let input = repository("tests/data/transient/capture_camera.npz");
+    let mut arguments = vec!["mesh-from-depth", input.as_str()];
+    arguments.extend(CAMERA);
+    arguments.extend([
+        "--start",
+        "7.2 m",
+        "--bin-width",
+        "0.05 m",
+        "--lamp",
+        "1.2,2.8,1",
+    ]);
+    arguments.extend(["-o", "corner-found.glb"]);
+    let text = folder.ok(&arguments);
+    assert!(
+        text.contains("triangles") && text.contains("uv = 0"),
+        "{text}"
+    );
+    let mut errors: Vec<f64> = errors(&folder.path("corner-found.glb"), &seen)
+        .into_iter()
+        .map(f64::abs)
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let at = |part: f64| errors[(part * errors.len() as f64) as usize];
+    println!(
+        "{} vertices; error {:.4} m in the middle, {:.4} m of 90 %",
+        errors.len(),
+        at(0.5),
+        at(0.9)
+    );
+    // A bin is 0.05 m wide, a pixel about 0.04.
+    assert!(errors.len() > 128 * 128 / 2, "{}", errors.len());
+    assert!(at(0.5) < 0.01 && at(0.9) < 0.05, "{} {}", at(0.5), at(0.9));
+}
+
+#[test]
+fn a_picture_of_distances_becomes_a_mesh_with_the_places_of_its_pixels() {
+    let folder = Folder::empty();
+    let seen = seen(&folder);
+    let made = ["mesh-from-depth", "seen.npz", "--from", "distance"];
+    folder.ok(&[&made[..], &CAMERA].concat());
+    let errors = errors(&folder.path("seen.glb"), &seen);
+    assert!(errors.len() > 128 * 128 / 2);
+    // Positions are rounded to single precision.
+    assert!(errors.iter().all(|error| error.abs() < 2e-6));
+}
+
+#[test]
+fn what_makes_no_mesh_is_refused_and_leaves_nothing() {
+    let folder = Folder::empty();
+    folder.write("map.npy", {
+        let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
+        let mut file = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+        file.extend(format!("{header:<117}\n").bytes());
+        file.extend([f64::NAN; 6].iter().flat_map(|x| x.to_le_bytes()));
+        file
+    });
+    let made = [&["mesh-from-depth", "map.npy"], &CAMERA[..]].concat();
+    let map = ["--from", "distance"];
+    for (arguments, says) in [
+        (&map[..], "one surface"),
+        (&["--from", "depth", "-o", "a.obj"], ".glb"),
+        (&[], "--lamp"),
+        (&["--lamp", "1,2"], "three numbers"),
+        (&["--lamp", "0,0,0"], "--bin-width"),
+        (&["--from", "distance", "--up", "-3.6,-2,-5.2"], "--up"),
+    ] {
+        let run = folder.run(&[&made[..], arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}");
+        assert!(
+            run.message().contains(says),
+            "{arguments:?}: {}",
+            run.message()
+        );
+    }
+    assert_eq!(folder.names(), ["map.npy"]);
+}

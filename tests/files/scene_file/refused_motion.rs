@@ -14,7 +14,7 @@ cases! { MOTION:
     TIME => "motion = {}" at "camera.motion" "{}": "no motion is given", "`acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
     TIME => "motion = { acceleration = { proper = \"0 /m\" }, segments = [] }" at "camera.motion.segments" "[]": "given twice, as `acceleration` and as `segments`", "exactly one";
     TIME => "motion = { segments = [{}], keyframes = [] }" at "camera.motion.keyframes" "[]": "given twice, as `segments` and as `keyframes`", "exactly one";
-    TIME => "motion.speed = 1" at "camera.motion.speed" "speed": "unknown key `speed`", "acceleration, axes, circle, keyframes, profile, segments";
+    TIME => "motion.speed = 1" at "camera.motion.speed" "speed": "unknown key `speed`", "acceleration, animation, axes, circle, keyframes, profile, segments";
     TIME => "motion.acceleration = { proper = 0.1 }" at "camera.motion.acceleration.proper" "0.1": "an acceleration is a text like \"0.1 /m\"", "magnitude";
     TIME => "motion.acceleration = { proper = \"1 m\" }" at "camera.motion.acceleration.proper" "\"1 m\"": "\"m\" is not a unit of an acceleration", "9.81 m/s2";
     TIME => "motion.acceleration = { proper = \"0.1 /m\" }" at "camera.motion.acceleration" "{ proper": "has no direction", "add direction";

@@ -103,7 +103,7 @@ fn no_pipe_is_waited_for() {
         let name = format!("pipe.{extension}");
         let made = Command::new("mkfifo").arg(folder.path(&name)).status();
         if !made.is_ok_and(|status| status.success()) {
-            eprintln!("skipped: there is no mkfifo");
+            crate::common::skipped::skipped("there is no mkfifo");
             return;
         }
         let mut child = folder

@@ -5,6 +5,11 @@
 //! gives the same bits; nothing else is left in the folder; an error is one message and exit code 2. By default each test
 //! takes seconds; `NULLRAY_FAULTS=1000` says how many instants to kill at.
 
+#[path = "../common"]
+mod common {
+    pub mod skipped;
+}
+
 mod hostile;
 mod interrupted;
 mod writes;

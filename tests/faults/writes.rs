@@ -60,7 +60,7 @@ fn library(folder: &Folder) -> Option<std::path::PathBuf> {
 fn with_failing_writes(arguments: &[&str], target: &str) {
     let tools = Folder::new();
     let Some(library) = library(&tools) else {
-        eprintln!("skipped: there is no C compiler for Linux");
+        crate::common::skipped::skipped("there is no C compiler for Linux");
         return;
     };
     let folder = Folder::new();
@@ -131,7 +131,7 @@ fn apart(folder: &Folder, script: &str) -> Option<std::process::Output> {
 }
 
 fn skipped() {
-    eprintln!("skipped: file systems cannot be mounted here");
+    crate::common::skipped::skipped("file systems cannot be mounted here");
 }
 
 #[test]

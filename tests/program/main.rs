@@ -3,6 +3,7 @@
 #[path = "../common"]
 mod common {
     pub mod png;
+    pub mod skipped;
 }
 
 mod cli;

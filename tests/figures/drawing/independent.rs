@@ -27,7 +27,7 @@ fn is_there(program: &str) -> bool {
         .stderr(Stdio::null());
     let found = run.status().is_ok();
     if !found {
-        eprintln!("skipped: there is no {program} here");
+        crate::common::skipped::skipped(format_args!("there is no {program} here"));
     }
     found
 }

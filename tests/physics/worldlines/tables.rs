@@ -23,7 +23,7 @@ fn hyperbolic_motion_is_that_of_the_table() {
         let line = |zero| WorldLine::hyperbolic(Velocity::REST, zero, n * row.number("g")).unwrap();
         let label = || format!("line {}", row.line);
         let (state, reference) = (line(zero).state(tau).unwrap(), event(row, ""));
-        let allowed = 1e-14 * (1.0 + row.vector("rap").length()) * size(reference).max(size(zero));
+        let allowed = 2e-15 * (1.0 + row.vector("rap").length()) * size(reference).max(size(zero));
         place.note(
             crate::worldlines::lines::apart(state.event, reference),
             allowed,
@@ -33,23 +33,23 @@ fn hyperbolic_motion_is_that_of_the_table() {
         let moved = line(Event::ORIGIN).state(tau).unwrap();
         rise.note(
             moved.event.ct - row.number("dct"),
-            1e-14 * (1.0 + row.vector("rap").length()) * row.number("dct").abs(),
+            2e-15 * (1.0 + row.vector("rap").length()) * row.number("dct").abs(),
             label,
         );
         let along = moved.event.x.dot(n);
         advance.note(
             along - row.number("dpos"),
-            1e-14 * (1.0 + row.vector("rap").length()) * row.number("dpos").abs(),
+            2e-15 * (1.0 + row.vector("rap").length()) * row.number("dpos").abs(),
             label,
         );
         let rapidity = row.vector("rap");
         let error = (moved.velocity.rapidity() - rapidity).length();
-        speed.note(error, 1e-14 * rapidity.length(), label);
+        speed.note(error, 2e-15 * rapidity.length(), label);
         let beta = row.number("beta");
-        speed.note(moved.velocity.beta().length() - beta, 1e-14 * beta, label);
+        speed.note(moved.velocity.beta().length() - beta, 2e-15 * beta, label);
         speed.note(
             moved.velocity.gamma() / row.number("gamma") - 1.0,
-            1e-14 * (1.0 + rapidity.length()),
+            2e-15 * (1.0 + rapidity.length()),
             label,
         );
     }
@@ -124,7 +124,7 @@ fn light_cones_are_crossed_where_the_table_says() {
         let zero = line.state(0.0).unwrap().event;
         let scale = size(reference).max(size(apex)).max(size(zero));
         let label = || format!("line {}, {}", row.line, row.text("kind"));
-        let allowed = 1e-12 * scale + 64.0 * EPS * scale * magnification(&row, gamma);
+        let allowed = 16.0 * EPS * scale * magnification(&row, gamma);
         place.note(
             crate::worldlines::lines::apart(crossing.event, reference),
             allowed,
@@ -137,7 +137,7 @@ fn light_cones_are_crossed_where_the_table_says() {
         );
         let tau = row.number("tau");
         let rate = gamma * gamma * roundness(&row);
-        let allowed = (1e-12 + rate) * tau.abs() + allowed / gamma;
+        let allowed = (1e-12 + rate) * tau.abs() + (1e-12 * scale + 4.0 * allowed) / gamma;
         time.note(crossing.proper_time() - tau, allowed, label);
     }
     place.assert_within("event");

@@ -109,7 +109,9 @@ fn a_page_lives_in_a_browser() {
             .is_ok_and(|o| o.status.success())
     };
     let Some(browser) = names.iter().find(works) else {
-        eprintln!("skipped: a_page_lives_in_a_browser (none of {names:?} is installed)");
+        crate::common::skipped::skipped(format_args!(
+            "a_page_lives_in_a_browser (none of {names:?} is installed)"
+        ));
         return;
     };
     let folder = Folder::new();

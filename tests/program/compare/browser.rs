@@ -32,7 +32,7 @@ fn browser() -> Option<&'static str> {
 #[test]
 fn a_browser_draws_the_report_on_420_pixels() {
     let Some(browser) = browser() else {
-        eprintln!("skipped: Chromium is not installed");
+        crate::common::skipped::skipped("Chromium is not installed");
         return;
     };
     let folder = tempfile::tempdir().unwrap();

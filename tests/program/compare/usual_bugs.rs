@@ -375,6 +375,7 @@ fn the_missing_velocity_of_one_object_is_named_by_ratios_and_by_places() {
     for groups in [
         &["object", "object_event"][..],
         &["object", "direction", "wavelength_ratio"],
+        &["object", "event", "wavelength_ratio"],
     ] {
         let found = diagnosed(&exact(), &only(&wrong, groups));
         named(Kind::VelocityMissing, &["object 2 is missing"], &found);
@@ -412,6 +413,59 @@ fn exchanged_axes_are_named_with_their_order() {
             &found,
         );
     }
+}
+
+/// The scene with small boxes, so that nearly all pixels show the floor, and with a floor that is nearly grey.
+fn mostly_floor() -> Picture {
+    with(&[
+        ("[1.2, 1.2, 1.2]", "[0.5, 0.5, 0.5]"),
+        ("[0.2, 0.5, 0.8]", "[0.5, 0.5, 0.45]"),
+    ])
+}
+
+#[test]
+fn of_orders_that_most_pixels_cannot_tell_apart_the_one_of_all_pixels_is_named() {
+    // The floor's normal, (0, 1, 0), is (1, 0, 0) with x and y exchanged, too; and its red is its green.
+    let exact = mostly_floor();
+    for (group, kind, words) in [
+        ("normal", Kind::AxesExchanged, "(x, y, z) holds (y, z, x)"),
+        ("radiance", Kind::ColoursExchanged, "hold GBR"),
+    ] {
+        let axes = match group {
+            "normal" => ["x", "y", "z"],
+            _ => ["R", "G", "B"],
+        };
+        let names = axes.map(|axis| format!("{group}.{axis}"));
+        let mut wrong = exact.clone();
+        for (k, name) in names.iter().enumerate() {
+            let next = values(&exact, &names[(k + 1) % 3]);
+            map(&mut wrong, name, |i, _| next[i]);
+        }
+        named(kind, &[words], &diagnosed(&exact, &wrong));
+    }
+}
+
+#[test]
+fn clipped_light_that_is_encoded_with_rounding_is_named_as_encoded() {
+    // 1.055 − 0.055 is not 1 in floating point: what was clipped before the encoding is known by being near 1.
+    let mut exact = exact();
+    LIGHT
+        .iter()
+        .for_each(|name| map(&mut exact, name, |_, v| 2.5 * v));
+    let mut encoded = exact.clone();
+    let encode = |v: f64| match v.min(1.0) {
+        v if v <= 0.003_130_8 => 12.92 * v,
+        v => 1.055 * v.powf(1.0 / 2.4) - 0.055,
+    };
+    LIGHT
+        .iter()
+        .for_each(|name| map(&mut encoded, name, |_, v| encode(v)));
+    assert!(encode(1.0) < 1.0);
+    named(
+        Kind::Gamma,
+        &["encoded for a display"],
+        &diagnosed(&exact, &encoded),
+    );
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn has_python(modules: &str) -> bool {
         .output();
     let there = imported.is_ok_and(|output| output.status.success());
     if !there {
-        eprintln!("skipped: Python with {modules} is not installed");
+        crate::common::skipped::skipped(format_args!("Python with {modules} is not installed"));
     }
     there
 }
@@ -100,7 +100,7 @@ fn the_shader_meets_the_tolerances_of_single_precision() {
             "{}",
             String::from_utf8_lossy(&output.stdout)
         ),
-        Err(_) => eprintln!("skipped: glslangValidator is not installed"),
+        Err(_) => crate::common::skipped::skipped("glslangValidator is not installed"),
     }
     if !has_python("numpy") {
         return;
@@ -112,7 +112,7 @@ fn the_shader_meets_the_tolerances_of_single_precision() {
         .output()
         .unwrap();
     match output.status.code() {
-        Some(77) => eprintln!("skipped: there is no OpenGL ES 3 without a window"),
+        Some(77) => crate::common::skipped::skipped("there is no OpenGL ES 3 without a window"),
         code => assert_eq!(
             code,
             Some(0),

@@ -176,7 +176,7 @@ fn axes(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Opti
             }));
             let better = best
                 .as_ref()
-                .is_none_or(|(.., found)| tally.rest() < found.rest());
+                .is_none_or(|(.., found)| tally.is_better_than(found));
             if tally.explains(0.05 * scale) && better {
                 best = Some((order, signs, tally));
             }

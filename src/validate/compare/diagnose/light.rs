@@ -34,6 +34,9 @@ pub(super) fn light(case: &Case) -> Option<Diagnosis> {
     named.iter().find_map(|hypothesis| hypothesis(case, &lit))
 }
 
+/// Values nearer to 1 than this are clipped: an encoded 1 is off by rounding.
+const CLIPPED: f64 = 1e-6;
+
 /// Pixels of surfaces with light, which the candidate does not clip.
 fn lit(case: &Case) -> Option<Vec<Lit>> {
     let [r, c] = case
@@ -46,7 +49,7 @@ fn lit(case: &Case) -> Option<Vec<Lit>> {
         .map(|i| (i, [&r, &c].map(|p| p.map(|p| p.at(i)))));
     let is_lit = |(_, [r, c]): &Lit| {
         let finite = r.iter().chain(c).all(|v| v.is_finite() && *v >= 0.0);
-        let clipped = c.contains(&1.0) && r != c;
+        let clipped = c.iter().any(|v| (v - 1.0).abs() < CLIPPED) && r != c;
         finite && r.iter().sum::<f64>() > 0.0 && !clipped
     };
     let lit: Vec<Lit> = pixels.filter(is_lit).collect();
@@ -84,13 +87,22 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<Diagnosis> {
         ([1, 2, 0], "GBR"),
         ([2, 0, 1], "BRG"),
     ];
-    orders.into_iter().find_map(|(order, name)| {
+    // Where most of the light is grey, or nearly, other orders explain it too, but not all of it.
+    let mut best: Option<(&str, Tally)> = None;
+    for (order, name) in orders {
         let tally = tally(lit, |_, r| order.map(|k: usize| r[k]));
-        tally.explains(NOTABLE).then(|| Diagnosis {
-            kind: Kind::ColoursExchanged,
-            what: format!("colours are exchanged: the channels R, G, B hold {name}"),
-            evidence: evidence(&tally),
-        })
+        let better = best
+            .as_ref()
+            .is_none_or(|(_, found)| tally.is_better_than(found));
+        if tally.explains(NOTABLE) && better {
+            best = Some((name, tally));
+        }
+    }
+    let (name, tally) = best?;
+    Some(Diagnosis {
+        kind: Kind::ColoursExchanged,
+        what: format!("colours are exchanged: the channels R, G, B hold {name}"),
+        evidence: evidence(&tally),
     })
 }
 

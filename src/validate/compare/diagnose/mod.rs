@@ -223,6 +223,12 @@ impl Tally {
         count as f64 / self.distances.len().max(1) as f64
     }
 
+    /// Whether the hypothesis explains more pixels than another one, or as many and these better.
+    fn is_better_than(&self, other: &Tally) -> bool {
+        let by_share = self.share().total_cmp(&other.share());
+        by_share.then(other.rest().total_cmp(&self.rest())).is_gt()
+    }
+
     /// Whether the hypothesis explains an error of at least `notable`, rms.
     fn explains(&self, notable: f64) -> bool {
         self.distances.len() >= FEWEST && self.error() > notable && self.share() >= MOST

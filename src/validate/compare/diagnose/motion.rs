@@ -247,16 +247,30 @@ impl Moved {
     }
 }
 
+/// The look directions of a picture; where it has none, those from the reference's pinhole to its own events.
+fn looks<'a>(case: &Case<'a>, which: usize) -> Option<Box<dyn Fn(usize) -> DVec3 + 'a>> {
+    if let Some(direction) = case.points[which].direction {
+        return Some(Box::new(move |i| place(&direction, i)));
+    }
+    let shown = case.points[which].world?;
+    let (event, direction) = (case.points[0].world?, case.points[0].direction?);
+    let distance = Plane::aov(&case.pair[0].layers, Aov::Distance)?;
+    Some(Box::new(move |i| {
+        let pinhole = place(&event, i) - place(&direction, i) * distance.at(i);
+        (place(&shown, i) - pinhole).normalize()
+    }))
+}
+
 /// The pixels of each object in a picture; none where it lacks channels or metadata.
 fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
     let layers = &case.pair[which].layers;
     let ratio = Plane::aov(layers, Aov::WavelengthRatio)?;
-    let direction = case.points[which].direction?;
+    let look = looks(case, which)?;
     let velocity = camera_velocity(case.pair[which]).or_else(|| camera_velocity(case.pair[0]))?;
     let (gamma, beta) = (velocity.gamma(), velocity.beta());
     let mut objects: BTreeMap<i64, Seen> = BTreeMap::new();
     for i in case.pixels() {
-        let d = place(&direction, i);
+        let d = look(i);
         let value = ratio.at(i) * gamma * (1.0 + beta.dot(d));
         if value.is_finite() && value > 0.0 {
             let object = case.points[which].object_at(i).unwrap_or(0.0) as i64;

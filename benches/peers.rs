@@ -187,6 +187,11 @@ fn measure(
 
     let camera = Camera::new(&bvh, view[0], view[1], SIZE);
     let shadows = shadows(&bvh, &camera);
+    // Rays that have nothing to do with one another: every 40,503rd.
+    let rays = camera.rays();
+    let shuffled: Vec<DVec3> = (0..rays)
+        .map(|k| camera.directions[k * 40_503 % rays])
+        .collect();
     let files = Files::write(folder, triangles, [256, 256, 64]);
     let place = Place::of(name);
     let pictures =
@@ -225,7 +230,8 @@ fn measure(
                 "closest 1",
                 camera.rays(),
             );
-            works.push((row, Box::new(move || trace(bvh, camera, certified))));
+            let trace = move || trace(bvh, camera.origin, &camera.directions, certified);
+            works.push((row, Box::new(trace)));
             continue;
         }
         for (precision, what) in [
@@ -234,8 +240,17 @@ fn measure(
         ] {
             let method = Method { kernel, precision };
             let row = Row::new(called(what), "closest 16", camera.rays());
-            works.push((row, Box::new(move || trace(bvh, camera, method))));
+            let trace = move || trace(bvh, camera.origin, &camera.directions, method);
+            works.push((row, Box::new(trace)));
         }
+        let row = Row::new(
+            called("certified, shuffled rays,"),
+            "shuffled 1",
+            camera.rays(),
+        );
+        let shuffled = &shuffled;
+        let trace = move || trace(bvh, camera.origin, shuffled, certified);
+        works.push((row, Box::new(trace)));
         let count = shadows.iter().map(Vec::len).sum();
         let row = Row::new(called("certified, shadow rays,"), "shadow 16", count);
         works.push((row, Box::new(move || block(bvh, shadows, certified))));
@@ -249,7 +264,13 @@ fn measure(
         ));
     }
 
-    let rivals = ["closest 16", "closest 8", "closest 1", "shadow 16"];
+    let rivals = [
+        "closest 16",
+        "closest 8",
+        "closest 1",
+        "shuffled 1",
+        "shadow 16",
+    ];
     let mut theirs = rivals.map(|kind| (kind, Vec::new(), 0));
     for _ in 0..ROUNDS {
         for (kind, seconds, hits) in &mut theirs {
@@ -320,11 +341,11 @@ impl Row {
     }
 }
 
-/// Traces all rays of `camera`, tile by tile.
-fn trace(bvh: &Bvh, camera: &Camera, method: Method) {
-    for tile in camera.directions.chunks(TILE * TILE) {
+/// Traces all rays from `origin`, so many at a time as a tile has.
+fn trace(bvh: &Bvh, origin: DVec3, directions: &[DVec3], method: Method) {
+    for tile in directions.chunks(TILE * TILE) {
         let mut hits: [Option<Hit>; TILE * TILE] = [None; TILE * TILE];
-        let from = Origins::Shared(camera.origin);
+        let from = Origins::Shared(origin);
         bvh.closest_by(
             method,
             from,

@@ -139,7 +139,7 @@ pub(super) fn unit_and_length(v: DVec3) -> Option<(DVec3, f64)> {
 pub(crate) fn unit_and_length_or_nan(v: DVec3) -> (DVec3, f64) {
     let largest = v.abs().max_element();
     // Squares of very small or very large components leave f64's range. 0/0 and ∞/∞ are NaN.
-    let is_usual = (largest >= 1e-140) & (largest < 1e140);
+    let is_usual = (1e-140..1e140).contains(&largest);
     let scale = if is_usual { 1.0 } else { largest };
     let v = v / scale;
     let length = v.length();

@@ -226,11 +226,8 @@ impl Capture {
             footprint: film.footprint(position),
         };
         let [left, above] = self.lens.offset;
-        let place = match film.film_point(position) {
-            Some([x, y]) => Some([x - left, y - above]),
-            None => None,
-        };
-        (place, aim)
+        let place = film.film_point(position);
+        (place.map(|[x, y]| [x - left, y - above]), aim)
     }
 
     /// Distance, metres, of what pixel (row · width + column) saw; none where it saw nothing.

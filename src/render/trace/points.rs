@@ -187,8 +187,8 @@ impl VectorLoop for Normals<'_> {
             let [e1, e2] = [self.edges[0].load(begin), self.edges[1].load(begin)];
             let sides = load(self.sides, begin);
             let mut normals = Vectors::ZERO;
-            for k in 0..BLOCK {
-                normals.set(k, unit_normal(e1.get(k), e2.get(k)) * sides[k]);
+            for (k, side) in sides.iter().enumerate() {
+                normals.set(k, unit_normal(e1.get(k), e2.get(k)) * *side);
             }
             self.normals.store(&normals, begin);
             begin += BLOCK;

@@ -325,10 +325,10 @@ impl VectorLoop for AlongRays<'_> {
         let mut begin = 0;
         while begin < self.s.len() {
             let (mut places, s) = (self.places.load(begin), load(self.s, begin));
-            for k in 0..BLOCK {
+            for (k, s) in s.iter().enumerate() {
                 let d = Direction::from_unit(places.get(k));
                 let (tangent, _) = boost.tangent_and_ratio(index, d);
-                places.set(k, (shot + tangent * s[k]).x);
+                places.set(k, (shot + tangent * *s).x);
             }
             self.places.store(&places, begin);
             begin += BLOCK;

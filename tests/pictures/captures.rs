@@ -205,8 +205,8 @@ fn the_first_that_sees_a_point_gives_all_of_it_where_that_is_asked() {
     let other = film(&[grazing(), above()], "captures = \"first\"");
     assert_eq!(other.radiance(), alone.radiance());
     let seen = fine.aov(Aov::Coverage).unwrap();
-    for i in 0..seen.len() {
-        let expected = if seen[i] == 1.0 { &fine } else { &alone };
+    for (i, seen) in seen.iter().enumerate() {
+        let expected = if *seen == 1.0 { &fine } else { &alone };
         assert_eq!(first.radiance()[i], expected.radiance()[i], "{i}");
     }
 }

@@ -177,7 +177,7 @@ fn a_pixel_of_one_radiance_has_no_standard_error() {
                 "{n} samples"
             );
         }
-        assert!(corner.iter().any(|i| is_dark(i)));
+        assert!(corner.iter().any(is_dark));
     }
 }
 

@@ -4,22 +4,31 @@
 #   pictures.sh REFERENCES CANDIDATES [OPTIONS OF nullray compare]
 #
 # Compares every picture of the first folder with the one of the same name in the second, and writes a report beside each
-# candidate. Without options the limits are those below. $NULLRAY is the program; by default it is found in the path.
+# candidate. Without options the limits are those below; .png and .npy hold light alone. $NULLRAY is the program; by
+# default it is found in the path.
 set -euo pipefail
 references=${1:?a folder of references} candidates=${2:?a folder of candidates}
 shift 2
-[ $# -gt 0 ] || set -- --tolerance geometric.p99=0.1 --tolerance coverage=0.99 --tolerance relrmse=0.05
+light=(--tolerance relrmse=0.05)
+surfaces=(--tolerance geometric.p99=0.1 --tolerance coverage=0.99 "${light[@]}")
 
 compared=0 failed=0
 for reference in "$references"/*.exr "$references"/*.npz "$references"/*.npy "$references"/*.png; do
   [ -e "$reference" ] || continue
   candidate=$candidates/$(basename "$reference")
   compared=$((compared + 1))
+  limits=("$@")
+  if [ $# -eq 0 ]; then
+    case $reference in
+      *.png | *.npy) limits=("${light[@]}") ;;
+      *) limits=("${surfaces[@]}") ;;
+    esac
+  fi
   echo "== $candidate"
   if [ ! -e "$candidate" ]; then
     echo "it is missing"
     failed=$((failed + 1))
-  elif ! "${NULLRAY:-nullray}" compare "$reference" "$candidate" --report "${candidate%.*}-report.html" "$@"; then
+  elif ! "${NULLRAY:-nullray}" compare "$reference" "$candidate" --report "${candidate%.*}-report.html" "${limits[@]}"; then
     failed=$((failed + 1))
   fi
 done

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::super::geometry::Field;
-use super::{Case, Diagnosis, Kind, MOST, median};
+use super::{Case, Diagnosis, FEWEST, Kind, MOST, median};
 
 /// Displacements that are notable, pixels.
 const NOTABLE_DISPLACEMENT: f64 = 0.1;
@@ -24,6 +24,10 @@ struct Part {
 /// One triangle, or one object, that is not where it should be.
 pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
     let by_points = case.field.and_then(|field| localised(case, field));
+    // Places of a known scene are exact; those on triangles that are seen at a grazing angle hang on few pixels.
+    if let Some(Field::Known(..)) = case.field {
+        return by_points;
+    }
     by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
 }
 
@@ -65,10 +69,10 @@ fn worst(parts: &BTreeMap<Name, Part>, total: f64, pixels: usize) -> Option<(Nam
         .iter()
         .max_by(|a, b| a.1.square.total_cmp(&b.1.square))?;
     let count = part.found.len() as f64;
-    let small = count <= LARGEST_PART * pixels as f64;
+    let is_part = part.found.len() >= FEWEST && count <= LARGEST_PART * pixels as f64;
     let mean = part.found.iter().sum::<DVec2>() / count;
     let coherent = mean.length() >= COHERENT * (part.square / count).sqrt();
-    (small && coherent && part.square >= MOST * total).then_some((*name, part))
+    (is_part && coherent && part.square >= MOST * total).then_some((*name, part))
 }
 
 fn describe_part(

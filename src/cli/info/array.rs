@@ -5,6 +5,7 @@ use std::path::Path;
 use nullray::io::cube::{self, CubeFormat, CubeInfo, Transfer, Wanted};
 use nullray::io::npy::{Dtype, Header};
 use nullray::light::time_texture::survey::{self, Order};
+use nullray::render::aov;
 use nullray::render::plan::bytes;
 use nullray::{Error, Result};
 use serde_json::{Value, json};
@@ -93,17 +94,20 @@ fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<St
     Ok(Some(survey::of_samples(&cube, order)))
 }
 
-/// Whether these are the arrays of a picture, as `render` writes one: channels, and a text of metadata.
+/// Whether these are the arrays of a picture: channels with a text of metadata, as `render` writes them, or channels
+/// alone, as other programs do.
 fn is_picture(headers: &[Header]) -> bool {
     let is_text = |header: &Header| match &header.dtype {
         Dtype::Other(descr) => descr.starts_with("<U"),
         Dtype::F16 | Dtype::F32 | Dtype::F64 => false,
     };
-    let named = |header: &Header| header.name.as_deref() == Some("metadata");
-    headers.len() > 1
-        && headers
-            .iter()
-            .any(|header| named(header) && is_text(header))
+    let name = |header: &Header| header.name.clone().unwrap_or_default();
+    let has_metadata = headers.iter().any(|h| name(h) == "metadata" && is_text(h));
+    let is_channel = |header: &Header| aov::parse(&name(header)).is_ok_and(|aovs| !aovs.is_empty());
+    let is_light = |header: &Header| name(header) == "radiance";
+    let channels_alone =
+        headers.iter().any(is_channel) && headers.iter().all(|h| is_channel(h) || is_light(h));
+    headers.len() > 1 && (has_metadata || channels_alone)
 }
 
 /// The array's rows, and whether it is a cube where that is asked.

@@ -141,6 +141,37 @@ fn of_pictures_that_the_program_wrote() {
     );
 }
 
+/// A picture of another program, which writes channels and no metadata, is one as well.
+#[test]
+fn of_pictures_that_other_programs_wrote() {
+    use std::io::Write;
+    let folder = Folder::empty();
+    let mut archive = zip::ZipWriter::new(fs::File::create(folder.path("mine.npz")).unwrap());
+    for (name, descr, shape, size) in [
+        ("object", "<i8", "(2, 3)", 48),
+        ("event", "<f4", "(2, 3, 4)", 96),
+        ("wavelength_ratio", "<f4", "(2, 3)", 24),
+    ] {
+        let header =
+            format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.bytes());
+        bytes.extend(vec![0; size]);
+        archive
+            .start_file(
+                format!("{name}.npy"),
+                zip::write::SimpleFileOptions::default(),
+            )
+            .unwrap();
+        archive.write_all(&bytes).unwrap();
+    }
+    archive.finish().unwrap();
+    let parts = ["picture of 3 arrays", "usable      yes: `nullray compare`"];
+    said(&folder, "mine.npz", &parts);
+    assert!(!folder.ok(&["info", "mine.npz"]).contains("not a cube"));
+}
+
 #[test]
 fn of_a_scene() {
     let folder = Folder::new();

@@ -54,7 +54,9 @@ pub(super) struct Blend {
 impl Blend {
     /// Adds what capture `index` says, whose weight is `weight` if it sees the point.
     fn add(&mut self, choice: CaptureChoice, index: usize, sampled: Sampled, weight: Option<f64>) {
-        match weight.filter(|_| sampled.coverage == Coverage::HELD) {
+        // The weights of the taps sum to 1 but for rounding.
+        let is_held = sampled.coverage.held > 1.0 - 1e-9;
+        match weight.filter(|_| is_held) {
             Some(weight) => {
                 if choice == CaptureChoice::First && self.weight > 0.0 {
                     return;

@@ -131,7 +131,14 @@ mod tests {
                 vertices: Default::default(),
             };
             let d = vector().normalize();
-            let (ct, x) = (vector().x * 3.0, vector() * 3.0);
+            // Every other ray leads to a point of the body, the others anywhere.
+            let at = rest
+                .frame
+                .event_to_world(Event::new(vector().x, centre + vector() * 0.3));
+            let (ct, x) = match round % 2 {
+                0 => (vector().x * 3.0, vector() * 3.0),
+                _ => (at.ct + 2.0, at.x - d * 2.0),
+            };
             let distance = [1.0, 5.0, f64::INFINITY][round % 3];
             let ray = NullRay::new(Event::new(ct, x), Direction::from_unit(d), 1.0);
             let local = rest

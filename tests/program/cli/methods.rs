@@ -48,7 +48,7 @@ fn all_methods_write_the_same_channels() {
         channels.collect::<Vec<_>>()
     };
     let traced = channels("trace");
-    assert_eq!(traced.len(), 35);
+    assert_eq!(traced.len(), 37);
     for method in [
         "raster:none",
         "raster:adaptive=1",

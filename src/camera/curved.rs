@@ -85,37 +85,27 @@ impl Radial {
     }
 }
 
-/// A fisheye; see the module.
+/// A film whose points stand for angles.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fisheye {
-    radial: Radial,
+struct AngularFilm {
+    /// Right, up and forward.
     axes: [DVec3; 3],
+    /// Columns and rows.
     size: [f64; 2],
     /// F.
     focal: f64,
 }
 
-impl Fisheye {
-    /// A fisheye with unit axes right, up and forward, a horizontal field of view in radians (up to 2π; π where
-    /// it is orthographic), and `size` in columns and rows.
-    pub fn new(radial: Radial, axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
-        Fisheye {
-            radial,
-            axes,
-            size,
-            focal: 0.5 * size[0] / radial.distance(0.5 * horizontal_fov),
-        }
-    }
-
-    pub(super) fn stretched(&self, stretch: f64) -> Self {
-        Fisheye {
+impl AngularFilm {
+    fn stretched(&self, stretch: f64) -> Self {
+        AngularFilm {
             focal: self.focal * stretch,
             ..self.clone()
         }
     }
 
-    pub(super) fn turned(&self, turn: DMat3) -> Self {
-        Fisheye {
+    fn turned(&self, turn: DMat3) -> Self {
+        AngularFilm {
             axes: self.axes.map(|axis| turn * axis),
             ..self.clone()
         }
@@ -130,33 +120,75 @@ impl Fisheye {
             (0.5 * height - y) / self.focal,
         ]
     }
+
+    /// The film point so many pixels right and up of the middle.
+    fn point(&self, right: f64, up: f64) -> [f64; 2] {
+        let [width, height] = self.size;
+        [0.5 * width + right, 0.5 * height - up]
+    }
+
+    /// The vector with these components along the axes.
+    #[inline(always)]
+    fn vector(&self, v: DVec3) -> DVec3 {
+        let [right, up, forward] = self.axes;
+        right * v.x + up * v.y + forward * v.z
+    }
+}
+
+/// A fisheye; see the module.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fisheye {
+    radial: Radial,
+    film: AngularFilm,
+}
+
+impl Fisheye {
+    /// A fisheye with unit axes right, up and forward, a horizontal field of view in radians (up to 2π; π where
+    /// it is orthographic), and `size` in columns and rows.
+    pub fn new(radial: Radial, axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
+        let focal = 0.5 * size[0] / radial.distance(0.5 * horizontal_fov);
+        let film = AngularFilm { axes, size, focal };
+        Fisheye { radial, film }
+    }
+
+    pub(super) fn stretched(&self, stretch: f64) -> Self {
+        Fisheye {
+            film: self.film.stretched(stretch),
+            ..*self
+        }
+    }
+
+    pub(super) fn turned(&self, turn: DMat3) -> Self {
+        Fisheye {
+            film: self.film.turned(turn),
+            ..*self
+        }
+    }
 }
 
 impl Projection for Fisheye {
     fn size(&self) -> [f64; 2] {
-        self.size
+        self.film.size
     }
 
     fn axes(&self) -> [DVec3; 3] {
-        self.axes
+        self.film.axes
     }
 
     #[inline]
     fn vector(&self, x: f64, y: f64) -> DVec3 {
-        let [right, up, forward] = self.axes;
-        let v = self.components(x, y);
-        right * v.x + up * v.y + forward * v.z
+        self.film.vector(self.components(x, y))
     }
 
     #[inline]
     fn sees(&self, x: f64, y: f64) -> bool {
-        let [a, b] = self.place(x, y);
+        let [a, b] = self.film.place(x, y);
         a * a + b * b <= self.radial.limit()
     }
 
     #[inline]
     fn components(&self, x: f64, y: f64) -> DVec3 {
-        let [a, b] = self.place(x, y);
+        let [a, b] = self.film.place(x, y);
         let square = a * a + b * b;
         if square > self.radial.limit() {
             return DVec3::Z;
@@ -166,7 +198,6 @@ impl Projection for Fisheye {
     }
 
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
-        let [width, height] = self.size;
         let across = libm::hypot(v.x, v.y);
         let theta = libm::atan2(across, v.z);
         let beyond = self.radial == Radial::Orthographic && v.z < 0.0;
@@ -174,9 +205,9 @@ impl Projection for Fisheye {
         if beyond || !(across > 0.0 || v.z > 0.0) {
             return None;
         }
-        let radius = self.focal * self.radial.distance(theta);
+        let radius = self.film.focal * self.radial.distance(theta);
         let scale = if across > 0.0 { radius / across } else { 0.0 };
-        Some([0.5 * width + scale * v.x, 0.5 * height - scale * v.y])
+        Some(self.film.point(scale * v.x, scale * v.y))
     }
 
     fn footprint(&self, v: DVec3) -> f64 {
@@ -187,7 +218,7 @@ impl Projection for Fisheye {
             Radial::Equisolid => libm::cos(0.5 * theta),
             Radial::Orthographic => libm::cos(theta).max(0.0),
         };
-        v.length() / (self.focal * along)
+        v.length() / (self.film.focal * along)
     }
 
     // Around the axis r/sin θ: without end behind.
@@ -203,69 +234,50 @@ impl Projection for Fisheye {
 /// The panorama; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equirectangular {
-    axes: [DVec3; 3],
-    size: [f64; 2],
-    /// F.
-    focal: f64,
+    film: AngularFilm,
 }
 
 impl Equirectangular {
     /// A panorama with unit axes right, up and forward, a horizontal field of view in radians, up to 2π, and
     /// `size` in columns and rows.
     pub fn new(axes: [DVec3; 3], horizontal_fov: f64, size: [f64; 2]) -> Self {
-        Equirectangular {
-            axes,
-            size,
-            focal: size[0] / horizontal_fov,
-        }
+        let focal = size[0] / horizontal_fov;
+        let film = AngularFilm { axes, size, focal };
+        Equirectangular { film }
     }
 
     pub(super) fn stretched(&self, stretch: f64) -> Self {
         Equirectangular {
-            focal: self.focal * stretch,
-            ..self.clone()
+            film: self.film.stretched(stretch),
         }
     }
 
     pub(super) fn turned(&self, turn: DMat3) -> Self {
         Equirectangular {
-            axes: self.axes.map(|axis| turn * axis),
-            ..self.clone()
+            film: self.film.turned(turn),
         }
-    }
-
-    /// Longitude and latitude, radians.
-    #[inline(always)]
-    fn angles(&self, x: f64, y: f64) -> [f64; 2] {
-        let [width, height] = self.size;
-        [
-            (x - 0.5 * width) / self.focal,
-            (0.5 * height - y) / self.focal,
-        ]
     }
 }
 
 impl Projection for Equirectangular {
     fn size(&self) -> [f64; 2] {
-        self.size
+        self.film.size
     }
 
     fn axes(&self) -> [DVec3; 3] {
-        self.axes
+        self.film.axes
     }
 
     #[inline]
     fn vector(&self, x: f64, y: f64) -> DVec3 {
-        let [right, up, forward] = self.axes;
-        let v = self.components(x, y);
-        right * v.x + up * v.y + forward * v.z
+        self.film.vector(self.components(x, y))
     }
 
     #[inline]
     fn sees(&self, x: f64, y: f64) -> bool {
         // Rounding may take a little from an edge that is at 180 or 90 degrees.
         const EDGE: f64 = 1.0 + 4.0 * f64::EPSILON;
-        let [longitude, latitude] = self.angles(x, y);
+        let [longitude, latitude] = self.film.place(x, y);
         longitude.abs() <= PI * EDGE && latitude.abs() <= FRAC_PI_2 * EDGE
     }
 
@@ -274,28 +286,25 @@ impl Projection for Equirectangular {
         if !self.sees(x, y) {
             return DVec3::Z;
         }
-        let [longitude, latitude] = self.angles(x, y);
+        let [longitude, latitude] = self.film.place(x, y);
         let (sin, cos) = libm::sincos(longitude);
         let (up, level) = libm::sincos(latitude);
         DVec3::new(level * sin, up, level * cos)
     }
 
     fn film_point(&self, v: DVec3) -> Option<[f64; 2]> {
-        let [width, height] = self.size;
         let level = libm::hypot(v.x, v.z);
         // The poles are seen along a whole row.
         (level > 0.0).then(|| {
             let longitude = libm::atan2(v.x, v.z);
             let latitude = libm::atan2(v.y, level);
-            [
-                0.5 * width + self.focal * longitude,
-                0.5 * height - self.focal * latitude,
-            ]
+            let focal = self.film.focal;
+            self.film.point(focal * longitude, focal * latitude)
         })
     }
 
     fn footprint(&self, v: DVec3) -> f64 {
-        v.length() / self.focal
+        v.length() / self.film.focal
     }
 
     // Along circles of latitude 1/cos φ: without end at the poles.

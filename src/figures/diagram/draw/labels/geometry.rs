@@ -68,48 +68,79 @@ pub(super) fn is_inside([x, y]: [f64; 2], edge: &[[f64; 2]]) -> bool {
     crossings.count() % 2 == 1
 }
 
-/// Rectangles by where they are on the page, so that those near a place are found without a look at all of them.
-#[derive(Default)]
-pub(super) struct Grid(HashMap<[i32; 2], Vec<u32>>);
+/// Rectangles and lines by where they are on the page, so that those near a place are found without a look at all of them.
+pub(super) struct Grid {
+    /// The side of a cell, points.
+    side: f64,
+    cells: HashMap<[i32; 2], Vec<u32>>,
+}
 
 impl Grid {
-    /// The side of a cell, points.
-    const CELL: f64 = 32.0;
     /// What is farther out, in cells, counts as if it were here: pages are smaller.
-    const FARTHEST: f64 = 512.0;
+    const FARTHEST: i32 = 2048;
+
+    /// An empty one of cells with this side, points.
+    pub fn new(side: f64) -> Self {
+        Grid {
+            side,
+            cells: HashMap::new(),
+        }
+    }
+
+    /// Puts line `index` in: into the cells that it goes through, row by row.
+    pub fn insert_line(&mut self, index: usize, points: &[[f64; 2]]) {
+        // More than rounding, so that no cell is missed.
+        const MORE: f64 = 1e-3;
+        for (&[ax, ay], &[bx, by]) in points.iter().zip(points.iter().skip(1)) {
+            for row in self.cell(ay.min(by))..=self.cell(ay.max(by)) {
+                let at = |y: f64| match by == ay || row.abs() == Self::FARTHEST {
+                    true => None,
+                    false => Some(ax + ((y - ay) / (by - ay)).clamp(0.0, 1.0) * (bx - ax)),
+                };
+                let from = at(f64::from(row) * self.side - MORE).unwrap_or(ax);
+                let to = at(f64::from(row + 1) * self.side + MORE).unwrap_or(bx);
+                let columns = self.cell(from.min(to) - MORE)..=self.cell(from.max(to) + MORE);
+                for column in columns {
+                    let held = self.cells.entry([column, row]).or_default();
+                    held.push(index as u32);
+                }
+            }
+        }
+    }
 
     /// Puts rectangle `index` in.
     pub fn insert(&mut self, index: usize, rect: Rect) {
-        for cell in Self::cells(rect) {
-            self.0.entry(cell).or_default().push(index as u32);
+        for cell in self.cells(rect) {
+            self.cells.entry(cell).or_default().push(index as u32);
         }
     }
 
     /// Takes rectangle `index` out.
     pub fn remove(&mut self, index: usize, rect: Rect) {
-        for cell in Self::cells(rect) {
-            if let Some(held) = self.0.get_mut(&cell) {
+        for cell in self.cells(rect) {
+            if let Some(held) = self.cells.get_mut(&cell) {
                 held.retain(|other| *other != index as u32);
             }
         }
     }
 
-    /// The indices of all rectangles that may touch `rect`, each once, in their order.
+    /// The indices of all rectangles and lines that may touch `rect`, each once, in their order.
     pub fn near(&self, rect: Rect) -> Vec<usize> {
-        let held = Self::cells(rect).filter_map(|cell| self.0.get(&cell));
+        let held = self.cells(rect).filter_map(|cell| self.cells.get(&cell));
         let mut found: Vec<usize> = held.flatten().map(|index| *index as usize).collect();
         found.sort_unstable();
         found.dedup();
         found
     }
 
-    fn cells(rect: Rect) -> impl Iterator<Item = [i32; 2]> {
-        let cell = |x: f64| {
-            (x / Self::CELL)
-                .floor()
-                .clamp(-Self::FARTHEST, Self::FARTHEST) as i32
-        };
-        let [columns, rows] = [0, 1].map(|i| cell(rect.min[i])..=cell(rect.max[i]));
+    /// The column or row of cells of a place.
+    fn cell(&self, x: f64) -> i32 {
+        let far = f64::from(Self::FARTHEST);
+        (x / self.side).floor().clamp(-far, far) as i32
+    }
+
+    fn cells(&self, rect: Rect) -> impl Iterator<Item = [i32; 2]> + use<> {
+        let [columns, rows] = [0, 1].map(|i| self.cell(rect.min[i])..=self.cell(rect.max[i]));
         rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
     }
 }
@@ -120,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_grid_finds_what_is_near_and_forgets_what_was_taken_out() {
-        let mut grid = Grid::default();
+        let mut grid = Grid::new(32.0);
         let at = |x: f64, y: f64| moved(UNIT, [x, y]);
         for (index, place) in [[0.0, 0.0], [31.5, 0.0], [500.0, 700.0], [1e300, -1e300]]
             .iter()
@@ -133,6 +164,27 @@ mod tests {
         assert_eq!(grid.near(at(1e299, -1e301)), [3]);
         grid.remove(1, at(31.5, 0.0));
         assert_eq!(grid.near(widened(UNIT, 40.0)), [0]);
+    }
+
+    #[test]
+    fn a_grid_finds_the_lines_that_cross_a_rectangle() {
+        let ends = |k: usize| {
+            [
+                [k as f64 * 7.3 % 90.0, k as f64 * 3.1 % 70.0],
+                [k as f64 * 5.7 % 80.0, k as f64 * 9.9 % 95.0],
+            ]
+        };
+        let mut grid = Grid::new(8.0);
+        for k in 0..200 {
+            grid.insert_line(k, &ends(k));
+        }
+        for place in 0..100 {
+            let rect = moved(UNIT, [place as f64 * 3.7 % 88.0, place as f64 * 1.9 % 92.0]);
+            let crossed = |k: &usize| crosses(rect, ends(*k)[0], ends(*k)[1]);
+            let found: Vec<usize> = grid.near(rect).into_iter().filter(crossed).collect();
+            let all: Vec<usize> = (0..200).filter(crossed).collect();
+            assert_eq!(found, all);
+        }
     }
 
     const UNIT: Rect = Rect {

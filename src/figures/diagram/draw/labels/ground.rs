@@ -1,12 +1,14 @@
 //! What is on the page before the labels.
 
-use super::geometry::{around, crosses, is_inside, touch};
+use super::geometry::{Grid, around, crosses, is_inside, touch};
 use crate::figures::drawing::Colour;
 use crate::figures::text::Rect;
 
 const OUTSIDE: f64 = 300.0;
 const ON_DOT: f64 = 60.0;
 const ON_LINE: f64 = 32.0;
+/// The side of cells in which lines and dots are looked up, points: about the height of a label.
+const CELL: f64 = 8.0;
 /// The most lines that count.
 const MOST_LINES: f64 = 8.0;
 
@@ -16,6 +18,9 @@ pub(in crate::figures::diagram::draw) struct Ground {
     background: Colour,
     dots: Vec<Rect>,
     lines: Vec<Line>,
+    /// Both by their places.
+    dots_by_place: Grid,
+    lines_by_place: Grid,
     areas: Vec<(Vec<[f64; 2]>, Colour)>,
     /// Within which lines are seen.
     clip: Rect,
@@ -39,6 +44,8 @@ impl Ground {
             background,
             dots: Vec::new(),
             lines: Vec::new(),
+            dots_by_place: Grid::new(CELL),
+            lines_by_place: Grid::new(CELL),
             areas: Vec::new(),
             clip: Rect {
                 min: [0.0; 2],
@@ -55,6 +62,7 @@ impl Ground {
     /// A line that labels keep off.
     pub fn line(&mut self, points: Vec<[f64; 2]>, weight: f64) {
         for points in seen(&points, self.clip) {
+            self.lines_by_place.insert_line(self.lines.len(), &points);
             self.lines.push(Line {
                 bounds: around(&points),
                 points,
@@ -65,7 +73,7 @@ impl Ground {
 
     /// A dot that labels keep off.
     pub fn dot(&mut self, [x, y]: [f64; 2], radius: f64) {
-        self.dots.push(Rect {
+        self.words(Rect {
             min: [x - radius, y - radius],
             max: [x + radius, y + radius],
         });
@@ -73,6 +81,7 @@ impl Ground {
 
     /// Words that stand already.
     pub fn words(&mut self, rect: Rect) {
+        self.dots_by_place.insert(self.dots.len(), rect);
         self.dots.push(rect);
     }
 
@@ -83,8 +92,16 @@ impl Ground {
 
     /// What a label costs whose ink is in `rect`, and which keeps `airy` free.
     pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
-        let dots = self.dots.iter().filter(|dot| touch(airy, **dot));
-        let lines = self.crossing(airy).map(|line| line.weight).sum::<f64>();
+        let near = self.dots_by_place.near(airy).into_iter();
+        let dots = near.filter(|dot| touch(airy, self.dots[*dot]));
+        // No more are looked at than count.
+        let mut lines = 0.0;
+        for line in self.crossing(airy) {
+            lines += line.weight;
+            if lines >= MOST_LINES {
+                break;
+            }
+        }
         let inside =
             (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
         let outside = if inside { 0.0 } else { OUTSIDE };
@@ -102,7 +119,9 @@ impl Ground {
             let pairs = line.points.iter().zip(line.points.iter().skip(1));
             pairs.into_iter().any(|(a, b)| crosses(rect, *a, *b))
         };
-        self.lines.iter().filter(near).filter(through)
+        let found = self.lines_by_place.near(rect).into_iter();
+        let found = found.filter_map(|line| self.lines.get(line));
+        found.filter(near).filter(through)
     }
 
     /// The colour of the ground under the middle of a rectangle.

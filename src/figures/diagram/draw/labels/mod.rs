@@ -44,6 +44,8 @@ const LEADER_ON_LABEL: f64 = 200.0;
 const LEADER: f64 = 14.0;
 /// What is kept free around a label, points.
 const AIR: f64 = 1.0;
+/// The side of cells in which labels are looked up, points.
+const CELL: f64 = 32.0;
 /// Rounds of choosing again.
 const ROUNDS: usize = 6;
 /// Width of what keeps a label apart from lines under it, points.
@@ -133,7 +135,7 @@ pub(super) fn place(
         labels.push(Label::new(request, *count, habits)?);
         *count += 1;
     }
-    let mut grid = Grid::default();
+    let mut grid = Grid::new(CELL);
     for _ in 0..ROUNDS {
         let mut moved = false;
         for i in 0..labels.len() {

@@ -82,6 +82,22 @@ window = b"dataWindow\0box2i\0" + struct.pack("<I", 16)
 at = frame.index(window) + len(window)
 save("picture_exr/claims-much.exr", frame[: at + 8] + struct.pack("<ii", 16383, 8191) + frame[at + 16 :])
 
+# Transient images of each version, and one whose sizes have a product beyond 64 bits.
+SAMPLES = struct.pack("<24f", *range(24))
+BLOCK = struct.pack("<II15f", 3, 2, *range(15))
+save("cube_ti/version4.ti", b"TI04" + struct.pack("<IIIffI", 10, 6, 4, 0.5, 0.25, len(BLOCK)) + SAMPLES + BLOCK + b"{}")
+save("cube_ti/version1.ti", b"TI01" + struct.pack("<IIIff", 4, 3, 2, 0, 1) + SAMPLES)
+save("cube_ti/version0.ti", b"TI00" + struct.pack("<IIIff", 2, 4, 3, 0, 1) + SAMPLES)
+save("cube_ti/overflow.ti", b"TI01" + struct.pack("<IIIff", 2**32 - 1, 2**32 - 1, 2**32 - 1, 0, 1) + SAMPLES)
+
+# Radiance pictures: plain pixels, runs by pixel (old) and by component, and one that claims 2^30 pixels.
+RADIANCE = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n"
+save("picture_hdr/plain.hdr", RADIANCE + b"-Y 2 +X 3\n" + bytes([128, 64, 32, 129] * 6))
+save("picture_hdr/old-runs.hdr", RADIANCE + b"-Y 2 +X 3\n" + bytes([128, 64, 32, 129, 1, 1, 1, 5]))
+line = bytes([2, 2, 0, 9]) + bytes([137, 7] * 3) + bytes([9] + [129] * 9)
+save("picture_hdr/runs.hdr", RADIANCE + b"-Y 2 +X 9\n" + 2 * line)
+save("picture_hdr/claims-much.hdr", RADIANCE + b"-Y 32768 +X 32768\n" + bytes([2, 2, 128, 0, 255, 7]))
+
 # What once ended in a panic, was dropped in silence, or took long.
 save("scene/column-65536.toml", "camera = 1\nb = \"" + "x" * 65536 + "\" ]\n")
 save("scene/column-65535.toml", "b = [" + "1, " * 22000 + "wrong ]\n")

@@ -9,7 +9,7 @@ use nullray::figures::text::RichText;
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Wanted};
 use nullray::io::gltf::{self, Want};
-use nullray::io::image::{Texture, exr, png};
+use nullray::io::image::{Texture, exr, hdr, png};
 use nullray::io::{npy, spectrum};
 use nullray::render::aov;
 use nullray::scene::model::BadVertices;
@@ -23,7 +23,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 14] = [
     Target {
         name: "cube_npy",
         extension: "npy",
@@ -33,6 +33,11 @@ pub const TARGETS: [Target; 12] = [
         name: "cube_npz",
         extension: "npz",
         run: cube_npz,
+    },
+    Target {
+        name: "cube_ti",
+        extension: "ti",
+        run: cube_ti,
     },
     Target {
         name: "gltf",
@@ -75,6 +80,11 @@ pub const TARGETS: [Target; 12] = [
         run: picture_npz,
     },
     Target {
+        name: "picture_hdr",
+        extension: "hdr",
+        run: picture_hdr,
+    },
+    Target {
         name: "spectrum",
         extension: "csv",
         run: spectrum,
@@ -96,6 +106,10 @@ fn cube_npy(bytes: &[u8]) {
 fn cube_npz(bytes: &[u8]) {
     let _ = cube::load_bytes(bytes, "fuzzed.npz", Wanted::default());
     let _ = cube::load_bytes(bytes, "fuzzed.npz", Wanted::array("cube"));
+}
+
+fn cube_ti(bytes: &[u8]) {
+    let _ = cube::load_bytes(bytes, "fuzzed.ti", Wanted::default());
 }
 
 fn gltf(bytes: &[u8]) {
@@ -189,6 +203,13 @@ fn picture_npz(bytes: &[u8]) {
         let _ = npy::inspect(path, None);
         let _ = Picture::read(path, Encoding::Linear, &Budget::new(MEMORY));
     });
+}
+
+fn picture_hdr(bytes: &[u8]) {
+    let read = hdr::read(bytes, Path::new("fuzzed.hdr"), &Budget::new(MEMORY));
+    if let Ok(([width, height], pixels)) = read {
+        assert_eq!(pixels.len(), width * height);
+    }
 }
 
 fn spectrum(bytes: &[u8]) {

@@ -20,7 +20,7 @@ use super::film::in_pool;
 use super::names::{named_after, suffixed};
 use super::output::{Identity, Inputs, Outputs, extension};
 use super::progress::Bar;
-use super::{inputs, interrupt, memory, print, say, warn};
+use super::{inputs, interrupt, print, say, warn};
 
 /// What is baked into one file.
 struct Job {
@@ -34,7 +34,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     bake::check(&scene)?;
     let bins = bins(arguments, &scene)?;
     let jobs = jobs(arguments, &scene)?;
-    let limit = memory::limit(arguments.scene.changes.max_memory);
+    let limit = arguments.scene.changes.memory.bytes();
     let size = |job: &Job| {
         job.surface
             .map_or(scene.camera.size, |surface| surface.size)
@@ -42,6 +42,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let threads = arguments
         .work
         .threads
+        .count
         .map_or_else(rayon::current_num_threads, usize::from);
     let bytes = |job| bake::bytes(size(job), &bins, threads);
     let largest = jobs.iter().map(bytes).max();
@@ -64,8 +65,8 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
     interrupt::can_resume("run the same command again to go on where it stopped");
-    let quiet = arguments.work.quiet;
-    in_pool(arguments.work.threads, || {
+    let quiet = arguments.work.quiet.on;
+    in_pool(arguments.work.threads.count, || {
         let samples = u64::from(plan.film.samples);
         let texels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h) * samples;
         let bar = Bar::new(jobs.iter().map(|job| texels(size(job))).sum(), quiet);
@@ -130,7 +131,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
 fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
     let path = match &arguments.output {
         Some(path) => path.clone(),
-        None => named_after(arguments.scene.scene.as_deref(), "-light.npy"),
+        None => named_after(arguments.scene.path(), "-light.npy"),
     };
     if !["npy", "npz"].contains(&extension(&path).as_str()) {
         let what = "a cube is written as .npy, or as .npz with what it is of";
@@ -183,7 +184,11 @@ fn objects(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<usize>> {
 fn check_names(arguments: &BakeArguments, jobs: &[Job], inputs: &[PathBuf]) -> Result<()> {
     let overwritten = "the scene reads this file: it would be overwritten";
     let mut names = Names::new(
-        arguments.scene.scene.as_ref().into_iter().chain(inputs),
+        arguments
+            .scene
+            .path()
+            .into_iter()
+            .chain(inputs.iter().map(PathBuf::as_path)),
         overwritten,
         "cube",
     );

@@ -80,15 +80,15 @@ impl Names {
         Names::new(read, overwritten, " picture")
     }
 
-    pub fn new<'a>(
-        read: impl IntoIterator<Item = &'a PathBuf>,
+    pub fn new(
+        read: impl IntoIterator<Item = impl AsRef<Path>>,
         overwritten: &'static str,
         thing: &'static str,
     ) -> Names {
         Names {
             read: read
                 .into_iter()
-                .map(|path| inputs::identity(path))
+                .map(|path| inputs::identity(path.as_ref()))
                 .collect(),
             overwritten,
             thing,

@@ -18,7 +18,7 @@ use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{interrupt, memory, print, print_json};
+use super::{interrupt, print, print_json};
 
 /// Bytes per pixel that comparing takes beside the pictures, with maps of errors and what is drawn of them.
 const COMPARED: u64 = 96;
@@ -26,7 +26,7 @@ const COMPARED: u64 = 96;
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments)?;
-    let budget = Budget::new(memory::limit(arguments.max_memory));
+    let budget = Budget::new(arguments.memory.bytes());
     let reference = picture(&arguments.reference, arguments, &budget)?;
     let candidate = picture(&arguments.candidate, arguments, &budget)?;
     let pixels = u64::from(reference.layers.width) * u64::from(reference.layers.height);
@@ -38,7 +38,7 @@ pub fn run(arguments: &CompareArguments) -> Result<Done> {
     };
     let comparison = compare(&reference, &candidate, &options)?;
     let breaches = comparison.breaches(&arguments.tolerance)?;
-    match arguments.json {
+    match arguments.json.on {
         true => print_json(&Found {
             comparison: &comparison,
             breaches: &breaches,

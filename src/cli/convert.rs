@@ -40,7 +40,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     };
     let bar = Bar::samples(
         info.shape.iter().map(|n| *n as u64).product(),
-        arguments.quiet,
+        arguments.quiet.on,
     );
     let mut done = |written, of| bar.reached(written, of);
     let converted = cube::convert(
@@ -50,7 +50,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         &mut done,
     )?;
     drop(bar);
-    match arguments.quiet {
+    match arguments.quiet.on {
         true => Ok(()),
         false => report(arguments, &converted, &times),
     }

@@ -8,7 +8,7 @@ use nullray::validate::export::{self, Cubes, ExportOptions, Exported};
 use super::args::{CubesArgument, ExportArguments};
 use super::failure::refused;
 use super::progress::Bar;
-use super::{film, inputs, interrupt, memory, print, warn};
+use super::{film, inputs, interrupt, print, warn};
 
 pub fn run(arguments: &ExportArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
@@ -20,17 +20,17 @@ pub fn run(arguments: &ExportArguments) -> Result<()> {
         },
         vectors: arguments.vectors,
         overwrite: arguments.overwrite,
-        memory_limit: memory::limit(arguments.scene.changes.max_memory),
+        memory_limit: arguments.scene.changes.memory.bytes(),
     };
     let plan = export::plan(&scene, &options)?;
     check(arguments, &scene, &plan)?;
-    let exported = film::in_pool(arguments.work.threads, || {
-        let bar = Bar::new(plan.rays.camera, arguments.work.quiet);
+    let exported = film::in_pool(arguments.work.threads.count, || {
+        let bar = Bar::new(plan.rays.camera, arguments.work.quiet.on);
         bar.start();
         export::export(&scene, &arguments.output, &options, &bar)
     })?;
     interrupt::check()?;
-    match arguments.work.quiet {
+    match arguments.work.quiet.on {
         true => Ok(()),
         false => report(arguments, &exported),
     }

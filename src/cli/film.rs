@@ -24,8 +24,7 @@ pub fn one(
     quiet: bool,
     account: Option<&mut Account>,
 ) -> Result<()> {
-    let plan = Plan::new(scene, request)?;
-    outputs.method.check(&plan)?;
+    let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
     check_all([outputs.clone()], &inputs::of(scene, &plan))?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;

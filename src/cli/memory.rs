@@ -5,28 +5,94 @@ use std::fs;
 /// Where the machine does not say how much it has.
 const USUAL: u64 = 16 << 30;
 
-/// What was said, or three quarters of the machine's memory, or of what the container may have of it.
+/// What was said, or three quarters of what the machine has left for new programs, or the container.
 pub fn limit(said: Option<u64>) -> u64 {
     said.unwrap_or_else(|| available().unwrap_or(USUAL / 3 * 4) / 4 * 3)
 }
 
 /// The bytes that this process may have.
 fn available() -> Option<u64> {
-    let container = [
-        "/sys/fs/cgroup/memory.max",
-        "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-    ];
-    let number = |path: &str| fs::read_to_string(path).ok()?.trim().parse().ok();
-    let limits = container.into_iter().filter_map(number);
-    limits.chain(machine()).min()
+    let containers = CONTAINERS.iter().filter_map(Container::left);
+    containers.chain(machine()).min()
 }
 
-/// The bytes of the machine's memory.
+/// Where a version of control groups says how much memory they may have and do have.
+struct Container {
+    limit: &'static str,
+    taken: &'static str,
+    /// Numbers by name, of which `cache` is what of it gives way: copies of files.
+    statistics: &'static str,
+    cache: &'static str,
+}
+
+const CONTAINERS: [Container; 2] = [
+    Container {
+        limit: "/sys/fs/cgroup/memory.max",
+        taken: "/sys/fs/cgroup/memory.current",
+        statistics: "/sys/fs/cgroup/memory.stat",
+        cache: "inactive_file",
+    },
+    Container {
+        limit: "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+        taken: "/sys/fs/cgroup/memory/memory.usage_in_bytes",
+        statistics: "/sys/fs/cgroup/memory/memory.stat",
+        cache: "total_inactive_file",
+    },
+];
+
+impl Container {
+    /// What is left of the limit, bytes; none without a limit.
+    fn left(&self) -> Option<u64> {
+        let limit = number(self.limit)?;
+        let cache = fs::read_to_string(self.statistics).ok();
+        let cache = cache.and_then(|text| value(&text, self.cache));
+        let taken = number(self.taken).unwrap_or(0);
+        Some(limit.saturating_sub(taken.saturating_sub(cache.unwrap_or(0))))
+    }
+}
+
+/// The value of a line "name value".
+fn value(text: &str, name: &str) -> Option<u64> {
+    let mut lines = text.lines().map(str::split_whitespace);
+    let mut words = lines.find_map(|mut words| (words.next()? == name).then_some(words))?;
+    words.next()?.parse().ok()
+}
+
+fn number(path: &str) -> Option<u64> {
+    fs::read_to_string(path).ok()?.trim().parse().ok()
+}
+
+/// The bytes that the machine can give to new programs without swapping.
 fn machine() -> Option<u64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let total = text
-        .lines()
-        .find_map(|line| line.strip_prefix("MemTotal:"))?;
-    let kibibytes: u64 = total.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    in_meminfo(&fs::read_to_string("/proc/meminfo").ok()?)
+}
+
+/// `MemAvailable`, or of kernels before 3.14 `MemTotal`.
+fn in_meminfo(text: &str) -> Option<u64> {
+    let kibibytes = value(text, "MemAvailable:").or_else(|| value(text, "MemTotal:"))?;
     kibibytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machine_gives_what_is_available_or_else_all_that_it_has() {
+        let old = "MemTotal:       24000000 kB\nMemFree:         1000000 kB\n";
+        assert_eq!(in_meminfo(old), Some(24_000_000 * 1024));
+        let new = format!("{old}MemAvailable:   20000000 kB\n");
+        assert_eq!(in_meminfo(&new), Some(20_000_000 * 1024));
+        assert_eq!(in_meminfo("nothing"), None);
+        assert_eq!(
+            value("active_file 1\ninactive_file 7\n", "inactive_file"),
+            Some(7)
+        );
+    }
+
+    #[test]
+    fn what_was_said_is_the_limit() {
+        assert_eq!(limit(Some(5)), 5);
+        assert!(limit(None) > 0);
+    }
 }

@@ -57,7 +57,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         file.write_all(&glb)
             .map_err(Error::io(&output, "cannot write"))
     })?;
-    if arguments.quiet {
+    if arguments.quiet.on {
         return Ok(());
     }
     report(&output, &made, distances.len())

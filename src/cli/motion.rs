@@ -41,16 +41,16 @@ use super::{builtin, inputs};
 
 pub fn run(mut arguments: FilmArguments) -> Result<()> {
     if arguments.output.is_empty() {
-        arguments.output = vec![named_after(arguments.scene.as_deref(), ".apng")];
+        arguments.output = vec![named_after(arguments.scene.path(), ".apng")];
     }
-    arguments.work.quiet |= arguments.output.iter().any(|path| reel::is_pipe(path));
+    arguments.work.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
     let overrides = arguments.changes.overrides();
-    let file = builtin::open(arguments.scene.as_deref(), &overrides)?;
+    let file = builtin::open(arguments.scene.path(), &overrides)?;
     let scene = file.scene(&overrides)?;
     let plan = Plan::new(&scene, &arguments.changes.request())?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;
     let takes = takes(&arguments, &scene)?;
-    in_pool(arguments.work.threads, || {
+    in_pool(arguments.work.threads.count, || {
         film(&arguments, &file, &scene, &takes)
     })
 }
@@ -306,7 +306,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
             // The searchlight effect makes one place at many speeds too dark or too bright for one exposure.
             same_exposure: arguments.motion.speeds.is_none(),
             warns: false,
-            quiet: arguments.work.quiet,
+            quiet: arguments.work.quiet.on,
             file,
             scene,
             frames: &take.frames,
@@ -352,7 +352,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         count,
         fps: arguments.fps,
         metadata: &metadata::of_text(&scene.name, &scene.text),
-        quiet: arguments.work.quiet,
+        quiet: arguments.work.quiet.on,
     };
     reel.write(picture)?;
     let names = takes.iter().map(|take| folder.pattern(take.name));
@@ -384,7 +384,7 @@ fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
     };
     let n = heading(arguments.motion.direction, scene.camera.axes[2])?;
     let series = boosts(
-        arguments.scene.as_deref(),
+        arguments.scene.path(),
         &arguments.changes.overrides(),
         n * beta,
         arguments.pictures,

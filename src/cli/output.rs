@@ -105,7 +105,7 @@ impl Outputs {
         needed
     }
 
-    /// What is held beside a picture of `size`: a map that is warped, films and pages of lines. Bytes.
+    /// What is held beside a picture of `size`: films and pages of lines. Bytes.
     pub fn beside(&self, size: [u32; 2]) -> u64 {
         let lines = match self.overlays.is_empty() {
             true => 0,
@@ -116,8 +116,7 @@ impl Outputs {
             true => 64 * u64::from(size[0]) * u64::from(size[1]),
             false => 0,
         };
-        let beside = self.method.bytes(self.needs().len());
-        beside.saturating_add(lines).saturating_add(centred)
+        lines.saturating_add(centred)
     }
 
     /// All files of the film's own, and what they hold; not those with lines drawn over them.

@@ -22,14 +22,14 @@ use super::names::{numbered, stem};
 use super::output::Outputs;
 use super::progress::Bar;
 use super::reel::Folder;
-use super::{builtin, inputs, interrupt, memory, motion, say};
+use super::{builtin, inputs, interrupt, motion, say};
 
 /// Pixels of a point in the diagrams of pixels.
 const PROBE_SCALE: f64 = 1.6;
 
 pub fn run(arguments: &PageArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
-    let file = builtin::open(arguments.scene.as_deref(), &overrides)?;
+    let file = builtin::open(arguments.scene.path(), &overrides)?;
     let scene = file.scene(&overrides)?;
     let directory = &arguments.output;
     std::fs::create_dir_all(directory)
@@ -40,13 +40,13 @@ pub fn run(arguments: &PageArguments) -> Result<()> {
     let overwritten = "this is a file that the page is made of: it would be overwritten";
     let option = format!("-o {}", directory.display());
     Names::new(&read, overwritten, " page").check(&option, &path)?;
-    in_pool(arguments.work.threads, || {
+    in_pool(arguments.work.threads.count, || {
         make(arguments, &file, &scene, &path)
     })
 }
 
 fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path) -> Result<()> {
-    let quiet = arguments.work.quiet;
+    let quiet = arguments.work.quiet.on;
     let steps = arguments.steps;
     let still = motion::speeds("--beta", arguments.direction, scene, arguments.beta, steps)?;
     let times = times(arguments, scene)?;
@@ -64,7 +64,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     let job = Job {
         changes: &arguments.changes,
-        same_exposure: arguments.same_exposure,
+        same_exposure: arguments.exposure.same_exposure,
         warns: false,
         quiet,
         file,
@@ -85,7 +85,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
         .map(|path| std::fs::read(&path).map_err(Error::io(&path, "cannot read")));
     let title = arguments.title.clone();
     let page = Page {
-        title: title.unwrap_or_else(|| stem(arguments.scene.as_deref()).display().to_string()),
+        title: title.unwrap_or_else(|| stem(arguments.scene.path()).display().to_string()),
         text: arguments.text.clone().unwrap_or_default(),
         betas: still
             .iter()
@@ -148,7 +148,7 @@ fn diagrams(arguments: &PageArguments, shots: &[Shot]) -> Result<Vec<String>> {
         return Ok(Vec::new());
     };
     let overrides = arguments.changes.overrides();
-    let path = arguments.scene.as_deref();
+    let path = arguments.scene.path();
     let series = motion::boosts(path, &overrides, last.velocity.beta(), shots.len() as u32);
     series?.map(|drawing| svg::write(&drawing?)).collect()
 }
@@ -158,12 +158,12 @@ fn probes(arguments: &PageArguments, scene: &Scene, shots: &[Shot]) -> Result<Ve
     let Some([columns, rows]) = arguments.grid else {
         return Ok(Vec::new());
     };
-    let base = match arguments.scene.as_deref() {
+    let base = match arguments.scene.path() {
         Some(path) => path.parent().unwrap_or(Path::new("")),
         None => Path::new(files::BUILT_IN),
     };
     let base = diagram::parse(&scene.text, &scene.name, base, &Overrides::default())?;
-    let limit = memory::limit(arguments.changes.max_memory);
+    let limit = arguments.changes.memory.bytes();
     let [width, height] = scene.camera.size;
     let middle =
         |k: u32, count: u32, length: u32| ((2 * k + 1) * length / (2 * count)).min(length - 1);

@@ -3,7 +3,7 @@
 use nullray::Result;
 use nullray::figures::overlay;
 use nullray::render;
-use nullray::render::plan::{Plan, Request};
+use nullray::render::plan::Request;
 
 use super::args::PlanArguments;
 use super::progress::Bar;
@@ -12,22 +12,21 @@ use super::{print, print_json};
 pub fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let aovs = arguments.channels.list();
-    let mut beside = arguments.method.bytes(aovs.len());
-    if arguments.overlay {
-        let parts = arguments.overlay_parts.unwrap_or_default();
-        beside += overlay::bytes(scene.camera.size, parts);
-    }
+    let parts = arguments.lines.parts();
+    let beside = match arguments.overlay {
+        true => overlay::bytes(scene.camera.size, parts),
+        false => 0,
+    };
     let request = Request {
         aovs,
         beside,
         ..arguments.scene.changes.request()
     };
-    let mut plan = Plan::new(&scene, &request)?;
-    arguments.method.check(&plan)?;
-    let bar = Bar::new(plan.rays.camera, arguments.json).named("what will be read".into());
+    let mut plan = arguments.method.method.plan(&scene, &request)?;
+    let bar = Bar::new(plan.rays.camera, arguments.json.on).named("what will be read".into());
     render::foretell(&scene, &mut plan, &bar)?;
     drop(bar);
-    match arguments.json {
+    match arguments.json.on {
         true => print_json(&plan),
         false => print(&plan.to_string()),
     }

@@ -104,10 +104,18 @@ impl Folder {
     /// Takes these pictures away, and the folder if nothing else is in it.
     pub fn remove(self, pictures: impl IntoIterator<Item = PathBuf>) {
         // What stays costs space and nothing else.
-        if let Folder::Beside(path) = self {
+        if let Folder::Beside(_) = self {
             for picture in pictures {
                 let _ = fs::remove_file(picture);
             }
+        }
+    }
+}
+
+impl Drop for Folder {
+    /// Removes the folder if it is empty: pictures of a film that was not finished stay.
+    fn drop(&mut self) {
+        if let Folder::Beside(path) = self {
             let _ = fs::remove_dir(path);
         }
     }

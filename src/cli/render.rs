@@ -32,7 +32,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         .into_iter()
         .partition(|path| reel::is_film(path));
     arguments.output = images;
-    arguments.work.quiet |= films.iter().any(|path| reel::is_pipe(path));
+    arguments.work.quiet.on |= films.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let overrides = arguments.changes.overrides();
     let file = file(arguments, &overrides)?;
@@ -67,7 +67,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         check_statistics(path, &inputs::of(&scene, &plan))?;
     }
     let wanted = arguments.stats || arguments.stats_json.is_some();
-    if wanted && arguments.method != Method::Trace {
+    if wanted && arguments.method.method != Method::Trace {
         return Err(refused(
             "--stats",
             "counts what the ray tracer does",
@@ -79,15 +79,15 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     if let Some(option) = improves {
         check_passes(option, arguments, frames.is_some())?;
     }
-    in_pool(arguments.work.threads, || match frames {
+    in_pool(arguments.work.threads.count, || match frames {
         Some(_) if of_panels => Err(panels_and_frames()),
         Some(frames) => {
             let request = request(arguments, &outputs, &scene);
             let job = Job {
                 changes: &arguments.changes,
-                same_exposure: arguments.same_exposure,
+                same_exposure: arguments.exposure.same_exposure,
                 warns: true,
-                quiet: arguments.work.quiet,
+                quiet: arguments.work.quiet.on,
                 file: &file,
                 scene: &scene,
                 frames: &frames,
@@ -104,7 +104,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
                 request,
                 &outputs,
                 arguments.passes,
-                arguments.work.quiet,
+                arguments.work.quiet.on,
             )
         }
         None => {
@@ -113,7 +113,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
                 &scene,
                 &request,
                 &outputs,
-                arguments.work.quiet,
+                arguments.work.quiet.on,
                 account.as_mut(),
             )
         }
@@ -221,7 +221,7 @@ impl Film<'_> {
 
 /// The scene file that is named, or that a model stands for.
 fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
-    let (path, model) = (arguments.scene.as_deref(), &arguments.model);
+    let (path, model) = (arguments.scene.path(), &arguments.model);
     let moves = model.beta.is_some() || model.flyby;
     if model.direction.is_some() && !moves {
         let what = "it says where a moving camera goes, and this one is at rest";
@@ -291,7 +291,7 @@ fn check_passes(option: &str, arguments: &RenderArguments, is_sequence: bool) ->
             "it improves pictures, and this is a sequence of them",
             "one --time, or samples for all frames: --spp N",
         ),
-        () if arguments.method != Method::Trace => refuse(
+        () if arguments.method.method != Method::Trace => refuse(
             "it improves pictures of the ray tracer",
             "leave out --method",
         ),
@@ -316,7 +316,10 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
         return Ok(());
     };
     account.write(path)?;
-    say(arguments.work.quiet, &format!("wrote {}\n", path.display()))
+    say(
+        arguments.work.quiet.on,
+        &format!("wrote {}\n", path.display()),
+    )
 }
 
 fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Request {
@@ -345,7 +348,7 @@ fn all_panels(
 ) -> Result<()> {
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.same_exposure {
+    if arguments.exposure.same_exposure {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     // With one panel and a name for it there is nothing to be told apart.
@@ -368,7 +371,7 @@ fn all_panels(
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     for (request, scene, outputs) in &jobs {
-        let quiet = arguments.work.quiet;
+        let quiet = arguments.work.quiet.on;
         match arguments.passes.given() {
             Some(_) => passes::one(scene, request.clone(), outputs, arguments.passes, quiet)?,
             None => one(scene, request, outputs, quiet, account.as_deref_mut())?,
@@ -384,11 +387,11 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
         isochrones: arguments.isochrones.clone(),
         luminance: arguments.luminance.clone(),
         overlays: arguments.overlay.clone(),
-        parts: arguments.overlay_parts.unwrap_or_default(),
+        parts: arguments.lines.parts(),
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.channels.list(),
         half: arguments.half,
-        method: arguments.method,
+        method: arguments.method.method,
         ..Outputs::default()
     }
 }
@@ -396,7 +399,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
 /// What `-o` says, or the scene's name with .png.
 fn images(arguments: &RenderArguments) -> Vec<PathBuf> {
     match arguments.output.as_slice() {
-        [] => vec![named_after(arguments.scene.as_deref(), ".png")],
+        [] => vec![named_after(arguments.scene.path(), ".png")],
         said => said.to_vec(),
     }
 }

@@ -16,24 +16,24 @@ use super::{failure, film, print};
 /// Runs every check, says what each has found, and whether all hold.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     let checks = chosen(&arguments.check)?;
-    film::in_pool(arguments.threads, || {
+    film::in_pool(arguments.threads.count, || {
         let effort = match arguments.thorough {
             true => Effort::Thorough,
             false => Effort::Quick,
         };
-        if !arguments.json {
+        if !arguments.json.on {
             print(&heading())?;
         }
         let mut lines = Vec::new();
         for check in checks {
             let line = Line::of(check, effort)?;
-            if !arguments.json {
+            if !arguments.json.on {
                 print(&line.to_string())?;
             }
             lines.push(line);
         }
         let failed = lines.iter().filter(|line| !line.holds()).count();
-        print(&match arguments.json {
+        print(&match arguments.json.on {
             true => format!("{:#}\n", report(&lines, effort)),
             false => verdict(lines.len(), failed),
         })?;

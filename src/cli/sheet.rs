@@ -31,10 +31,10 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
     figures.iter().try_for_each(Figure::check_text)?;
     make_directory(arguments)?;
     check(&figures)?;
-    film::in_pool(arguments.work.threads, || {
+    film::in_pool(arguments.work.threads.count, || {
         figures
             .iter()
-            .try_for_each(|figure| figure.make(arguments.work.quiet))
+            .try_for_each(|figure| figure.make(arguments.work.quiet.on))
     })
 }
 
@@ -153,7 +153,7 @@ fn parts(
         return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.same_exposure {
+    if arguments.exposure.same_exposure {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     let part = |(panel, scene): (&Panel, Scene)| {

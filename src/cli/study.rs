@@ -16,7 +16,7 @@ use super::film::in_pool;
 use super::names::named_after;
 use super::output::{encoded, extension};
 use super::progress::Bar;
-use super::{interrupt, memory, say};
+use super::{interrupt, say};
 
 /// Pixels of a point in a .png.
 const SCALE: f64 = 2.0;
@@ -30,10 +30,10 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
         runs: arguments.runs,
         budget: Duration::from_secs_f64(arguments.budget),
         reference_samples: arguments.reference_spp,
-        memory_limit: memory::limit(arguments.scene.changes.max_memory),
+        memory_limit: arguments.scene.changes.memory.bytes(),
     };
-    let quiet = arguments.work.quiet;
-    let study = in_pool(arguments.work.threads, || {
+    let quiet = arguments.work.quiet.on;
+    let study = in_pool(arguments.work.threads.count, || {
         let bar = Bar::new(options.rays(scene.camera.size), quiet);
         bar.start();
         study::study(&scene, &options, &bar)
@@ -53,12 +53,10 @@ pub fn run(arguments: &StudyArguments) -> Result<()> {
 
 /// Where to write; refused before anything is measured.
 fn outputs(arguments: &StudyArguments) -> Result<Vec<PathBuf>> {
-    let path = arguments.scene.scene.as_ref();
+    let path = arguments.scene.path();
     if arguments.output.is_empty() {
         let endings = ["-study.csv", "-study.json", "-study.svg"];
-        return Ok(endings
-            .map(|ending| named_after(path.map(PathBuf::as_path), ending))
-            .into());
+        return Ok(endings.map(|ending| named_after(path, ending)).into());
     }
     let overwritten = "this is the scene that is studied: it would be overwritten";
     let mut names = Names::new(path, overwritten, "");

@@ -18,14 +18,14 @@ pub fn run(arguments: &TessellationArguments) -> Result<()> {
     };
     let plan = Plan::new(&scene, &request)?;
     Method::Raster(Raster::new(Tessellation::None)).check(&plan)?;
-    film::in_pool(arguments.work.threads, || {
-        let bar = Bar::new(plan.rays.camera, arguments.work.quiet);
+    film::in_pool(arguments.work.threads.count, || {
+        let bar = Bar::new(plan.rays.camera, arguments.work.quiet.on);
         let prepared = Prepared::new(&scene, &plan, &bar)?;
         bar.start();
         let forecast = tessellation::forecast(&scene, &prepared, arguments.pixels, &bar)?;
         drop(bar);
         interrupt::check()?;
-        match arguments.json {
+        match arguments.json.on {
             true => print_json(&forecast),
             false => print(&forecast.to_string()),
         }

@@ -4,24 +4,7 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::{Folder, Numbers, SCENE, files, instants, said};
-
-const SEQUENCE: [&str; 14] = [
-    "render",
-    "a.toml",
-    "--frames",
-    "0..6",
-    "--interval",
-    "1 cm",
-    "-o",
-    "f-##.png",
-    "-o",
-    "f-##.exr",
-    "-o",
-    "f-##.npz",
-    "--aovs",
-    "event",
-];
+use super::{BAKE, Folder, Numbers, SCENE, SEQUENCE, cube, files, instants, lit_scene, said};
 
 /// Starts the program and kills it after `after`; whether it was still at work.
 fn killed(folder: &Folder, arguments: &[&str], after: Duration) -> bool {
@@ -98,6 +81,60 @@ fn a_killed_export_is_there_whole_or_not_at_all() {
     assert!(files(&folder.path("bundle"), &[]) == expected);
     let left: Vec<_> = folder.files(&["bundle"]).into_keys().collect();
     assert_eq!(left, ["a.toml"]);
+}
+
+/// Kills a command at random instants, time and again: each file is whole, or the one that was there before, or absent, and the next run gives
+/// the same bits and clears what was left.
+fn killed_at_random(input: (&str, Vec<u8>), arguments: &[&str], seed: u64) {
+    let begun = || {
+        let folder = Folder::new();
+        folder.write(input.0, &input.1);
+        folder
+    };
+    let reference = begun();
+    let begin = Instant::now();
+    reference.succeed(arguments);
+    let whole = begin.elapsed();
+    let expected = reference.files(&[]);
+    let (mut numbers, mut at_work) = (Numbers(seed), 0);
+    for _ in 0..instants() {
+        let folder = begun();
+        let after = Duration::from_micros(numbers.below(whole.as_micros() as u64));
+        at_work += u64::from(killed(&folder, arguments, after));
+        for (name, content) in folder.files(&[".nullray-"]) {
+            assert!(expected.get(&name) == Some(&content), "{name} is not whole");
+        }
+        folder.age_left_overs();
+        for name in expected.keys().filter(|name| *name != input.0) {
+            let _ = std::fs::remove_file(folder.path(name));
+        }
+        let _ = std::fs::remove_dir(folder.path("frames"));
+        folder.succeed(arguments);
+        let after = folder.files(&[]);
+        assert!(
+            after == expected,
+            "files or bits differ: {:?}",
+            after.keys()
+        );
+    }
+    assert!(at_work > 0);
+}
+
+#[test]
+fn a_killed_bake_is_there_whole_or_not_at_all() {
+    killed_at_random(lit_scene(), &BAKE, 4);
+}
+
+#[test]
+fn a_killed_conversion_is_there_whole_or_not_at_all() {
+    for (k, name) in ["b.npy", "b.npz", "frames"].into_iter().enumerate() {
+        let (name_of_input, _) = cube();
+        killed_at_random(
+            cube(),
+            &["convert", name_of_input, "-o", name],
+            5 + k as u64,
+        );
+    }
 }
 
 #[test]

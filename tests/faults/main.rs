@@ -85,7 +85,10 @@ fn files(folder: &Path, except: &[&str]) -> BTreeMap<String, Vec<u8>> {
             continue;
         }
         if entry.path().is_dir() {
-            let inner = files(&entry.path(), &[]).into_iter();
+            let inner = files(&entry.path(), &[]);
+            // An empty directory counts as a file of its own.
+            all.extend(inner.is_empty().then(|| (format!("{name}/"), Vec::new())));
+            let inner = inner.into_iter();
             all.extend(inner.map(|(inner, content)| (format!("{name}/{inner}"), content)));
         } else if let Ok(content) = std::fs::read(entry.path()) {
             all.insert(name, content);
@@ -139,3 +142,53 @@ white = 1
 [[object]]
 shape = { box = { size = [1, 1, 1] } }
 ";
+
+/// A sequence of that scene.
+const SEQUENCE: [&str; 14] = [
+    "render",
+    "a.toml",
+    "--frames",
+    "0..6",
+    "--interval",
+    "1 cm",
+    "-o",
+    "f-##.png",
+    "-o",
+    "f-##.exr",
+    "-o",
+    "f-##.npz",
+    "--aovs",
+    "event",
+];
+
+/// A scene with light to be baked.
+fn lit_scene() -> (&'static str, Vec<u8>) {
+    let light = "[[light]]\nposition = [0, 2, 2]\nintensity = 5\nemission = { gaussian = { sigma = \"30 cm\" } }\n";
+    ("a.toml", format!("{SCENE}{light}").into())
+}
+
+/// Bakes it: what the camera sees, which does not move then.
+const BAKE: [&str; 12] = [
+    "bake",
+    "a.toml",
+    "--camera",
+    "--set",
+    "camera.velocity={beta=[0,0,0]}",
+    "--spp",
+    "1",
+    "--bin-width",
+    "10 cm",
+    "--bins=64",
+    "-o",
+    "a.npy",
+];
+
+/// A cube of 6 rows, 5 columns and 40 bins of whole numbers.
+fn cube() -> (&'static str, Vec<u8>) {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 5, 40), }";
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend([118, 0]);
+    file.extend(format!("{header:<117}\n").bytes());
+    file.extend((0..6 * 5 * 40).flat_map(|k| (k as f32).to_le_bytes()));
+    ("a.npy", file)
+}

@@ -1,50 +1,70 @@
 //! Writes that fail.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Folder, SCENE, check_failure, said};
+use super::{BAKE, Folder, SCENE, SEQUENCE, check_failure, cube, instants, lit_scene, said};
 
-/// A library that makes the n-th call of `write`, `fsync` or `rename` on a file fail as on a full disk.
+/// A library that makes the n-th call fail that changes a file: of `write` and its kin, `fsync`, `ftruncate`, `rename`, `mkdir`, or of
+/// `open` where it makes a file. Those after it fail, too, as on a full disk, unless `FAIL_ONCE` is set.
 const LIBRARY: &str = r#"
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <stdatomic.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 static atomic_long calls;
 static int fails(void) {
     const char *which = getenv("FAIL_AT");
-    return which && atomic_fetch_add(&calls, 1) + 1 >= atol(which);
+    if (!which) return 0;
+    long call = atomic_fetch_add(&calls, 1) + 1;
+    return getenv("FAIL_ONCE") ? call == atol(which) : call >= atol(which);
 }
 static int is_file(int fd) {
     struct stat s;
     return fstat(fd, &s) == 0 && S_ISREG(s.st_mode);
 }
-ssize_t write(int fd, const void *data, size_t size) {
-    static ssize_t (*real)(int, const void *, size_t);
-    if (!real) real = dlsym(RTLD_NEXT, "write");
-    if (is_file(fd) && fails()) { errno = ENOSPC; return -1; }
-    return real(fd, data, size);
-}
-int fsync(int fd) {
-    static int (*real)(int);
-    if (!real) real = dlsym(RTLD_NEXT, "fsync");
-    if (is_file(fd) && fails()) { errno = EIO; return -1; }
-    return real(fd);
-}
+#define REAL(name) __typeof__(&name) real = (__typeof__(&name))dlsym(RTLD_NEXT, #name)
+#define ON_FILE(type, name, parameters, arguments, error) \
+    type name parameters { REAL(name); if (is_file(fd) && fails()) { errno = error; return -1; } return real arguments; }
+ON_FILE(ssize_t, write, (int fd, const void *data, size_t size), (fd, data, size), ENOSPC)
+ON_FILE(ssize_t, writev, (int fd, const struct iovec *data, int count), (fd, data, count), ENOSPC)
+ON_FILE(ssize_t, pwrite, (int fd, const void *data, size_t size, off_t at), (fd, data, size, at), ENOSPC)
+ON_FILE(ssize_t, pwrite64, (int fd, const void *data, size_t size, off64_t at), (fd, data, size, at), ENOSPC)
+ON_FILE(int, fsync, (int fd), (fd), EIO)
+ON_FILE(int, ftruncate, (int fd, off_t size), (fd, size), ENOSPC)
+ON_FILE(int, ftruncate64, (int fd, off64_t size), (fd, size), ENOSPC)
 int rename(const char *from, const char *to) {
-    static int (*real)(const char *, const char *);
-    if (!real) real = dlsym(RTLD_NEXT, "rename");
+    REAL(rename);
     if (fails()) { errno = ENOSPC; return -1; }
     return real(from, to);
 }
+int mkdir(const char *path, mode_t mode) {
+    REAL(mkdir);
+    if (fails()) { errno = ENOSPC; return -1; }
+    return real(path, mode);
+}
+#define OPEN(name) \
+    int name(const char *path, int flags, ...) { \
+        REAL(name); \
+        va_list list; \
+        va_start(list, flags); \
+        mode_t mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(list, mode_t) : 0; \
+        va_end(list); \
+        if ((flags & O_CREAT) && fails()) { errno = ENOSPC; return -1; } \
+        return real(path, flags, mode); \
+    }
+OPEN(open)
+OPEN(open64)
 "#;
 
 /// The library, where there is a C compiler for it.
-fn library(folder: &Folder) -> Option<std::path::PathBuf> {
+fn library(folder: &Folder) -> Option<PathBuf> {
     folder.write("fail.c", LIBRARY);
     let path = folder.path("fail.so");
     let mut cc = Command::new("cc");
@@ -56,65 +76,167 @@ fn library(folder: &Folder) -> Option<std::path::PathBuf> {
     made.then_some(path)
 }
 
-/// Runs a command again and again, with the n-th write failing, until none does.
-fn with_failing_writes(arguments: &[&str], target: &str) {
+/// Whether the calls after the one that fails do so, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Failure {
+    Once,
+    FromThenOn,
+}
+
+/// Runs a command again and again, with the n-th write failing, for every n up to where none fails, or for as many of
+/// them as [`instants`] says, spread evenly. Each time every file is whole, the one that was there before, or absent; nothing else is left; and
+/// the command run again gives the same bits as without failures.
+fn with_failing_writes(inputs: &[(&str, Vec<u8>)], arguments: &[&str], old: Option<&str>) {
     let tools = Folder::new();
     let Some(library) = library(&tools) else {
         crate::common::skipped::skipped("there is no C compiler for Linux");
         return;
     };
-    let folder = Folder::new();
-    folder.write("a.toml", SCENE);
-    let is_folder = !target.contains('.');
-    if !is_folder {
-        folder.write(target, "what was there before");
-    }
-    let before = folder.files(&[]);
-    for n in 1..10_000 {
+    let begun = || {
+        let folder = Folder::new();
+        for (name, content) in inputs {
+            folder.write(name, content);
+        }
+        if let Some(old) = old {
+            folder.write(old, OLD);
+        }
+        folder
+    };
+    let reference = begun();
+    reference.succeed(arguments);
+    let expected = reference.files(&[]);
+    let failing = |folder: &Folder, n: u64, failure| {
         let mut command = folder.program(arguments);
         command
             .env("LD_PRELOAD", &library)
             .env("FAIL_AT", n.to_string());
-        let output = command.output().unwrap();
-        if output.status.success() {
-            assert!(n > 2, "nothing was written: {}", said(&output));
-            assert!(folder.path(target).exists());
-            return;
+        if failure == Failure::Once {
+            command.env("FAIL_ONCE", "1");
         }
-        check_failure(&output);
-        assert!(
-            folder.files(&[]) == before,
-            "write {n}: {:?}",
-            folder.files(&[]).keys()
-        );
+        command.output().unwrap()
+    };
+    // How many calls there are: the first that is never made, found by doubling and halving.
+    let succeeds = |n: u64| failing(&begun(), n, Failure::FromThenOn).status.success();
+    let mut above = 4;
+    while !succeeds(above) {
+        above *= 2;
+        assert!(above < 1 << 20, "it never succeeds");
     }
-    panic!("it never succeeds");
+    let mut below = above / 2;
+    while above - below > 1 {
+        let middle = below.midpoint(above);
+        *if succeeds(middle) {
+            &mut above
+        } else {
+            &mut below
+        } = middle;
+    }
+    assert!(above > 2, "nothing was written");
+    let step = (above / (4 * instants())).max(1);
+    for n in (1..above).step_by(step as usize) {
+        for failure in [Failure::FromThenOn, Failure::Once] {
+            let folder = begun();
+            let before = folder.files(&[]);
+            let output = failing(&folder, n, failure);
+            match failure {
+                // What fails once only may be done without: a file that is made to see whether it can be.
+                Failure::Once if output.status.success() => {}
+                _ => check_failure(&output),
+            }
+            for (name, content) in folder.files(&[]) {
+                let is_old = before.get(&name) == Some(&content);
+                // Pictures of an unfinished film are kept to be gone on from, and go when it is finished.
+                let is_whole = expected.get(&name) == Some(&content)
+                    || name.contains(".frames/film-") && content.starts_with(b"\x89PNG");
+                assert!(
+                    is_old || is_whole,
+                    "call {n}, {failure:?}: {name}: {}",
+                    said(&output)
+                );
+            }
+            folder.succeed(arguments);
+            let after = folder.files(&[]);
+            assert!(
+                after == expected,
+                "call {n}, {failure:?}: {:?}",
+                after.keys()
+            );
+        }
+    }
+}
+
+const OLD: &str = "what was there before";
+
+fn scene() -> (&'static str, Vec<u8>) {
+    ("a.toml", SCENE.into())
 }
 
 #[test]
 fn a_write_of_a_png_that_fails_leaves_what_was_there() {
-    with_failing_writes(&["render", "a.toml", "-o", "a.png"], "a.png");
+    with_failing_writes(
+        &[scene()],
+        &["render", "a.toml", "-o", "a.png"],
+        Some("a.png"),
+    );
 }
 
 #[test]
 fn a_write_of_an_exr_that_fails_leaves_what_was_there() {
-    with_failing_writes(
-        &["render", "a.toml", "--aovs", "event", "-o", "a.exr"],
-        "a.exr",
-    );
+    let render = ["render", "a.toml", "--aovs", "event", "-o", "a.exr"];
+    with_failing_writes(&[scene()], &render, Some("a.exr"));
 }
 
 #[test]
 fn a_write_of_an_npz_that_fails_leaves_what_was_there_and_says_one_thing() {
-    with_failing_writes(
-        &["render", "a.toml", "--aovs", "event", "-o", "a.npz"],
-        "a.npz",
-    );
+    let render = ["render", "a.toml", "--aovs", "event", "-o", "a.npz"];
+    with_failing_writes(&[scene()], &render, Some("a.npz"));
+}
+
+#[test]
+fn a_write_of_a_sequence_that_fails_leaves_whole_frames_that_are_gone_on_from() {
+    with_failing_writes(&[scene()], &SEQUENCE, None);
+}
+
+#[test]
+fn a_write_of_a_film_that_fails_leaves_what_was_there() {
+    let film = [
+        "film",
+        "a.toml",
+        "--speeds",
+        "0.5",
+        "--pictures",
+        "3",
+        "--size",
+        "24x16",
+        "-o",
+        "a.apng",
+    ];
+    with_failing_writes(&[scene()], &film, Some("a.apng"));
+}
+
+#[test]
+fn a_write_of_a_diagram_that_fails_leaves_what_was_there() {
+    for name in ["a.svg", "a.pdf", "a.png"] {
+        with_failing_writes(&[scene()], &["diagram", "a.toml", "-o", name], Some(name));
+    }
 }
 
 #[test]
 fn a_write_of_an_export_that_fails_leaves_nothing() {
-    with_failing_writes(&["export", "a.toml", "-o", "bundle"], "bundle");
+    with_failing_writes(&[scene()], &["export", "a.toml", "-o", "bundle"], None);
+}
+
+#[test]
+fn a_write_of_a_baked_cube_that_fails_leaves_what_was_there() {
+    with_failing_writes(&[lit_scene()], &BAKE, Some("a.npy"));
+}
+
+#[test]
+fn a_write_of_a_converted_cube_that_fails_leaves_what_was_there() {
+    for (name, old) in [("b.npy", true), ("b.npz", true), ("frames", false)] {
+        let convert = ["convert", "a.npy", "-o", name];
+        with_failing_writes(&[cube()], &convert, old.then_some(name));
+    }
 }
 
 /// Runs a shell script with the program as `$1` in name spaces of its own, where file systems can be mounted; none where

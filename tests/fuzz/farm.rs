@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::counting;
 use crate::mutate::{Dictionary, Numbers, mutated};
 use crate::targets::Target;
 use crate::watch;
@@ -100,7 +101,7 @@ pub fn run(
             watch::begin(target.name, &input);
             let begin = Instant::now();
             let mut outcome = Ok(());
-            let held = watch::peak_of(|| {
+            let held = counting::peak_of(|| {
                 outcome = catch_unwind(AssertUnwindSafe(|| (target.run)(&input)));
             });
             watch::end();

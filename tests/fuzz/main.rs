@@ -3,6 +3,8 @@
 //! `cargo test --test fuzz` replays the corpus of `fuzz/`, all small files of the other tests, and a few thousand inputs that
 //! are made of them. `fuzz/run SECONDS` runs the farm (the test that is ignored here) for as long as one likes; see `fuzz/README.md`.
 
+#[path = "../common/counting.rs"]
+mod counting;
 mod farm;
 mod mutate;
 #[path = "../../fuzz/src/targets.rs"]
@@ -15,7 +17,7 @@ use std::time::{Duration, Instant};
 use targets::{TARGETS, Target};
 
 #[global_allocator]
-static ALLOCATOR: watch::Counting = watch::Counting;
+static ALLOCATOR: counting::Counting = counting::Counting;
 
 /// The least corpus of a target: its own folder, and what the other tests have of its kind.
 fn seeds(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
@@ -63,7 +65,7 @@ fn the_corpus_is_read_or_refused_without_a_panic_and_without_much_memory() {
         assert!(!seeds.is_empty(), "{} has no corpus", target.name);
         for (path, bytes) in seeds {
             let begin = Instant::now();
-            let peak = watch::peak_of(|| (target.run)(&bytes));
+            let peak = counting::peak_of(|| (target.run)(&bytes));
             let name = path.display();
             assert!(peak < watch::MOST_MEMORY, "{name}: {peak} bytes");
             assert!(

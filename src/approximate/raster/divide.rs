@@ -31,6 +31,7 @@ use super::method::Tessellation;
 use super::vertices::{Vertex, extend};
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::approximate::projection::Projection;
+use crate::error::Error;
 use crate::render::trace::{BuildPlaceHasher, SharedVertices};
 
 /// So often an edge is cut at most: 10⁻⁹ of it is left.
@@ -39,21 +40,65 @@ const DEEPEST: u32 = 30;
 const SAME: f64 = 1.0 - 1e-12;
 /// The edges of so many triangles are looked at together.
 const LOT: usize = 64;
+/// By so many triangles of a batch it is foretold into how many they will be divided.
+const ENOUGH: usize = 1024;
 
 /// How many points triangles have been cut at so far, in all batches.
-#[derive(Debug, Default)]
-pub(super) struct Cuts(AtomicUsize);
+#[derive(Debug)]
+pub(super) struct Cuts {
+    count: AtomicUsize,
+    /// More are refused.
+    most: usize,
+}
 
 impl Cuts {
-    /// More are refused.
-    pub const MOST: usize = 1 << 24;
+    /// The most that are kept however much memory there is.
+    const MOST: usize = 1 << 24;
     /// So many are counted at once.
     const LOT: usize = 1 << 10;
+    /// What one takes at most: it, its two pieces, and what is kept to divide them.
+    pub const BYTES: u64 = 400;
+    /// So many times as many as may be have to be foretold before they are refused untried: forecasts overrate
+    /// triangles that bend in one place alone.
+    const MARGIN: f64 = 4.0;
+
+    /// None yet, of at most so many as `memory` bytes hold.
+    pub fn within(memory: u64) -> Self {
+        Cuts {
+            count: AtomicUsize::new(0),
+            most: Cuts::most(memory),
+        }
+    }
+
+    /// How many `memory` bytes hold.
+    pub fn most(memory: u64) -> usize {
+        (memory / Cuts::BYTES).min(Cuts::MOST as u64) as usize
+    }
 
     /// Whether there are more than may be. Once so, it stays so; before, nobody stops for it: that it is so
     /// in the end does not depend on threads.
     pub fn are_too_many(&self) -> bool {
-        self.0.load(Ordering::Relaxed) > Cuts::MOST
+        self.count.load(Ordering::Relaxed) > self.most
+    }
+
+    /// Whether there will be, with about so many more, beyond doubt.
+    pub fn will_be_too_many(&self, more: f64) -> bool {
+        let count = self.count.load(Ordering::Relaxed) as f64;
+        count + more > Cuts::MARGIN * self.most as f64
+    }
+
+    /// The refusal of too many.
+    pub fn refusal(&self) -> Error {
+        let help = match self.most {
+            Cuts::MOST => "a longer edge, or more pixels of error",
+            _ => "a longer edge, more pixels of error, or a higher limit (--max-memory)",
+        };
+        Error::unsupported(
+            "command line",
+            "--method",
+            format!("triangles would be cut at more than {} points", self.most),
+            help,
+        )
     }
 }
 
@@ -88,6 +133,8 @@ pub(super) struct BatchBuilder<'a> {
     /// Triangles that have to be looked at, and those of the next level.
     level: Vec<Part>,
     next: Vec<Part>,
+    /// How many levels there have been.
+    depth: u32,
     /// By their ends, the points at which edges of this level were cut.
     points: HashMap<[u32; 2], u32, BuildPlaceHasher>,
     /// Cuts that are not counted yet.
@@ -109,6 +156,7 @@ impl<'a> BatchBuilder<'a> {
             },
             level: Vec::new(),
             next: Vec::new(),
+            depth: 0,
             points: HashMap::default(),
             uncounted: 0,
         }
@@ -121,23 +169,77 @@ impl<'a> BatchBuilder<'a> {
         self.level.push(Part { corners, slot });
     }
 
+    /// Divides until there are enough triangles to foretell by, or none that is to be divided.
+    pub fn begin(&mut self) {
+        while self.level.len() < ENOUGH && self.is_unfinished() {
+            self.descend();
+        }
+        self.count();
+    }
+
+    /// At about how many more points triangles will be cut.
+    pub fn forecast(&self) -> f64 {
+        let Divider {
+            projection,
+            frustum,
+            ..
+        } = *self.divider;
+        let points = self.level.iter().map(|part| {
+            let points = points(self.parts(part));
+            let places = part.corners.map(|index| self.vertex(index).c);
+            match points > 1.0 && !frustum.misses(projection, places) {
+                true => points,
+                false => 0.0,
+            }
+        });
+        points.sum()
+    }
+
+    /// Into how many parts the edges of a triangle are to be cut in all.
+    fn parts(&self, part: &Part) -> [f64; 3] {
+        let ends = [(1, 2), (2, 0), (0, 1)];
+        let Divider { tessellation, .. } = *self.divider;
+        match tessellation {
+            Tessellation::None => [1.0; 3],
+            Tessellation::Uniform(length) => {
+                let places = part.corners.map(|index| self.place(index));
+                ends.map(|(a, b)| places[a].distance(places[b]) / length)
+            }
+            Tessellation::Adaptive(pixels) => {
+                let corners = part.corners.map(|index| self.vertex(index));
+                ends.map(|(a, b)| {
+                    let scale = corners[a].scale.max(corners[b].scale);
+                    (bend(corners[a].c, corners[b].c, scale) / pixels).sqrt()
+                })
+            }
+        }
+    }
+
+    fn is_unfinished(&self) -> bool {
+        !self.level.is_empty() && !self.divider.cuts.are_too_many()
+    }
+
+    /// Cuts the triangles of this level, and goes to the next.
+    fn descend(&mut self) {
+        match self.depth == DEEPEST || self.divider.tessellation == Tessellation::None {
+            true => self.keep_all(),
+            false => self.divide_level(),
+        }
+        // All points of a level are transformed together. An edge is cut in the same level on either side.
+        let (places, cuts) = (&self.batch.places, &mut self.batch.cuts);
+        if !self.divider.cuts.are_too_many() {
+            extend(self.divider.projection, places, cuts);
+        }
+        self.points.clear();
+        std::mem::swap(&mut self.level, &mut self.next);
+        self.next.clear();
+        self.depth += 1;
+    }
+
     /// Divides all triangles, and sorts their pieces by the tiles of `grid`.
     pub fn finish(mut self, grid: Grid) -> Batch {
-        let mut depth = 0;
-        while !self.level.is_empty() && !self.divider.cuts.are_too_many() {
-            match depth == DEEPEST || self.divider.tessellation == Tessellation::None {
-                true => self.keep_all(),
-                false => self.divide_level(),
-            }
-            // All points of a level are transformed together. An edge is cut in the same level on either side.
-            let (places, cuts) = (&self.batch.places, &mut self.batch.cuts);
-            if !self.divider.cuts.are_too_many() {
-                extend(self.divider.projection, places, cuts);
-            }
-            self.points.clear();
-            std::mem::swap(&mut self.level, &mut self.next);
-            self.next.clear();
-            depth += 1;
+        while self.is_unfinished() {
+            self.descend();
         }
         self.count();
         let (mut batch, seen) = (self.batch, self.divider.vertices.seen);
@@ -309,9 +411,21 @@ impl<'a> BatchBuilder<'a> {
     }
 
     fn count(&mut self) {
-        let all = &self.divider.cuts.0;
+        let all = &self.divider.cuts.count;
         all.fetch_add(self.uncounted, Ordering::Relaxed);
         self.uncounted = 0;
+    }
+}
+
+/// About how many points a triangle is cut at whose edges are cut into so many parts: there is one for every two pieces
+/// (Euler), and pieces have edges of one part. Heron's formula gives their number; n²/2 points where all edges have n.
+fn points([a, b, c]: [f64; 3]) -> f64 {
+    let half = 0.5 * (a + b + c);
+    let square = half * (half - a) * (half - b) * (half - c);
+    // No more than a little where one edge is cut alone. Not for NaN either.
+    match square > 0.0 {
+        true => square.sqrt() * 2.0 / 3f64.sqrt(),
+        false => 0.0,
     }
 }
 

@@ -3,17 +3,17 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, Grid};
+use super::batch::{Batch, Grid, Piece};
 use super::cull::Frustum;
 use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices};
 use super::draw::{RayBatch, TileSamples, Visibility};
 use super::fragments::{Fragments, Surface};
-use super::method::{Attributes, Raster};
+use super::method::{Attributes, Raster, Tessellation};
 use super::tile::{NOTHING, TileBuffers};
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
 use crate::approximate::projection::{Observer, Projection};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
@@ -59,7 +59,7 @@ impl<'a> Triangles<'a> {
         let seen = seen.map(|(f, p)| transformed(p, &f.shared_vertices().positions));
         let seen: Vec<_> = seen.collect();
         let size = scene.layout.size;
-        let cuts = Cuts::default();
+        let cuts = Cuts::within(scene.memory_left);
         let mut batches = Vec::new();
         for (frame, (rest, projection)) in frames.iter().zip(&projections).enumerate() {
             let frustum = Frustum::of(projection);
@@ -76,7 +76,7 @@ impl<'a> Triangles<'a> {
             batches.extend(divided(rest, frame as u32, &divider, size, progress)?);
         }
         if cuts.are_too_many() {
-            return Err(too_many());
+            return Err(cuts.refusal());
         }
         let all = seen.iter().flatten();
         let farthest = all.fold(0.0, |far: f64, vertex| far.max(vertex.film.z.abs()));
@@ -102,10 +102,8 @@ fn divided(
 ) -> Result<Vec<Batch>> {
     let slots = rest.bvh.len() as u32;
     let run = slots.div_ceil(BATCHES).clamp(256, BATCH);
-    let batch = |k: u32| {
-        if progress.is_cancelled() {
-            return Err(Error::Cancelled);
-        }
+    let begun = |k: u32| {
+        progress.check()?;
         let mut batch = BatchBuilder::new(frame, divider);
         for slot in k * run..slots.min((k + 1) * run) {
             // Where the side that the camera is on is there.
@@ -114,21 +112,41 @@ fn divided(
                 batch.add(slot);
             }
         }
+        Ok(batch)
+    };
+    let finished = |batch: BatchBuilder| {
+        progress.check()?;
         Ok(batch.finish(Grid { size }))
     };
-    (0..slots.div_ceil(run))
-        .into_par_iter()
-        .map(batch)
-        .collect()
+    let batches = (0..slots.div_ceil(run)).into_par_iter().map(begun);
+    if divider.tessellation == Tessellation::None {
+        return batches.map(|batch| finished(batch?)).collect();
+    }
+    // What is going to be too much is not begun.
+    let batches = batches.map(|batch| {
+        let mut batch = batch?;
+        batch.begin();
+        Ok(batch)
+    });
+    let batches: Vec<_> = batches.collect::<Result<_>>()?;
+    let more = batches.iter().map(BatchBuilder::forecast).sum();
+    match divider.cuts.will_be_too_many(more) {
+        true => Err(divider.cuts.refusal()),
+        false => batches.into_par_iter().map(finished).collect(),
+    }
 }
 
-fn too_many() -> Error {
-    Error::unsupported(
-        "command line",
-        "--method",
-        format!("triangles would be cut at more than {} points", Cuts::MOST),
-        "a longer edge, or more pixels of error",
-    )
+/// What so many triangles and their distinct corners take without being cut, bytes: to the end, and until the film is
+/// complete. Lists that grow may have twice the room that they need.
+pub(super) fn bytes(triangles: u64, vertices: u64) -> [u64; 2] {
+    // Places of corners and their indices stay with the rest frame; places are found in a table of as many triangles, whose
+    // room is a power of two at most 8/7 full.
+    let shared = (2 * 24 * vertices).saturating_add(12 * triangles);
+    let table = 75 * triangles;
+    // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
+    let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 96;
+    let drawn = (size_of::<Vertex>() as u64 * vertices).saturating_add(pieces * triangles);
+    [shared, table.max(drawn)]
 }
 
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in

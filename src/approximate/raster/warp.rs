@@ -19,7 +19,9 @@ use crate::render::trace::{HitBuffer, Meter, Rays, SurfaceHit, Surfaces};
 use crate::spacetime::Direction;
 
 /// Texels of one batch of rays: part of a row, which is coherent.
-const RUN: u64 = 256;
+const RUN: usize = 256;
+/// What a texel takes.
+pub(super) const TEXEL_BYTES: u64 = size_of::<Option<SurfaceHit>>() as u64;
 
 /// What is met in all directions from the event of the shot.
 #[derive(Debug)]
@@ -40,39 +42,42 @@ impl Warped {
         let map = warp.map;
         let event = scene.camera.shot.event;
         let surfaces = Surfaces::unbuffered(&scene.frames, event, scene.ray_index);
-        let runs = map.texels().div_ceil(RUN);
-        let texels = (0..runs)
-            .into_par_iter()
-            .map_init(HitBuffer::default, |hits, run| {
-                progress.check()?;
-                let texels = run * RUN..map.texels().min((run + 1) * RUN);
-                let directions = texels.map(|t| map.direction(t));
-                Ok(met(&surfaces, directions, scene.method, hits))
-            })
-            .collect::<Result<Vec<_>>>()?;
+        let mut texels = vec![None; map.texels() as usize];
+        let runs = texels.par_chunks_mut(RUN).enumerate();
+        runs.try_for_each_init(HitBuffer::default, |hits, (run, texels)| {
+            progress.check()?;
+            let first = (run * RUN) as u64;
+            let directions = (first..).map(|t| map.direction(t)).take(texels.len());
+            let directions: Vec<_> = directions.collect();
+            fill(texels, &directions, &surfaces, scene.method, hits);
+            Ok(())
+        })?;
         Ok(Warped {
             map,
             lookup: warp.lookup,
-            texels: texels.into_iter().flatten().collect(),
+            texels,
         })
     }
 }
 
-fn met(
+/// Finds what `texels` in these directions show.
+fn fill(
+    texels: &mut [Option<SurfaceHit>],
+    directions: &[DVec3],
     surfaces: &Surfaces,
-    directions: impl Iterator<Item = DVec3>,
     method: Method,
     hits: &mut HitBuffer,
-) -> Vec<Option<SurfaceHit>> {
-    let directions: Vec<_> = directions.collect();
+) {
     let rays = Rays {
-        directions: &directions,
+        directions,
         origins: None,
         method,
         samples: Default::default(),
     };
     surfaces.nearest(&rays, hits, &mut Meter::off());
-    (0..directions.len()).map(|ray| hits.hit(ray)).collect()
+    for (ray, texel) in texels.iter_mut().enumerate() {
+        *texel = hits.hit(ray);
+    }
 }
 
 impl Visibility for Warped {

@@ -31,7 +31,7 @@ pub struct Output {
 
 pub fn run(mut arguments: DiagramArguments) -> Result<()> {
     // Pictures and words do not share standard output.
-    arguments.quiet |= arguments.output.iter().any(|path| reel::is_pipe(path));
+    arguments.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
     let arguments = &arguments;
     let outputs = outputs(arguments)?;
     let mut model = match arguments.pixel.pixel {
@@ -52,9 +52,9 @@ pub fn run(mut arguments: DiagramArguments) -> Result<()> {
 
 /// The file's diagram, or that of its scene; meshes and cubes are not read.
 fn model(arguments: &DiagramArguments) -> Result<Diagram> {
-    let path = arguments.scene.as_deref();
+    let path = arguments.scene.path();
     let overrides = overrides(arguments, arguments.frame.as_deref());
-    match &arguments.panel {
+    match arguments.panel.name() {
         None => builtin::load_diagram(path, &overrides),
         Some(_) => pixel::diagram_of(arguments, &pixel::scene(arguments, &overrides)?),
     }
@@ -106,7 +106,7 @@ impl Pages<'_> {
         drawing::save(path, bytes)?;
         let [width, height] = [drawing.width, drawing.height].map(f64::round);
         let path = path.display();
-        let quiet = self.arguments.quiet || self.arguments.pixel.json;
+        let quiet = self.arguments.quiet.on || self.arguments.pixel.json;
         say(
             quiet,
             &format!("wrote {path} ({width} × {height} points)\n"),
@@ -132,13 +132,13 @@ impl Output {
 
 /// Where to write; refused before anything is read.
 fn outputs(arguments: &DiagramArguments) -> Result<Vec<Output>> {
-    let path = arguments.scene.as_deref();
+    let path = arguments.scene.path();
     let outputs: Vec<Output> = match arguments.output.as_slice() {
         [] => vec![Output::of(&named_after(path, ".svg"))],
         said => said.iter().map(|path| Output::of(path)).collect(),
     };
     let overwritten = "this is the file that the diagram is made of: it would be overwritten";
-    let mut names = Names::new(&arguments.scene, overwritten, " drawing");
+    let mut names = Names::new(arguments.scene.path(), overwritten, " drawing");
     for output in &outputs {
         let option = format!("-o {}", output.path.display());
         if !KINDS.contains(&output.kind.as_str()) {
@@ -168,13 +168,13 @@ fn overrides(arguments: &DiagramArguments, frame: Option<&str>) -> Overrides {
     let said = said
         .into_iter()
         .filter_map(|(key, text)| Some((key.to_string(), quoted(text?))));
-    let mut set = arguments.set.clone();
+    let mut set = arguments.edits.set.clone();
     set.extend(said);
     Overrides {
         set,
-        time: arguments.time.clone(),
+        time: arguments.edits.time.clone(),
         size: arguments.pixel.image_size,
-        allow_outside: arguments.pixel.allow_outside,
+        allow_outside: arguments.pixel.files.allow_outside,
         ..Overrides::default()
     }
 }

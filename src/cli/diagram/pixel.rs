@@ -14,15 +14,15 @@ use super::overrides;
 use crate::cli::args::{DiagramArguments, Origin};
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{interrupt, memory, panels, print_json};
+use crate::cli::{interrupt, panels, print_json};
 
 /// The diagram of what a pixel sees, whose numbers it prints.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
     let scene = scene(arguments, &overrides(arguments, None))?;
     let base = diagram_of(arguments, &scene)?;
-    let quiet = arguments.quiet || arguments.pixel.json;
+    let quiet = arguments.quiet.on || arguments.pixel.json;
     let bar = Bar::new(0, quiet);
-    let limit = memory::limit(arguments.pixel.max_memory);
+    let limit = arguments.pixel.memory.bytes();
     let probe = pixel_probe::trace(&scene, pixel, limit, &bar)?;
     drop(bar);
     interrupt::check()?;
@@ -40,13 +40,13 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
 
 /// The scene, or a panel of it.
 pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scene> {
-    let path = arguments.scene.as_deref();
-    panels::scene(path, arguments.panel.as_ref(), overrides)
+    let path = arguments.scene.path();
+    panels::scene(path, arguments.panel.name(), overrides)
 }
 
 /// The diagram of `scene`, whose text has all changes made.
 pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram> {
-    let base = match arguments.scene.as_deref() {
+    let base = match arguments.scene.path() {
         Some(path) => path.parent().unwrap_or(Path::new("")),
         None => Path::new(files::BUILT_IN),
     };
@@ -76,5 +76,5 @@ fn print_numbers(arguments: &DiagramArguments, probe: &Probe) -> Result<()> {
     if arguments.pixel.json {
         return print_json(probe);
     }
-    crate::cli::say(arguments.quiet, &probe.to_string())
+    crate::cli::say(arguments.quiet.on, &probe.to_string())
 }

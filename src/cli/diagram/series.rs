@@ -105,7 +105,7 @@ fn animate(pages: &Pages, series: Series, output: &Output, frames: &Range<u64>) 
     let [width, height] = size.map(f64::round);
     let path = path.display();
     let what = format!("wrote {path} ({width} × {height} points, {count} pictures)\n");
-    say(arguments.quiet, &what)
+    say(arguments.quiet.on, &what)
 }
 
 /// Raw video of the pictures.

@@ -53,8 +53,7 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         outputs,
         ..
     } = *job;
-    let plan = Plan::new(scene, request)?;
-    outputs.method.check(&plan)?;
+    let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);
     let all = frames.numbers.clone();

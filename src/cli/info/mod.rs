@@ -32,7 +32,7 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
         Kind::Png => picture::png(path),
         Kind::Scene => scene::info(path),
     }?;
-    match arguments.json {
+    match arguments.json.on {
         true => print_json(&info.data),
         false => {
             let path = path.display().to_string();

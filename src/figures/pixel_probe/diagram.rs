@@ -43,10 +43,12 @@ pub fn diagram(
     origin: Option<Origin>,
 ) -> Option<Diagram> {
     let mut diagram = emptied(base);
+    // Frames first: views are chosen among them.
     let camera = frames(probe, &mut diagram);
     if let Some(name) = frame {
         diagram.views = vec![diagram.frames.iter().position(|known| known.name == name)?];
     }
+    // Views keep their velocities, and get their zero where it is asked for.
     if let Some(origin) = origin {
         let event = match origin {
             Origin::Reception => probe.reception.event,
@@ -64,6 +66,7 @@ pub fn diagram(
         .and_then(|i| diagram.frames.get(*i))
         .map(|view| view.frame);
     let view = view.unwrap_or_else(at_rest);
+    // Space is shown along the ray, so that the light lies in the plane of the drawing.
     let axes = Axes::new(probe, &view);
     (diagram.direction, diagram.meaning) = (axes.along, Some("along the ray".into()));
     diagram.across = diagram.across.map(|_| axes.across);
@@ -82,6 +85,7 @@ fn at_rest() -> InertialFrame<Rest> {
 
 /// A diagram in which nothing is drawn.
 fn emptied(base: Diagram) -> Diagram {
+    // Numbers of a pixel need a unit to be read, also where the diagram of the scene does without.
     let metres = base.unit.metres;
     let mut unit = base.unit;
     if unit.names.is_none() && metres == 1.0 {
@@ -157,6 +161,7 @@ impl Axes {
             let to = lamp.left - probe.far_end();
             view.frame_from_world().displacement(to).x
         };
+        // The first side that is not along the ray: of the motions, then of the lamps, then any.
         let mut sides = vec![moving(probe.reception.frame.velocity())];
         sides.extend(hit.map(|hit| moving(hit.velocity)));
         sides.extend(hit.iter().flat_map(|hit| hit.pulses.iter().map(way)));
@@ -210,6 +215,7 @@ impl DiagramBuilder<'_> {
     fn step(&self, velocity: Velocity) -> f64 {
         let probe = self.probe;
         let reception = probe.reception;
+        // The span of all that is drawn, in time of the view.
         let mut events = vec![probe.far_end(), reception.event, reception.pinhole];
         if let Some(hit) = &probe.hit {
             events.extend(hit.now.into_iter().chain(hit.now_in_world));
@@ -220,12 +226,14 @@ impl DiagramBuilder<'_> {
             .map(|event| self.view.event_from_world(event).ct);
         let ends = [f64::INFINITY, f64::NEG_INFINITY];
         let [first, last] = times.fold(ends, |[a, b], ct| [a.min(ct), b.max(ct)]);
+        // A probe of a single moment has the length of its ray for a span.
         let way = probe.far_end().x - reception.event.x;
         let all = if last > first {
             last - first
         } else {
             way.length()
         };
+        // A moving clock shows 1/γ of it.
         let relative = velocity.relative_to(self.view.velocity());
         let own = all / relative.map_or(1.0, Velocity::gamma);
         let unit = self.diagram.unit.metres;
@@ -253,6 +261,7 @@ impl DiagramBuilder<'_> {
             lines: Vec::new(),
             ..self.diagram.clone()
         };
+        // World lines have no ends to fit.
         let limits = limits(&bare, view);
         let unit = self.diagram.unit.metres;
         let metres = |limits: [f64; 2]| Some(limits.map(|end| end * unit));
@@ -355,6 +364,7 @@ impl DiagramBuilder<'_> {
         let reception = self.probe.reception.event;
         let rests = self.probe.reception.frame.velocity().is_rest();
         let camera = if rests { "now" } else { "now, for the camera" };
+        // For a camera at rest its now is that of the world: one line is enough.
         let world = hit.now_in_world.filter(|_| !rests);
         let frames = [
             (self.camera, hit.now, camera, Colour::Blue),
@@ -372,6 +382,7 @@ impl DiagramBuilder<'_> {
             };
             self.mark(label, Some(label.into()), now, true);
             self.diagram.slices.push(slice.clone());
+            // In 2+1 dimensions the camera's now is a plane too.
             if self.diagram.across.is_some() && frame == self.camera {
                 slice.to = None;
                 self.diagram.slices.push(slice);
@@ -382,6 +393,7 @@ impl DiagramBuilder<'_> {
     /// All that can be seen at the reception is on its past light cone.
     fn cone(&mut self) {
         let way = self.probe.reception.event - self.probe.far_end();
+        // As high as the emission is early, or wide where the frame sees the light go along x.
         let way = self.view.frame_from_world().displacement(way);
         let height = BEYOND * way.ct.max(way.x.length());
         self.diagram.cones.push(Cone {

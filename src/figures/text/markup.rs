@@ -142,6 +142,7 @@ impl Parser<'_> {
     /// Reads what stands in braces, of which the first is taken.
     fn braces(&mut self, level: Level) -> Result<()> {
         let open = self.next - 1;
+        // Braces are read recursively: the stack is no place for a file's braces without end.
         if self.depth == DEEPEST {
             let help = format!("at most {DEEPEST} braces within each other");
             return Err(self.wrong(open, "too many braces are open here", &help));
@@ -170,6 +171,7 @@ impl Parser<'_> {
 
     fn script(&mut self, outer: Level, level: Level) -> Result<()> {
         let at = self.next - 1;
+        // A script of a script would need a third size, which no legend can be read in.
         if outer != Level::Line {
             return Err(self.wrong(
                 at,
@@ -195,6 +197,7 @@ impl Parser<'_> {
             .iter()
             .take_while(|c| c.is_ascii_alphabetic())
             .collect();
+        // Without letters: the next character as it stands.
         if name.is_empty() {
             let Some(c) = self.take() else {
                 return Err(self.wrong(
@@ -207,6 +210,7 @@ impl Parser<'_> {
             return Ok(());
         }
         self.next += name.len();
+        // A misspelt name would be printed as a word, and is refused.
         let Some((_, sign)) = SIGNS.iter().find(|(known, _)| *known == name) else {
             let help =
                 "names of Greek letters, and of signs such as \\times; {} after a name ends it";
@@ -218,6 +222,7 @@ impl Parser<'_> {
 
     /// A prime, two, or an apostrophe.
     fn quote(&mut self, level: Level) {
+        // Between two letters of upright text it is an apostrophe (Alice's); symbols in italics have primes (x't).
         let before = self.next.checked_sub(2).map(|i| self.characters[i]);
         let letter = |c: Option<char>| c.is_some_and(char::is_alphabetic);
         let after = self.characters.get(self.next).copied();
@@ -248,6 +253,7 @@ impl Parser<'_> {
             Some(_) => Style::Italic,
             None => Style::Upright,
         };
+        // Characters of one style and level are one run.
         match self.runs.last_mut() {
             Some(run) if run.style == style && run.level == level => run.text.push(c),
             _ => self.runs.push(Run {

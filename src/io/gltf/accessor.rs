@@ -105,6 +105,7 @@ impl Check<'_, '_> {
         if count == 0 {
             return Err(self.invalid("it has no elements", "count must be at least 1"));
         }
+        // Without a buffer view elements are zeros, which makes sense only if some are replaced (§3.6.2.3).
         let dense = match self.accessor.buffer_view {
             Some(view) => {
                 let offset = self.accessor.byte_offset.unwrap_or_default().0;
@@ -135,6 +136,7 @@ impl Check<'_, '_> {
             return Err(self.invalid("its type or componentType is not of glTF", EXPORT_AGAIN));
         };
         let (component, normalized) = (component.0, self.accessor.normalized);
+        // Types by purpose: those of §3.7.2.1 and §3.11, and as the extension widens them.
         let quantized = self.document.uses("KHR_mesh_quantization");
         let (right, needed) = match (purpose, component) {
             (Purpose::Indices, U8 | U16 | U32) => (*kind == Type::Scalar && !normalized, ""),
@@ -182,10 +184,12 @@ impl Check<'_, '_> {
             .get(view, "buffer view", &self.place)?
             .byte_stride;
         let stride = stride.map_or(element, |stride| stride.0 as u64);
+        // The specification allows 252 at most. Elements that overlap would let a small file claim a large mesh.
         if stride < element || stride > element.max(252) {
             let what = format!("elements of {element} bytes lie {stride} bytes apart");
             return Err(self.invalid(&what, "byteStride must be from the element's size to 252"));
         }
+        // The last element needs no stride after it. Counts of hostile files overflow.
         let needed = (count - 1)
             .checked_mul(stride)
             .and_then(|bytes| bytes.checked_add(element))
@@ -224,6 +228,7 @@ impl Check<'_, '_> {
             component: index.0,
             normalized: false,
         };
+        // Values have the format of the accessor, indices their own, and both are packed.
         let (indices, values) = (&sparse.indices, &sparse.values);
         Ok(Sparse {
             index_format,
@@ -291,6 +296,7 @@ impl Format {
 
     /// The component at the start of `bytes` (glTF 2.0 §3.6.2.2 and §3.11 for normalized ones).
     fn decode(self, bytes: &[u8]) -> f64 {
+        // Little-endian. Of a normalized integer the greatest value is 1, and −1 the least: −128 is −1 as −127 is.
         let byte = |at: usize| bytes.get(at).copied().unwrap_or_default();
         let (two, four) = ([byte(0), byte(1)], [byte(0), byte(1), byte(2), byte(3)]);
         let (value, greatest) = match self.component {
@@ -327,6 +333,7 @@ pub(super) fn read<const N: usize>(
     let Some(sparse) = &layout.sparse else {
         return Ok(());
     };
+    // Indices fit in memory: there are no more than elements, which the caller has a budget for.
     let indices = sparse_indices(buffers, layout, sparse)?;
     each(
         buffers,
@@ -351,6 +358,7 @@ fn sparse_indices(buffers: &mut Buffers, layout: &Layout, sparse: &Sparse) -> Re
         layout,
         &mut |at, [index]| {
             let index = index as u64;
+            // Only the first is told. Reading goes on, as `each` cannot be stopped from here.
             if index >= layout.count || indices.last().is_some_and(|&last| last >= index) {
                 bad.get_or_insert((at, index));
             }
@@ -375,6 +383,7 @@ fn each<const N: usize>(
     layout: &Layout,
     sink: &mut dyn FnMut(u64, [f64; N]),
 ) -> Result<()> {
+    // As many whole elements as a piece holds, so that memory does not grow with the file.
     let element = format.size() * N as u64;
     let (stride, count) = (from.stride, (from.range.length - element) / from.stride + 1);
     let per_piece = (PIECE / stride).max(1);
@@ -382,6 +391,7 @@ fn each<const N: usize>(
     let mut first = 0;
     while first < count {
         let elements = per_piece.min(count - first);
+        // The buffer may end with the last element: what would follow it is not read.
         let bytes = &mut piece[..((elements - 1) * stride + element) as usize];
         let range = Range {
             offset: from.range.offset + first * stride,

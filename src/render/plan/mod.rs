@@ -72,6 +72,24 @@ impl Plan {
         Ok(plan)
     }
 
+    /// The same where a picture holds `beside` bytes to the end, and `working` until its film is complete: neither while BVHs
+    /// are built nor while files are written.
+    ///
+    /// # Errors
+    /// More than the memory limit.
+    pub fn holding(mut self, beside: u64, working: u64) -> Result<Plan> {
+        let memory = &mut self.memory;
+        memory.beside = memory.beside.saturating_add(beside);
+        memory.temporary = memory.temporary.max(working);
+        self.within(self.memory_limit)?;
+        Ok(self)
+    }
+
+    /// What the memory limit leaves, bytes.
+    pub fn memory_left(&self) -> u64 {
+        self.memory_limit.saturating_sub(self.memory.total())
+    }
+
     fn within(&self, limit: u64) -> Result<()> {
         let total = self.memory.total();
         if total <= limit {

@@ -169,8 +169,8 @@ pub struct Memory {
     pub cubes: u64,
     /// The film.
     pub film: u64,
-    /// Held for a while only: a mesh beside its BVH under construction, or copies of the film on their
-    /// way into files.
+    /// Held for a while only: a mesh beside its BVH under construction, what a rasterizer or a warp works on, or copies of
+    /// the film on their way into files.
     pub temporary: u64,
     /// What the request says is held beside the picture.
     pub beside: u64,

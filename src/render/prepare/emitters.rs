@@ -117,7 +117,7 @@ impl<'a> Builder<'a> {
             textures: Textures {
                 decoded: Vec::new(),
                 indices: HashMap::new(),
-                budget: plan.memory_limit.saturating_sub(plan.memory.total()),
+                budget: plan.memory_left(),
             },
             emitters: Vec::new(),
         }

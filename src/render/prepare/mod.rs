@@ -43,6 +43,8 @@ pub struct Prepared {
     pub warnings: Vec<String>,
     /// How long the trees took to build, seconds.
     pub built_in: f64,
+    /// Memory that the plan leaves to what nobody could foretell, bytes.
+    pub memory_left: u64,
 }
 
 impl Prepared {
@@ -96,6 +98,7 @@ impl Prepared {
             },
             warnings,
             built_in,
+            memory_left: plan.memory_left(),
         })
     }
 

@@ -19,7 +19,7 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
     let Some(sky) = &scene.sky else {
         return Ok(None);
     };
-    let left = plan.memory_limit.saturating_sub(plan.memory.total());
+    let left = plan.memory_left();
     let budget = Budget::new(left);
     let panorama = match &sky.background {
         SkyRadiance::Image {

@@ -27,6 +27,7 @@ pub(super) fn resolve_all(
     let explicit = sources.iter().filter_map(|at| at.value.name.as_ref());
     object::refuse_duplicates(cx, explicit, "source")?;
     let names = names::unique(sources.iter().map(|at| entry_names(&at.value)).collect());
+    // A surface is lit by one cube at most: the bindings remember which are taken.
     let mut bindings = binding::Bindings::new(cx, objects);
     let mut resolved = Vec::with_capacity(sources.len());
     for (at, name) in sources.iter().zip(names) {
@@ -69,6 +70,7 @@ fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
 fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     let cube = &at.value;
     let axes = axes(cx, cube)?;
+    // Axes without T declare a picture that does not change: it has no time axis whose keys could be missing.
     let steady = axes.as_ref().is_some_and(|axes| !axes.has_time());
     let time = match steady {
         true => steady_time(cx, cube)?,
@@ -141,9 +143,11 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
             .as_ref()
             .map_or_else(Default::default, |at| at.value),
     };
+    // A table of edges says all of the axis.
     if let Some(edges) = edges(cx, cube)? {
         return Ok(keys(edges, Vec::new(), Vec::new()));
     }
+    // What the scene says goes before what the cube's file says of itself.
     let times = cx.inputs.times(&cube.file).transpose()?.flatten();
     let (mut read, mut assumed) = (Vec::new(), Vec::new());
     let width = match (&cube.bin_width, &times) {
@@ -159,6 +163,7 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
                     is declared by axes = \"H W\"";
         return Err(cx.refuse(at, "the key `bin_width` is missing", help));
     };
+    // The start is that of the first bin: half a bin before its centre.
     let start = match (&cube.start, &cube.first_center, times) {
         (Some(start), _, _) => cx.time(start)?,
         (None, Some(center), _) => cx.time(center)? - 0.5 * bin_width,
@@ -187,6 +192,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     if table.or(file).is_none() {
         return Ok(None);
     }
+    // The table takes the place of all keys of equal bins, each of which is refused beside it.
     for (key, other) in [
         ("start", span(&cube.start)),
         ("first_center", span(&cube.first_center)),
@@ -210,6 +216,7 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     let Some(table) = &cube.edges_file else {
         return Ok(None);
     };
+    // Numbers of a file have no units of their own.
     let unit = cx.duration(&table.value.unit, "`unit`")?;
     let times: Vec<f64> = cx
         .numbers(&table.value.file)?
@@ -238,6 +245,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
         (cube.edges.as_ref().map(|at| &at.span), "edges"),
         (cube.edges_file.as_ref().map(|at| &at.span), "edges_file"),
     ];
+    // Keys of time would be ignored, and nothing is ignored silently.
     for (key, name) in keys.into_iter().chain(tables) {
         if let Some(span) = key {
             let what = format!("`{name}` is of a time axis, and the axes name none");
@@ -277,6 +285,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
             .as_ref()
             .map_or(Ok(()), |array| Err(refuse(array)))
     };
+    // A cube of the program's own has neither names of arrays nor an order of axes to be told.
     if let Some(in_memory) = cx.in_memory(&cube.file, |name| memory.cube(name))? {
         alone("a cube in memory is a single array without a name")?;
         if let Some(axes) = &cube.axes {
@@ -304,6 +313,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
 /// The path of a file of a cube, or of a sequence of pictures.
 fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
     let path = cx.inputs.base.join(cx.text(file, "the file's name")?);
+    // A folder or a pattern has no extension by which its format could be told.
     if is_sequence(&path) {
         return match cx.inputs.problem(file) {
             Some(problem) => Err(cx.refuse(file, problem, SEQUENCE)),
@@ -343,6 +353,8 @@ fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
     let camera = &at.value;
     let projection = camera.projection.value;
     cx.exclusive((&camera.hfov, "hfov"), (&camera.fov, "fov"))?;
+    // The file's own field of view goes before that of the glTF camera; of the latter only the horizontal one is known to be of the
+    // picture, whatever its shape.
     let (fov, fov_axis) = match (&camera.hfov, &camera.fov, pose.gltf_fov) {
         (Some(hfov), _, _) => (pose::fov(cx, hfov, projection)?, FovAxis::X),
         (None, Some(fov), _) => (pose::fov(cx, fov, projection)?, fov_axis(cx, camera)?),
@@ -417,6 +429,7 @@ fn crop(cx: &Context, camera: &file::Capture) -> Result<Option<Crop>> {
         return Ok(None);
     };
     let file::Crop { film, offset } = at.value;
+    // That the crop ends on the film too is checked where the cube's size is known, in the plan.
     let lies = |axis: usize| film[axis] > 0 && offset[axis] < film[axis];
     if !(lies(0) && lies(1)) {
         let what = format!("an offset of {offset:?} is not on a film of {film:?} columns and rows");

@@ -60,6 +60,7 @@ pub(super) fn matched<'a>(
     options: &CompareOptions,
 ) -> Result<Matched<'a>> {
     let pair = [reference, candidate];
+    // What makes any comparison meaningless comes first.
     sizes(pair)?;
     options
         .region
@@ -67,6 +68,7 @@ pub(super) fn matched<'a>(
     encodings(pair)?;
     swapped(pair, options)?;
     let mut notes = metadata(pair)?;
+    // Then channel by channel: asked for, there, and on both sides.
     demanded(pair, &options.channels)?;
     let chosen = pair.map(|picture| chosen(picture, &options.channels));
     let chosen = alpha(pair, chosen, &mut notes)?;
@@ -76,10 +78,12 @@ pub(super) fn matched<'a>(
         .filter(|channel| !is_identity(channel))
         .map(|channel| channel.name.clone())
         .collect();
+    // A pixel that one picture has no light for counts in no channel.
     let mut region = options.region.clone();
     if options.not_finite == NotFinite::Ignore {
         region = usable(pair, &chosen, region, &mut notes)?;
     }
+    // The pictures themselves are copied only where samples have to be replaced.
     let layers =
         |picture: &'a Picture, chosen: &[&Channel]| finite(picture, chosen, options, &mut notes);
     let [reference, candidate] = two(pair, &chosen, layers)?;
@@ -172,6 +176,7 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
             );
         }
     }
+    // Pictures of different shots can be compared on purpose: that is said, and not refused.
     let mut notes = Vec::new();
     let moved: Vec<&str> = SHOT
         .into_iter()
@@ -185,12 +190,14 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
             "the reference follows the equations \"{a}\", the candidate \"{b}\""
         ));
     }
+    // A reference that is worse than its candidate turns errors around.
     let approximations = [r, c].map(Picture::approximation);
     if let Some(method) = approximations[0] {
         notes.push(format!(
             "the reference is itself an approximation (method = {method})"
         ));
     }
+    // FLIP has two variants, for displays and for light; the pair decides on one.
     if [r, c].iter().any(|p| p.is_high_range())
         && [r, c].iter().any(|p| !p.is_high_range())
         && r.encoding == Encoding::Linear
@@ -208,6 +215,7 @@ fn metadata([r, c]: [&Picture; 2]) -> Result<Vec<String>> {
             "the reference has fewer samples per pixel ({a}) than the candidate ({b})"
         ));
     }
+    // A mean of places on two surfaces lies on neither.
     let mixed = |p: &&Picture| p.metadata("pixel_centers") == Some("false");
     let has = |aov: Aov| r.layers.channel(aov.name()).is_some();
     let has_places = [OBJECT_POINT, WORLD_POINT]
@@ -242,6 +250,7 @@ fn alpha<'a>(
         let (Some(at), None) = (position(&chosen[one]), position(&chosen[other])) else {
             continue;
         };
+        // Opaque alpha changes nothing of the light, so that its lack does not either.
         let alpha = Plane::new(&pair[one].layers, chosen[one][at]);
         if (0..chosen[one][at].samples.len()).all(|i| alpha.at(i) == 1.0) {
             notes.push(format!(
@@ -255,6 +264,7 @@ fn alpha<'a>(
             "it has an alpha channel with transparent pixels, and {} has none",
             pair[other].name
         );
+        // Whether light is multiplied by alpha depends on the format: the help says which holds here.
         let stored = match pair[one].alpha {
             Alpha::Premultiplied => {
                 "light is compared as it is stored, which is premultiplied by alpha"
@@ -284,6 +294,7 @@ fn demanded(pair: [&Picture; 2], names: &[String]) -> Result<()> {
         };
         for (one, other) in [(0, 1), (1, 0)] {
             let (there, wanted) = (named(pair[one]), named(pair[other]));
+            // What the other has of the group is needed here; of a group that neither has, the name itself.
             let lacks = wanted.iter().find(|name| !there.contains(name));
             let lacks = lacks.or((there.is_empty() && wanted.is_empty()).then_some(name));
             if let Some(lacks) = lacks {
@@ -345,6 +356,7 @@ fn usable(
     notes: &mut Vec<String>,
 ) -> Result<Region> {
     let [width, height] = [pair[0].layers.width, pair[0].layers.height].map(|n| n as usize);
+    // Auxiliary channels are NaN where nothing is met; only light has to be a number.
     let light = [0, 1].map(|k| {
         let light = chosen[k].iter().filter(|c| !is_auxiliary(&c.name));
         light.map(move |c| Plane::new(&pair[k].layers, c))
@@ -357,6 +369,7 @@ fn usable(
     if planes.is_empty() {
         return Ok(region);
     }
+    // One mask for both pictures and all channels, so that all metrics are of the same pixels.
     let mut mask = vec![false; width * height];
     let mut dropped = 0;
     for i in region.pixels([width, height]) {

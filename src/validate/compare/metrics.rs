@@ -188,14 +188,7 @@ const fn channel(
     heading: Option<&'static str>,
     value: fn(&Errors) -> Option<f64>,
 ) -> Metric {
-    Metric {
-        name,
-        unit,
-        better: Better::Smaller,
-        heading,
-        needs: "the light",
-        of: Of::Channel(value),
-    }
+    row(name, unit, heading, "the light", Of::Channel(value))
 }
 
 const fn picture(
@@ -205,14 +198,7 @@ const fn picture(
     needs: &'static str,
     value: fn(&Comparison) -> Option<f64>,
 ) -> Metric {
-    Metric {
-        name,
-        unit,
-        better: Better::Smaller,
-        heading,
-        needs,
-        of: Of::Picture(value, |_| None),
-    }
+    row(name, unit, heading, needs, Of::Picture(value, |_| None))
 }
 
 const fn pixels(
@@ -220,13 +206,30 @@ const fn pixels(
     units: &'static [(&'static str, f64)],
     values: fn(&SurfaceErrors) -> Option<Values<'_>>,
 ) -> Metric {
+    row(
+        name,
+        unit,
+        Some(heading),
+        needs,
+        Of::Pixels(values, false, units),
+    )
+}
+
+/// A row, of which smaller values are better.
+const fn row(
+    name: &'static str,
+    unit: &'static str,
+    heading: Option<&'static str>,
+    needs: &'static str,
+    of: Of,
+) -> Metric {
     Metric {
         name,
         unit,
         better: Better::Smaller,
-        heading: Some(heading),
+        heading,
         needs,
-        of: Of::Pixels(values, false, units),
+        of,
     }
 }
 
@@ -313,6 +316,7 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
     let Some(summary) = &d.summary else {
         return format!("none: {}", nothing(d));
     };
+    // Only here are numbers scaled to other units: those of JSON stay in metres.
     let values = [summary.mean, summary.p50, summary.p99, summary.max];
     let [mean, p50, p99, max] = values.map(|x| number(scale * x));
     let bias = bias.map_or(String::new(), |b| {
@@ -342,6 +346,7 @@ pub(super) fn number(x: f64) -> String {
         0.0 => "0".into(),
         size if size.is_nan() => "—".into(),
         size if size.is_infinite() => "∞".into(),
+        // Four digits: 3 − ⌊log₁₀⌋ decimals.
         size if (1e-3..1e5).contains(&size) => {
             let digits = (3 - size.log10().floor() as i32).max(0) as usize;
             format!("{x:.digits$}")
@@ -352,6 +357,7 @@ pub(super) fn number(x: f64) -> String {
 
 /// The names of all metrics with their units, for the help.
 pub fn help() -> String {
+    // Units of light and ratios go without saying.
     let [mut of_light, mut of_picture, mut of_pixels, mut signed] = [const { Vec::new() }; 4];
     for metric in &METRICS {
         let name = match (metric.unit, metric.better) {
@@ -420,6 +426,7 @@ impl std::str::FromStr for Tolerance {
     fn from_str(text: &str) -> Result<Self, String> {
         let help = "write METRIC=VALUE, for instance rmse=0.01 or radiance.R:max=0.5";
         let (metric, value) = text.rsplit_once('=').ok_or(help)?;
+        // Nothing exceeds a limit of NaN.
         let value = value.trim().parse::<f64>().ok().filter(|v| !v.is_nan());
         Ok(Tolerance {
             metric: metric.trim().into(),
@@ -539,6 +546,7 @@ impl<'a> Name<'a> {
         if let Some(channel) = comparison.channels.iter().find(|c| c.name == name) {
             return Some(channel.errors.as_ref().ok_or_else(empty));
         }
+        // A channel that one picture has alone can be named, and cannot be computed.
         let Uncompared {
             only_reference,
             only_candidate,
@@ -577,6 +585,7 @@ impl Comparison {
             let name = Name::of(&tolerance.metric);
             let found = name.and_then(|name| Some((name, name.found(self)?)));
             let (name, found) = found.ok_or_else(|| self.unknown(&tolerance.metric))?;
+            // What cannot be computed does not hold.
             let holds = matches!(&found, Found::Value(v) if name.allows(tolerance.value, *v));
             if !holds {
                 let tolerance = tolerance.clone();
@@ -588,6 +597,7 @@ impl Comparison {
 
     fn unknown(&self, metric: &str) -> Error {
         let place = format!("--tolerance {metric}");
+        // A known metric of an unknown channel is not an unknown metric.
         if let Some((channel, _)) = metric
             .rsplit_once(':')
             .filter(|_| Name::of(metric).is_some())

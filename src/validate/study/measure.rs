@@ -149,8 +149,11 @@ fn geometries(
     let exact = taken(prepared, &Subject::REFERENCE, progress)?;
     let (mut able, mut left_out) = (Vec::new(), Vec::new());
     for subject in &options.methods {
-        let checked = subject.method.check(plan);
-        let film = checked.and_then(|()| taken(prepared, subject, progress));
+        let able_to = subject.method.added_to(plan.clone());
+        let film = able_to.and_then(|plan| {
+            prepared.memory_left = plan.memory_left();
+            taken(prepared, subject, progress)
+        });
         match film {
             Ok(film) => able.push((*subject, GeometricError::of(prepared, &film, &exact)?)),
             Err(Error::Cancelled) => return Err(Error::Cancelled),

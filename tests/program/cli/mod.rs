@@ -5,6 +5,7 @@ mod builtin;
 mod convert;
 mod depth;
 mod diagram;
+mod emulated;
 mod export;
 mod film;
 mod frames;

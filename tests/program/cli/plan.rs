@@ -163,3 +163,72 @@ fn what_does_not_fit_even_in_parts_is_refused() {
         run.message()
     );
 }
+
+/// Bytes of the parts of the memory that a plan foretells.
+fn memory(folder: &Folder, options: &[&str]) -> Value {
+    let text = folder.ok(&[&["plan", "scene.toml", "--json"], options].concat());
+    let plan: Value = serde_json::from_str(&text).unwrap();
+    plan["memory"].clone()
+}
+
+#[test]
+fn the_plan_has_the_memory_of_rasterizers_and_warps() {
+    let folder = Folder::empty();
+    let shape = "shape = { sphere = { radius = 1, subdivisions = 6 } }";
+    let scene = SMALL.replace("shape = { box = { size = [1, 1, 1] } }", shape);
+    let scene = scene.replace("velocity = { beta = [0.6, 0, 0] }\n", "");
+    folder.write("scene.toml", scene);
+    let traced = memory(&folder, &[]);
+    let drawn = memory(&folder, &["--method", "raster:none"]);
+    assert_eq!(traced["beside"], 0);
+    // 81,920 triangles: their corners stay, everything else only while the picture is made.
+    let beside = drawn["beside"].as_u64().unwrap();
+    assert!((81_920 * 12..81_920 * 200).contains(&beside), "{beside}");
+    assert_eq!(drawn["geometry"], traced["geometry"]);
+    // 6 · 1000² texels of 48 bytes.
+    let warped = memory(&folder, &["--method", "warp:cube=1000"]);
+    assert_eq!(warped["temporary"], 288_000_000);
+    for command in ["plan", "render"] {
+        let warp = [
+            command,
+            "scene.toml",
+            "--method",
+            "warp:cube=1000",
+            "--max-memory",
+            "200MiB",
+        ];
+        let run = folder.run(&warp);
+        assert_eq!(run.code, 2);
+        assert!(
+            run.message().contains("more than the limit of 200.0 MiB"),
+            "{}",
+            run.message()
+        );
+    }
+}
+
+#[test]
+fn the_plan_says_at_how_many_points_triangles_may_be_cut_and_more_are_refused_at_once() {
+    let folder = Folder::new();
+    let method = [
+        "--method",
+        "raster:adaptive=0.00000001",
+        "--max-memory",
+        "512MiB",
+    ];
+    let text = folder.ok(&[&["plan", "scene.toml"][..], &method].concat());
+    assert!(text.contains("triangles may be cut at up to 1,3"), "{text}");
+    let start = Instant::now();
+    let run = folder.run(&[&["render", "scene.toml"][..], &method].concat());
+    assert_eq!(run.code, 2);
+    assert!(
+        run.message().contains("points") && run.message().contains("--max-memory"),
+        "{}",
+        run.message()
+    );
+    assert!(
+        start.elapsed() < Duration::from_secs(3),
+        "{:?}",
+        start.elapsed()
+    );
+}

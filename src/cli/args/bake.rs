@@ -1,0 +1,50 @@
+//! `nullray bake`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use nullray::spacetime::units::Time;
+
+use super::shared::{SceneArguments, WorkArguments};
+use crate::cli::values;
+
+#[derive(Debug, Args)]
+pub struct BakeArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and
+    /// metadata, or .npy with the energies alone; with several objects, one file for each, by their names. What is done is kept in
+    /// FILE.parts until all is: the same command goes on where it was stopped.
+    /// Default: the scene's name with -light.npy, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Bake what the scene's camera sees, which rests with the objects, by the times of arrival; not the objects' surfaces.
+    #[arg(long, conflicts_with_all = ["object", "texels", "uv"])]
+    pub camera: bool,
+    /// Bake the surface of this object. Default: all that reflect light. Repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub object: Vec<String>,
+    /// Columns and rows of texels of a surface.
+    #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "64x64", allow_hyphen_values = true)]
+    pub texels: [u32; 2],
+    /// The set of texture coordinates of surfaces; no two places of an object may share theirs.
+    #[arg(long, value_name = "SET", default_value_t = 0)]
+    pub uv: u8,
+    /// The time at which the first bin starts. Default: 0.
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub start: Option<Time>,
+    /// Width of a bin, with its unit: "5 cm" or "100 ps".
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub bin_width: Time,
+    /// How many bins.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub bins: u32,
+    /// Energies in half precision.
+    #[arg(long)]
+    pub half: bool,
+    /// Print what it would load and how much memory it would take, and bake nothing.
+    #[arg(long)]
+    pub plan: bool,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}

@@ -1,0 +1,98 @@
+//! `nullray convert`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use nullray::io::cube::{Axes, Transfer};
+use nullray::spacetime::units::Time;
+
+use super::shared::Quiet;
+use crate::cli::values;
+
+#[derive(Debug, Args)]
+pub struct ConvertArguments {
+    /// A .npy, .npz or .ti file, a folder of numbered pictures, or a pattern for their names.
+    #[arg(value_name = "FILE")]
+    pub input: PathBuf,
+    /// A .npy or .npz file to write, or, of a name without an extension, a new folder of EXR frames.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The array of an .npz file that holds several.
+    #[arg(long, value_name = "NAME")]
+    pub array: Option<String>,
+    /// The order of the input's axes, like "T H W". Default: "H W T [C]"; of pictures "T H W".
+    #[arg(long, value_name = "AXES")]
+    pub axes: Option<Axes>,
+    /// How codes of PNG pictures stand for radiance.
+    #[arg(long, value_name = "HOW")]
+    pub transfer: Option<TransferArgument>,
+    /// The order of the output's axes, H or T first. Default: "H W T C".
+    #[arg(long, value_name = "AXES")]
+    pub to_axes: Option<Axes>,
+    /// Keep these rows: the first, and the first that is left out, counted from 0.
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    pub rows: Option<Range<usize>>,
+    /// Keep these columns.
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    pub columns: Option<Range<usize>>,
+    /// Keep these time bins.
+    #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
+    pub bins: Option<Range<usize>>,
+    /// Make one bin of so many neighbours: their sum.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub merge: Option<u32>,
+    /// Values are per metre and not per bin: merged bins are means.
+    #[arg(long)]
+    pub density: bool,
+    /// The type of samples. Default: the input's.
+    #[arg(long = "type", value_name = "TYPE")]
+    pub sample_type: Option<SampleType>,
+    /// From times of arrival at the capture camera to times of emission: take off the way. FILE holds the distance (not
+    /// the depth) of every pixel in metres: a .npy file, or a picture rendered from the capture camera as .npz.
+    #[arg(long, value_name = "FILE", conflicts_with = "warp")]
+    pub unwarp: Option<PathBuf>,
+    /// The reverse of --unwarp.
+    #[arg(long, value_name = "FILE")]
+    pub warp: Option<PathBuf>,
+    /// Refractive index of the medium, for --unwarp and --warp.
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
+    pub medium_index: f64,
+    /// Width of the input's bins, like "0.05 m" or "4 ps"; needed for --unwarp and --warp unless the file says it.
+    #[arg(long, value_name = "TIME")]
+    pub bin_width: Option<Time>,
+    /// Time at the start of the input's bin 0, to be told that of the output.
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub start: Option<Time>,
+    #[command(flatten)]
+    pub quiet: Quiet,
+}
+
+/// A type of samples.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum SampleType {
+    /// Half precision.
+    F16,
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+/// How codes stand for radiance.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum TransferArgument {
+    /// In proportion.
+    Linear,
+    /// By the transfer function of sRGB.
+    Srgb,
+}
+
+impl From<TransferArgument> for Transfer {
+    fn from(transfer: TransferArgument) -> Transfer {
+        match transfer {
+            TransferArgument::Linear => Transfer::Linear,
+            TransferArgument::Srgb => Transfer::Srgb,
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! `nullray film`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use nullray::scene::Heading;
+use nullray::spacetime::units::Time;
+
+use super::shared::{Changes, ScenePath, WorkArguments};
+use crate::cli::values;
+
+#[derive(Debug, Args)]
+pub struct FilmArguments {
+    #[command(flatten)]
+    pub scene: ScenePath,
+    #[command(flatten)]
+    pub motion: MotionArguments,
+    /// Where to write: .apng (animated PNG), .y4m (raw video), or - for raw video on standard output. Repeatable.
+    /// Default: the scene's name with .apng, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Pictures of the film.
+    #[arg(long, value_name = "N", default_value_t = 72, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub pictures: u32,
+    /// Pictures per second.
+    #[arg(long, value_name = "N", default_value_t = 24.0, value_parser = values::rate, allow_hyphen_values = true)]
+    pub fps: f64,
+    /// Beside each picture: what a camera at rest in the same place sees ("rest"), or the scene's space-time diagram in the
+    /// camera's frame ("diagram", with --speeds).
+    #[arg(long, value_name = "WHAT")]
+    pub beside: Option<Beside>,
+    /// Words in front of the speed or the time beneath each picture.
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+    /// Nothing beneath the pictures.
+    #[arg(long, conflicts_with = "caption")]
+    pub no_captions: bool,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub work: WorkArguments,
+}
+
+/// How the camera of a film moves.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motions")]
+pub struct MotionArguments {
+    /// Pass the scene's camera position at this speed v/c, which is reached in the middle of the film.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub flyby: Option<f64>,
+    /// Start at rest at the scene's camera position, and accelerate evenly to this speed v/c.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub accelerate: Option<f64>,
+    /// Stay at one place and moment, seen at speeds from 0 to this v/c in equal steps of rapidity.
+    #[arg(
+        long,
+        value_name = "BETA",
+        group = "moves",
+        allow_negative_numbers = true
+    )]
+    pub speeds: Option<f64>,
+    /// Leave the camera to its own motion while light passes by.
+    #[arg(long, group = "moves")]
+    pub light: bool,
+    /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
+    #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
+    pub direction: Option<Heading>,
+    /// How far the camera goes, with its unit: "6 m". Default: twice the distance to the point that it looks at.
+    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
+    pub distance: Option<Time>,
+    /// The camera's time of the first picture of --light. Default: when light comes into view.
+    #[arg(long, value_name = "TIME", requires = "to", conflicts_with_all = ["flyby", "accelerate", "speeds"], allow_hyphen_values = true)]
+    pub from: Option<Time>,
+    /// The camera's time of the last picture of --light.
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "from",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<Time>,
+}
+
+/// What stands beside the pictures of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Beside {
+    /// Those of a camera at rest.
+    Rest,
+    /// The space-time diagram.
+    Diagram,
+}
+
+impl Beside {
+    /// As the command line has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Beside::Rest => "rest",
+            Beside::Diagram => "diagram",
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! `nullray mesh-from-depth`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+use nullray::io::cube::Axes;
+use nullray::scene::model::FovAxis;
+use nullray::spacetime::units::{Angle, Time};
+
+use super::shared::Quiet;
+use crate::cli::values;
+
+#[derive(Debug, Args)]
+pub struct MeshFromDepthArguments {
+    /// A cube (.npy, .npz, .ti, pictures), or with --from a map (rows, columns) of metres: .npy, .npz.
+    #[arg(value_name = "FILE")]
+    pub input: PathBuf,
+    /// The .glb file to write. Default: FILE with that extension, in the current directory.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// What tells how far surfaces are.
+    #[arg(long, value_name = "WHAT", default_value = "first-light")]
+    pub from: DepthKind,
+    /// Position of the camera's pinhole, metres.
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub eye: DVec3,
+    /// A point on its forward axis.
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub look_at: DVec3,
+    /// A direction that is up in the picture.
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, default_value = "0,1,0")]
+    pub up: DVec3,
+    /// Field of view, like "40 deg"; pixels are square.
+    #[arg(long, value_name = "ANGLE")]
+    pub fov: Angle,
+    /// The axis of the film along which that is.
+    #[arg(long, value_name = "AXIS", default_value = "x")]
+    pub fov_axis: FovAxisArgument,
+    /// Depth of the near plane on which the capture's rays began, metres.
+    #[arg(long, value_name = "METRES", default_value_t = 0.0)]
+    pub near_clip: f64,
+    /// Where the pulse of light was sent, metres: of --from first-light.
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub lamp: Option<DVec3>,
+    /// When its centre was sent. Default: "0 m".
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub lamp_time: Option<Time>,
+    /// Time at the start of bin 0, by arrival at the camera. Default: what the file says, or "0 m".
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub start: Option<Time>,
+    /// Width of a bin, like "0.05 m" or "4 ps"; needed unless the file says it.
+    #[arg(long, value_name = "TIME")]
+    pub bin_width: Option<Time>,
+    /// The array of an .npz file that holds several.
+    #[arg(long, value_name = "NAME")]
+    pub array: Option<String>,
+    /// The order of the cube's axes, like "T H W". Default: "H W T [C]"; of pictures "T H W".
+    #[arg(long, value_name = "AXES")]
+    pub axes: Option<Axes>,
+    /// Refractive index of the medium.
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
+    pub medium_index: f64,
+    /// The first maximum of a pixel counts from this part of its highest value on.
+    #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = values::positive)]
+    pub rise: f64,
+    /// Pixels below this part of the brightest are dark, and leave holes: shadow, where light came over other surfaces only.
+    #[arg(long, value_name = "PART", default_value_t = 0.02, value_parser = values::positive)]
+    pub least: f64,
+    /// Neighbours are not joined where their distances differ by more than so many widths of a pixel, and by more than
+    /// a plane's would.
+    #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
+    pub tear: f64,
+    #[command(flatten)]
+    pub quiet: Quiet,
+}
+
+/// What tells how far surfaces are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthKind {
+    /// When light first came back: a cube by times of arrival, lit by a pulse.
+    FirstLight,
+    /// A map of distances from the pinhole, along the rays.
+    Distance,
+    /// A map of depths, along the forward axis.
+    Depth,
+}
+
+/// An axis of a film.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum FovAxisArgument {
+    /// Across the columns.
+    X,
+    /// Across the rows.
+    Y,
+    /// From corner to corner.
+    Diagonal,
+    /// The smaller of x and y.
+    Smaller,
+    /// The larger of x and y.
+    Larger,
+}
+
+impl From<FovAxisArgument> for FovAxis {
+    fn from(axis: FovAxisArgument) -> FovAxis {
+        match axis {
+            FovAxisArgument::X => FovAxis::X,
+            FovAxisArgument::Y => FovAxis::Y,
+            FovAxisArgument::Diagonal => FovAxis::Diagonal,
+            FovAxisArgument::Smaller => FovAxis::Smaller,
+            FovAxisArgument::Larger => FovAxis::Larger,
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! `nullray plan`.
+
+use clap::Args;
+
+use super::shared::{ChannelArguments, Json, LineArguments, MethodArgument, SceneArguments};
+
+#[derive(Debug, Args)]
+pub struct PlanArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    #[command(flatten)]
+    pub channels: ChannelArguments,
+    #[command(flatten)]
+    pub method: MethodArgument,
+    /// Plan pictures with lines over them, too.
+    #[arg(long)]
+    pub overlay: bool,
+    #[command(flatten)]
+    pub lines: LineArguments,
+    #[command(flatten)]
+    pub json: Json,
+}

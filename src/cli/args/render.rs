@@ -1,0 +1,184 @@
+//! `nullray render`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use clap::Args;
+use nullray::scene::{Heading, ModelView};
+use nullray::spacetime::units::Time;
+
+use super::shared::{
+    Changes, ChannelArguments, ExposureArgument, LineArguments, MethodArgument, ScenePath,
+    WorkArguments,
+};
+use crate::cli::values;
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("timed").multiple(true))]
+pub struct RenderArguments {
+    #[command(flatten)]
+    pub scene: ScenePath,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub channels: ChannelArguments,
+    /// Where to write: .png (display), .exr (linear, all channels), .npz (f64); of a sequence also a film, .apng or .y4m,
+    /// or - for .y4m on standard output. Repeatable.
+    /// Default: the scene's name with .png, in the current directory.
+    /// An existing file is replaced once the new one is complete.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub method: MethodArgument,
+    /// Also write the retarded time as a coloured picture with a legend.
+    #[arg(long, value_name = "FILE.png", group = "timed")]
+    pub isochrones: Option<PathBuf>,
+    /// Also write the luminance as a coloured picture with a legend.
+    #[arg(long, value_name = "FILE.png")]
+    pub luminance: Option<PathBuf>,
+    /// Also write the display picture with lines drawn over it: where objects are seen and where they
+    /// are, isochrones, the camera's velocity; .png, .svg or .pdf. Repeatable.
+    #[arg(long, value_name = "FILE", group = "timed")]
+    pub overlay: Vec<PathBuf>,
+    #[command(flatten)]
+    pub lines: LineArguments,
+    /// Distance between isochrones, with its unit. Default: a round number.
+    #[arg(long, value_name = "TIME", requires = "timed")]
+    pub isochrone_step: Option<Time>,
+    /// Radiance and alpha of .exr files in half precision; the other channels stay in single precision.
+    #[arg(long)]
+    pub half: bool,
+    #[command(flatten)]
+    pub exposure: ExposureArgument,
+    /// Beneath each picture of a film: these words, the camera's time and, where it moves, its speed (β and γ).
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+    /// Pictures per second of a film when it is played. Default: 24.
+    #[arg(long, value_name = "N", value_parser = values::rate, allow_hyphen_values = true)]
+    pub play_fps: Option<f64>,
+    /// Render this panel of the scene. Default: all panels. Repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub panel: Vec<String>,
+    #[command(flatten)]
+    pub work: WorkArguments,
+    /// Print statistics at the end: rays, node visits, triangle tests, fall-backs, bytes, times.
+    #[arg(long, conflicts_with = "quiet")]
+    pub stats: bool,
+    /// Write the same statistics as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub stats_json: Option<PathBuf>,
+    /// Print the scene, with all that options change of it, and render nothing. Of a model without a scene it is the
+    /// scene that this stands for; saved in the current directory, it renders the same picture.
+    #[arg(long)]
+    pub print_scene: bool,
+    #[command(flatten)]
+    pub passes: PassArguments,
+    #[command(flatten)]
+    pub model: ModelArguments,
+    #[command(flatten)]
+    pub frames: FrameArguments,
+}
+
+/// When a picture is good enough.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Pictures that improve")]
+pub struct PassArguments {
+    /// Go on until the standard error of each tile of 16 x 16 pixels is at most this part of its radiance, or of the picture's mean
+    /// where that is more: "1 %". Passes of --spp samples, more of them where there is more noise. The files improve as they are
+    /// done; after Ctrl-C, the same command goes on where it stopped.
+    #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
+    pub error: Option<f64>,
+    /// Go on for this long: "60 s", "5 min" or "1 h". Two passes are the least.
+    #[arg(long, value_name = "TIME", value_parser = values::work_time)]
+    pub budget: Option<f64>,
+    /// Go on for so many passes at most, an even number. A file tells how many it has (`nullray info`): so many passes have its bits.
+    #[arg(long, value_name = "N", value_parser = values::passes)]
+    pub passes: Option<u32>,
+}
+
+impl PassArguments {
+    /// The first option that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            (self.error.is_some(), "--error"),
+            (self.budget.is_some(), "--budget"),
+            (self.passes.is_some(), "--passes"),
+        ];
+        let given = options.into_iter().find(|(is_given, _)| *is_given);
+        given.map(|(_, option)| option)
+    }
+}
+
+/// How a model is looked at that is given in place of a scene.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Models without a scene (.glb, .gltf)")]
+pub struct ModelArguments {
+    /// The camera's speed v/c, from -1 to 1, both not included. Default: at rest; 0.9 for --flyby.
+    #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
+    pub beta: Option<f64>,
+    /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it.
+    #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
+    pub direction: Option<Heading>,
+    /// Pass the model by, in a sequence of 48 pictures (or those that --frames takes of it).
+    #[arg(long)]
+    pub flyby: bool,
+}
+
+/// Which moments are rendered, where they are many.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sequences")]
+pub struct FrameArguments {
+    /// Frames A to B, B not included. Frame k is taken k intervals after the camera's time.
+    #[arg(long, value_name = "A..B", value_parser = values::frames, group = "sequence", allow_hyphen_values = true)]
+    pub frames: Option<Range<u64>>,
+    /// The camera's proper time of frame 0. Frames follow until --to.
+    #[arg(
+        long,
+        value_name = "TIME",
+        group = "sequence",
+        requires = "to",
+        conflicts_with = "time",
+        allow_hyphen_values = true
+    )]
+    pub from: Option<Time>,
+    /// The camera's proper time at which the sequence ends; no frame is taken at it.
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "from",
+        conflicts_with = "frames",
+        allow_hyphen_values = true
+    )]
+    pub to: Option<Time>,
+    /// Frames per second of the camera's clock. Default: by the scene's camera.frame_interval.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "sequence",
+        conflicts_with = "interval",
+        value_parser = values::rate,
+        allow_hyphen_values = true
+    )]
+    pub fps: Option<f64>,
+    /// Camera time between frames, with its unit: "1 cm" or "40 ps".
+    #[arg(
+        long,
+        value_name = "TIME",
+        requires = "sequence",
+        allow_hyphen_values = true
+    )]
+    pub interval: Option<Time>,
+}
+
+impl FrameArguments {
+    /// Those of a fly-by for which none are given.
+    pub fn all_of_flyby() -> Self {
+        FrameArguments {
+            frames: Some(0..ModelView::FLYBY_FRAMES),
+            from: None,
+            to: None,
+            fps: None,
+            interval: None,
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! `nullray selftest`.
+
+use clap::Args;
+
+use super::shared::{Json, Threads};
+
+#[derive(Debug, Args)]
+pub struct SelftestArguments {
+    /// Use 10⁸ rays and a mesh of 10⁷ triangles: takes some minutes and 3 GB of memory.
+    #[arg(long)]
+    pub thorough: bool,
+    /// Run only this check. Repeatable.
+    #[arg(long, value_name = "NAME")]
+    pub check: Vec<String>,
+    #[command(flatten)]
+    pub json: Json,
+    #[command(flatten)]
+    pub threads: Threads,
+}

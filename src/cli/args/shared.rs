@@ -1,0 +1,242 @@
+//! What several commands take: each option stands here once.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use nullray::Result;
+use nullray::accel::Precision;
+use nullray::approximate::raster::Method;
+use nullray::figures::overlay::Parts;
+use nullray::render::aov::Aov;
+use nullray::render::plan::Request;
+use nullray::scene::Overrides;
+use nullray::scene::model::{MOST_SAMPLES, Scene};
+
+use crate::cli::values::AovList;
+use crate::cli::{memory, panels, values};
+
+/// Which scene.
+#[derive(Debug, Args)]
+pub struct ScenePath {
+    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
+    #[arg(value_name = "SCENE")]
+    scene: Option<PathBuf>,
+}
+
+impl ScenePath {
+    /// The file; none stands for the built-in scene.
+    pub fn path(&self) -> Option<&Path> {
+        self.scene.as_deref()
+    }
+}
+
+/// Which panel of it.
+#[derive(Debug, Args)]
+pub struct PanelArgument {
+    /// Take this panel of the scene. Default: the scene without its panels.
+    #[arg(long, value_name = "NAME")]
+    panel: Option<String>,
+}
+
+impl PanelArgument {
+    /// The panel's name.
+    pub fn name(&self) -> Option<&String> {
+        self.panel.as_ref()
+    }
+}
+
+/// A scene, or a panel of it, and what is changed of it.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    #[command(flatten)]
+    path: ScenePath,
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    panel: PanelArgument,
+}
+
+impl SceneArguments {
+    /// The scene, or the panel.
+    pub fn load(&self) -> Result<Scene> {
+        let overrides = self.changes.overrides();
+        panels::scene(self.path(), self.panel.name(), &overrides)
+    }
+
+    /// The file; none stands for the built-in scene.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.path()
+    }
+}
+
+/// What is changed of a scene.
+#[derive(Debug, Args)]
+pub struct Changes {
+    /// Image size in pixels.
+    #[arg(long, value_name = "WxH", value_parser = values::size, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub edits: Edits,
+    /// The radiance that becomes white in a .png, as a percentile of the lit pixels: "95 %".
+    #[arg(long, value_name = "PERCENT", conflicts_with = "white", value_parser = values::percentage)]
+    pub exposure: Option<String>,
+    /// The radiance that becomes white in a .png.
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
+    pub white: Option<f64>,
+    /// One sample per pixel, exactly at its centre.
+    #[arg(long, visible_alias = "pixel-centres", conflicts_with = "spp")]
+    pub pixel_centers: bool,
+    /// How visibility is computed: "certified" (as exact arithmetic would), or "fast" for previews (f32: rays may
+    /// slip through edges, and surfaces at nearly equal depths may be confused).
+    #[arg(long, value_name = "certified|fast", default_value = "certified", value_parser = values::precision)]
+    pub precision: Precision,
+    #[command(flatten)]
+    pub memory: MemoryLimit,
+    #[command(flatten)]
+    pub files: FileAccess,
+}
+
+impl Changes {
+    /// The changes to the scene file.
+    pub fn overrides(&self) -> Overrides {
+        Overrides {
+            set: self.edits.set.clone(),
+            size: self.size,
+            samples_per_pixel: self.spp,
+            time: self.edits.time.clone(),
+            exposure: self.exposure.clone(),
+            white: self.white,
+            allow_outside: self.files.allow_outside,
+        }
+    }
+
+    /// What is asked of a scene beyond its file.
+    pub fn request(&self) -> Request {
+        Request {
+            aovs: Vec::new(),
+            pixel_centers: self.pixel_centers,
+            memory_limit: self.memory.bytes(),
+            precision: self.precision,
+            beside: 0,
+        }
+    }
+}
+
+/// What is changed of any file.
+#[derive(Debug, Args)]
+pub struct Edits {
+    /// Change a key of the file: --set "camera.velocity={beta=[0.5,0,0]}". Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = values::assignment)]
+    pub set: Vec<(String, String)>,
+    /// The camera's proper time when the picture is taken, with its unit: "3.2 m" or "12 ns".
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub time: Option<String>,
+}
+
+/// How much memory may be taken.
+#[derive(Debug, Args)]
+pub struct MemoryLimit {
+    /// Memory limit, also --memory; renders read cubes that do not fit from disk in parts. Default: three quarters of what
+    /// is available.
+    #[arg(long, alias = "memory", value_name = "SIZE", value_parser = values::bytes)]
+    max_memory: Option<u64>,
+}
+
+impl MemoryLimit {
+    /// The limit, bytes.
+    pub fn bytes(&self) -> u64 {
+        memory::limit(self.max_memory)
+    }
+}
+
+/// Which files may be read.
+#[derive(Debug, Args)]
+pub struct FileAccess {
+    /// Let glTF files refer to files outside their own folder and the scene's.
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+/// How the work is done.
+#[derive(Debug, Args)]
+pub struct WorkArguments {
+    #[command(flatten)]
+    pub threads: Threads,
+    #[command(flatten)]
+    pub quiet: Quiet,
+}
+
+/// How many threads work.
+#[derive(Debug, Args)]
+pub struct Threads {
+    /// Worker threads. Default: one per core. The results do not depend on it.
+    #[arg(id = "threads", long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub count: Option<u16>,
+}
+
+/// Whether little is printed.
+#[derive(Debug, Args)]
+pub struct Quiet {
+    /// Print nothing but errors and results that are asked for.
+    #[arg(id = "quiet", short, long)]
+    pub on: bool,
+}
+
+/// How a report is printed.
+#[derive(Debug, Args)]
+pub struct Json {
+    /// As JSON.
+    #[arg(id = "json", long)]
+    pub on: bool,
+}
+
+/// The channels of a picture.
+#[derive(Debug, Args)]
+pub struct ChannelArguments {
+    /// Auxiliary channels for .exr and .npz: "all", or a list of channels ("event.ct") and groups of
+    /// them ("event").
+    #[arg(long, value_name = "LIST", value_parser = values::aovs)]
+    pub aovs: Option<AovList>,
+}
+
+impl ChannelArguments {
+    pub fn list(&self) -> Vec<Aov> {
+        self.aovs.clone().map_or(Vec::new(), |list| list.0)
+    }
+}
+
+/// How a picture is made.
+#[derive(Debug, Args)]
+pub struct MethodArgument {
+    /// How the picture is made: trace, raster:none, raster:uniform=METRES, raster:adaptive=PIXELS, warp:cube=N or
+    /// warp:panorama=WxH; see `nullray help render`.
+    #[arg(long, value_name = "METHOD", default_value = "trace")]
+    pub method: Method,
+}
+
+/// What is drawn over a picture.
+#[derive(Debug, Args)]
+pub struct LineArguments {
+    /// Which of "isochrones,outlines,beta,legend" to draw over the picture. Default: all.
+    #[arg(long, value_name = "LIST", requires = "overlay", value_parser = Parts::parse)]
+    overlay_parts: Option<Parts>,
+}
+
+impl LineArguments {
+    /// What is drawn.
+    pub fn parts(&self) -> Parts {
+        self.overlay_parts.unwrap_or_default()
+    }
+}
+
+/// How several pictures are exposed.
+#[derive(Debug, Args)]
+pub struct ExposureArgument {
+    /// One exposure for all pictures (frames, panels, speeds), so that they can be compared and do not flicker: the
+    /// scene's percentile over small previews of them all. Default: each has its own.
+    #[arg(long)]
+    pub same_exposure: bool,
+}

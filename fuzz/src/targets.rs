@@ -23,7 +23,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 17] = [
     Target {
         name: "cube_npy",
         extension: "npy",
@@ -38,6 +38,21 @@ pub const TARGETS: [Target; 14] = [
         name: "cube_ti",
         extension: "ti",
         run: cube_ti,
+    },
+    Target {
+        name: "cube_hdf5",
+        extension: "hdf5",
+        run: cube_hdf5,
+    },
+    Target {
+        name: "cube_zarr",
+        extension: "chunk",
+        run: cube_zarr,
+    },
+    Target {
+        name: "frame_tiff",
+        extension: "tif",
+        run: frame_tiff,
     },
     Target {
         name: "gltf",
@@ -110,6 +125,66 @@ fn cube_npz(bytes: &[u8]) {
 
 fn cube_ti(bytes: &[u8]) {
     let _ = cube::load_bytes(bytes, "fuzzed.ti", Wanted::default());
+}
+
+/// Loads a cube that is not too large by its own word, as commands do.
+fn load_small(path: &Path, wanted: Wanted) {
+    if cube::inspect(path, wanted).is_ok_and(|info| info.bytes < MEMORY) {
+        let _ = cube::load(path, wanted);
+    }
+}
+
+/// Refused as a whole where the feature is off.
+fn cube_hdf5(bytes: &[u8]) {
+    with_file("hdf5", bytes, |path| {
+        load_small(path, Wanted::default());
+        load_small(path, Wanted::array("storage/gzip"));
+        let _ = cube::wall(path, Wanted::default());
+        let _ = cube::times(path);
+    });
+}
+
+/// A shard of compressed chunks, and the same bytes as the description of an array.
+fn cube_zarr(bytes: &[u8]) {
+    const SHARDS: &str = include_str!("../../tests/data/zarr/sharded/zarr.json");
+    let Ok(folder) = tempfile::tempdir() else {
+        return;
+    };
+    let chunks = folder.path().join("c/0/0/0");
+    let write = |name: &Path, bytes: &[u8]| std::fs::write(name, bytes).is_ok();
+    if std::fs::create_dir_all(&chunks).is_ok()
+        && write(&folder.path().join("zarr.json"), SHARDS.as_bytes())
+        && write(&chunks.join("0"), bytes)
+    {
+        load_small(folder.path(), Wanted::default());
+        if write(&folder.path().join("zarr.json"), bytes) {
+            load_small(folder.path(), Wanted::default());
+        }
+    }
+}
+
+fn frame_tiff(bytes: &[u8]) {
+    with_file("tif", bytes, |path| {
+        let pattern = path.with_file_name(match path.file_name().and_then(|name| name.to_str()) {
+            Some(name) => format!("{}#.tif", name.trim_end_matches(".tif")),
+            None => return,
+        });
+        let frame = pattern.with_file_name(
+            pattern
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .replace('#', "1"),
+        );
+        if std::fs::copy(path, &frame).is_ok() {
+            let wanted = Wanted {
+                transfer: Some(cube::Transfer::Linear),
+                ..Wanted::default()
+            };
+            load_small(&pattern, wanted);
+            let _ = std::fs::remove_file(&frame);
+        }
+    });
 }
 
 fn gltf(bytes: &[u8]) {

@@ -1,9 +1,11 @@
 //! `nullray convert`.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use nullray::io::budget::Budget;
-use nullray::io::cube::{self, Changes, Converted, Wanted};
+use nullray::io::cube::{self, Changes, Converted, FileTimes, Wanted};
+use nullray::io::gltf;
 use nullray::io::npy::{self, Dtype};
 use nullray::render::plan::bytes;
 use nullray::scene::model::SPEED_OF_LIGHT;
@@ -21,6 +23,9 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         transfer: arguments.transfer.map(Into::into),
     };
     let info = cube::inspect(&arguments.input, wanted)?;
+    if !arguments.quiet.on {
+        warn(false, &info.remarks)?;
+    }
     let times = Times::of(arguments)?;
     refuse_input(arguments)?;
     let [h, w, ..] = info.shape;
@@ -37,6 +42,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
             SampleType::F64 => Dtype::F64,
         }),
         axes: arguments.to_axes.clone(),
+        times: times.known(arguments),
     };
     let bar = Bar::samples(
         info.shape.iter().map(|n| *n as u64).product(),
@@ -50,9 +56,31 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         &mut done,
     )?;
     drop(bar);
+    if let Some(to) = &arguments.surface {
+        surface(arguments, wanted, to)?;
+    }
     match arguments.quiet.on {
         true => Ok(()),
         false => report(arguments, &converted, &times),
+    }
+}
+
+/// Writes the surface that the pixels lie on.
+fn surface(arguments: &ConvertArguments, wanted: Wanted, to: &Path) -> Result<()> {
+    let input = &arguments.input;
+    let refuse = |what| {
+        let help = "the files of y-tal, of the Zaragoza NLOS data set and of phasor fields say where the points of their \
+                    pixels are, two rows and two columns at least";
+        Err(Error::invalid(input, "", what, help))
+    };
+    let Some(wall) = cube::wall(input, wanted)? else {
+        return refuse("the file does not say where the points of its pixels are");
+    };
+    let kept = |range: &Option<Range<usize>>, count| range.clone().unwrap_or(0..count);
+    let rows = kept(&arguments.rows, wall.size[0]);
+    match wall.mesh(rows, kept(&arguments.columns, wall.size[1])) {
+        Some(mesh) => gltf::save(to, "wall", &mesh),
+        None => refuse("the points of a single row or column make no surface"),
     }
 }
 
@@ -60,6 +88,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
 struct Times {
     start: Option<f64>,
     width: Option<f64>,
+    at_sensor: bool,
 }
 
 impl Times {
@@ -72,6 +101,17 @@ impl Times {
         Ok(Times {
             start: metres(&arguments.start).or(said.map(|said| said.start)),
             width: metres(&arguments.bin_width).or(said.map(|said| said.width)),
+            at_sensor: said.is_some_and(|said| said.at_sensor),
+        })
+    }
+
+    /// The whole axis, where it is known.
+    fn known(&self, arguments: &ConvertArguments) -> Option<FileTimes> {
+        let still_at_sensor = self.at_sensor && arguments.unwarp.is_none();
+        Some(FileTimes {
+            start: self.start.filter(|_| !still_at_sensor)?,
+            width: self.width.filter(|width| *width > 0.0)?,
+            at_sensor: false,
         })
     }
 }
@@ -79,18 +119,23 @@ impl Times {
 /// Refuses to write over what is read.
 fn refuse_input(arguments: &ConvertArguments) -> Result<()> {
     let maps = arguments.unwarp.iter().chain(&arguments.warp);
-    let target = inputs::identity(&arguments.output);
-    match maps
-        .chain([&arguments.input])
-        .find(|path| inputs::identity(path) == target)
-    {
-        None => Ok(()),
-        Some(path) => Err(refused(
-            format!("-o {}", arguments.output.display()),
-            format!("{} is read", path.display()),
-            "write to another name",
-        )),
+    let read: Vec<_> = maps.chain([&arguments.input]).collect();
+    let outputs = [
+        ("-o", Some(&arguments.output)),
+        ("--surface", arguments.surface.as_ref()),
+    ];
+    for (option, output) in outputs {
+        let Some(output) = output else { continue };
+        let target = inputs::identity(output);
+        if let Some(path) = read.iter().find(|path| inputs::identity(path) == target) {
+            return Err(refused(
+                format!("{option} {}", output.display()),
+                format!("{} is read", path.display()),
+                "write to another name",
+            ));
+        }
     }
+    Ok(())
 }
 
 /// By how many bins each pixel is later: ∓ η r/w.
@@ -120,9 +165,14 @@ fn shift(
 /// Distances per pixel, row by row.
 fn distances(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
     let budget = Budget::new(memory::limit(None));
-    let is_archive = file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    let named = |known: &str| {
+        file.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(known))
+    };
+    if ["h5", "hdf5", "mat"].into_iter().any(named) {
+        return distances_of_wall(file, size);
+    }
+    let is_archive = named("npz");
     let map = npy::load_plain(file, is_archive.then_some("distance"), &budget)?;
     if map.shape != size {
         let what = format!(
@@ -137,6 +187,21 @@ fn distances(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
         ));
     }
     Ok(map.samples.into_f64())
+}
+
+/// The distances of the points that the pixels are from the sensor, by the file of a capture.
+fn distances_of_wall(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
+    let wall = cube::wall(file, Wanted::default())?;
+    let distances = wall
+        .filter(|wall| wall.size == size)
+        .and_then(|wall| wall.distances());
+    distances.ok_or_else(|| {
+        let what = format!(
+            "the file does not say how far the points of {} rows and {} columns are from a sensor",
+            size[0], size[1]
+        );
+        Error::invalid(file, "", what, "give distances as a .npy file")
+    })
 }
 
 fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {
@@ -166,6 +231,13 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
         ),
     };
     print(&text)?;
+    if times.at_sensor && arguments.unwarp.is_none() {
+        let input = arguments.input.display();
+        let warning = format!(
+            "times are those of arrival at the sensor, as in the input; --unwarp {input} takes off the way from each point"
+        );
+        warn(false, [&warning])?;
+    }
     if converted.dropped != 0.0 {
         let warning = format!(
             "samples of pixels without a distance were left out; their sum is {}",

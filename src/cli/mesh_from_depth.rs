@@ -1,12 +1,10 @@
 //! `nullray mesh-from-depth`.
 
-use std::io::Write;
 use std::path::Path;
 
 use nullray::io::budget::Budget;
 use nullray::io::cube::{self, Wanted};
-use nullray::io::gltf::to_glb;
-use nullray::io::image::write_atomically;
+use nullray::io::gltf;
 use nullray::io::npy;
 use nullray::light::depth::{DepthMesh, FirstLight, Flash, PixelRays, first_light};
 use nullray::scene::model::{CaptureCamera, SPEED_OF_LIGHT};
@@ -51,12 +49,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         let help = "check the camera, the lamp and the times; --tear joins what lies farther apart";
         return Err(Error::invalid(&arguments.input, "", what, help));
     }
-    let glb = to_glb("surface", &made.mesh)
-        .map_err(|what| Error::invalid(&output, "", what, "give a smaller picture"))?;
-    write_atomically(&output, |file| {
-        file.write_all(&glb)
-            .map_err(Error::io(&output, "cannot write"))
-    })?;
+    gltf::save(&output, "surface", &made.mesh)?;
     if arguments.quiet.on {
         return Ok(());
     }

@@ -168,13 +168,13 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
         }
         return;
     }
+    if cube::is_zarr(&path) {
+        inputs.add_times(name, seen.times(&path, || cube::times(&path)));
+        return;
+    }
     look_for(inputs, seen, name);
-    let is_cube = || {
-        cube::FORMATS
-            .iter()
-            .any(|f| resolve::has_extension(&path, &[f.extension]))
-    };
-    if cube.bin_width.is_none() && inputs.problem(name).is_none() && is_cube() {
+    let is_cube = || cube::FORMATS.iter().any(|f| f.has_name_of(&path));
+    if inputs.problem(name).is_none() && is_cube() {
         inputs.add_times(name, seen.times(&path, || cube::times(&path)));
     }
 }

@@ -7,8 +7,14 @@ mod common {
 
 mod cubes;
 mod gltf;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod image_files;
 mod invalid;
 mod mutations;
 mod npy;
 mod scene_file;
+#[cfg(feature = "tiff")]
+mod tiff;
+#[cfg(feature = "zarr")]
+mod zarr;

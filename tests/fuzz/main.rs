@@ -25,6 +25,8 @@ fn seeds(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
         "cube_npy" | "cube_npz" | "gltf" | "picture_npz" => {
             &["tests/data/valid", "tests/data/invalid"]
         }
+        "cube_hdf5" => &["tests/data/hdf5"],
+        "frame_tiff" => &["tests/data/tiff"],
         "scene" => &["scenes", "scenes/effects", "scenes/cube"],
         "diagram" => &["scenes/diagrams"],
         _ => &[],

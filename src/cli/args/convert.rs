@@ -12,19 +12,20 @@ use crate::cli::values;
 
 #[derive(Debug, Args)]
 pub struct ConvertArguments {
-    /// A .npy, .npz or .ti file, a folder of numbered pictures, or a pattern for their names.
+    /// A .npy, .npz, .ti or HDF5 file, a folder of Zarr or of numbered pictures, or a pattern for their names.
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
-    /// A .npy or .npz file to write, or, of a name without an extension, a new folder of EXR frames.
+    /// A .npy, .npz or .h5 file to write, a new folder of Zarr (.zarr), or, of a name without an extension, a new folder of EXR
+    /// frames.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// The array of an .npz file that holds several.
+    /// The array of an .npz or HDF5 file that holds several; with the entry of axes named L, like "H[3]".
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
     /// The order of the input's axes, like "T H W". Default: "H W T [C]"; of pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
-    /// How codes of PNG pictures stand for radiance.
+    /// How codes of PNG and TIFF pictures stand for radiance.
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,
     /// The order of the output's axes, H or T first. Default: "H W T C".
@@ -49,12 +50,17 @@ pub struct ConvertArguments {
     #[arg(long = "type", value_name = "TYPE")]
     pub sample_type: Option<SampleType>,
     /// From times of arrival at the capture camera to times of emission: take off the way. FILE holds the distance (not
-    /// the depth) of every pixel in metres: a .npy file, or a picture rendered from the capture camera as .npz.
+    /// the depth) of every pixel in metres: a .npy file, a picture rendered from the capture camera as .npz, or an HDF5
+    /// file of a capture that says where its sensor and its points are.
     #[arg(long, value_name = "FILE", conflicts_with = "warp")]
     pub unwarp: Option<PathBuf>,
     /// The reverse of --unwarp.
     #[arg(long, value_name = "FILE")]
     pub warp: Option<PathBuf>,
+    /// Also write the surface that the points of the pixels are on, where the file says them, as a .glb file with texture
+    /// coordinates into the output.
+    #[arg(long, value_name = "FILE")]
+    pub surface: Option<PathBuf>,
     /// Refractive index of the medium, for --unwarp and --warp.
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
     pub medium_index: f64,

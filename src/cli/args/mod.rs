@@ -89,7 +89,7 @@ pub enum Command {
     /// Predict how finely a rasterizer has to tessellate the objects of a scene.
     #[command(after_help = help::TESSELLATION)]
     Tessellation(TessellationArguments),
-    /// Show what a glTF, npy, npz, ti, exr, png or scene file or a folder of pictures holds.
+    /// Show what a glTF, npy, npz, ti, HDF5, exr, png or scene file or a folder of pictures or of Zarr holds.
     #[command(after_help = help::INFO)]
     Info(InfoArguments),
     /// Test this build on this machine: numbers against arbitrary precision, rays against gaps.

@@ -13,22 +13,37 @@ use serde_json::{Value, json};
 use super::Info;
 
 pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
-    let headers = (format.arrays)(path)?;
-    let is_picture = is_picture(&headers);
-    let title = match headers.as_slice() {
-        headers if is_picture => format!("picture of {} arrays", headers.len()),
-        [one] if one.name.is_none() => format.name.into(),
-        [_] => format!("{} of 1 array", format.name),
-        headers => format!("{} of {} arrays", format.name, headers.len()),
+    let kind = match format.extensions {
+        ["ti"] => "transient_image",
+        ["h5", ..] => "hdf5",
+        _ => "numpy",
     };
-    let kind = if format.extension == "ti" {
-        "transient_image"
-    } else {
-        "numpy"
+    of_arrays(path, kind, format.name, &(format.arrays)(path)?)
+}
+
+/// A Zarr array, or a group of them.
+pub fn zarr(path: &Path) -> Result<Info> {
+    of_arrays(path, "zarr", "Zarr folder", &cube::arrays(path)?)
+}
+
+fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header]) -> Result<Info> {
+    let is_picture = is_picture(headers);
+    let title = match headers {
+        headers if is_picture => format!("picture of {} arrays", headers.len()),
+        [one] if one.name.is_none() => name.into(),
+        [_] => format!("{name} of 1 array"),
+        headers => format!("{name} of {} arrays", headers.len()),
     };
     let mut info = Info::new(kind, &title);
+    // Of a file that says which of its arrays is a cube, the others only describe it.
+    let said = cube::inspect(path, Wanted::default());
+    let said = said
+        .ok()
+        .filter(|info| !info.assumed)
+        .and_then(|info| info.array);
     let arrays = headers.iter().map(|header| {
-        let cube = (!is_picture).then(|| inspected(path, header));
+        let is_beside = said.is_some() && said != header.name;
+        let cube = (!is_picture && !is_beside).then(|| inspected(path, header));
         describe(&mut info, header, cube.as_ref());
         data(header, cube.as_ref())
     });
@@ -156,13 +171,17 @@ fn as_cube(info: &mut Info, (remarks, cube): &Known) {
     }
     info.row("usable", "yes: as the file of a [source.cube]");
     let unread = || vec![format!("samples not read: more than {}", bytes(MOST_READ))];
-    for remark in remarks.clone().unwrap_or_else(unread) {
+    let remarks = remarks.clone().unwrap_or_else(unread);
+    for remark in cube.remarks.iter().chain(&remarks) {
         info.row("remark", remark);
     }
 }
 
 fn usable((remarks, cube): &Known) -> Value {
     let [h, w, t, c] = cube.shape;
+    let remarks = remarks
+        .as_ref()
+        .map(|remarks| [cube.remarks.as_slice(), remarks].concat());
     json!({
         "h": h, "w": w, "t": t, "c": c, "bytes": cube.bytes,
         "axes": cube.axes.to_string(), "axes_assumed": cube.assumed, "notes": cube.notes,

@@ -9,7 +9,7 @@ mod scene;
 use std::io::Read;
 use std::path::Path;
 
-use nullray::io::cube::{CubeFormat, format_of, is_sequence};
+use nullray::io::cube::{CubeFormat, format_of, is_sequence, is_zarr};
 use nullray::io::files;
 use nullray::{Error, Result};
 use serde_json::{Map, Value};
@@ -26,6 +26,7 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
     let path = arguments.file.as_path();
     let info = match Kind::of(path)? {
         Kind::Pictures => array::sequence(path),
+        Kind::Zarr => array::zarr(path),
         Kind::Gltf => gltf::info(path),
         Kind::Array(format) => array::info(path, format),
         Kind::Exr => picture::exr(path),
@@ -145,6 +146,7 @@ pub(super) fn is_reordering(c: char) -> bool {
 
 enum Kind {
     Pictures,
+    Zarr,
     Gltf,
     Array(&'static CubeFormat),
     Exr,
@@ -158,6 +160,9 @@ impl Kind {
     fn of(path: &Path) -> Result<Kind> {
         if is_sequence(path) {
             return Ok(Kind::Pictures);
+        }
+        if is_zarr(path) {
+            return Ok(Kind::Zarr);
         }
         let start = start(path)?;
         let extension = path.extension().map(|e| e.to_ascii_lowercase());
@@ -180,7 +185,7 @@ impl Kind {
                     path,
                     "",
                     "this is no kind of file that nullray knows",
-                    "give a .gltf, .glb, .npy, .npz, .ti, .exr, .png, a folder of numbered pictures or a scene (.toml)",
+                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, a folder of numbered pictures or of Zarr, or a scene (.toml)",
                 )),
             },
         }

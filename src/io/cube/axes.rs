@@ -18,15 +18,21 @@ pub enum Axis {
     Channel,
     /// `1`: an axis of one entry, which means nothing.
     Single,
+    /// `S`: entries that are added up, like orders of bounces.
+    Sum,
+    /// `L`: entries of which one is chosen by its number, like points that a laser lights.
+    Choice,
 }
 
 impl Axis {
-    const ALL: [(Axis, char); 5] = [
+    const ALL: [(Axis, char); 7] = [
         (Axis::Row, 'H'),
         (Axis::Column, 'W'),
         (Axis::Time, 'T'),
         (Axis::Channel, 'C'),
         (Axis::Single, '1'),
+        (Axis::Sum, 'S'),
+        (Axis::Choice, 'L'),
     ];
 
     fn letter(self) -> char {
@@ -56,6 +62,18 @@ impl Axes {
     pub(super) fn reversed(mut self) -> Axes {
         self.0.reverse();
         self
+    }
+
+    /// The axes, the slowest first.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    pub(super) fn list(&self) -> &[Axis] {
+        &self.0
+    }
+
+    /// Axes in this order, which has rows and columns.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    pub(super) fn of(axes: Vec<Axis>) -> Axes {
+        Axes(axes)
     }
 
     /// (T, H, W): those of a folder of frames.
@@ -106,7 +124,8 @@ impl FromStr for Axes {
             let Some((axis, _)) = Axis::ALL.iter().find(known) else {
                 return Err(format!("{letter:?} is not the letter of an axis"));
             };
-            if *axis != Axis::Single && axes.contains(axis) {
+            let is_one_of_many = matches!(axis, Axis::Single | Axis::Sum | Axis::Choice);
+            if !is_one_of_many && axes.contains(axis) {
                 return Err(format!("the axis {letter} stands twice"));
             }
             axes.push(*axis);
@@ -148,9 +167,15 @@ impl Arrangement {
             match slot(axis) {
                 Some(slot) => shape[slot] = size,
                 None if size == 1 => {}
-                None => {
+                None if axis == Axis::Single => {
                     return Err(format!(
                         "an axis named 1 has {size} entries in an array of shape {sizes:?}"
+                    ));
+                }
+                None => {
+                    return Err(format!(
+                        "only of HDF5 and Zarr arrays an axis is named {}: it has {size} entries in an array of shape {sizes:?}",
+                        axis.letter()
                     ));
                 }
             }
@@ -251,7 +276,7 @@ fn slot(axis: Axis) -> Option<usize> {
         Axis::Column => Some(1),
         Axis::Time => Some(2),
         Axis::Channel => Some(3),
-        Axis::Single => None,
+        Axis::Single | Axis::Sum | Axis::Choice => None,
     }
 }
 

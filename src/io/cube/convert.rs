@@ -9,14 +9,19 @@
 //! the way: s = −η r/w for bins of the width w. Warping puts it back. All shifts are made ≥ 0 by a whole number of bins
 //! that all pixels share, by which the start of the data moves.
 
+use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 
 use half::f16;
 
 use super::axes::{Arrangement, Axes};
-use super::format::Wanted;
+use super::format::{FileTimes, Wanted};
+#[cfg(feature = "hdf5")]
+use super::hdf5;
 use super::store::Store;
+#[cfg(feature = "zarr")]
+use super::zarr;
 use crate::error::{Error, Result};
 use crate::io::image::{self, Channel, Layers, Samples as Pixels, npz};
 use crate::io::npy::Dtype;
@@ -41,6 +46,8 @@ pub struct Changes {
     pub dtype: Option<Dtype>,
     /// The order of the axes of an array, H or T the slowest.
     pub axes: Option<Axes>,
+    /// The time axis of the input, which forms with a place for one are written with.
+    pub times: Option<FileTimes>,
 }
 
 /// What was written.
@@ -61,8 +68,8 @@ pub struct Converted {
 /// Memory that the parts may take together, bytes; in tests so little that there are many parts.
 const ROOM: usize = if cfg!(test) { 1 << 10 } else { 256 << 20 };
 
-/// Writes the cube at `from` to `to`: a `.npy` or `.npz` file, or, of any name without an extension, a new folder of EXR
-/// frames. `done` is told of samples that were written and of all of them; it returns whether to go on.
+/// Writes the cube at `from` to `to`: a `.npy`, `.npz` or HDF5 file, a new folder of Zarr (`.zarr`), or, of any name without
+/// an extension, a new folder of EXR frames. `done` is told of samples that were written and of all of them; it returns whether to go on.
 ///
 /// # Errors
 /// What is wrong with the input, as of loading it; parts that it has not; a type that cannot hold its samples; I/O
@@ -77,22 +84,38 @@ pub fn convert(
     let mut work = Work::new(store, from, changes)?;
     let extension = to.extension().and_then(|e| e.to_str()).unwrap_or("");
     match extension.to_ascii_lowercase().as_str() {
-        "npy" | "npz" => work.array(to, changes.axes.as_ref(), done)?,
+        "npy" | "npz" => work.array(to, Form::Numpy, done)?,
+        #[cfg(feature = "hdf5")]
+        "h5" | "hdf5" => work.array(to, Form::Hdf5, done)?,
+        #[cfg(not(feature = "hdf5"))]
+        "h5" | "hdf5" => return Err(super::hdf5::refused(to)),
+        #[cfg(feature = "zarr")]
+        "zarr" => work.array(to, Form::Zarr, done)?,
+        #[cfg(not(feature = "zarr"))]
+        "zarr" => return Err(super::zarr::refused(to)),
         "" => work.frames(to, done)?,
         _ => {
             let what = format!(".{extension} is no form of cube that is written");
-            let help =
-                "a .npy or .npz file, or a folder, a name without an extension, for EXR frames";
+            let help = "a .npy, .npz, .h5 or .hdf5 file, a .zarr folder, or a folder, a name without an extension, for EXR frames";
             return Err(Error::unsupported(to, "", what, help));
         }
     }
     Ok(Converted {
         shape: work.shape,
-        later: work.kept[2].start as f64 - work.ahead as f64,
+        later: work.later(),
         merged: work.merge,
         dropped: work.dropped,
         dtype: work.dtype,
     })
+}
+
+/// What an array is written in.
+enum Form {
+    Numpy,
+    #[cfg(feature = "hdf5")]
+    Hdf5,
+    #[cfg(feature = "zarr")]
+    Zarr,
 }
 
 /// Takes a part of the output: its sizes, its samples in the order of a cube, the type to write them in.
@@ -226,14 +249,19 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
+    /// By how many bins of the input bin 0 begins later than that of the input.
+    fn later(&self) -> f64 {
+        self.kept[2].start as f64 - self.ahead as f64
+    }
+
     fn array(
         &mut self,
         to: &Path,
-        axes: Option<&Axes>,
+        form: Form,
         done: &mut dyn FnMut(u64, u64) -> bool,
     ) -> Result<()> {
         let all = Axes::all();
-        let axes = axes.unwrap_or(&all);
+        let axes = self.to_come.axes.as_ref().unwrap_or(&all);
         let slots = axes.slots();
         let help = "name H, W, T and C once each, H or T first, like \"T H W C\"; C may be left out where there is one channel";
         let refuse = |what: String| Err(Error::invalid(to, format!("axes {axes}"), what, help));
@@ -251,13 +279,26 @@ impl<'a> Work<'a> {
             .iter()
             .map(|slot| slot.map_or(1, |slot| self.shape[slot]))
             .collect();
-        let shape: Vec<String> = sizes.iter().map(usize::to_string).collect();
-        let shape = format!("({})", shape.join(", "));
-        let descriptor = descriptor(&self.dtype);
-        npz::write_stream(to, descriptor, &shape, &mut |writer| {
-            let failed = || Error::io(to, "cannot write");
+        let failed = || Error::io(to, "cannot write");
+        let dtype = self.dtype.clone();
+        #[cfg(any(feature = "hdf5", feature = "zarr"))]
+        let times = self.to_come.times.map(|times| FileTimes {
+            start: times.start + self.later() * times.width,
+            width: times.width * self.merge as f64,
+            ..times
+        });
+        #[cfg(feature = "zarr")]
+        let zarr = match form {
+            Form::Zarr => Some(ZarrFolder::new(to, &dtype, &sizes, axes, times)?),
+            _ => None,
+        };
+        #[cfg(feature = "zarr")]
+        let multiple = zarr.as_ref().map_or(1, |zarr| zarr.writer.layer());
+        #[cfg(not(feature = "zarr"))]
+        let multiple = 1;
+        let mut samples = |writer: &mut dyn Write| {
             let mut bytes = Vec::new();
-            self.parts(by_time, done, &mut |window, part, dtype| {
+            self.parts((by_time, multiple), done, &mut |window, part, dtype| {
                 // From the order of a cube to that of the file.
                 let sizes: Vec<usize> = slots
                     .iter()
@@ -272,7 +313,25 @@ impl<'a> Work<'a> {
                 })?;
                 writer.write_all(&bytes).map_err(failed())
             })
-        })
+        };
+        match form {
+            Form::Numpy => {
+                let shape: Vec<String> = sizes.iter().map(usize::to_string).collect();
+                let shape = format!("({})", shape.join(", "));
+                npz::write_stream(to, descriptor(&dtype), &shape, &mut samples)
+            }
+            #[cfg(feature = "hdf5")]
+            Form::Hdf5 => image::write_atomically(to, |writer| {
+                hdf5::write(writer, &dtype, &sizes, &axes.to_string(), times).map_err(failed())?;
+                samples(writer)
+            }),
+            #[cfg(feature = "zarr")]
+            Form::Zarr => {
+                let Some(mut zarr) = zarr else { return Ok(()) };
+                samples(&mut zarr)?;
+                zarr.folder.persist(to).map_err(failed())
+            }
+        }
     }
 
     fn frames(&mut self, to: &Path, done: &mut dyn FnMut(u64, u64) -> bool) -> Result<()> {
@@ -286,59 +345,60 @@ impl<'a> Work<'a> {
                 "choose f16 or f32, or write a .npy file",
             ));
         }
-        if std::fs::symlink_metadata(to).is_ok() {
-            let what = "there is something of this name";
-            return Err(Error::invalid(to, "", what, "name a new folder"));
-        }
-        let folder = Temporary::folder(to).map_err(failed())?;
+        let folder = new_folder(to)?;
         let digits = (self.shape[2] - 1).to_string().len().max(3);
         let options = image::exr::Options {
             half: self.dtype == Dtype::F16,
             ..image::exr::Options::default()
         };
         let mut number = 0;
-        self.parts(true, done, &mut |[h, w, bins, channels], part, dtype| {
-            for bin in 0..bins {
-                let channel = |channel: usize| {
-                    let samples =
-                        (0..h * w).map(|pixel| part[(pixel * bins + bin) * channels + channel]);
-                    samples
-                        .map(|sample| match fits(sample, dtype) {
-                            true => Ok(sample as f32),
-                            false => Err(too_large(to, sample, dtype)),
+        self.parts(
+            (true, 1),
+            done,
+            &mut |[h, w, bins, channels], part, dtype| {
+                for bin in 0..bins {
+                    let channel = |channel: usize| {
+                        let samples =
+                            (0..h * w).map(|pixel| part[(pixel * bins + bin) * channels + channel]);
+                        samples
+                            .map(|sample| match fits(sample, dtype) {
+                                true => Ok(sample as f32),
+                                false => Err(too_large(to, sample, dtype)),
+                            })
+                            .collect::<Result<Vec<f32>>>()
+                    };
+                    let names: &[&str] = if channels == 3 {
+                        &["radiance.R", "radiance.G", "radiance.B"]
+                    } else {
+                        &["Y"]
+                    };
+                    let layers = names.iter().enumerate().map(|(index, name)| {
+                        Ok(Channel {
+                            name: (*name).into(),
+                            samples: Pixels::F32(channel(index)?),
                         })
-                        .collect::<Result<Vec<f32>>>()
-                };
-                let names: &[&str] = if channels == 3 {
-                    &["radiance.R", "radiance.G", "radiance.B"]
-                } else {
-                    &["Y"]
-                };
-                let layers = names.iter().enumerate().map(|(index, name)| {
-                    Ok(Channel {
-                        name: (*name).into(),
-                        samples: Pixels::F32(channel(index)?),
-                    })
-                });
-                let layers = Layers::new(
-                    w as u32,
-                    h as u32,
-                    layers.collect::<Result<Vec<_>>>()?,
-                    Vec::new(),
-                )?;
-                let name = format!("{number:0digits$}.exr");
-                image::exr::write_with(&folder.path().join(name), &layers, &options)?;
-                number += 1;
-            }
-            Ok(())
-        })?;
+                    });
+                    let layers = Layers::new(
+                        w as u32,
+                        h as u32,
+                        layers.collect::<Result<Vec<_>>>()?,
+                        Vec::new(),
+                    )?;
+                    let name = format!("{number:0digits$}.exr");
+                    image::exr::write_with(&folder.path().join(name), &layers, &options)?;
+                    number += 1;
+                }
+                Ok(())
+            },
+        )?;
         folder.persist(to).map_err(failed())
     }
 
-    /// Gives the output to `take`, part by part, with the sizes of each: bin by bin or row by row.
+    /// Gives the output to `take`, part by part, with the sizes of each: bin by bin or row by row, `multiple` of them or several
+    /// times that, but for the last.
     fn parts(
         &mut self,
-        by_time: bool,
+        (by_time, multiple): (bool, usize),
         done: &mut dyn FnMut(u64, u64) -> bool,
         take: &mut Take<'_>,
     ) -> Result<()> {
@@ -350,6 +410,7 @@ impl<'a> Work<'a> {
         };
         // Input and output in f64, and the bytes that are written; shifts read some more.
         let together = (ROOM / (32 * each * self.merge)).clamp(1, count);
+        let together = (together / multiple * multiple).max(multiple);
         let (total, dtype) = ((h * w * t * c) as u64, self.dtype.clone());
         let mut out = Vec::new();
         for first in (0..count).step_by(together) {
@@ -367,6 +428,52 @@ impl<'a> Work<'a> {
                 return Err(Error::Cancelled);
             }
         }
+        Ok(())
+    }
+}
+
+/// A temporary folder that is to become `to`, of which there must be nothing yet.
+fn new_folder(to: &Path) -> Result<Temporary> {
+    if std::fs::symlink_metadata(to).is_ok() {
+        let what = "there is something of this name";
+        return Err(Error::invalid(to, "", what, "name a new folder"));
+    }
+    Temporary::folder(to).map_err(Error::io(to, "cannot write"))
+}
+
+/// A Zarr array in the making, as something that samples are written to: each write has whole layers of chunks.
+#[cfg(feature = "zarr")]
+struct ZarrFolder {
+    folder: Temporary,
+    writer: zarr::Writer,
+}
+
+#[cfg(feature = "zarr")]
+impl ZarrFolder {
+    fn new(
+        to: &Path,
+        dtype: &Dtype,
+        sizes: &[usize],
+        axes: &Axes,
+        times: Option<FileTimes>,
+    ) -> Result<ZarrFolder> {
+        let folder = new_folder(to)?;
+        let writer = zarr::Writer::new(folder.path(), dtype, sizes, axes, times);
+        Ok(ZarrFolder {
+            writer: writer.map_err(Error::io(to, "cannot write"))?,
+            folder,
+        })
+    }
+}
+
+#[cfg(feature = "zarr")]
+impl Write for ZarrFolder {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.writer.write(self.folder.path(), bytes)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::samples::{Cube, Samples};
-use crate::io::files::ReadSeek;
+use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::{Dtype, Header};
 use crate::{Error, Result};
 
@@ -19,20 +19,20 @@ use crate::{Error, Result};
 pub struct CubeFormat {
     /// Its name, for people.
     pub name: &'static str,
-    /// How names of its files end, in lower case.
-    pub extension: &'static str,
+    /// How names of its files end, in lower case; the first is the one that copies get.
+    pub extensions: &'static [&'static str],
     /// First bytes, one of which its files begin with.
     pub magic: &'static [&'static [u8]],
     /// Whether its arrays have names.
     pub named: bool,
     /// What would be loaded, by the same checks of headers and lengths; no samples are read.
-    pub(super) inspect: fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<CubeInfo>,
+    pub(super) inspect: fn(Reader, &Path, Wanted) -> Result<CubeInfo>,
     /// The cube.
-    pub(super) load: fn(&mut dyn ReadSeek, &Path, Wanted) -> Result<Cube>,
+    pub(super) load: fn(Reader, &Path, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
     /// What a file says of its time axis.
-    pub(super) times: fn(&mut dyn ReadSeek, &Path) -> Result<Option<FileTimes>>,
+    pub(super) times: fn(Reader, &Path) -> Result<Option<FileTimes>>,
 }
 
 /// The time axis of a file that says where its bins lie, metres of light path.
@@ -42,9 +42,12 @@ pub struct FileTimes {
     pub start: f64,
     /// Width of a bin, above 0.
     pub width: f64,
+    /// Whether times are those of arrival at a sensor whose place only the file knows: they include the way from each
+    /// point of a surface to it.
+    pub at_sensor: bool,
 }
 
-/// How codes of a PNG picture stand for radiance.
+/// How codes of PNG and TIFF pictures stand for radiance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -77,6 +80,13 @@ impl<'a> Wanted<'a> {
 }
 
 impl CubeFormat {
+    /// Whether the name of a file ends as those of this format do.
+    pub fn has_name_of(&self, path: &Path) -> bool {
+        let extension = path.extension();
+        let is = |known: &&str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
+        self.extensions.iter().any(is)
+    }
+
     /// Whether the file begins as those of this format do; leaves the reader at the start.
     pub(super) fn is(&self, reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
         let mut start = Vec::new();
@@ -103,7 +113,9 @@ impl CubeInfo {
             bytes: cube.samples.bytes(),
             axes: Axes::all(),
             assumed: false,
+            array: None,
             notes: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 }
@@ -121,6 +133,10 @@ pub struct CubeInfo {
     pub axes: Axes,
     /// Whether that order was assumed: neither the file nor the caller said it.
     pub assumed: bool,
+    /// The name of the array, where its file has several and says which of them is a cube.
+    pub array: Option<String>,
     /// What else the file says of itself, for people.
     pub notes: Vec<String>,
+    /// What looks wrong, as far as it shows without reading samples.
+    pub remarks: Vec<String>,
 }

@@ -2,22 +2,37 @@
 //!
 //! A further format is a file here, with its [`CubeFormat`], and a line in [`FORMATS`].
 
+#[cfg(not(all(feature = "hdf5", feature = "zarr")))]
+mod absent;
 mod axes;
 mod bricks;
 mod cache;
 mod convert;
 mod format;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod npy;
 mod samples;
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+mod selection;
 mod sequence;
 mod store;
 mod table;
 mod transient_image;
+mod wall;
+#[cfg(feature = "zarr")]
+mod zarr;
+
+#[cfg(not(feature = "hdf5"))]
+use absent::hdf5;
+#[cfg(not(feature = "zarr"))]
+use absent::zarr;
 
 pub use axes::{Axes, Axis};
 pub use bricks::{BRICK, Bricks, BytesRead, Held, LEAST_ROOM};
 pub use convert::{Changes, Converted, convert};
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use samples::{Cube, CubeError, CubeStore, Samples};
-pub use sequence::{is_sequence, pictures};
-pub use table::{FORMATS, format_of, inspect, load, load_bytes, times};
+pub use sequence::{is_sequence, is_zarr, pictures};
+pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};
+pub use wall::Wall;

@@ -19,11 +19,11 @@ use crate::io::npy::{self, Dtype, Header, Place, Stored, WRITE_AGAIN};
 /// `.npy`: one array.
 pub(super) const ARRAY: CubeFormat = CubeFormat {
     name: "NumPy array",
-    extension: "npy",
+    extensions: &["npy"],
     magic: &[b"\x93NUMPY"],
     named: false,
-    inspect,
-    load,
+    inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
+    load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
     times: |_, _| Ok(None),
 };
@@ -31,7 +31,7 @@ pub(super) const ARRAY: CubeFormat = CubeFormat {
 /// `.npz`: a zip archive of arrays.
 pub(super) const ARCHIVE: CubeFormat = CubeFormat {
     name: "NumPy archive",
-    extension: "npz",
+    extensions: &["npz"],
     // A local file header, or the end record of an archive without members.
     magic: &[b"PK\x03\x04", b"PK\x05\x06"],
     named: true,
@@ -275,7 +275,9 @@ impl Layout {
             dtype,
             axes: self.axes,
             assumed: self.assumed,
+            array: None,
             notes: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 }

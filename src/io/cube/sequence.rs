@@ -26,7 +26,7 @@ use crate::io::image::{self, Layers};
 use crate::io::npy::Dtype;
 
 /// Extensions of pictures that frames may be, lower case.
-const PICTURES: [&str; 3] = ["exr", "png", "hdr"];
+const PICTURES: [&str; 5] = ["exr", "png", "hdr", "tif", "tiff"];
 
 /// The most pictures.
 const MOST: usize = 1 << 20;
@@ -43,7 +43,14 @@ const NAME_IT: &str = "name a folder of pictures with numbered names, or a patte
 
 /// Whether `path` names a sequence of pictures and not a file.
 pub fn is_sequence(path: &Path) -> bool {
-    Pattern::of(path).is_some() || path.is_dir()
+    Pattern::of(path).is_some() || path.is_dir() && !is_zarr(path)
+}
+
+/// Whether `path` is the folder of a Zarr array or of a group of them.
+pub fn is_zarr(path: &Path) -> bool {
+    ["zarr.json", ".zarray", ".zgroup"]
+        .iter()
+        .any(|name| path.join(name).is_file())
 }
 
 /// The pictures of a sequence, in the order of their numbers.
@@ -216,7 +223,7 @@ fn in_folder(path: &Path) -> Result<Vec<(u64, PathBuf)>> {
         true => Err(Error::invalid(
             path,
             "",
-            "the folder holds no numbered pictures (.exr, .png, .hdr)",
+            "the folder holds no numbered pictures (.exr, .png, .hdr, .tif)",
             NAME_IT,
         )),
         false => Ok(numbered),
@@ -255,12 +262,14 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
         bytes: 4 * (h * w * t * c) as u64,
         axes: layout.axes,
         assumed: wanted.axes.is_none(),
+        array: None,
         notes: vec![format!(
             "{} pictures, {} to {}",
             files.len(),
             file_name(&files[0]),
             file_name(&files[files.len() - 1])
         )],
+        remarks: Vec::new(),
     })
 }
 
@@ -408,8 +417,9 @@ impl Picture {
                 }
             }
             "png" => Picture::of_png(file, transfer)?,
+            "tif" | "tiff" => Picture::of_tiff(file, transfer)?,
             _ => {
-                let what = "frames are .exr, .png or .hdr pictures";
+                let what = "frames are .exr, .png, .hdr or .tif pictures";
                 return Err(Error::unsupported(
                     file,
                     "",
@@ -486,19 +496,10 @@ impl Picture {
     }
 
     fn of_png(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
-        let Some(transfer) = transfer else {
-            let what = "the codes of a PNG picture are not radiance by themselves";
-            let help =
-                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
-            return Err(Error::invalid(file, "", what, help));
-        };
+        let linear = linear_of(file, transfer)?;
         let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
         let layers = image::png::read(file, &Budget::default())?;
         let channels = if is_grey { 1 } else { 3 };
-        let linear = |code: f64| match transfer {
-            Transfer::Linear => code as f32,
-            Transfer::Srgb => srgb_decode(code) as f32,
-        };
         let rgb = layers.radiance().unwrap_or_default();
         let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
         Ok(Picture {
@@ -506,6 +507,37 @@ impl Picture {
             channels,
             samples: samples.map(|code| linear(*code)).collect(),
         })
+    }
+
+    /// Integers are codes, as in PNG; floating-point samples are linear.
+    #[cfg(feature = "tiff")]
+    fn of_tiff(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+        let image::tiff::Tiff {
+            size,
+            channels,
+            mut samples,
+            is_coded,
+        } = image::tiff::read(file, &Budget::default())?;
+        if is_coded {
+            let linear = linear_of(file, transfer)?;
+            for sample in &mut samples {
+                *sample = linear((*sample).into());
+            }
+        } else {
+            refuse_transfer(file, transfer)?;
+        }
+        Ok(Picture {
+            size,
+            channels,
+            samples,
+        })
+    }
+
+    #[cfg(not(feature = "tiff"))]
+    fn of_tiff(file: &Path, _: Option<Transfer>) -> Result<Picture> {
+        let what = "this program was built without TIFF";
+        let help = "build it with that (cargo install nullray --features tiff), or convert the frames to EXR";
+        Err(Error::unsupported(file, "", what, help))
     }
 
     fn refuse_other_than(&self, first: &Picture, file: &Path, first_file: &Path) -> Result<()> {
@@ -530,6 +562,20 @@ impl Picture {
             what,
             "all pictures of a sequence have one size and the same channels",
         ))
+    }
+}
+
+/// From codes to radiance, as the caller declares it.
+fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> {
+    match transfer {
+        Some(Transfer::Linear) => Ok(|code| code as f32),
+        Some(Transfer::Srgb) => Ok(|code| srgb_decode(code) as f32),
+        None => {
+            let what = "the codes of this picture are not radiance by themselves";
+            let help =
+                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
+            Err(Error::invalid(file, "", what, help))
+        }
     }
 }
 

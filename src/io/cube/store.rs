@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use super::axes::{Arrangement, Axes};
 use super::format::Wanted;
 use super::npy::{self, Number};
-use super::{sequence, transient_image};
+use super::{hdf5, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Dtype;
@@ -54,11 +54,16 @@ impl Store {
             return Ok(located);
         }
         let mut spool = Spool::new(path)?;
-        let layout = match sequence::is_sequence(path) {
-            true => sequence::write_out(path, wanted, &mut spool.writer)?,
-            false => {
-                let (mut reader, _) = crate::io::open::open_regular(path)?;
-                npy::write_out(&mut reader, path, wanted, &mut spool.writer)?
+        let to = &mut spool.writer;
+        let layout = if sequence::is_sequence(path) {
+            sequence::write_out(path, wanted, to)?
+        } else if sequence::is_zarr(path) {
+            zarr::write_out(path, wanted, to)?
+        } else {
+            let (mut reader, _) = crate::io::open::open_regular(path)?;
+            match hdf5::FORMAT.is(&mut reader, path)? {
+                true => hdf5::write_out(reader, path, wanted, to)?,
+                false => npy::write_out(&mut reader, path, wanted, to)?,
             }
         };
         Ok((Located::Spooled(spool.finish()?), layout))
@@ -66,7 +71,7 @@ impl Store {
 
     /// The same of files in which samples have a place.
     pub fn locate_in_place(path: &Path, wanted: Wanted) -> Result<Option<(Located, StoredLayout)>> {
-        if sequence::is_sequence(path) {
+        if sequence::is_sequence(path) || sequence::is_zarr(path) {
             return Ok(None);
         }
         let (mut reader, _) = crate::io::open::open_regular(path)?;

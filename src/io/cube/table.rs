@@ -5,21 +5,25 @@ use std::path::Path;
 
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
 use super::samples::Cube;
-use super::{npy, sequence, transient_image};
+use super::wall::Wall;
+use super::{hdf5, npy, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
-use crate::io::files::ReadSeek;
+use crate::io::files::{ReadSeek, Reader};
+use crate::io::npy::Header;
 use crate::io::open::open_regular;
 
 /// The formats. What is none of them is left to the first to refuse.
-pub const FORMATS: &[CubeFormat] = &[npy::ARRAY, npy::ARCHIVE, transient_image::FORMAT];
+pub const FORMATS: &[CubeFormat] = &[
+    npy::ARRAY,
+    npy::ARCHIVE,
+    transient_image::FORMAT,
+    hdf5::FORMAT,
+];
 
 /// The format of a file that begins with `start`; by the end of its name where that says nothing.
 pub fn format_of(start: &[u8], name: &Path) -> Option<&'static CubeFormat> {
     let by_start = |f: &&CubeFormat| f.magic.iter().any(|magic| start.starts_with(magic));
-    let by_name = |f: &&CubeFormat| {
-        let extension = name.extension();
-        extension.is_some_and(|e| e.eq_ignore_ascii_case(f.extension))
-    };
+    let by_name = |f: &&CubeFormat| f.has_name_of(name);
     let formats = || FORMATS.iter();
     formats().find(by_start).or_else(|| formats().find(by_name))
 }
@@ -32,8 +36,11 @@ pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     if sequence::is_sequence(path) {
         return sequence::inspect(path, wanted);
     }
-    let mut reader = BufReader::new(open_regular(path)?.0);
-    (told_apart(&mut reader, path)?.inspect)(&mut reader, path, wanted)
+    if sequence::is_zarr(path) {
+        return zarr::inspect(path, wanted);
+    }
+    let (reader, format) = opened(path)?;
+    (format.inspect)(reader, path, wanted)
 }
 
 /// The cube in a file, or in a sequence of pictures, that is `wanted` of it.
@@ -45,8 +52,11 @@ pub fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     if sequence::is_sequence(path) {
         return sequence::load(path, wanted);
     }
-    let mut reader = BufReader::new(open_regular(path)?.0);
-    (told_apart(&mut reader, path)?.load)(&mut reader, path, wanted)
+    if sequence::is_zarr(path) {
+        return zarr::load(path, wanted);
+    }
+    let (reader, format) = opened(path)?;
+    (format.load)(reader, path, wanted)
 }
 
 /// What the file at `path` says of its time axis, if its format has a place for that.
@@ -57,8 +67,35 @@ pub fn times(path: &Path) -> Result<Option<FileTimes>> {
     if sequence::is_sequence(path) {
         return Ok(None);
     }
-    let mut reader = BufReader::new(open_regular(path)?.0);
-    (told_apart(&mut reader, path)?.times)(&mut reader, path)
+    if sequence::is_zarr(path) {
+        return zarr::times(path);
+    }
+    let (reader, format) = opened(path)?;
+    (format.times)(reader, path)
+}
+
+/// The points of a surface that the pixels of the cube in a file are, where the file says them.
+///
+/// # Errors
+/// The file cannot be read, or is broken.
+pub fn wall(path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
+    if sequence::is_sequence(path) || sequence::is_zarr(path) {
+        return Ok(None);
+    }
+    let (reader, format) = opened(path)?;
+    match format.name == hdf5::FORMAT.name {
+        true => hdf5::wall(reader, path, wanted),
+        // No other format has a place for them.
+        false => Ok(None),
+    }
+}
+
+/// The headers of the arrays in a Zarr folder.
+///
+/// # Errors
+/// As for [`inspect`].
+pub fn arrays(path: &Path) -> Result<Vec<Header>> {
+    zarr::arrays(path)
 }
 
 /// As [`load`], from bytes in memory; `name` stands for the file in messages.
@@ -66,8 +103,16 @@ pub fn times(path: &Path) -> Result<Option<FileTimes>> {
 /// # Errors
 /// As for [`load`].
 pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
-    let (mut reader, name) = (Cursor::new(bytes), Path::new(name));
-    (told_apart(&mut reader, name)?.load)(&mut reader, name, wanted)
+    let (mut reader, name) = (Cursor::new(bytes.to_vec()), Path::new(name));
+    let format = told_apart(&mut reader, name)?;
+    (format.load)(Box::new(reader), name, wanted)
+}
+
+/// The file, and its format.
+fn opened(path: &Path) -> Result<(Reader, &'static CubeFormat)> {
+    let mut reader = BufReader::new(open_regular(path)?.0);
+    let format = told_apart(&mut reader, path)?;
+    Ok((Box::new(reader), format))
 }
 
 /// The format by the first bytes; leaves the reader at the start.

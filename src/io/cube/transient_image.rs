@@ -24,13 +24,13 @@ use crate::io::open::open_regular;
 /// `.ti`.
 pub(super) const FORMAT: CubeFormat = CubeFormat {
     name: "transient image",
-    extension: "ti",
+    extensions: &["ti"],
     magic: &[b"TI04", b"TI01", b"TI00"],
     named: false,
-    inspect,
-    load,
+    inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
+    load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
-    times,
+    times: |mut reader, file| times(&mut reader, file),
 };
 
 /// The only layout of pixels that is a picture.
@@ -290,7 +290,9 @@ fn inspect(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cub
         bytes: 4 * header.count() as u64,
         axes: Axes::of_array(),
         assumed: false,
+        array: None,
         notes: notes(reader, file, &header)?,
+        remarks: Vec::new(),
     })
 }
 
@@ -332,6 +334,7 @@ fn times(reader: &mut dyn ReadSeek, file: &Path) -> Result<Option<FileTimes>> {
     Ok(Some(FileTimes {
         start: first - 0.5 * width,
         width,
+        at_sensor: false,
     }))
 }
 

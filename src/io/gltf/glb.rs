@@ -3,10 +3,15 @@
 //! One node, one mesh, one buffer. All primitives share the list of vertices; their triangles follow each
 //! other in the order of the mesh, so that triangle i of the mesh is triangle i of all primitives in turn.
 
+use std::io::Write;
+use std::path::Path;
+
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::import::EncodedImage;
+use crate::error::{Error, Result as FileResult};
+use crate::io::image::write_atomically;
 use crate::mesh::{Material, Mesh, Wrap};
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -65,18 +70,21 @@ pub(crate) fn is_exact(mesh: &Mesh) -> bool {
     mesh.positions.iter().all(|p| p.as_vec3().as_dvec3() == *p)
 }
 
-/// The GLB file of `mesh` without pictures.
+/// Writes `mesh` to a `.glb` file, as a node called `name`. Positions become single precision.
 ///
 /// # Errors
-/// Why there is none: too large, or beyond single precision.
-pub fn to_glb(name: &str, mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
-    write(name, mesh, &runs(mesh), &[])
+/// The mesh is too large for the format, or beyond single precision; I/O errors.
+pub fn save(path: &Path, name: &str, mesh: &Mesh) -> FileResult<()> {
+    let bytes = write(name, mesh, &runs(mesh), &[])
+        .map_err(|what| Error::unsupported(path, "", what, "write a part of it"))?;
+    let failed = Error::io(path, "cannot write");
+    write_atomically(path, |writer| writer.write_all(&bytes).map_err(failed))
 }
 
 /// The GLB file of `mesh`, whose primitives are `runs`.
 ///
 /// # Errors
-/// As [`to_glb`].
+/// Why there is none: too large, or beyond single precision.
 pub fn write(
     name: &str,
     mesh: &Mesh,

@@ -41,7 +41,7 @@ use std::path::Path;
 
 pub use animation::Track;
 pub use camera::GltfCamera;
-pub use glb::to_glb;
+pub use glb::save;
 pub use import::{BadVertices, EncodedImage, Imported, Want};
 pub use lights::{GltfLight, GltfLightKind};
 pub use summary::Summary;

@@ -16,6 +16,8 @@ mod layers;
 pub mod npz;
 pub mod png;
 mod texture;
+#[cfg(feature = "tiff")]
+pub mod tiff;
 
 pub use file::write_atomically;
 pub use layers::{Channel, Layers, RgbImage, Samples};

@@ -10,6 +10,8 @@
 //! - Capture: what was recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light
 //!   nothing before; and pixels that see no object record nothing.
 
+use std::collections::BTreeMap;
+
 use super::capture::Capture;
 use super::texture::TimeTexture;
 use crate::io::cube::Cube;
@@ -65,6 +67,9 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
     let axis = texture.axis();
     let (mut total, mut unseen, mut early) = (0.0, 0.0, 0.0);
     let (mut nearest, mut farthest) = (f64::INFINITY, 0.0f64);
+    let mut per_bin = vec![0.0; bins];
+    // By how many bins it is too early.
+    let mut by_lack: BTreeMap<u64, f64> = BTreeMap::new();
     for pixel in spread(h * w, PIXELS) {
         let seen = capture.distance(pixel);
         let delay = capture.delay_of(pixel);
@@ -72,16 +77,17 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
             nearest = nearest.min(distance);
             farthest = farthest.max(distance);
         }
-        for bin in 0..bins {
+        for (bin, sum) in per_bin.iter_mut().enumerate() {
             let value = cube.total(pixel, bin).abs();
             let left = axis.end(bin + 1) - delay;
             total += value;
             unseen += if seen.is_none() { value } else { 0.0 };
-            early += if seen.is_some() && left < 0.0 {
-                value
-            } else {
-                0.0
-            };
+            *sum += value;
+            if seen.is_some() && left < 0.0 && value > 0.0 {
+                early += value;
+                let lack = (-left / axis.bins.width()).ceil() as u64;
+                *by_lack.entry(lack).or_default() += value;
+            }
         }
     }
     let mut remarks = Vec::new();
@@ -95,23 +101,88 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
     if !capture.is_warped() || farthest == 0.0 {
         return remarks;
     }
+    let width = axis.bins.width();
+    let lit = lit_bins(&per_bin).map(|[first, last]| [axis.end(first), axis.end(last + 1)]);
+    let fit = lit.and_then(|lit| other_unit(lit, [nearest, farthest]));
+    let fit = fit.map(|power| {
+        let times = [start, width].map(|time| time * 10f64.powi(power));
+        format!(
+            "; in a unit 10^{power} times as long they would fit: start = \"{} m\", bin_width = \"{} m\"",
+            times[0], times[1]
+        )
+    });
     if early > TOLERATED * total {
+        let later = start + lack(&by_lack, TOLERATED * total) as f64 * width;
+        let fit = fit.clone().unwrap_or_else(|| {
+            format!(
+                "; from start = \"{later:.6} m\" on, {} would not be early",
+                percent(1.0 - TOLERATED)
+            )
+        });
         remarks.push(format!(
             "{} of the recorded light would have left its surface before time 0: check start (now {start} m), \
-             bin_width (now {} m) and their units, capture.near_clip, and whether the clock is the capture \
-             camera's; objects are {nearest:.4} to {farthest:.4} m from it",
-            percent(early / total),
-            axis.bins.width()
+             bin_width (now {width} m) and their units, capture.near_clip, and whether the clock is the capture \
+             camera's; objects are {nearest:.4} to {farthest:.4} m from it{fit}",
+            percent(early / total)
+        ));
+    } else if let Some([first, _]) = lit.filter(|[first, _]| *first > LATE * farthest) {
+        remarks.push(format!(
+            "the first light arrives after {first} m, and objects are {nearest:.4} to {farthest:.4} m from the capture \
+             camera: check start (now {start} m), bin_width (now {width} m) and their units{}",
+            fit.clone().unwrap_or_default()
         ));
     }
     let window = end - start;
     if !(1e-3 * farthest..=1e3 * farthest).contains(&window) {
         remarks.push(format!(
             "the data are {window:e} m of light path long, and objects up to {farthest:.4} m from the capture \
-             camera: check the unit of bin_width"
+             camera: check the unit of bin_width{}",
+            fit.unwrap_or_default()
         ));
     }
     remarks
+}
+
+/// Light that first arrives after so many times the way to the farthest object comes from nothing in the scene.
+const LATE: f64 = 100.0;
+/// The same of light in a unit that would fit better than the one that is said.
+const FITTING: f64 = 30.0;
+
+/// The first and the last bin that are lit.
+fn lit_bins(per_bin: &[f64]) -> Option<[usize; 2]> {
+    let brightest = per_bin.iter().copied().fold(0.0, f64::max);
+    let is_lit = |light: &f64| *light > TOLERATED * brightest;
+    Some([
+        per_bin.iter().position(is_lit)?,
+        per_bin.iter().rposition(is_lit)?,
+    ])
+}
+
+/// By which power of ten times from `first` to `last` would be in a unit in which light comes from objects between `nearest`
+/// and `farthest`: the smallest; none where they are so already, or in no such unit.
+fn other_unit([first, last]: [f64; 2], [nearest, farthest]: [f64; 2]) -> Option<i32> {
+    let fits = |power: i32| {
+        let [first, last] = [first, last].map(|time| time * 10f64.powi(power));
+        last >= nearest
+            && first <= FITTING * farthest
+            && first >= 0.5 * nearest
+            && last <= LATE * farthest
+    };
+    let powers = (1..=15).flat_map(|power| [power, -power]);
+    match fits(0) {
+        true => None,
+        false => powers.into_iter().find(|power| fits(*power)),
+    }
+}
+
+/// So many bins later, no more than `tolerated` of the light is too early.
+fn lack(by_lack: &BTreeMap<u64, f64>, tolerated: f64) -> u64 {
+    let mut left = tolerated;
+    let mut later = by_lack.iter().rev().skip_while(|(_, light)| {
+        left -= *light;
+        left >= 0.0
+    });
+    later.next().map_or(0, |(lack, _)| *lack)
 }
 
 /// The light of the pixels that are looked at.
@@ -236,4 +307,34 @@ fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
 
 fn percent(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Objects 3 to 5 m away, whose light arrives from 4 to 20 m.
+    #[test]
+    fn units_that_are_off_by_powers_of_ten_are_named() {
+        let seen = |scale: f64| other_unit([4.0 * scale, 20.0 * scale], [3.0, 5.0]);
+        assert_eq!(seen(1.0), None);
+        // Millimetres that are taken for metres, and metres for millimetres; picoseconds for seconds of path.
+        assert_eq!(seen(1e3), Some(-2));
+        assert_eq!(seen(1e6), Some(-5));
+        assert_eq!(seen(1e-3), Some(3));
+        assert_eq!(seen(1e-12), Some(12));
+        // No unit brings what begins at 0 to where objects are.
+        assert_eq!(other_unit([0.0, 1e-3], [3.0, 5.0]), None);
+    }
+
+    #[test]
+    fn a_later_start_leaves_no_more_than_what_is_tolerated() {
+        let by_lack = BTreeMap::from([(1, 10.0), (4, 3.0), (9, 2.0)]);
+        assert_eq!(lack(&by_lack, 0.0), 9);
+        assert_eq!(lack(&by_lack, 2.0), 4);
+        assert_eq!(lack(&by_lack, 5.0), 1);
+        assert_eq!(lack(&by_lack, 15.0), 0);
+        assert_eq!(lit_bins(&[0.0, 0.01, 1.0, 0.2, 0.0]), Some([2, 3]));
+        assert_eq!(lit_bins(&[]), None);
+    }
 }

@@ -531,12 +531,16 @@ impl Stores {
             None => texture,
         };
         let size = texture.size();
-        let assumed = match &cube.data {
-            CubeData::File(file) if file.axes.is_some() => Order::Stated,
-            CubeData::File(file) if cubes::is_sequence(&file.path) => Order::Pictures,
-            CubeData::File(_) => Order::Array,
-            CubeData::Memory(_) => Order::Stated,
-        };
+        let mut assumed = Order::Stated;
+        if let CubeData::File(file) = &cube.data {
+            let info = cubes::inspect(&file.path, file.wanted())?;
+            assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
+                (false, _) => Order::Stated,
+                (true, true) => Order::Pictures,
+                (true, false) => Order::Array,
+            };
+            self.warn(scene, source, info.remarks);
+        }
         if let Some(cube) = texture.cube().in_memory() {
             self.warn(scene, source, survey::of_samples(cube, assumed));
         }

@@ -132,6 +132,8 @@ pub(in crate::scene) struct Capture {
     pub gltf: Option<At<String>>,
     /// The node of the glTF file that holds the camera. Default: the file's only camera.
     pub node: Option<At<String>>,
+    /// The pose as a matrix, or as COLMAP has it, in place of `eye`, `look_at` and `up`.
+    pub pose: Option<At<GivenPose>>,
     /// How its pixels look: as `camera.projection`. Default: "perspective".
     #[serde(default)]
     pub projection: At<ProjectionKind>,
@@ -147,6 +149,39 @@ pub(in crate::scene) struct Capture {
     /// The depth of a near plane on which the capture's rays began, metres, at least 0: what is before it is not
     /// seen, and the times of `clock = "capture"` lack the way from the pinhole to it, near_clip / cos θ. Default: 0.
     pub near_clip: Option<At<Number>>,
+}
+
+/// The pose of a camera as other programs write it: a matrix, or a quaternion and a translation.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]], convention = \"opengl\" }"
+)]
+pub(in crate::scene) struct GivenPose {
+    /// Four rows of four numbers: a rotation, and the translation in the last column, metres.
+    pub matrix: Option<[[f64; 4]; 4]>,
+    /// The rotation as a unit quaternion [w, x, y, z], in place of `matrix`; with `translation`.
+    pub quaternion: Option<[f64; 4]>,
+    /// The translation of `quaternion`, metres.
+    pub translation: Option<[f64; 3]>,
+    /// What the pose means.
+    pub convention: PoseConvention,
+}
+
+/// Between which coordinates a pose goes, and where the axes of a camera point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub(in crate::scene) enum PoseConvention {
+    /// From the camera to the world; the camera looks along −z, y is up: glTF, Blender, `transform_matrix` of NeRF.
+    OpenGl,
+    /// From the camera to the world; the camera looks along +z, y is down.
+    OpenCv,
+    /// From the camera to the world; the camera looks along +z, y is up: `to_world` of Mitsuba.
+    Mitsuba,
+    /// From the world to the camera, which looks along +z, y is down: the lines of COLMAP's images.txt.
+    Colmap,
 }
 
 /// Where a cube lies on the film of the camera that captured it.

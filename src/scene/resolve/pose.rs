@@ -2,16 +2,16 @@
 //!
 //! forward f = look_at − eye, or the key `forward`, normalised; right r = f × up normalised, up = r × f.
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 
 use super::context::Context;
 use crate::error::{Error, Result};
 use crate::scene::at::At;
-use crate::scene::file::{Camera, Capture};
+use crate::scene::file::{Camera, Capture, GivenPose, PoseConvention};
 use crate::scene::inputs::Pose;
 use crate::scene::model::ProjectionKind;
 use crate::scene::values::Vector;
-use crate::spacetime::units::Angle;
+use crate::spacetime::units::{Angle, LARGEST};
 use crate::spacetime::{Direction, World};
 
 /// sin of the angle between `up` and the forward axis, below which they count as parallel.
@@ -58,6 +58,102 @@ pub(super) fn resolve<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> 
     match keys.gltf {
         Some(gltf) => from_gltf(cx, gltf, keys),
         None => from_points(cx, at, keys),
+    }
+}
+
+/// The pose of a matrix, or of a quaternion and a translation: with R = [c₀ c₁ c₂] and t from camera to world, which the
+/// inverse (Rᵀ, −Rᵀ t) is for one that goes from world to camera, the eye is t, and right, up and forward are ±cᵢ as
+/// the convention says.
+pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pose> {
+    for (other, name) in [
+        (keys.eye.as_ref().map(|key| &key.span), "eye"),
+        (keys.look_at.as_ref().map(|key| &key.span), "look_at"),
+        (keys.up.as_ref().map(|key| &key.span), "up"),
+        (keys.gltf.as_ref().map(|key| &key.span), "gltf"),
+        (keys.node.as_ref().map(|key| &key.span), "node"),
+    ] {
+        if let Some(other) = other {
+            let what = format!("`pose` and `{name}` exclude each other");
+            let help = format!("keep one of `pose` and `{name}`");
+            return Err(cx
+                .report
+                .refuse_two(&at.span, (other, "and here"), what, help));
+        }
+    }
+    let (rotation, translation) = rotation_and_translation(cx, at)?;
+    let (rotation, eye) = match at.value.convention {
+        PoseConvention::Colmap => (rotation.transpose(), -(rotation.transpose() * translation)),
+        _ => (rotation, translation),
+    };
+    let (y, z) = (rotation.y_axis, rotation.z_axis);
+    let (up, forward) = match at.value.convention {
+        PoseConvention::OpenGl => (y, -z),
+        PoseConvention::OpenCv | PoseConvention::Colmap => (-y, z),
+        PoseConvention::Mitsuba => (y, z),
+    };
+    // Right follows from both, since the rotation is right-handed.
+    let axes = unit(forward).and_then(|forward| frame(forward, up));
+    let axes = axes.ok_or_else(|| cx.refuse(at, "the matrix has no directions", NO_ROTATION))?;
+    Ok(Pose {
+        eye,
+        axes,
+        gltf_fov: None,
+    })
+}
+
+const NO_ROTATION: &str = "the upper left 3 × 3 of a pose is a rotation: columns of length 1, at right angles, right-handed; the last row is [0, 0, 0, 1]";
+
+fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, DVec3)> {
+    /// How far single precision and printed digits may be from a rotation.
+    const TOLERANCE: f64 = 1e-3;
+    let (rotation, translation, last) = match &at.value {
+        GivenPose {
+            matrix: Some(rows),
+            quaternion: None,
+            translation: None,
+            ..
+        } => {
+            let row = |i: usize| DVec3::new(rows[i][0], rows[i][1], rows[i][2]);
+            let rotation = DMat3::from_cols(row(0), row(1), row(2)).transpose();
+            (
+                rotation,
+                DVec3::new(rows[0][3], rows[1][3], rows[2][3]),
+                rows[3],
+            )
+        }
+        GivenPose {
+            matrix: None,
+            quaternion: Some([w, x, y, z]),
+            translation: Some(translation),
+            ..
+        } => {
+            let rotation = DQuat::from_xyzw(*x, *y, *z, *w);
+            let length = rotation.length();
+            let is_unit = (length - 1.0).abs() < TOLERANCE;
+            if !is_unit {
+                let what = format!("a quaternion of length {length} is no rotation");
+                return Err(cx.refuse(at, what, "give a unit quaternion [w, x, y, z]"));
+            }
+            let rotation = DMat3::from_quat(rotation.normalize());
+            (
+                rotation,
+                DVec3::from_array(*translation),
+                [0.0, 0.0, 0.0, 1.0],
+            )
+        }
+        _ => {
+            let what = "a pose is `matrix`, or `quaternion` and `translation`";
+            return Err(cx.refuse(at, what, "give one of both"));
+        }
+    };
+    let square = rotation.transpose() * rotation;
+    let apart = (square - DMat3::IDENTITY).to_cols_array();
+    let is_rotation = apart.iter().all(|x| x.abs() < TOLERANCE) && rotation.determinant() > 0.0;
+    let is_affine = last == [0.0, 0.0, 0.0, 1.0];
+    let within = translation.to_array().iter().all(|x| x.abs() <= LARGEST);
+    match is_rotation && is_affine && within {
+        true => Ok((rotation, translation)),
+        false => Err(cx.refuse(at, "this matrix is no pose", NO_ROTATION)),
     }
 }
 
@@ -228,6 +324,78 @@ fn wide_fov(cx: &Context, hfov: &At<Angle>, projection: ProjectionKind) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A camera at (1, 2, 5) that looks along −x with +z up has right = f × up = (−1, 0, 0) × (0, 0, 1) = (0, 1, 0). Its
+    /// matrices, by the definition of each convention, and COLMAP's, the inverse of OpenCV's.
+    #[test]
+    fn the_conventions_of_other_programs_give_the_same_pose() {
+        let scene = |pose: &str| {
+            let text = format!(
+                "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nhfov = \"40 deg\"\n[[object]]\nname = \"a\"\nshape = {{ sphere = {{ radius = 1 }} }}\n\
+                 [[source]]\nobjects = [\"a\"]\n[source.cube]\nfile = \"tests/data/mitransient/near_clip.npz\"\nbin_width = \"1 m\"\n\
+                 capture = {{ pose = {{ {pose} }}, hfov = \"40 deg\" }}\n"
+            );
+            crate::scene::parse(
+                &text,
+                "a.toml",
+                std::path::Path::new(env!("CARGO_MANIFEST_DIR")),
+                &Default::default(),
+            )
+        };
+        let expected = [DVec3::Y, DVec3::Z, DVec3::NEG_X];
+        for pose in [
+            // Columns: right, up, backward.
+            "matrix = [[0, 0, 1, 1], [1, 0, 0, 2], [0, 1, 0, 5], [0, 0, 0, 1]], convention = \"opengl\"",
+            // Right, down, forward.
+            "matrix = [[0, 0, -1, 1], [1, 0, 0, 2], [0, -1, 0, 5], [0, 0, 0, 1]], convention = \"opencv\"",
+            // Left, up, forward.
+            "matrix = [[0, 0, -1, 1], [-1, 0, 0, 2], [0, 1, 0, 5], [0, 0, 0, 1]], convention = \"mitsuba\"",
+            // Rᵀ of OpenCV's, and −Rᵀ (1, 2, 5) = (−2, 5, 1).
+            "matrix = [[0, 1, 0, -2], [0, 0, -1, 5], [-1, 0, 0, 1], [0, 0, 0, 1]], convention = \"colmap\"",
+            // That rotation is by 120° about (1, 1, −1)/√3: (0.5, 0.5, 0.5, −0.5).
+            "quaternion = [0.5, 0.5, 0.5, -0.5], translation = [-2, 5, 1], convention = \"colmap\"",
+        ] {
+            let scene = scene(pose).unwrap_or_else(|e| panic!("{pose}: {}", e.report(false)));
+            let crate::scene::model::SourceKind::Cube(cube) = &scene.sources[0].kind else {
+                panic!("no cube");
+            };
+            let crate::scene::model::Mapping::Capture(camera) = &cube.mapping else {
+                panic!("no capture");
+            };
+            assert!(
+                camera.eye.distance(DVec3::new(1.0, 2.0, 5.0)) < 1e-12,
+                "{pose}"
+            );
+            for (axis, expected) in camera.axes.iter().zip(expected) {
+                assert!(axis.distance(expected) < 1e-12, "{pose}: {:?}", camera.axes);
+            }
+        }
+        for (pose, wrong) in [
+            (
+                "matrix = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+                "no pose",
+            ),
+            (
+                "matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+                "no pose",
+            ),
+            (
+                "matrix = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
+                "no pose",
+            ),
+            (
+                "quaternion = [1, 1, 0, 0], translation = [0, 0, 0], convention = \"colmap\"",
+                "no rotation",
+            ),
+            (
+                "quaternion = [1, 0, 0, 0], convention = \"colmap\"",
+                "`translation`",
+            ),
+        ] {
+            let error = scene(pose).unwrap_err().report(false);
+            assert!(error.contains(wrong), "{error}");
+        }
+    }
 
     #[test]
     fn axes_are_orthonormal_and_right_handed_in_any_direction() {

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::context::{Context, has_extension};
+use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
-use crate::io::cube::{Axes, FORMATS, is_sequence};
+use crate::io::cube::{Axes, FORMATS, is_sequence, is_zarr};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -149,6 +149,17 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     }
     // What the scene says goes before what the cube's file says of itself.
     let times = cx.inputs.times(&cube.file).transpose()?.flatten();
+    if times.is_some_and(|times| times.at_sensor) {
+        let what = format!(
+            "the times in {} are those of arrival at its sensor: they include the way from each point of the wall",
+            quoted(&cube.file.value)
+        );
+        let file = &cube.file.value;
+        let help = format!(
+            "take it off: nullray convert {file} --unwarp {file} --surface wall.glb -o wall.npy, and use these two"
+        );
+        return Err(cx.refuse(&cube.file, what, help));
+    }
     let (mut read, mut assumed) = (Vec::new(), Vec::new());
     let width = match (&cube.bin_width, &times) {
         (Some(width), _) => Some(cx.duration(width, "`bin_width`")?),
@@ -295,11 +306,10 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         return Ok(CubeData::Memory(in_memory));
     }
     let path = cube_path(cx, &cube.file)?;
-    if !FORMATS
-        .iter()
-        .any(|f| f.named && has_extension(&path, &[f.extension]))
-    {
-        alone("only the arrays of an .npz file have names: this is without a name")?;
+    if !FORMATS.iter().any(|f| f.named && f.has_name_of(&path)) && !is_zarr(&path) {
+        alone(
+            "only the arrays of .npz and HDF5 files and of Zarr groups have names: this is without a name",
+        )?;
     }
     let array = cx.optional_text(&cube.array, "the array's name")?;
     Ok(CubeData::File(CubeFile {
@@ -320,12 +330,18 @@ fn cube_path(cx: &Context, file: &At<String>) -> Result<PathBuf> {
             None => Ok(path),
         };
     }
-    let extensions: Vec<_> = FORMATS.iter().map(|format| format.extension).collect();
+    if is_zarr(&path) {
+        return Ok(path);
+    }
+    let extensions: Vec<_> = FORMATS
+        .iter()
+        .flat_map(|format| format.extensions.iter().copied())
+        .collect();
     cx.path(file, &extensions)
 }
 
 /// What names a sequence of pictures.
-const SEQUENCE: &str = "name a folder of numbered pictures (.exr, .png, .hdr), or a pattern like \"frames/{i:03d}.exr\"";
+const SEQUENCE: &str = "name a folder of numbered pictures (.exr, .png, .hdr, .tif), or a pattern like \"frames/{i:03d}.exr\"";
 
 fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
     cx.exclusive((&cube.uv, "uv"), (&cube.capture, "capture"))?;
@@ -349,8 +365,11 @@ fn mapping(cx: &Context, cube: &file::Cube) -> Result<Mapping> {
 }
 
 fn capture(cx: &Context, at: &At<file::Capture>) -> Result<CaptureCamera> {
-    let pose = pose::resolve(cx, at, &(&at.value).into())?;
     let camera = &at.value;
+    let pose = match &camera.pose {
+        Some(given) => pose::given(cx, given, &camera.into())?,
+        None => pose::resolve(cx, at, &camera.into())?,
+    };
     let projection = camera.projection.value;
     cx.exclusive((&camera.hfov, "hfov"), (&camera.fov, "fov"))?;
     // The file's own field of view goes before that of the glTF camera; of the latter only the horizontal one is known to be of the

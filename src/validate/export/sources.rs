@@ -144,7 +144,7 @@ fn copy(path: &Path, number: usize, files: &mut Files) -> Result<Place> {
     let mut start = [0; 6];
     reader.read_exact(&mut start).map_err(failed())?;
     // By content, as the importer has it.
-    let extension = format_of(&start, path).map_or("", |format| format.extension);
+    let extension = format_of(&start, path).map_or("", |format| format.extensions[0]);
     let name = format!("sources/{number:03}.{extension}");
     files.written(&name, |target| {
         write_atomically(target, |writer| {

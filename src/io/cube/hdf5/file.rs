@@ -1,0 +1,457 @@
+//! An HDF5 file, opened so that nothing of it is read ahead and nothing that it says can ask for much memory.
+
+use std::io::SeekFrom;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use hdf5_reader::group::Group;
+use hdf5_reader::storage::{RangeRequestStorage, Storage};
+use hdf5_reader::{
+    ByteOrder, Datatype, FilterRegistry, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem,
+};
+
+use super::super::npy::Number;
+use super::super::selection::Windows;
+use super::lzf;
+use crate::error::{Error, Result};
+use crate::io::files::Reader;
+use crate::io::npy::{Dtype, Header};
+
+/// Bytes of decoded chunks that are kept.
+const CACHE: usize = 256 << 20;
+/// The largest chunk, and the most that is read in one go, bytes.
+const LARGEST: usize = 1 << 30;
+/// Numbers of a small array, like places of points.
+const MOST_NUMBERS: u64 = 1 << 24;
+/// How deep groups are looked into, and how many arrays are listed.
+const DEEPEST: usize = 8;
+const MOST_LISTED: usize = 1000;
+
+/// An open file.
+pub(super) struct File {
+    file: Hdf5File,
+    path: PathBuf,
+}
+
+impl File {
+    pub fn open(mut reader: Reader, path: &Path) -> Result<File> {
+        let failed = || Error::io(path, "cannot read");
+        let length = reader.seek(SeekFrom::End(0)).map_err(failed())?;
+        let reader = Mutex::new(reader);
+        let storage = RangeRequestStorage::new(length, move |offset, count| {
+            let mut reader = reader.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut bytes = vec![0; count];
+            reader.seek(SeekFrom::Start(offset))?;
+            reader.read_exact(&mut bytes)?;
+            Ok(bytes)
+        });
+        let storage: std::sync::Arc<dyn Storage> = std::sync::Arc::new(storage);
+        let mut filters = FilterRegistry::new();
+        filters.register(lzf::FILTER, Box::new(lzf::decompress));
+        let options = OpenOptions {
+            filter_registry: Some(filters),
+            chunk_cache_bytes: CACHE,
+            max_chunk_bytes: LARGEST,
+            max_read_bytes: LARGEST,
+            ..OpenOptions::default()
+        };
+        let file = Hdf5File::from_storage_with_options(storage, options)
+            .map_err(|error| refused(path, "", error))?;
+        Ok(File {
+            file,
+            path: path.to_path_buf(),
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Names of the groups and of the arrays of a group.
+    pub fn names(&self, group: &str) -> Result<(Vec<String>, Vec<String>)> {
+        let group = self.group(group)?;
+        group
+            .member_names()
+            .map_err(|error| refused(&self.path, "", error))
+    }
+
+    fn group(&self, name: &str) -> Result<Group> {
+        let group = match name {
+            "" => self.file.root_group(),
+            name => self.file.group(name),
+        };
+        group.map_err(|error| refused(&self.path, name, error))
+    }
+
+    pub fn array(&self, name: &str) -> Result<Array> {
+        match self.file.dataset(name) {
+            Ok(dataset) => Ok(Array {
+                dataset,
+                name: name.into(),
+                path: self.path.clone(),
+            }),
+            Err(error) => {
+                let names: Vec<_> = self.arrays()?.into_iter().filter_map(|h| h.name).collect();
+                match names.iter().any(|known| known == name) {
+                    true => Err(refused(&self.path, name, error)),
+                    false => {
+                        let what = format!("there is no array {name:?}");
+                        let help = format!("it holds {}", names.join(", "));
+                        Err(Error::invalid(&self.path, "", what, help))
+                    }
+                }
+            }
+        }
+    }
+
+    /// The numbers of a small array, and its sizes; none where there is no such array, or an empty one.
+    pub fn numbers(&self, name: &str) -> Result<Option<(Vec<f64>, Vec<u64>)>> {
+        let Ok(dataset) = self.file.dataset(name) else {
+            return Ok(None);
+        };
+        let failed = |error| refused(&self.path, name, error);
+        match dataset.num_elements().map_err(failed)? {
+            0 => Ok(None),
+            count if count > MOST_NUMBERS => {
+                let what = format!("{count} numbers are more than describe a capture");
+                Err(Error::invalid(&self.path, name, what, "check the file"))
+            }
+            _ => {
+                if kind(dataset.dtype()).is_none() {
+                    let what = "these are no numbers";
+                    return Err(Error::invalid(&self.path, name, what, "check the file"));
+                }
+                let numbers = dataset.read_array::<Sample>().map_err(failed)?;
+                let numbers: Vec<f64> = numbers.iter().map(|sample| sample.0).collect();
+                match numbers.iter().all(|x| x.is_finite()) {
+                    true => Ok(Some((numbers, dataset.shape().to_vec()))),
+                    false => {
+                        let what = "a number is not finite";
+                        Err(Error::invalid(&self.path, name, what, "check the file"))
+                    }
+                }
+            }
+        }
+    }
+
+    /// The one number of an array.
+    pub fn number(&self, name: &str) -> Result<Option<f64>> {
+        Ok(self.numbers(name)?.and_then(|(numbers, _)| match *numbers {
+            [number] => Some(number),
+            _ => None,
+        }))
+    }
+
+    /// All arrays, those of groups with their path.
+    pub fn arrays(&self) -> Result<Vec<Header>> {
+        let mut found = Vec::new();
+        self.list("", DEEPEST, &mut found)?;
+        Ok(found)
+    }
+
+    fn list(&self, group: &str, depth: usize, found: &mut Vec<Header>) -> Result<()> {
+        let (groups, arrays) = self.names(group)?;
+        let inside = |name: &str| match group {
+            "" => name.to_string(),
+            group => format!("{group}/{name}"),
+        };
+        for name in arrays {
+            if found.len() == MOST_LISTED {
+                return Ok(());
+            }
+            let name = inside(&name);
+            // What cannot be opened is of no use either.
+            let Ok(dataset) = self.file.dataset(&name) else {
+                continue;
+            };
+            let (dtype, big_endian) = match kind(dataset.dtype()) {
+                Some(kind) => (kind.shown(), kind.big_endian),
+                None => (Dtype::Other(described(dataset.dtype()).into()), false),
+            };
+            found.push(Header {
+                name: Some(name),
+                shape: dataset.shape().iter().map(|n| *n as usize).collect(),
+                dtype,
+                fortran_order: false,
+                big_endian,
+            });
+        }
+        // MATLAB keeps its own notes under #refs#.
+        for name in groups.iter().filter(|name| !name.starts_with('#')) {
+            if depth > 0 && found.len() < MOST_LISTED {
+                self.list(&inside(name), depth - 1, found)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An array of a file.
+pub(super) struct Array {
+    dataset: hdf5_reader::Dataset,
+    name: String,
+    path: PathBuf,
+}
+
+impl Array {
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub fn sizes(&self) -> &[u64] {
+        self.dataset.shape()
+    }
+
+    /// The type of samples in memory.
+    pub fn dtype(&self) -> Result<Dtype> {
+        match kind(self.dataset.dtype()) {
+            Some(kind) => Ok(kind.loaded()),
+            None => Err(Error::unsupported(
+                &self.path,
+                &self.name,
+                format!(
+                    "{} are no numbers that radiance is given in",
+                    described(self.dataset.dtype())
+                ),
+                "give floating-point samples of 16, 32 or 64 bits, or integers: array.astype(numpy.float32)",
+            )),
+        }
+    }
+
+    /// A text that stands beside the array.
+    pub fn text(&self, attribute: &str) -> Option<String> {
+        self.dataset.attribute(attribute).ok()?.read_string().ok()
+    }
+
+    /// A number that stands beside the array.
+    pub fn number(&self, attribute: &str) -> Option<f64> {
+        let number = self.dataset.attribute(attribute).ok()?.read_as_f64().ok()?;
+        number.is_finite().then_some(number)
+    }
+}
+
+impl Windows for Array {
+    fn read(&mut self, window: &[Range<usize>], to: &mut Vec<f64>) -> Result<()> {
+        let selections = window.iter().map(|range| SliceInfoElem::Slice {
+            start: range.start as u64,
+            end: range.end as u64,
+            step: 1,
+        });
+        let selection = SliceInfo {
+            selections: selections.collect(),
+        };
+        let failed = |error| refused(&self.path, &self.name, error);
+        let samples = self
+            .dataset
+            .read_slice::<Sample>(&selection)
+            .map_err(failed)?;
+        to.clear();
+        to.extend(samples.iter().map(|sample| sample.0));
+        let count: usize = window.iter().map(ExactSizeIterator::len).product();
+        match to.len() == count {
+            true => Ok(()),
+            false => Err(Error::invalid(
+                &self.path,
+                &self.name,
+                "the array has fewer samples than it says",
+                AGAIN,
+            )),
+        }
+    }
+
+    fn together(&self) -> Vec<usize> {
+        let chunks = self.dataset.chunks().unwrap_or_default();
+        chunks.into_iter().map(|n| n as usize).collect()
+    }
+}
+
+const AGAIN: &str = "copy the file again, or write it again";
+
+/// An error of the reader, in words.
+fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error {
+    use hdf5_reader::error::Error as Reading;
+    match error {
+        Reading::Io(error) => Error::io(path, "cannot read")(error),
+        Reading::Context { source, .. } => refused(path, place, *source),
+        Reading::InvalidMagic => Error::invalid(path, place, "this is no HDF5 file", AGAIN),
+        Reading::UnsupportedFilter(filter) => Error::unsupported(
+            path,
+            place,
+            format!("its chunks are compressed in a way that is not read ({filter})"),
+            "write it again with gzip: h5repack -f GZIP=4 IN OUT",
+        ),
+        Reading::ResourceLimit(what) => Error::unsupported(
+            path,
+            place,
+            what,
+            "write it in smaller chunks: h5repack -l CHUNK=… IN OUT",
+        ),
+        other => Error::invalid(
+            path,
+            place,
+            format!("it is broken, or of a kind that is not read: {other}"),
+            AGAIN,
+        ),
+    }
+}
+
+/// Numbers as they are stored.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    number: Stored,
+    big_endian: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Stored {
+    Short(Number),
+    I64,
+    U64,
+}
+
+impl Kind {
+    fn loaded(self) -> Dtype {
+        match self.number {
+            Stored::Short(number) => number.loaded().0,
+            Stored::I64 | Stored::U64 => Dtype::F64,
+        }
+    }
+
+    /// As numpy calls it.
+    fn shown(self) -> Dtype {
+        let name = match self.number {
+            Stored::Short(Number::F16) => return Dtype::F16,
+            Stored::Short(Number::F32) => return Dtype::F32,
+            Stored::Short(Number::F64) => return Dtype::F64,
+            Stored::Short(Number::U8) => "u1",
+            Stored::Short(Number::I8) => "i1",
+            Stored::Short(Number::U16) => "u2",
+            Stored::Short(Number::I16) => "i2",
+            Stored::Short(Number::U32) => "u4",
+            Stored::Short(Number::I32) => "i4",
+            Stored::I64 => "i8",
+            Stored::U64 => "u8",
+        };
+        Dtype::Other(format!("{}{name}", if self.big_endian { '>' } else { '<' }))
+    }
+
+    fn bytes(self) -> usize {
+        match self.number {
+            Stored::Short(number) => number.stored() as usize,
+            Stored::I64 | Stored::U64 => 8,
+        }
+    }
+
+    /// The numbers that `bytes` are; those that double precision does not hold are NaN.
+    fn decode(self, bytes: &[u8], to: &mut Vec<f64>) {
+        const EXACT: u64 = 1 << 53;
+        let whole = |x: [u8; 8]| match self.big_endian {
+            true => u64::from_be_bytes(x),
+            false => u64::from_le_bytes(x),
+        };
+        let words = || bytes.as_chunks().0.iter().map(|x| whole(*x));
+        match self.number {
+            Stored::Short(number) => number.decode(bytes, self.big_endian, to),
+            Stored::U64 => to.extend(words().map(|n| if n <= EXACT { n as f64 } else { f64::NAN })),
+            Stored::I64 => {
+                to.extend(
+                    words()
+                        .map(|n| n as i64)
+                        .map(|n| match n.unsigned_abs() <= EXACT {
+                            true => n as f64,
+                            false => f64::NAN,
+                        }),
+                )
+            }
+        }
+    }
+}
+
+fn kind(datatype: &Datatype) -> Option<Kind> {
+    let is_big = |order: &ByteOrder| matches!(order, ByteOrder::BigEndian);
+    let (number, order) = match datatype {
+        Datatype::FloatingPoint { size, byte_order } => {
+            let number = match size {
+                2 => Number::F16,
+                4 => Number::F32,
+                8 => Number::F64,
+                _ => return None,
+            };
+            (Stored::Short(number), byte_order)
+        }
+        Datatype::FixedPoint {
+            size,
+            signed,
+            byte_order,
+        } => {
+            let number = match (size, signed) {
+                (1, false) => Stored::Short(Number::U8),
+                (1, true) => Stored::Short(Number::I8),
+                (2, false) => Stored::Short(Number::U16),
+                (2, true) => Stored::Short(Number::I16),
+                (4, false) => Stored::Short(Number::U32),
+                (4, true) => Stored::Short(Number::I32),
+                (8, false) => Stored::U64,
+                (8, true) => Stored::I64,
+                _ => return None,
+            };
+            (number, byte_order)
+        }
+        Datatype::Enum { base, .. } => return kind(base),
+        _ => return None,
+    };
+    Some(Kind {
+        number,
+        big_endian: is_big(order),
+    })
+}
+
+fn described(datatype: &Datatype) -> &'static str {
+    match datatype {
+        Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. } => "numbers of an odd size",
+        Datatype::String { .. } => "texts",
+        Datatype::Compound { .. } => "records",
+        Datatype::VarLen { .. } => "texts or lists of any length",
+        Datatype::Reference { .. } => "references",
+        _ => "values",
+    }
+}
+
+/// A sample of any type of numbers.
+#[derive(Debug, Clone, Copy)]
+struct Sample(f64);
+
+impl H5Type for Sample {
+    fn hdf5_type() -> Datatype {
+        Datatype::FloatingPoint {
+            size: 8,
+            byte_order: ByteOrder::LittleEndian,
+        }
+    }
+
+    fn from_bytes(bytes: &[u8], datatype: &Datatype) -> hdf5_reader::error::Result<Self> {
+        let mut numbers = Vec::with_capacity(1);
+        if let Some(kind) = kind(datatype) {
+            kind.decode(bytes, &mut numbers);
+        }
+        let missing = || hdf5_reader::error::Error::InvalidData("this is no number".into());
+        numbers.first().copied().map(Sample).ok_or_else(missing)
+    }
+
+    fn element_size(datatype: &Datatype) -> usize {
+        kind(datatype).map_or(1, Kind::bytes)
+    }
+
+    fn decode_vec(
+        raw: &[u8],
+        datatype: &Datatype,
+        count: usize,
+    ) -> Option<hdf5_reader::error::Result<Vec<Self>>> {
+        let kind = kind(datatype)?;
+        let bytes = raw.get(..count.checked_mul(kind.bytes())?)?;
+        let mut numbers = Vec::with_capacity(count);
+        kind.decode(bytes, &mut numbers);
+        Some(Ok(numbers.into_iter().map(Sample).collect()))
+    }
+}

@@ -1,0 +1,464 @@
+//! Arrays on disk with other axes than a cube's: entries along an axis are added up or one is chosen, points in a list are
+//! laid out in rows and columns, channels beyond red, green and blue are left out.
+//!
+//! They are read in slabs: ranges of the slowest axis that stays, so that memory is bounded whatever their size.
+
+use std::io::Write;
+use std::ops::Range;
+use std::path::Path;
+
+use half::f16;
+
+use super::axes::{Arrangement, Axes, Axis};
+use super::format::CubeInfo;
+use super::npy::Number;
+use super::samples::{Cube, Samples, place_of};
+use super::store::StoredLayout;
+use crate::error::{Error, Result};
+use crate::io::npy::Dtype;
+
+/// Samples of a slab, as numbers: 32 MiB of them.
+const SLAB: usize = if cfg!(test) { 50 } else { 4 << 20 };
+
+/// The most bins, rows or samples along an axis.
+const LONGEST: u64 = 1 << 40;
+
+/// An array of which windows are read.
+pub(super) trait Windows {
+    /// The samples of a window, a range per axis, in C order, in place of what is in `to`.
+    fn read(&mut self, window: &[Range<usize>], to: &mut Vec<f64>) -> Result<()>;
+
+    /// Entries along each axis that are stored together.
+    fn together(&self) -> Vec<usize>;
+}
+
+/// What becomes of an axis of the array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    /// It stays, with so many of its entries.
+    Kept(usize),
+    /// All of its entries are added up.
+    Summed(usize),
+    /// One entry is chosen.
+    Chosen(usize),
+}
+
+/// What is taken of an array.
+#[derive(Debug, Clone)]
+pub(super) struct Selection {
+    roles: Vec<Role>,
+    /// Sizes and axes of what is taken, the slowest first.
+    pub sizes: Vec<usize>,
+    pub axes: Axes,
+    pub dtype: Dtype,
+}
+
+/// How the axes of an array are to be taken.
+#[derive(Debug, Clone)]
+pub(super) struct Taken<'a> {
+    /// A name per axis.
+    pub axes: &'a [Axis],
+    /// For axes named L: which entry of each.
+    pub choices: &'a [usize],
+    /// Entries of the axis of columns are points of a grid with so many columns, row after row.
+    pub columns: Option<usize>,
+    /// A fourth channel is left out.
+    pub without_alpha: bool,
+}
+
+impl Selection {
+    /// What is taken of an array with these sizes and this type of samples.
+    ///
+    /// # Errors
+    /// What is wrong, and what would be right.
+    pub fn new(sizes: &[u64], dtype: Dtype, taken: &Taken) -> Result<Selection, (String, String)> {
+        if sizes.len() != taken.axes.len() {
+            let what = format!(
+                "an array of shape {sizes:?} has {} axes, and {} are named: {}",
+                sizes.len(),
+                taken.axes.len(),
+                Axes::of(taken.axes.to_vec())
+            );
+            return Err((what, NAME_AXES.into()));
+        }
+        if sizes.contains(&0) {
+            let what = format!("an array of shape {sizes:?} has no samples");
+            return Err((what, "every axis must have a size of at least 1".into()));
+        }
+        let count = sizes.iter().try_fold(1u64, |n, size| n.checked_mul(*size));
+        if count.is_none_or(|count| count > LONGEST) {
+            let what = format!("the shape {sizes:?} has more samples than can be used");
+            return Err((what, "check the file".into()));
+        }
+        let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
+        let (mut roles, mut kept) = (Vec::new(), Vec::new());
+        let mut choices = taken.choices.iter();
+        for (&axis, &size) in taken.axes.iter().zip(&sizes) {
+            let role = match axis {
+                Axis::Sum => Role::Summed(size),
+                Axis::Choice => Role::Chosen(chosen(choices.next(), size)?),
+                Axis::Channel if size == 4 && taken.without_alpha => Role::Kept(3),
+                _ => Role::Kept(size),
+            };
+            roles.push(role);
+            match (role, axis, taken.columns) {
+                (Role::Kept(size), Axis::Column, Some(columns)) => {
+                    kept.extend([(Axis::Row, size / columns), (Axis::Column, columns)]);
+                }
+                (Role::Kept(size), axis, _) => kept.push((axis, size)),
+                _ => {}
+            }
+        }
+        if choices.next().is_some() {
+            let what = "the name of the array chooses more entries than it has axes named L";
+            return Err((what.into(), NAME_AXES.into()));
+        }
+        let (axes, sizes): (Vec<_>, Vec<_>) = kept.into_iter().unzip();
+        let selection = Selection {
+            roles,
+            sizes,
+            axes: Axes::of(axes),
+            // Sums of half precision leave its range.
+            dtype: match dtype {
+                Dtype::F16 if taken.axes.contains(&Axis::Sum) => Dtype::F32,
+                dtype => dtype,
+            },
+        };
+        let arrangement = Arrangement::of(&selection.sizes, &selection.axes, false)
+            .map_err(|what| (what, NAME_AXES.into()))?;
+        match arrangement.shape[3] {
+            1 | 3 => Ok(selection),
+            channels => Err((
+                format!(
+                    "{channels} channels: the axes were taken for {}",
+                    selection.axes
+                ),
+                format!("a cube has 1 or 3 channels; {NAME_AXES}"),
+            )),
+        }
+    }
+
+    /// What it will be in memory.
+    pub fn info(&self, path: &Path, assumed: bool, notes: Vec<String>) -> Result<CubeInfo> {
+        let arrangement = self.arrangement(path)?;
+        let count = |n: u64, size: &usize| n.saturating_mul(*size as u64);
+        Ok(CubeInfo {
+            shape: arrangement.shape,
+            bytes: arrangement.shape.iter().fold(self.number().stored(), count),
+            dtype: self.dtype.clone(),
+            axes: self.axes.clone(),
+            assumed,
+            array: None,
+            notes,
+            remarks: Vec::new(),
+        })
+    }
+
+    /// The cube.
+    pub fn load(&self, from: &mut dyn Windows, path: &Path) -> Result<Cube> {
+        let arrangement = self.arrangement(path)?;
+        let count: usize = self.sizes.iter().product();
+        let samples = match self.dtype {
+            Dtype::F16 => Samples::F16(self.gather(from, path, &arrangement, f16::from_f64)?),
+            Dtype::F64 => Samples::F64(self.gather(from, path, &arrangement, |x| x)?),
+            _ => Samples::F32(self.gather(from, path, &arrangement, |x| x as f32)?),
+        };
+        debug_assert_eq!(samples.len(), count);
+        Ok(Cube {
+            shape: arrangement.shape,
+            samples,
+        })
+    }
+
+    /// Writes the samples to `to`, little-endian.
+    pub fn write_out(
+        &self,
+        from: &mut dyn Windows,
+        path: &Path,
+        to: &mut dyn Write,
+    ) -> Result<StoredLayout> {
+        let mut bytes = Vec::new();
+        self.slabs(from, path, &mut |_, slab| {
+            bytes.clear();
+            match self.dtype {
+                Dtype::F16 => {
+                    bytes.extend(slab.iter().flat_map(|x| f16::from_f64(*x).to_le_bytes()))
+                }
+                Dtype::F64 => bytes.extend(slab.iter().flat_map(|x| x.to_le_bytes())),
+                _ => bytes.extend(slab.iter().flat_map(|x| (*x as f32).to_le_bytes())),
+            }
+            to.write_all(&bytes)
+                .map_err(Error::io(path, "cannot write a temporary file for"))
+        })?;
+        Ok(StoredLayout {
+            start: 0,
+            number: self.number(),
+            big_endian: false,
+            sizes: self.sizes.clone(),
+            axes: self.axes.clone(),
+        })
+    }
+
+    fn arrangement(&self, path: &Path) -> Result<Arrangement> {
+        Arrangement::of(&self.sizes, &self.axes, false)
+            .map_err(|what| Error::invalid(path, "", what, NAME_AXES))
+    }
+
+    /// The type in memory, as samples of which a temporary file has it.
+    fn number(&self) -> Number {
+        match self.dtype {
+            Dtype::F16 => Number::F16,
+            Dtype::F64 => Number::F64,
+            _ => Number::F32,
+        }
+    }
+
+    fn gather<T: Copy + Default>(
+        &self,
+        from: &mut dyn Windows,
+        path: &Path,
+        arrangement: &Arrangement,
+        stored: fn(f64) -> T,
+    ) -> Result<Vec<T>> {
+        let count = self.sizes.iter().product();
+        let mut samples = Vec::new();
+        samples.try_reserve_exact(count).map_err(|_| {
+            let what = format!("there is not enough memory for {count} samples");
+            Error::unsupported(path, "", what, "crop the array with `nullray convert`")
+        })?;
+        samples.resize(count, T::default());
+        let mut piece = Vec::new();
+        self.slabs(from, path, &mut |first, slab| {
+            piece.clear();
+            piece.extend(slab.iter().map(|x| stored(*x)));
+            arrangement.put(first, &piece, &mut samples);
+            Ok(())
+        })?;
+        Ok(samples)
+    }
+
+    /// Gives the samples to `take`, slab by slab, with the number of the first.
+    fn slabs(
+        &self,
+        from: &mut dyn Windows,
+        path: &Path,
+        take: &mut dyn FnMut(usize, &[f64]) -> Result<()>,
+    ) -> Result<()> {
+        let is_kept = |role: &Role| matches!(role, Role::Kept(_));
+        let Some(slowest) = self.roles.iter().position(is_kept) else {
+            return Ok(());
+        };
+        let Role::Kept(length) = self.roles[slowest] else {
+            return Ok(());
+        };
+        // As thick as what is stored together where that is not too much, so that nothing is read twice.
+        let each = self.sizes.iter().product::<usize>() / length;
+        let most = (SLAB / each.max(1)).clamp(1, length);
+        let together = from.together().get(slowest).copied().unwrap_or(1).max(1);
+        let thickness = match most / together {
+            0 => most,
+            whole => whole * together,
+        };
+        let arrangement = self.arrangement(path)?;
+        let (mut slab, mut part) = (Vec::new(), Vec::new());
+        for begin in (0..length).step_by(thickness) {
+            let range = begin..(begin + thickness).min(length);
+            self.slab(from, (slowest, range), &mut slab, &mut part)?;
+            let first = begin * each;
+            if let Some(bad) = slab.iter().position(|sample| !sample.is_finite()) {
+                let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
+                return Err(Error::invalid(
+                    path,
+                    format!("sample [{i}, {j}, {k}, {l}]"),
+                    "the sample is not a finite number",
+                    "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+                ));
+            }
+            take(first, &slab)?;
+        }
+        Ok(())
+    }
+
+    /// One slab: the window once for every combination of entries that are added up.
+    fn slab(
+        &self,
+        from: &mut dyn Windows,
+        (slowest, range): (usize, Range<usize>),
+        slab: &mut Vec<f64>,
+        part: &mut Vec<f64>,
+    ) -> Result<()> {
+        let summed = |role: &Role| match role {
+            Role::Summed(size) => *size,
+            _ => 1,
+        };
+        let combinations: usize = self.roles.iter().map(summed).product();
+        for number in 0..combinations {
+            let mut rest = number;
+            let window: Vec<Range<usize>> = (self.roles.iter().enumerate())
+                .map(|(axis, role)| match *role {
+                    Role::Kept(_) if axis == slowest => range.clone(),
+                    Role::Kept(size) => 0..size,
+                    Role::Chosen(entry) => entry..entry + 1,
+                    Role::Summed(size) => {
+                        let entry = rest % size;
+                        rest /= size;
+                        entry..entry + 1
+                    }
+                })
+                .collect();
+            match number {
+                0 => from.read(&window, slab)?,
+                _ => {
+                    from.read(&window, part)?;
+                    for (sum, sample) in slab.iter_mut().zip(part.iter()) {
+                        *sum += sample;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The entry of an axis named L.
+fn chosen(choice: Option<&usize>, size: usize) -> Result<usize, (String, String)> {
+    let help = format!(
+        "choose one of them by numbers behind the array's name, like array = \"H[{}]\"",
+        size / 2
+    );
+    match choice {
+        Some(choice) if *choice < size => Ok(*choice),
+        Some(choice) => Err((
+            format!("there is no entry {choice} along an axis of {size}"),
+            help,
+        )),
+        None if size == 1 => Ok(0),
+        None => Err((
+            format!(
+                "an axis of the array has {size} entries, like points that a laser lights one after the other"
+            ),
+            help,
+        )),
+    }
+}
+
+/// The name of an array and the entries that it chooses, like `H[3, 4]`.
+pub(super) fn name_and_choices(name: &str) -> (&str, Vec<usize>) {
+    let split = || {
+        let (name, rest) = name.strip_suffix(']')?.rsplit_once('[')?;
+        let choices: Option<Vec<usize>> = rest.split(',').map(|n| n.trim().parse().ok()).collect();
+        Some((name, choices?))
+    };
+    split().unwrap_or((name, Vec::new()))
+}
+
+/// What to do about axes.
+pub(super) const NAME_AXES: &str = "name every axis of the array in `axes`, like \"T H W\": H rows, W columns, T time bins, C channels, \
+     S entries that are added up, L entries of which one is chosen, 1 an axis of one entry";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An array in memory.
+    struct Array {
+        sizes: Vec<usize>,
+        samples: Vec<f64>,
+    }
+
+    impl Windows for Array {
+        fn read(&mut self, window: &[Range<usize>], to: &mut Vec<f64>) -> Result<()> {
+            to.clear();
+            for (n, sample) in self.samples.iter().enumerate() {
+                let mut rest = n;
+                let mut inside = true;
+                for (range, size) in window.iter().zip(&self.sizes).rev() {
+                    inside &= range.contains(&(rest % size));
+                    rest /= size;
+                }
+                if inside {
+                    to.push(*sample);
+                }
+            }
+            Ok(())
+        }
+
+        fn together(&self) -> Vec<usize> {
+            vec![2; self.sizes.len()]
+        }
+    }
+
+    /// Sample n of an array is n: what is taken follows from the index along each axis.
+    #[test]
+    fn axes_are_added_up_chosen_and_laid_out() {
+        // (C 4, T 5, S 2, W 6 = 2 rows of 3, L 3).
+        let sizes = [4u64, 5, 2, 6, 3];
+        let mut array = Array {
+            sizes: sizes.iter().map(|n| *n as usize).collect(),
+            samples: (0..720).map(f64::from).collect(),
+        };
+        use Axis::{Channel, Choice, Column, Sum, Time};
+        let taken = Taken {
+            axes: &[Channel, Time, Sum, Column, Choice],
+            choices: &[2],
+            columns: Some(3),
+            without_alpha: true,
+        };
+        let selection = Selection::new(&sizes, Dtype::F64, &taken).unwrap();
+        assert_eq!(selection.axes.to_string(), "C T H W");
+        let path = Path::new("memory");
+        let cube = selection.load(&mut array, path).unwrap();
+        assert_eq!(cube.shape, [2, 3, 5, 3]);
+        for n in 0..90 {
+            let [i, j, t, c] = place_of(n, cube.shape);
+            let of = |s: usize| ((((c * 5 + t) * 2 + s) * 6 + i * 3 + j) * 3 + 2) as f64;
+            assert_eq!(cube.samples.get(n), Some(of(0) + of(1)), "{n}");
+        }
+        let mut bytes = Vec::new();
+        let layout = selection.write_out(&mut array, path, &mut bytes).unwrap();
+        assert_eq!((layout.sizes, bytes.len()), (vec![3, 5, 2, 3], 720));
+    }
+
+    #[test]
+    fn what_cannot_be_taken_is_refused_with_what_would_be_right() {
+        use Axis::{Choice, Column, Row, Time};
+        let refusal = |sizes: &[u64], axes: &[Axis], choices: &[usize]| {
+            let taken = Taken {
+                axes,
+                choices,
+                columns: None,
+                without_alpha: false,
+            };
+            let (what, help) = Selection::new(sizes, Dtype::F32, &taken).unwrap_err();
+            format!("{what}; {help}")
+        };
+        for (message, wrong) in [
+            (
+                refusal(&[2, 3, 4], &[Row, Column], &[]),
+                "3 axes, and 2 are named: H W",
+            ),
+            (refusal(&[2, 0, 4], &[Row, Column, Time], &[]), "no samples"),
+            (
+                refusal(&[1 << 30, 1 << 30, 4], &[Row, Column, Time], &[]),
+                "more samples",
+            ),
+            (
+                refusal(&[2, 3, 4], &[Row, Column, Choice], &[]),
+                "array = \"H[2]\"",
+            ),
+            (
+                refusal(&[2, 3, 4], &[Row, Column, Choice], &[4]),
+                "no entry 4",
+            ),
+            (
+                refusal(&[2, 3, 4], &[Row, Column, Time], &[1]),
+                "more entries",
+            ),
+        ] {
+            assert!(message.contains(wrong), "{message}");
+        }
+        assert_eq!(name_and_choices("H[3, 4]"), ("H", vec![3, 4]));
+        assert_eq!(name_and_choices("a/b"), ("a/b", vec![]));
+        assert_eq!(name_and_choices("a[x]"), ("a[x]", vec![]));
+    }
+}

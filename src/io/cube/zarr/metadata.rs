@@ -1,0 +1,451 @@
+//! `zarr.json` of an array: "Zarr core specification (version 3)", its chunk grids, key encodings, data types and codecs.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value};
+
+use super::super::axes::{Axes, Axis};
+use super::codecs::Codec;
+use crate::error::{Error, Result};
+use crate::io::open::open_regular;
+
+/// The longest `zarr.json` that is read, bytes.
+const LONGEST: u64 = 16 << 20;
+/// The largest chunk, bytes once decoded.
+const LARGEST_CHUNK: u64 = 1 << 30;
+/// The most axes.
+const MOST_AXES: usize = 16;
+
+/// A type of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Number {
+    F16,
+    F32,
+    F64,
+    I8,
+    I16,
+    I32,
+    I64,
+    U8,
+    U16,
+    U32,
+    U64,
+}
+
+impl Number {
+    const NAMES: [(&'static str, Number, usize); 11] = [
+        ("float16", Number::F16, 2),
+        ("float32", Number::F32, 4),
+        ("float64", Number::F64, 8),
+        ("int8", Number::I8, 1),
+        ("int16", Number::I16, 2),
+        ("int32", Number::I32, 4),
+        ("int64", Number::I64, 8),
+        ("uint8", Number::U8, 1),
+        ("uint16", Number::U16, 2),
+        ("uint32", Number::U32, 4),
+        ("uint64", Number::U64, 8),
+    ];
+
+    pub fn bytes(self) -> usize {
+        let row = Number::NAMES.iter().find(|row| row.1 == self);
+        row.map_or(8, |row| row.2)
+    }
+
+    pub fn name(self) -> &'static str {
+        let row = Number::NAMES.iter().find(|row| row.1 == self);
+        row.map_or("", |row| row.0)
+    }
+}
+
+/// What an array is.
+#[derive(Debug, Clone)]
+pub(super) struct Metadata {
+    pub folder: PathBuf,
+    pub shape: Vec<u64>,
+    pub chunk: Vec<usize>,
+    pub number: Number,
+    pub fill: f64,
+    pub codecs: Vec<Codec>,
+    /// Between the numbers of a chunk in the name of its file; whether `c` stands before them.
+    separator: char,
+    with_c: bool,
+    pub axes: Option<Axes>,
+    pub attributes: Map<String, Value>,
+}
+
+impl Metadata {
+    /// Of the array in `folder`.
+    pub fn read(folder: &Path) -> Result<Metadata> {
+        let file = folder.join("zarr.json");
+        Reading { file: &file }.array(folder, &document(&file)?)
+    }
+
+    /// The file of a chunk.
+    pub fn chunk_file(&self, place: &[usize]) -> PathBuf {
+        let numbers: Vec<String> = place.iter().map(usize::to_string).collect();
+        let numbers = numbers.join(&self.separator.to_string());
+        self.folder.join(match (self.with_c, numbers.as_str()) {
+            (true, "") => "c".into(),
+            (true, numbers) => format!("c{}{numbers}", self.separator),
+            (false, "") => "0".into(),
+            (false, numbers) => numbers.into(),
+        })
+    }
+
+    /// Chunks along each axis.
+    pub fn chunks(&self) -> Vec<usize> {
+        let along = |(size, chunk): (&u64, &usize)| size.div_ceil(*chunk as u64) as usize;
+        self.shape.iter().zip(&self.chunk).map(along).collect()
+    }
+
+    /// A number beside the array.
+    pub fn number_of(&self, attribute: &str) -> Option<f64> {
+        self.attributes.get(attribute)?.as_f64()
+    }
+}
+
+/// The JSON of a node.
+pub(super) fn document(file: &Path) -> Result<Map<String, Value>> {
+    use std::io::Read;
+    let (reader, length) = open_regular(file)?;
+    let invalid =
+        |what: String| Error::invalid(file, "", what, "copy the array again, or write it again");
+    if length > LONGEST {
+        return Err(invalid("it is too long to describe an array".into()));
+    }
+    let mut text = Vec::new();
+    (reader.take(LONGEST).read_to_end(&mut text)).map_err(Error::io(file, "cannot read"))?;
+    match serde_json::from_slice(&text) {
+        Ok(Value::Object(document)) => Ok(document),
+        Ok(_) => Err(invalid("it is no JSON object".into())),
+        Err(error) => Err(invalid(format!("it is no JSON: {error}"))),
+    }
+}
+
+struct Reading<'a> {
+    file: &'a Path,
+}
+
+impl Reading<'_> {
+    fn invalid(&self, key: &str, what: impl Into<String>) -> Error {
+        Error::invalid(
+            self.file,
+            key,
+            what,
+            "copy the array again, or write it again",
+        )
+    }
+
+    fn unsupported(&self, key: &str, what: impl Into<String>, help: &str) -> Error {
+        Error::unsupported(self.file, key, what, help)
+    }
+
+    fn array(&self, folder: &Path, document: &Map<String, Value>) -> Result<Metadata> {
+        if document.get("zarr_format") != Some(&Value::from(3)) {
+            return Err(self.unsupported(
+                "zarr_format",
+                "this is not version 3",
+                "write it as Zarr version 3",
+            ));
+        }
+        self.refuse_unknown(document)?;
+        let shape = self.sizes(document.get("shape"), "shape")?;
+        if shape.len() > MOST_AXES {
+            return Err(self.unsupported(
+                "shape",
+                format!("{} axes are too many", shape.len()),
+                "save a part of it",
+            ));
+        }
+        let number = self.number(document)?;
+        let (name, grid) = self.named(document.get("chunk_grid"), "chunk_grid")?;
+        if name != "regular" {
+            let what = format!("chunks in a grid called {name:?} are not read");
+            return Err(self.unsupported("chunk_grid", what, "write it with chunks of one size"));
+        }
+        let chunk = self.chunk(grid.get("chunk_shape"), shape.len(), number)?;
+        let (name, keys) = self.named(document.get("chunk_key_encoding"), "chunk_key_encoding")?;
+        let with_c = match name {
+            "default" => true,
+            "v2" => false,
+            _ => {
+                let what = format!("names of chunks called {name:?} are not known");
+                return Err(self.unsupported(
+                    "chunk_key_encoding",
+                    what,
+                    "write it with default names",
+                ));
+            }
+        };
+        let separator = match keys.get("separator").and_then(Value::as_str) {
+            Some("/") => '/',
+            Some(".") => '.',
+            None if with_c => '/',
+            None => '.',
+            Some(other) => {
+                return Err(
+                    self.invalid("chunk_key_encoding", format!("{other:?} is no separator"))
+                );
+            }
+        };
+        let codecs = self.codecs(document.get("codecs"), &chunk, number)?;
+        Ok(Metadata {
+            folder: folder.to_path_buf(),
+            axes: axes(document.get("dimension_names")),
+            attributes: match document.get("attributes") {
+                Some(Value::Object(attributes)) => attributes.clone(),
+                _ => Map::new(),
+            },
+            fill: self.fill(document.get("fill_value"), number)?,
+            shape,
+            chunk,
+            number,
+            codecs,
+            separator,
+            with_c,
+        })
+    }
+
+    /// What is not known must be allowed to be passed over.
+    fn refuse_unknown(&self, document: &Map<String, Value>) -> Result<()> {
+        const KNOWN: [&str; 11] = [
+            "zarr_format",
+            "node_type",
+            "shape",
+            "data_type",
+            "chunk_grid",
+            "chunk_key_encoding",
+            "fill_value",
+            "codecs",
+            "attributes",
+            "dimension_names",
+            "consolidated_metadata",
+        ];
+        for (key, value) in document {
+            let may_be_passed_over = value.get("must_understand") == Some(&Value::Bool(false));
+            let is_empty = value.as_array().is_some_and(Vec::is_empty);
+            if !KNOWN.contains(&key.as_str()) && !may_be_passed_over && !is_empty {
+                return Err(self.unsupported(
+                    key,
+                    "this extension is not known",
+                    "write it without",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn sizes(&self, value: Option<&Value>, key: &str) -> Result<Vec<u64>> {
+        let sizes = value.and_then(Value::as_array);
+        let sizes: Option<Vec<u64>> =
+            sizes.and_then(|sizes| sizes.iter().map(Value::as_u64).collect());
+        sizes.ok_or_else(|| self.invalid(key, "there is no list of sizes"))
+    }
+
+    /// A chunk of `axes` axes, whose bytes can be held.
+    fn chunk(&self, value: Option<&Value>, axes: usize, number: Number) -> Result<Vec<usize>> {
+        let sizes = self.sizes(value, "chunk_shape")?;
+        let bytes = sizes
+            .iter()
+            .try_fold(number.bytes() as u64, |n, size| n.checked_mul(*size));
+        if sizes.len() != axes || sizes.contains(&0) {
+            return Err(self.invalid(
+                "chunk_shape",
+                format!("{sizes:?} is no size of a chunk of {axes} axes"),
+            ));
+        }
+        match bytes.filter(|bytes| *bytes <= LARGEST_CHUNK) {
+            Some(_) => Ok(sizes.into_iter().map(|n| n as usize).collect()),
+            None => Err(self.unsupported(
+                "chunk_shape",
+                format!("a chunk of {sizes:?} has more than 1 GiB"),
+                "write it in smaller chunks",
+            )),
+        }
+    }
+
+    fn number(&self, document: &Map<String, Value>) -> Result<Number> {
+        let name = document
+            .get("data_type")
+            .and_then(Value::as_str)
+            .unwrap_or("");
+        let known = Number::NAMES.iter().find(|row| row.0 == name);
+        known.map(|row| row.1).ok_or_else(|| {
+            let what = match document.get("data_type") {
+                Some(other) => {
+                    format!("samples of type {other} are no numbers that radiance is given in")
+                }
+                None => "there is no type".into(),
+            };
+            self.unsupported(
+                "data_type",
+                what,
+                "give float16, float32, float64 or integers",
+            )
+        })
+    }
+
+    /// A number, a name of one that JSON has not, or its bits.
+    fn fill(&self, value: Option<&Value>, number: Number) -> Result<f64> {
+        let text = match value {
+            Some(Value::Number(fill)) => return Ok(fill.as_f64().unwrap_or(0.0)),
+            Some(Value::String(text)) => text.as_str(),
+            _ => return Err(self.invalid("fill_value", "there is none")),
+        };
+        let bits = || u64::from_str_radix(text.strip_prefix("0x")?, 16).ok();
+        match text {
+            "NaN" => Ok(f64::NAN),
+            "Infinity" => Ok(f64::INFINITY),
+            "-Infinity" => Ok(f64::NEG_INFINITY),
+            _ => match (bits(), number) {
+                (Some(bits), Number::F16) => Ok(half::f16::from_bits(bits as u16).to_f64()),
+                (Some(bits), Number::F32) => Ok(f32::from_bits(bits as u32).into()),
+                (Some(bits), Number::F64) => Ok(f64::from_bits(bits)),
+                _ => Err(self.invalid("fill_value", format!("{text:?} is no number"))),
+            },
+        }
+    }
+
+    /// A name and its configuration; a name alone has none.
+    fn named<'v>(
+        &self,
+        value: Option<&'v Value>,
+        key: &str,
+    ) -> Result<(&'v str, Map<String, Value>)> {
+        match value {
+            Some(Value::String(name)) => Ok((name, Map::new())),
+            Some(Value::Object(object)) => {
+                let name = object.get("name").and_then(Value::as_str);
+                let name = name.ok_or_else(|| self.invalid(key, "it has no name"))?;
+                let configuration = object.get("configuration").and_then(Value::as_object);
+                Ok((name, configuration.cloned().unwrap_or_default()))
+            }
+            _ => Err(self.invalid(key, "it is missing")),
+        }
+    }
+
+    /// The codecs of chunks of this size, in the order in which they encode.
+    fn codecs(&self, value: Option<&Value>, chunk: &[usize], number: Number) -> Result<Vec<Codec>> {
+        let Some(list) = value.and_then(Value::as_array) else {
+            return Err(self.invalid("codecs", "there is no list of them"));
+        };
+        let mut codecs: Vec<Codec> = Vec::new();
+        let mut chunk = chunk.to_vec();
+        for entry in list {
+            let (name, configuration) = self.named(Some(entry), "codecs")?;
+            let has_bytes = codecs.iter().any(Codec::makes_bytes);
+            let codec = match (name, has_bytes) {
+                ("bytes", false) => Codec::Bytes {
+                    is_big: match configuration.get("endian").and_then(Value::as_str) {
+                        Some("big") => true,
+                        Some("little") => false,
+                        None if number.bytes() == 1 => false,
+                        _ => return Err(self.invalid("codecs", "the order of bytes is not said")),
+                    },
+                },
+                ("transpose", false) => {
+                    let order = self.sizes(configuration.get("order"), "codecs")?;
+                    let order: Vec<usize> = order.into_iter().map(|n| n as usize).collect();
+                    let mut sorted = order.clone();
+                    sorted.sort_unstable();
+                    if !sorted.iter().copied().eq(0..chunk.len()) {
+                        return Err(self.invalid(
+                            "codecs",
+                            format!("{order:?} is no order of {} axes", chunk.len()),
+                        ));
+                    }
+                    let codec = Codec::Transpose {
+                        order: order.clone(),
+                    };
+                    chunk = order.iter().map(|axis| chunk[*axis]).collect();
+                    codec
+                }
+                ("sharding_indexed", false) => {
+                    let inner =
+                        self.chunk(configuration.get("chunk_shape"), chunk.len(), number)?;
+                    if chunk
+                        .iter()
+                        .zip(&inner)
+                        .any(|(shard, inner)| shard % inner != 0)
+                    {
+                        let what =
+                            format!("a shard of {chunk:?} does not consist of chunks of {inner:?}");
+                        return Err(self.invalid("codecs", what));
+                    }
+                    let nested = |entry: &Value| {
+                        entry.get("name").and_then(Value::as_str) == Some("sharding_indexed")
+                    };
+                    let inside = configuration.get("codecs");
+                    if inside
+                        .and_then(Value::as_array)
+                        .is_some_and(|list| list.iter().any(nested))
+                    {
+                        return Err(self.unsupported(
+                            "codecs",
+                            "shards in shards are not read",
+                            "write it with shards of one level",
+                        ));
+                    }
+                    let index = self.codecs(configuration.get("index_codecs"), &[], Number::U64)?;
+                    let is_plain = |codec: &Codec| {
+                        matches!(codec, Codec::Bytes { is_big: false } | Codec::Crc32c)
+                    };
+                    if !index.iter().all(is_plain) {
+                        return Err(self.unsupported(
+                            "codecs",
+                            "the index of shards is compressed",
+                            "write it with the usual index",
+                        ));
+                    }
+                    let at_start = match configuration.get("index_location").and_then(Value::as_str)
+                    {
+                        None | Some("end") => false,
+                        Some("start") => true,
+                        Some(other) => {
+                            return Err(self
+                                .invalid("codecs", format!("{other:?} is no place of an index")));
+                        }
+                    };
+                    Codec::Sharding {
+                        codecs: self.codecs(inside, &inner, number)?,
+                        has_checksum: index.contains(&Codec::Crc32c),
+                        inner,
+                        at_start,
+                    }
+                }
+                ("gzip", true) => Codec::Gzip,
+                ("zstd", true) => Codec::Zstd,
+                ("crc32c", true) => Codec::Crc32c,
+                ("bytes" | "transpose" | "sharding_indexed", true)
+                | ("gzip" | "zstd" | "crc32c", false) => {
+                    return Err(self.invalid("codecs", format!("{name} stands in the wrong place")));
+                }
+                _ => {
+                    let what = format!("chunks encoded by {name:?} are not read");
+                    let help = "bytes, transpose, gzip, zstd, crc32c and sharding_indexed are: write it with zarr's default codecs";
+                    return Err(self.unsupported("codecs", what, help));
+                }
+            };
+            codecs.push(codec);
+        }
+        match codecs.iter().any(Codec::makes_bytes) {
+            true => Ok(codecs),
+            false => Err(self.invalid("codecs", "none of them makes bytes")),
+        }
+    }
+}
+
+/// The axes by their names, where all are known ones.
+fn axes(names: Option<&Value>) -> Option<Axes> {
+    let axis = |name: &Value| match name.as_str()?.to_ascii_lowercase().as_str() {
+        "h" | "y" | "row" | "rows" | "height" => Some(Axis::Row),
+        "w" | "x" | "column" | "columns" | "width" => Some(Axis::Column),
+        "t" | "time" | "bin" | "bins" => Some(Axis::Time),
+        "c" | "channel" | "channels" | "colour" | "color" | "rgb" => Some(Axis::Channel),
+        _ => None,
+    };
+    let axes: Option<Vec<Axis>> = names?.as_array()?.iter().map(axis).collect();
+    // By way of text, which refuses axes that are missing or there twice.
+    Axes::of(axes?).to_string().parse().ok()
+}

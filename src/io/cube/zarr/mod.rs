@@ -1,0 +1,452 @@
+//! Zarr arrays of version 3 in a local folder: chunks in files of their own, or in shards.
+//!
+//! The crate `zarrs` reads many more kinds, at the price of a C compiler and some hundred crates; here are those that hold
+//! numbers as zarr-python writes them: bytes, transpose, gzip, zstd, crc32c, sharding. Only the chunks that a window touches are
+//! read, and of a shard only its index and those. A chunk that is not there is the fill value, by the
+//! specification; how many are missing is said.
+
+mod codecs;
+mod metadata;
+mod write;
+
+use std::collections::VecDeque;
+use std::io::{Read, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use self::codecs::Codec;
+use self::metadata::{Metadata, Number};
+pub(super) use self::write::Writer;
+use super::axes::Axes;
+use super::format::{CubeInfo, FileTimes, Wanted};
+use super::samples::Cube;
+use super::selection::{NAME_AXES, Selection, Taken, Windows, name_and_choices};
+use super::store::StoredLayout;
+use crate::error::{Error, Result};
+use crate::io::npy::{Dtype, Header};
+use crate::io::open::open_regular;
+
+/// Decoded chunks that are kept, bytes.
+const CACHE: usize = 256 << 20;
+/// Chunks whose files are looked for when they are counted.
+const MOST_COUNTED: usize = 1 << 16;
+/// Arrays of a group that are listed.
+const MOST_LISTED: usize = 1000;
+
+/// What would be loaded.
+pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
+    let (metadata, selection, assumed) = known(path, wanted)?;
+    let mut notes = vec![format!(
+        "Zarr array of {} in chunks of {:?}",
+        metadata.number.name(),
+        metadata.chunk
+    )];
+    if let Some(times) = times_of(&metadata) {
+        notes.push(format!(
+            "start {} m, bin_width {} m",
+            times.start, times.width
+        ));
+    }
+    let mut info = selection.info(path, assumed, notes)?;
+    info.remarks.extend(missing(&metadata));
+    Ok(info)
+}
+
+/// The cube.
+pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
+    let (metadata, selection, _) = known(path, wanted)?;
+    selection.load(&mut Array::new(metadata), path)
+}
+
+/// Writes the samples that are `wanted` to `to`.
+pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
+    let (metadata, selection, _) = known(path, wanted)?;
+    selection.write_out(&mut Array::new(metadata), path, to)
+}
+
+/// What the array says of its time axis.
+pub(super) fn times(path: &Path) -> Result<Option<FileTimes>> {
+    Ok(known(path, Wanted::default())
+        .ok()
+        .and_then(|(metadata, ..)| times_of(&metadata)))
+}
+
+/// The arrays that there are.
+pub(super) fn arrays(path: &Path) -> Result<Vec<Header>> {
+    let mut headers = Vec::new();
+    for (name, folder) in folders(path)? {
+        let metadata = Metadata::read(&folder)?;
+        headers.push(Header {
+            name,
+            shape: metadata.shape.iter().map(|n| *n as usize).collect(),
+            dtype: match metadata.number {
+                Number::F16 => Dtype::F16,
+                Number::F32 => Dtype::F32,
+                Number::F64 => Dtype::F64,
+                other => Dtype::Other(other.name().into()),
+            },
+            fortran_order: false,
+            big_endian: false,
+        });
+    }
+    Ok(headers)
+}
+
+fn times_of(metadata: &Metadata) -> Option<FileTimes> {
+    let (start, width) = (
+        metadata.number_of("start")?,
+        metadata.number_of("bin_width")?,
+    );
+    (start.is_finite() && width > 0.0).then_some(FileTimes {
+        start,
+        width,
+        at_sensor: false,
+    })
+}
+
+/// The arrays in `path`: itself, or those right below a group.
+fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
+    if path.join(".zarray").is_file() || path.join(".zgroup").is_file() {
+        let what = "this is Zarr of version 2";
+        let help =
+            "write it as version 3: zarr.create_array(path, data=zarr.open(old)[:], zarr_format=3)";
+        return Err(Error::unsupported(path, "", what, help));
+    }
+    let document = metadata::document(&path.join("zarr.json"))?;
+    if document.get("node_type").and_then(|kind| kind.as_str()) != Some("group") {
+        return Ok(vec![(None, path.to_path_buf())]);
+    }
+    let failed = || Error::io(path, "cannot read the folder");
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(failed())? {
+        let folder = entry.map_err(failed())?.path();
+        let file = folder.join("zarr.json");
+        let is_array = || {
+            let document = metadata::document(&file).ok()?;
+            Some(document.get("node_type")?.as_str()? == "array")
+        };
+        if found.len() < MOST_LISTED && file.is_file() && is_array() == Some(true) {
+            let name = folder
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned());
+            found.push((name, folder));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The array that is `wanted`, what is taken of it, and whether its axes are assumed.
+fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, bool)> {
+    let (name, choices) = match wanted.array {
+        Some(text) => {
+            let (name, choices) = name_and_choices(text);
+            (Some(name).filter(|name| !name.is_empty()), choices)
+        }
+        None => (None, Vec::new()),
+    };
+    let invalid = |what: String, help: &str| Error::invalid(path, "", what, help);
+    let mut folders = folders(path)?;
+    let names: Vec<_> = folders
+        .iter()
+        .filter_map(|(name, _)| name.clone())
+        .collect();
+    if let Some(name) = name {
+        folders.retain(|(known, _)| known.as_deref() == Some(name));
+    }
+    let folder = match (folders.len(), name) {
+        (1, _) => folders.remove(0).1,
+        (0, Some(name)) if names.is_empty() => {
+            return Err(invalid(
+                format!("there is no array {name:?}: this is a single array"),
+                "leave `array` out",
+            ));
+        }
+        (0, Some(name)) => {
+            return Err(invalid(
+                format!("there is no array {name:?}"),
+                &format!("it holds {}", names.join(", ")),
+            ));
+        }
+        (0, None) => {
+            return Err(invalid(
+                "the group holds no arrays".into(),
+                "name the folder of an array",
+            ));
+        }
+        (_, None) => {
+            let help = format!("name one of them, like array = {:?}", names[0]);
+            return Err(invalid(
+                format!("the group holds several arrays: {}", names.join(", ")),
+                &help,
+            ));
+        }
+        (_, Some(_)) => return Err(invalid("the array is there twice".into(), "")),
+    };
+    let metadata = Metadata::read(&folder)?;
+    let said = wanted.axes.cloned().or_else(|| metadata.axes.clone());
+    let assumed = said.is_none();
+    let Some(axes) = said.or_else(|| Axes::usual(metadata.shape.len())) else {
+        let what = format!("an array of shape {:?} is not a cube", metadata.shape);
+        return Err(invalid(what, NAME_AXES));
+    };
+    let taken = Taken {
+        axes: axes.list(),
+        choices: &choices,
+        columns: None,
+        without_alpha: false,
+    };
+    let dtype = match metadata.number {
+        Number::F16 => Dtype::F16,
+        Number::F32 | Number::I8 | Number::I16 | Number::U8 | Number::U16 => Dtype::F32,
+        _ => Dtype::F64,
+    };
+    let selection = Selection::new(&metadata.shape, dtype, &taken)
+        .map_err(|(what, help)| invalid(what, &help))?;
+    Ok((metadata, selection, assumed))
+}
+
+/// How many chunks (or shards) have no file, if any.
+fn missing(metadata: &Metadata) -> Option<String> {
+    let chunks = metadata.chunks();
+    let count = chunks.iter().try_fold(1usize, |n, k| n.checked_mul(*k))?;
+    if count > MOST_COUNTED {
+        return None;
+    }
+    let place = |n: usize| {
+        let mut rest = n;
+        let mut place: Vec<usize> = chunks
+            .iter()
+            .rev()
+            .map(|count| {
+                let at = rest % count;
+                rest /= count;
+                at
+            })
+            .collect();
+        place.reverse();
+        place
+    };
+    let missing = (0..count)
+        .filter(|n| !metadata.chunk_file(&place(*n)).is_file())
+        .count();
+    let part = if metadata
+        .codecs
+        .iter()
+        .any(|codec| matches!(codec, Codec::Sharding { .. }))
+    {
+        "shards"
+    } else {
+        "chunks"
+    };
+    (missing > 0).then(|| {
+        format!(
+            "{missing} of {count} {part} are missing: they are read as the fill value, {}",
+            metadata.fill
+        )
+    })
+}
+
+/// An array that is read.
+struct Array {
+    metadata: Metadata,
+    /// The size of what is decoded at a time: chunks, or those in shards.
+    unit: Vec<usize>,
+    /// By their places in units: the numbers, none where the chunk is missing. The last used one is the last.
+    kept: VecDeque<(Vec<usize>, Option<Vec<f64>>)>,
+    /// The index of the shard that was used last.
+    index: Option<(Vec<usize>, codecs::Index)>,
+}
+
+impl Array {
+    fn new(metadata: Metadata) -> Array {
+        let sharded = metadata.codecs.iter().find_map(|codec| match codec {
+            Codec::Sharding { inner, .. } => Some(inner.clone()),
+            _ => None,
+        });
+        Array {
+            unit: sharded.unwrap_or_else(|| metadata.chunk.clone()),
+            metadata,
+            kept: VecDeque::new(),
+            index: None,
+        }
+    }
+
+    /// Makes the unit at `place` the last of the kept ones.
+    fn fetch(&mut self, place: &[usize]) -> Result<()> {
+        if let Some(at) = self.kept.iter().position(|(kept, _)| kept == place) {
+            if let Some(found) = self.kept.remove(at) {
+                self.kept.push_back(found);
+            }
+            return Ok(());
+        }
+        let numbers = self.read_unit(place)?;
+        let each = 8 * self.unit.iter().product::<usize>();
+        while self.kept.len() * each >= CACHE.max(each) {
+            self.kept.pop_front();
+        }
+        self.kept.push_back((place.to_vec(), numbers));
+        Ok(())
+    }
+
+    /// The numbers of a unit; none of one that is missing.
+    fn read_unit(&mut self, place: &[usize]) -> Result<Option<Vec<f64>>> {
+        let Metadata {
+            codecs,
+            chunk,
+            number,
+            ..
+        } = &self.metadata;
+        let sharding = codecs.iter().find_map(|codec| match codec {
+            Codec::Sharding {
+                inner,
+                codecs,
+                has_checksum,
+                at_start,
+            } => Some((inner, codecs, *has_checksum, *at_start)),
+            _ => None,
+        });
+        let per_shard: Vec<usize> = chunk
+            .iter()
+            .zip(&self.unit)
+            .map(|(shard, unit)| shard / unit)
+            .collect();
+        let outer: Vec<usize> = place
+            .iter()
+            .zip(&per_shard)
+            .map(|(at, count)| at / count)
+            .collect();
+        let file = self.metadata.chunk_file(&outer);
+        let broken =
+            |what| Error::invalid(&file, "", what, "copy the array again, or write it again");
+        if std::fs::symlink_metadata(&file)
+            .is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound)
+        {
+            return Ok(None);
+        }
+        let (mut reader, length) = open_regular(&file)?;
+        let failed = || Error::io(&file, "cannot read");
+        let most = (chunk.iter().product::<usize>() * number.bytes()) as u64 * 2 + (1 << 20);
+        let (bytes, codecs) = match sharding {
+            None => {
+                if length > most {
+                    return Err(broken(format!(
+                        "it has {length} bytes, more than a chunk can have"
+                    )));
+                }
+                let mut bytes = Vec::new();
+                reader
+                    .take(most)
+                    .read_to_end(&mut bytes)
+                    .map_err(failed())?;
+                (bytes, codecs)
+            }
+            Some((_, codecs, has_checksum, at_start)) => {
+                if self.index.as_ref().is_none_or(|(kept, _)| *kept != outer) {
+                    let count = per_shard.iter().product();
+                    let index = codecs::index(&mut reader, count, has_checksum, at_start)
+                        .map_err(broken)?;
+                    self.index = Some((outer.clone(), index));
+                }
+                let inside = place
+                    .iter()
+                    .zip(&per_shard)
+                    .fold(0, |n, (at, count)| n * count + at % count);
+                let entry = self
+                    .index
+                    .as_ref()
+                    .and_then(|(_, index)| index.get(inside).copied().flatten());
+                let Some((offset, bytes)) = entry else {
+                    return Ok(None);
+                };
+                if bytes > most {
+                    return Err(broken(format!(
+                        "a chunk of {bytes} bytes is longer than it can be"
+                    )));
+                }
+                reader.seek(SeekFrom::Start(offset)).map_err(failed())?;
+                let mut chunk = vec![0; bytes as usize];
+                reader.read_exact(&mut chunk).map_err(failed())?;
+                (chunk, codecs)
+            }
+        };
+        codecs::decode(bytes, codecs, &self.unit, *number)
+            .map(Some)
+            .map_err(broken)
+    }
+}
+
+impl Windows for Array {
+    fn read(&mut self, window: &[Range<usize>], to: &mut Vec<f64>) -> Result<()> {
+        to.clear();
+        to.resize(
+            window.iter().map(ExactSizeIterator::len).product(),
+            self.metadata.fill,
+        );
+        if to.is_empty() {
+            return Ok(());
+        }
+        let unit = self.unit.clone();
+        let first: Vec<usize> = window
+            .iter()
+            .zip(&unit)
+            .map(|(range, unit)| range.start / unit)
+            .collect();
+        let end: Vec<usize> = window
+            .iter()
+            .zip(&unit)
+            .map(|(range, unit)| (range.end - 1) / unit + 1)
+            .collect();
+        let mut place = first.clone();
+        loop {
+            self.fetch(&place)?;
+            if let Some((_, Some(numbers))) = self.kept.back() {
+                copy(numbers, &place, &unit, window, to);
+            }
+            // On to the next unit: the fastest axis that is not at its end.
+            let Some(axis) = (0..place.len())
+                .rev()
+                .find(|axis| place[*axis] + 1 < end[*axis])
+            else {
+                return Ok(());
+            };
+            place[axis] += 1;
+            place[axis + 1..].copy_from_slice(&first[axis + 1..]);
+        }
+    }
+
+    fn together(&self) -> Vec<usize> {
+        self.unit.clone()
+    }
+}
+
+/// Copies what the unit at `place` and the window share, in runs along the last axis.
+fn copy(numbers: &[f64], place: &[usize], unit: &[usize], window: &[Range<usize>], to: &mut [f64]) {
+    let shared: Vec<Range<usize>> = (0..unit.len())
+        .map(|axis| {
+            let start = place[axis] * unit[axis];
+            window[axis].start.max(start)..window[axis].end.min(start + unit[axis])
+        })
+        .collect();
+    let Some(last) = unit.len().checked_sub(1) else {
+        to[0] = numbers[0];
+        return;
+    };
+    let run = shared[last].len();
+    let count: usize = shared[..last].iter().map(ExactSizeIterator::len).product();
+    for n in 0..count {
+        let (mut rest, mut from, mut at) = (n, 0, 0);
+        let (mut from_stride, mut at_stride) = (unit[last], window[last].len());
+        for axis in (0..last).rev() {
+            let index = shared[axis].start + rest % shared[axis].len();
+            rest /= shared[axis].len();
+            from += (index - place[axis] * unit[axis]) * from_stride;
+            at += (index - window[axis].start) * at_stride;
+            from_stride *= unit[axis];
+            at_stride *= window[axis].len();
+        }
+        from += shared[last].start - place[last] * unit[last];
+        at += shared[last].start - window[last].start;
+        to[at..at + run].copy_from_slice(&numbers[from..from + run]);
+    }
+}

@@ -1,0 +1,119 @@
+//! TIFF pictures, as cameras and scientific programs write them: grey or red, green and blue, of integers or floating-point
+//! numbers, in strips or tiles, without or with deflate, LZW or PackBits. The crate `tiff` reads them, within limits.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use tiff::ColorType;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::open::open_regular;
+
+/// A picture as it is stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tiff {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// 1 or 3.
+    pub channels: usize,
+    /// By rows, colours fastest; integers as parts of the largest of their type.
+    pub samples: Vec<f32>,
+    /// Whether samples were integers: codes that stand for light by some transfer.
+    pub is_coded: bool,
+}
+
+/// Reads the first picture of a file.
+///
+/// # Errors
+/// The file cannot be read or is broken; it needs more memory than `budget` has; it is neither grey nor RGB.
+pub fn read(path: &Path, budget: &Budget) -> Result<Tiff> {
+    let (reader, length) = open_regular(path)?;
+    let broken = |error: tiff::TiffError| match error {
+        tiff::TiffError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+            Error::io(path, "cannot read")(error)
+        }
+        tiff::TiffError::UnsupportedError(what) => Error::unsupported(
+            path,
+            "",
+            format!("{what}"),
+            "save it without compression, or as EXR",
+        ),
+        error => Error::invalid(
+            path,
+            "",
+            format!("{error}"),
+            "copy the file again, or save it again",
+        ),
+    };
+    let mut decoder = Decoder::new(BufReader::new(reader)).map_err(broken)?;
+    let (width, height) = decoder.dimensions().map_err(broken)?;
+    let colour = decoder.colortype().map_err(broken)?;
+    let (channels, stored) = match colour {
+        ColorType::Gray(_) => (1, 1),
+        ColorType::GrayA(_) => (1, 2),
+        ColorType::RGB(_) => (3, 3),
+        ColorType::RGBA(_) => (3, 4),
+        other => {
+            let what = format!("its colours are {other:?}, neither grey nor red, green and blue");
+            return Err(Error::unsupported(path, "", what, "save it as grey or RGB"));
+        }
+    };
+    // No compression makes more than some thousand bytes of one.
+    let count = u64::from(width) * u64::from(height) * stored;
+    if count > length.saturating_mul(5000) {
+        let what = format!("{width} × {height} pixels are not in a file of {length} bytes");
+        return Err(Error::invalid(
+            path,
+            "",
+            what,
+            "copy the file again, or save it again",
+        ));
+    }
+    // Eight bytes is the widest sample.
+    budget.take(count.saturating_mul(12), path)?;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = usize::try_from(count.saturating_mul(8)).unwrap_or(usize::MAX);
+    decoder = decoder.with_limits(limits);
+    let (samples, is_coded): (Vec<f32>, bool) = match decoder.read_image().map_err(broken)? {
+        DecodingResult::U8(codes) => (codes.iter().map(|n| f32::from(*n) / 255.0).collect(), true),
+        DecodingResult::U16(codes) => (
+            codes.iter().map(|n| f32::from(*n) / 65535.0).collect(),
+            true,
+        ),
+        DecodingResult::U32(codes) => {
+            let part = |n: &u32| (f64::from(*n) / f64::from(u32::MAX)) as f32;
+            (codes.iter().map(part).collect(), true)
+        }
+        DecodingResult::F16(samples) => (samples.iter().map(|x| x.to_f32()).collect(), false),
+        DecodingResult::F32(samples) => (samples, false),
+        DecodingResult::F64(samples) => (samples.iter().map(|x| *x as f32).collect(), false),
+        _ => {
+            let what = "its samples are signed integers or of 64 bits";
+            return Err(Error::unsupported(
+                path,
+                "",
+                what,
+                "save it as u8, u16, u32, f16, f32 or f64",
+            ));
+        }
+    };
+    let (stored, pixels) = (stored as usize, width as usize * height as usize);
+    if pixels == 0 || samples.len() != pixels * stored {
+        let what = "it has not the samples that it says";
+        return Err(Error::invalid(
+            path,
+            "",
+            what,
+            "save it again, one plane for all colours",
+        ));
+    }
+    let samples = samples.chunks(stored).flat_map(|pixel| &pixel[..channels]);
+    Ok(Tiff {
+        size: [width as usize, height as usize],
+        channels,
+        samples: samples.copied().collect(),
+        is_coded,
+    })
+}

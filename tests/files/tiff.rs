@@ -1,0 +1,87 @@
+//! Folders of TIFF frames by tifffile (`tests/data/tiff`): frame k, row i, column j is 30 k + 6 i + j.
+
+use std::path::{Path, PathBuf};
+
+use nullray::io::budget::Budget;
+use nullray::io::cube::{self, Transfer, Wanted};
+use nullray::io::image::tiff;
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/tiff")
+        .join(name)
+}
+
+#[test]
+fn frames_of_all_kinds_of_samples_are_read() {
+    let srgb = |code: f64| match code <= 0.04045 {
+        true => code / 12.92,
+        false => ((code + 0.055) / 1.055).powf(2.4),
+    };
+    for (pattern, transfer, channels) in [
+        ("f32_%03d.tif", None, 1),
+        ("f16_{i:03d}.tif", None, 1),
+        ("u16_###.tiff", Some(Transfer::Linear), 1),
+        ("rgb_%03d.tif", Some(Transfer::Srgb), 3),
+    ] {
+        let wanted = Wanted {
+            transfer,
+            ..Wanted::default()
+        };
+        let cube = cube::load(&data(pattern), wanted).unwrap();
+        assert_eq!(cube.shape, [5, 6, 4, channels], "{pattern}");
+        for n in 0..120 * channels {
+            let (i, j, k, c) = (
+                n / channels / 24,
+                n / channels / 4 % 6,
+                n / channels % 4,
+                n % channels,
+            );
+            let value = (30 * k + 6 * i + j) as f64;
+            let expected = match transfer {
+                None => value,
+                Some(Transfer::Linear) => 100.0 * value / 65535.0,
+                Some(Transfer::Srgb) => srgb([1.0, 2.0, 0.0][c] * value / 255.0),
+            };
+            let found = cube.samples.get(n).unwrap();
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected.max(1e-3),
+                "{pattern} {n}: {found} for {expected}"
+            );
+        }
+    }
+    // Codes are not taken for light unless that is said.
+    let error = cube::load(&data("u16_%03d.tiff"), Wanted::default()).unwrap_err();
+    assert!(
+        error.to_string().contains("not radiance by themselves"),
+        "{error}"
+    );
+}
+
+#[test]
+fn damaged_pictures_are_refused_or_read_but_never_break_the_reader() {
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut random = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state as usize
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    for name in ["f32_001.tif", "u16_001.tiff", "rgb_001.tif"] {
+        let whole = std::fs::read(data(name)).unwrap();
+        for _ in 0..400 {
+            let mut bytes = whole.clone();
+            for _ in 0..1 + random() % 3 {
+                let at = random() % bytes.len();
+                bytes[at] = random() as u8;
+            }
+            if random() % 10 == 0 {
+                bytes.truncate(random() % whole.len());
+            }
+            std::fs::write(&path, &bytes).unwrap();
+            let _ = tiff::read(&path, &Budget::new(1 << 24));
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Zarr arrays by zarr-python (`tests/data/zarr`): sample n of each is n.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nullray::io::cube::{self, Axes, Changes, Cube, FileTimes, Samples, Wanted};
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/zarr")
+        .join(name)
+}
+
+fn assert_counts_up(name: &str, cube: &Cube) {
+    for n in 0..cube.samples.len() {
+        assert_eq!(cube.samples.get(n), Some(n as f64), "{name}");
+    }
+}
+
+fn converted(from: &Path, to: &Path, changes: &Changes) {
+    cube::convert((from, Wanted::default()), to, changes, &mut |_, _| true).unwrap();
+}
+
+#[test]
+fn every_kind_of_chunks_is_read() {
+    for (name, channels, is_said) in [
+        ("plain", 1, true),
+        ("zstd", 1, false),
+        ("gzip", 1, false),
+        ("big", 1, false),
+        ("frames", 1, true),
+        ("turned", 3, false),
+        ("sharded", 3, true),
+        ("sharded_start", 1, false),
+    ] {
+        let path = data(name);
+        let cube = cube::load(&path, Wanted::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(cube.shape, [5, 6, 7, channels], "{name}");
+        assert_counts_up(name, &cube);
+        let info = cube::inspect(&path, Wanted::default()).unwrap();
+        assert_eq!(
+            (info.shape, info.bytes, !info.assumed),
+            (cube.shape, cube.samples.bytes(), is_said),
+            "{name}"
+        );
+        assert_eq!(info.remarks, Vec::<String>::new(), "{name}");
+        // By way of a temporary file too.
+        let folder = tempfile::tempdir().unwrap();
+        converted(&path, &folder.path().join("a.npy"), &Changes::default());
+        assert_eq!(
+            cube::load(&folder.path().join("a.npy"), Wanted::default()).unwrap(),
+            cube,
+            "{name}"
+        );
+    }
+    let times = cube::times(&data("plain")).unwrap().unwrap();
+    assert_eq!((times.start, times.width), (1.5, 0.25));
+    let two = cube::load(&data("group"), Wanted::array("two")).unwrap();
+    assert_counts_up("group", &two);
+    // One entry along an axis, and the sum along another.
+    for (array, axes, expected) in [
+        ("[3]", "L H W", 126.0),
+        ("", "S H W", 42.0 * (1.0 + 2.0 + 3.0 + 4.0)),
+    ] {
+        let axes: Axes = axes.parse().unwrap();
+        let wanted = Wanted {
+            axes: Some(&axes),
+            array: Some(array).filter(|array| !array.is_empty()),
+            ..Wanted::default()
+        };
+        let cube = cube::load(&data("zstd"), wanted).unwrap();
+        assert_eq!(
+            (cube.shape, cube.samples.get(0)),
+            ([6, 7, 1, 1], Some(expected))
+        );
+    }
+}
+
+#[test]
+fn missing_chunks_are_the_fill_value_and_are_counted() {
+    for (name, said) in [
+        ("missing", "8 of 12 chunks are missing"),
+        ("missing_in_shard", "1 of 2 shards are missing"),
+    ] {
+        let cube = cube::load(&data(name), Wanted::default()).unwrap();
+        for n in 0..210 {
+            let expected = if n < 84 { n as f64 } else { 0.5 };
+            assert_eq!(cube.samples.get(n), Some(expected), "{name} {n}");
+        }
+        let remarks = cube::inspect(&data(name), Wanted::default())
+            .unwrap()
+            .remarks
+            .join("; ");
+        assert!(
+            remarks.contains(said) && remarks.contains("0.5"),
+            "{name}: {remarks}"
+        );
+    }
+}
+
+#[test]
+fn arrays_are_written_in_chunks_and_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    // More than a chunk along every axis, none of them whole.
+    let shape = [37, 35, 70, 3];
+    let samples = (0..shape.iter().product::<usize>()).map(|n| n as f32);
+    let cube = Cube::new(shape, Samples::F32(samples.collect())).unwrap();
+    nullray::io::image::npz::write_cube(&path("a.npy"), &cube).unwrap();
+    let original = fs::read(path("a.npy")).unwrap();
+    for axes in ["H W T C", "T H W C", "T C W H"] {
+        let changes = Changes {
+            axes: Some(axes.parse().unwrap()),
+            times: Some(FileTimes {
+                start: 2.0,
+                width: 0.1,
+                at_sensor: false,
+            }),
+            ..Changes::default()
+        };
+        let zarr = path(&format!("{}.zarr", axes.replace(' ', "")));
+        converted(&path("a.npy"), &zarr, &changes);
+        let info = cube::inspect(&zarr, Wanted::default()).unwrap();
+        assert_eq!(
+            (info.axes.to_string().as_str(), info.assumed, info.shape),
+            (axes, false, shape)
+        );
+        assert!(info.remarks.is_empty());
+        let times = cube::times(&zarr).unwrap().unwrap();
+        assert_eq!((times.start, times.width), (2.0, 0.1));
+        converted(&zarr, &path("b.npy"), &Changes::default());
+        assert!(fs::read(path("b.npy")).unwrap() == original, "{axes}");
+        // What is there is not written over.
+        let refused = cube::convert(
+            (&path("a.npy"), Wanted::default()),
+            &zarr,
+            &changes,
+            &mut |_, _| true,
+        );
+        assert!(refused.is_err());
+    }
+    // To EXR frames and back by way of Zarr.
+    converted(&path("HWTC.zarr"), &path("frames"), &Changes::default());
+    converted(&path("frames"), &path("c.zarr"), &Changes::default());
+    converted(&path("c.zarr"), &path("c.npy"), &Changes::default());
+    assert!(fs::read(path("c.npy")).unwrap() == original);
+}
+
+/// A copy of the array `name`, changed by `change`, and what reading it says.
+fn refusal(name: &str, change: impl Fn(&Path)) -> String {
+    fn copy(from: &Path, to: &Path) {
+        fs::create_dir_all(to).unwrap();
+        for entry in fs::read_dir(from).unwrap() {
+            let entry = entry.unwrap();
+            let target = to.join(entry.file_name());
+            match entry.path().is_dir() {
+                true => copy(&entry.path(), &target),
+                false => drop(fs::copy(entry.path(), target).unwrap()),
+            }
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a");
+    copy(&data(name), &path);
+    change(&path);
+    let error = cube::load(&path, Wanted::default()).unwrap_err();
+    format!("{error}; {}", error.help())
+}
+
+fn with(path: &Path, old: &str, new: &str) {
+    let file = path.join("zarr.json");
+    let text: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let text = text.to_string();
+    assert!(text.contains(old), "{text}");
+    fs::write(file, text.replace(old, new)).unwrap();
+}
+
+#[test]
+fn what_is_broken_or_not_known_is_refused_by_name() {
+    for (message, words) in [
+        (
+            refusal("plain", |p| {
+                with(p, "\"zarr_format\":3", "\"zarr_format\":4")
+            }),
+            "not version 3",
+        ),
+        (
+            refusal("plain", |p| with(p, "float32", "complex64")),
+            "complex64",
+        ),
+        (
+            refusal("plain", |p| {
+                with(p, "\"shape\":[5,6,7]", "\"shape\":[5,0,7]")
+            }),
+            "no samples",
+        ),
+        (
+            refusal("plain", |p| {
+                with(p, "\"shape\":[5,6,7]", "\"shape\":[5,6,1e30]")
+            }),
+            "sizes",
+        ),
+        (
+            refusal("plain", |p| {
+                with(p, "\"chunk_shape\":[2,3,4]", "\"chunk_shape\":[2,3]")
+            }),
+            "no size of a chunk",
+        ),
+        (
+            refusal("plain", |p| {
+                with(
+                    p,
+                    "\"chunk_shape\":[2,3,4]",
+                    "\"chunk_shape\":[90000,90000,90000]",
+                )
+            }),
+            "1 GiB",
+        ),
+        (
+            refusal("plain", |p| {
+                with(p, "\"name\":\"bytes\"", "\"name\":\"blosc\"")
+            }),
+            "blosc",
+        ),
+        (
+            refusal("plain", |p| fs::write(p.join("c/0/0/0"), [0; 95]).unwrap()),
+            "95 bytes, and 96",
+        ),
+        (
+            refusal("plain", |p| fs::write(p.join("zarr.json"), "{").unwrap()),
+            "no JSON",
+        ),
+        (
+            refusal("gzip", |p| fs::write(p.join("c/0/0/0"), [7; 100]).unwrap()),
+            "checksum",
+        ),
+        (
+            refusal("zstd", |p| fs::write(p.join("c/0/0/0"), [7; 100]).unwrap()),
+            "zstd",
+        ),
+        (
+            refusal("sharded", |p| {
+                fs::write(p.join("c/0/0/0/0"), [7; 10]).unwrap()
+            }),
+            "too short",
+        ),
+        (refusal("group", |_| ()), "several arrays: one, two"),
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}
+
+/// Bytes of chunks and of the description changed: an answer, and no more memory than that of a chunk.
+#[test]
+fn damaged_arrays_are_refused_or_read_but_never_break_the_reader() {
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut random = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state as usize
+    };
+    for (name, chunk) in [
+        ("zstd", "c/0/0/0"),
+        ("gzip", "c/0/0/0"),
+        ("turned", "c/0/0/0/0"),
+        ("sharded", "c/0/0/0/0"),
+        ("sharded_start", "c/0/0/0"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join(chunk).parent().unwrap()).unwrap();
+        for file in ["zarr.json", chunk] {
+            let whole = fs::read(data(name).join(file)).unwrap();
+            let other = if file == chunk { "zarr.json" } else { chunk };
+            fs::copy(data(name).join(other), folder.path().join(other)).unwrap();
+            for _ in 0..150 {
+                let mut bytes = whole.clone();
+                for _ in 0..1 + random() % 3 {
+                    let at = random() % bytes.len();
+                    // Digits for digits, so that the description stays one.
+                    bytes[at] = match bytes[at] {
+                        b'0'..=b'9' if file == "zarr.json" => b'0' + (random() % 10) as u8,
+                        _ if file == "zarr.json" => bytes[at],
+                        _ => random() as u8,
+                    };
+                }
+                fs::write(folder.path().join(file), &bytes).unwrap();
+                if cube::inspect(folder.path(), Wanted::default())
+                    .is_ok_and(|info| info.bytes < 1 << 20)
+                {
+                    let _ = cube::load(folder.path(), Wanted::default());
+                }
+            }
+        }
+    }
+}

@@ -145,9 +145,10 @@ fn with_failing_writes(inputs: &[(&str, Vec<u8>)], arguments: &[&str], old: Opti
             }
             for (name, content) in folder.files(&[]) {
                 let is_old = before.get(&name) == Some(&content);
-                // Pictures of an unfinished film are kept to be gone on from, and go when it is finished.
+                // Pictures of an unfinished film and parts of a bake are kept to be gone on from, and go when it is finished.
                 let is_whole = expected.get(&name) == Some(&content)
-                    || name.contains(".frames/film-") && content.starts_with(b"\x89PNG");
+                    || name.contains(".frames/film-") && content.starts_with(b"\x89PNG")
+                    || name.ends_with(".parts");
                 assert!(
                     is_old || is_whole,
                     "call {n}, {failure:?}: {name}: {}",

@@ -1,5 +1,7 @@
 //! How packets are traced: instructions and precision.
 
+use std::sync::OnceLock;
+
 use serde::{Serialize, Serializer};
 
 #[cfg(target_arch = "x86_64")]
@@ -118,7 +120,15 @@ impl Kernel {
 }
 
 /// Whether this processor is of a kind on which packets of 16 are faster than packets of 8.
+///
+/// It is asked once: in virtual machines the question takes microseconds.
 fn has_fast_avx512() -> bool {
+    static ANSWER: OnceLock<bool> = OnceLock::new();
+    *ANSWER.get_or_init(is_zen_5_or_later)
+}
+
+/// Whether this is an AMD processor of family 1Ah or a later one.
+fn is_zen_5_or_later() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::__cpuid;

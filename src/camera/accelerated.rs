@@ -17,8 +17,9 @@
 
 use glam::DVec3;
 
+use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
-use super::projection::{AnyProjection, Projection};
+use super::projection::Projection;
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
 use crate::spacetime::worldline::{State, Vicinity, WorldLine};

@@ -19,7 +19,8 @@
 
 use glam::DVec3;
 
-use super::projection::{AnyProjection, Projection};
+use super::any_projection::AnyProjection;
+use super::projection::Projection;
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Records};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World};

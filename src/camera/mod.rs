@@ -29,6 +29,8 @@
 pub mod guide {}
 
 mod accelerated;
+mod any_projection;
+mod any_view;
 mod curved;
 mod inertial;
 mod origin;
@@ -40,16 +42,18 @@ mod stereo;
 mod turning;
 
 pub use accelerated::Accelerated;
+pub use any_projection::AnyProjection;
+pub use any_view::{AnyView, Camera, Kind};
 pub use curved::{Equirectangular, Fisheye, Radial};
 pub use inertial::Inertial;
 pub use origin::RayOrigin;
 pub use paper::Paper;
 pub use point::{Moving, Point, Still, Unaberrated};
-pub use projection::{AnyProjection, Linear, Perspective, Projection};
-pub use shot::{AnyView, Camera, Kind, Shot};
+pub(crate) use projection::rotation_matrix;
+pub use projection::{Linear, Perspective, Projection};
+pub use shot::Shot;
 pub use stereo::Stereo;
 pub use turning::Turning;
-pub(crate) use turning::rotation_matrix;
 
 use crate::spacetime::{Direction, World};
 

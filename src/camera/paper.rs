@@ -13,8 +13,9 @@
 //! and pinhole that accelerate alike, d′ of Eq. 16. An exposure T′ lasts T′/D for each direction
 //! (Eqs. 10, 11) but sums over camera time. Lines scale with D⁻⁵.
 
+use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
-use super::projection::{AnyProjection, Projection};
+use super::projection::Projection;
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Motion};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};

@@ -1,6 +1,7 @@
 //! Point cameras at one moment: all rays leave one event.
 
-use super::projection::{AnyProjection, Projection};
+use super::any_projection::AnyProjection;
+use super::projection::Projection;
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::spacetime::{Boost, Camera, Direction, World};
 

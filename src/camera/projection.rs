@@ -1,13 +1,11 @@
 //! Projections: from film points, in pixels from the top left corner, to directions, and back.
 //!
 //! [`Projection`] is what the rest of the program knows of one; cameras, capture cameras and overlays share
-//! it. [`AnyProjection`] lists them all, so that a further one is a file of its own and a row there.
+//! it. [`AnyProjection`](super::AnyProjection) lists them all.
 //! Vectors are in the frame of the camera, or along the projection's [axes](Projection::axes).
 
 use glam::{DMat3, DVec3};
 
-use super::curved::{Equirectangular, Fisheye, Radial};
-use crate::scene::model::{CameraModel, CaptureCamera, ProjectionKind};
 use crate::spacetime::{Camera, Direction};
 
 /// From film points to directions, and back.
@@ -96,108 +94,6 @@ pub struct Linear {
     pub sides: [DVec3; 4],
 }
 
-/// Any of the projections.
-#[derive(Debug, Clone, PartialEq)]
-pub enum AnyProjection {
-    /// Through a pinhole onto a plane.
-    Perspective(Perspective),
-    /// Circles about the forward axis stay circles.
-    Fisheye(Fisheye),
-    /// Longitudes and latitudes.
-    Equirectangular(Equirectangular),
-}
-
-impl AnyProjection {
-    /// That of a camera when nothing is turned.
-    pub fn new(model: &CameraModel) -> Self {
-        let [width, height] = model.size.map(f64::from);
-        let eyes = if model.stereo.is_some() { 2.0 } else { 1.0 };
-        let size = [width / eyes, height];
-        AnyProjection::of_kind(model.projection, model.axes, model.horizontal_fov, size)
-    }
-
-    /// The projection of this kind with unit axes right, up and forward, a horizontal field of view in
-    /// radians, and `size` in columns and rows.
-    pub fn of_kind(kind: ProjectionKind, axes: [DVec3; 3], fov: f64, size: [f64; 2]) -> Self {
-        let fisheye = |radial| AnyProjection::Fisheye(Fisheye::new(radial, axes, fov, size));
-        match kind {
-            ProjectionKind::Perspective => {
-                AnyProjection::Perspective(Perspective::new(axes, fov, size))
-            }
-            ProjectionKind::FisheyeEquidistant => fisheye(Radial::Equidistant),
-            ProjectionKind::FisheyeEquisolid => fisheye(Radial::Equisolid),
-            ProjectionKind::FisheyeOrthographic => fisheye(Radial::Orthographic),
-            ProjectionKind::Equirectangular => {
-                AnyProjection::Equirectangular(Equirectangular::new(axes, fov, size))
-            }
-        }
-    }
-
-    /// That of the whole film of a capture camera whose cube has `size` columns and rows.
-    pub fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
-        let (fov, film) = (camera.horizontal_fov(size), camera.film(size));
-        AnyProjection::of_kind(camera.projection, camera.axes, fov, film)
-    }
-
-    /// Whether some point of the film sees nothing: it is so in a corner, if anywhere.
-    pub fn has_blind_points(&self) -> bool {
-        self.corners().into_iter().any(|[x, y]| !self.sees(x, y))
-    }
-
-    /// The same with `stretch` times the focal length: the field of view narrows.
-    #[must_use]
-    pub fn stretched(&self, stretch: f64) -> Self {
-        match self {
-            AnyProjection::Perspective(p) => AnyProjection::Perspective(p.stretched(stretch)),
-            AnyProjection::Fisheye(p) => AnyProjection::Fisheye(p.stretched(stretch)),
-            AnyProjection::Equirectangular(p) => {
-                AnyProjection::Equirectangular(p.stretched(stretch))
-            }
-        }
-    }
-
-    /// The same with its axes turned.
-    #[must_use]
-    pub fn turned(&self, turn: DMat3) -> Self {
-        match self {
-            AnyProjection::Perspective(p) => AnyProjection::Perspective(p.turned(turn)),
-            AnyProjection::Fisheye(p) => AnyProjection::Fisheye(p.turned(turn)),
-            AnyProjection::Equirectangular(p) => AnyProjection::Equirectangular(p.turned(turn)),
-        }
-    }
-}
-
-/// Hands each method to the projection at hand.
-macro_rules! each {
-    ($($method:ident($($name:ident: $type:ty),*) -> $out:ty;)+) => {
-        impl Projection for AnyProjection {
-            $(
-                #[inline(always)]
-                fn $method(&self, $($name: $type),*) -> $out {
-                    match self {
-                        AnyProjection::Perspective(p) => p.$method($($name),*),
-                        AnyProjection::Fisheye(p) => p.$method($($name),*),
-                        AnyProjection::Equirectangular(p) => p.$method($($name),*),
-                    }
-                }
-            )+
-        }
-    };
-}
-
-each! {
-    size() -> [f64; 2];
-    axes() -> [DVec3; 3];
-    film_axes() -> [DVec3; 3];
-    vector(x: f64, y: f64) -> DVec3;
-    sees(x: f64, y: f64) -> bool;
-    components(x: f64, y: f64) -> DVec3;
-    film_point(v: DVec3) -> Option<[f64; 2]>;
-    footprint(v: DVec3) -> f64;
-    density() -> f64;
-    linear() -> Option<Linear>;
-}
-
 /// Through a pinhole onto a plane: square pixels, straight lines straight.
 ///
 /// With t = tan(fov/2), film point (x, y) has the vector
@@ -237,7 +133,7 @@ impl Perspective {
         }
     }
 
-    fn stretched(&self, stretch: f64) -> Self {
+    pub(super) fn stretched(&self, stretch: f64) -> Self {
         Perspective {
             edges: self.edges.map(|edge| edge / stretch),
             focal: self.focal * stretch,
@@ -245,7 +141,7 @@ impl Perspective {
         }
     }
 
-    fn turned(&self, turn: DMat3) -> Self {
+    pub(super) fn turned(&self, turn: DMat3) -> Self {
         Perspective {
             forward: turn * self.forward,
             edges: self.edges.map(|edge| turn * edge),
@@ -316,4 +212,13 @@ impl Projection for Perspective {
             sides: [right, -right, -up, up].map(|side| (forward + side).normalize()),
         })
     }
+}
+
+/// The rotation by `angle` radians about the unit vector `axis`, right-handed (Rodrigues).
+pub(crate) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    let half = libm::sin(0.5 * angle);
+    let versine = 2.0 * half * half;
+    let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * versine);
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }

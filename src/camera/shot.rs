@@ -2,39 +2,12 @@
 
 use glam::DVec3;
 
-use super::projection::AnyProjection;
-use super::turning::rotation_matrix;
-use super::{
-    Accelerated, CameraRay, Inertial, Moving, Paper, Point, Stereo, Still, Turning, Unaberrated,
-    View,
-};
+use super::any_projection::AnyProjection;
+use super::projection::rotation_matrix;
 use crate::error::{Error, Result};
-use crate::scene::model::{Assembly, CameraModel, Equations, Motion, Scene};
+use crate::scene::model::{CameraModel, Motion};
 use crate::spacetime::worldline::{State, WorldLine};
 use crate::spacetime::{self, Event, InertialFrame, World};
-
-/// Which of the views a camera needs; see the [module](super).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// A point at rest in the world: no boost.
-    Still,
-    /// A moving point: directions are boosted.
-    Moving,
-    /// A moving point with aberration turned off.
-    Unaberrated,
-    /// A sensor, a shutter or a picture smaller than the film, without acceleration.
-    Inertial,
-    /// A sensor or a shutter on a world line.
-    Accelerated,
-    /// A turning sensor.
-    Turning,
-    /// Two pinholes side by side.
-    Stereo,
-    /// The equations of Jarabo et al. 2015.
-    Paper,
-}
 
 /// A camera at the moment of its shot, or at which its shutter opens.
 #[derive(Debug, Clone)]
@@ -92,145 +65,12 @@ fn state(line: &WorldLine, time: f64) -> Result<State> {
     })
 }
 
-fn impossible(error: spacetime::worldline::WorldLineError) -> Error {
+/// A world line that cannot be.
+pub(super) fn impossible(error: spacetime::worldline::WorldLineError) -> Error {
     Error::invalid(
         "camera",
         "motion",
         error.to_string(),
         "give a motion slower than light",
     )
-}
-
-/// The view that a camera needs, of whichever kind.
-#[derive(Debug)]
-#[allow(missing_docs)]
-pub enum AnyView {
-    Still(Still),
-    Moving(Moving),
-    Unaberrated(Unaberrated),
-    Inertial(Inertial),
-    Accelerated(Box<Accelerated>),
-    Turning(Turning),
-    Stereo(Stereo),
-    Paper(Paper),
-}
-
-/// A camera ready to take its picture.
-#[derive(Debug)]
-pub struct Camera {
-    /// When and where.
-    pub shot: Shot,
-    /// How film points become rays.
-    pub view: AnyView,
-}
-
-impl Camera {
-    /// The camera of `scene`.
-    ///
-    /// # Errors
-    /// A motion that is impossible, or an exposure before it begins or after it ends.
-    pub fn new(scene: &Scene) -> Result<Self> {
-        let shot = Shot::new(&scene.camera)?;
-        let view = AnyView::new(scene, &shot)?;
-        Ok(Camera { shot, view })
-    }
-}
-
-impl AnyView {
-    /// What the camera of `scene` needs at `shot`.
-    fn new(scene: &Scene, shot: &Shot) -> Result<Self> {
-        let model = &scene.camera;
-        let aberration = scene.effects.aberration;
-        let rests = shot.frame.velocity().is_rest();
-        let moves = !rests || model.motion != Motion::Inertial;
-        let instant_point = model.sensor.is_none() && model.shutter.is_none();
-        if let Some(stereo) = model.stereo {
-            let view = Stereo::new(model, stereo.interpupillary_distance, shot, aberration);
-            return Ok(AnyView::Stereo(view));
-        }
-        if let (Some(rotation), false) = (model.rotation, instant_point) {
-            let equations = scene.equations;
-            let view = Turning::new(model, rotation, shot, equations, aberration);
-            return Ok(AnyView::Turning(view));
-        }
-        if scene.equations == Equations::Paper2015 && moves {
-            return Ok(AnyView::Paper(Paper::new(model, shot, aberration)));
-        }
-        if instant_point && shot.projection.has_blind_points() {
-            return Ok(AnyView::Inertial(Inertial::new(model, shot, aberration)));
-        }
-        Ok(match (instant_point, rests, aberration) {
-            (true, true, _) => AnyView::Still(Still(shot.projection.clone())),
-            (true, false, true) => AnyView::Moving(Moving::new(shot)),
-            (true, false, false) => AnyView::Unaberrated(Unaberrated(Moving::new(shot))),
-            (false, ..) if model.motion == Motion::Inertial && !is_pair(model, rests) => {
-                AnyView::Inertial(Inertial::new(model, shot, aberration))
-            }
-            (false, ..) => AnyView::Accelerated(accelerated(scene, shot)?),
-        })
-    }
-
-    /// What is seen at film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
-    pub fn ray(&self, x: f64, y: f64, moment: f64) -> CameraRay {
-        match self {
-            AnyView::Still(view) => view.ray(x, y, moment),
-            AnyView::Moving(view) => view.ray(x, y, moment),
-            AnyView::Unaberrated(view) => view.ray(x, y, moment),
-            AnyView::Inertial(view) => view.ray(x, y, moment),
-            AnyView::Accelerated(view) => view.ray(x, y, moment),
-            AnyView::Turning(view) => view.ray(x, y, moment),
-            AnyView::Stereo(view) => view.ray(x, y, moment),
-            AnyView::Paper(view) => view.ray(x, y, moment),
-        }
-    }
-
-    /// The view of a camera all of whose rays leave one event; none of others.
-    pub fn point(&self) -> Option<Point<'_>> {
-        match self {
-            AnyView::Still(view) => Some(Point::Still(view)),
-            AnyView::Moving(view) => Some(Point::Moving(view)),
-            AnyView::Unaberrated(view) => Some(Point::Unaberrated(view)),
-            AnyView::Inertial(_)
-            | AnyView::Accelerated(_)
-            | AnyView::Turning(_)
-            | AnyView::Stereo(_)
-            | AnyView::Paper(_) => None,
-        }
-    }
-
-    /// Its name.
-    pub fn kind(&self) -> Kind {
-        match self {
-            AnyView::Still(_) => Kind::Still,
-            AnyView::Moving(_) => Kind::Moving,
-            AnyView::Unaberrated(_) => Kind::Unaberrated,
-            AnyView::Inertial(_) => Kind::Inertial,
-            AnyView::Accelerated(_) => Kind::Accelerated,
-            AnyView::Turning(_) => Kind::Turning,
-            AnyView::Stereo(_) => Kind::Stereo,
-            AnyView::Paper(_) => Kind::Paper,
-        }
-    }
-}
-
-/// Whether sensor and pinhole are on world lines of their own, apart by what the world measures.
-fn is_pair(model: &CameraModel, rests: bool) -> bool {
-    !rests && model.sensor.is_some_and(|s| s.assembly == Assembly::Bell)
-}
-
-/// The view of an accelerated camera, every element of which sees something.
-fn accelerated(scene: &Scene, shot: &Shot) -> Result<Box<Accelerated>> {
-    let model = &scene.camera;
-    let line = model.world_line().map_err(impossible)?;
-    let view = Accelerated::new(model, line, shot, scene.effects.aberration);
-    if view.sees_everywhere() {
-        return Ok(Box::new(view));
-    }
-    Err(Error::invalid(
-        &scene.name,
-        "camera.time",
-        "the light that reaches the sensor during the exposure passed the pinhole before the camera's world \
-         line begins, or never did",
-        "expose later and within the motion, or shorten the focal length",
-    ))
 }

@@ -13,7 +13,8 @@
 
 use glam::DVec3;
 
-use super::projection::{AnyProjection, Projection};
+use super::any_projection::AnyProjection;
+use super::projection::Projection;
 use super::{CameraRay, Inertial, Shot, View};
 use crate::scene::model::CameraModel;
 use crate::spacetime::{Displacement, World};

@@ -38,8 +38,9 @@
 
 use glam::{DMat3, DVec3};
 
+use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
-use super::projection::{AnyProjection, Projection};
+use super::projection::{Projection, rotation_matrix};
 use super::{CameraRay, RayOrigin, Shot, View};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
@@ -209,15 +210,6 @@ fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f
         ratio,
         from: Displacement::new(t - delay, r + l * delay),
     }
-}
-
-/// The rotation by `angle` radians about the unit vector `axis`, right-handed (Rodrigues).
-pub(crate) fn rotation_matrix(axis: DVec3, angle: f64) -> DMat3 {
-    let (sin, cos) = libm::sincos(angle);
-    let half = libm::sin(0.5 * angle);
-    let versine = 2.0 * half * half;
-    let column = |e: DVec3| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * versine);
-    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }
 
 fn gamma(v: DVec3) -> f64 {

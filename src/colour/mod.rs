@@ -4,6 +4,7 @@
 
 mod line;
 mod observer;
+mod planck;
 mod rgb_basis;
 mod shift;
 mod spectrum;
@@ -11,8 +12,10 @@ mod srgb;
 
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
+pub use planck::planck;
+pub use rgb_basis::Continuation;
 pub use shift::{ColourTable, ReflectionTable, RgbShift};
-pub use spectrum::{Continuation, Scale, Shape, Spectrum, planck};
+pub use spectrum::{Scale, Shape, Spectrum};
 pub use srgb::{
     RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16,
 };

@@ -15,8 +15,35 @@
 
 use std::sync::LazyLock;
 
+use serde::{Deserialize, Serialize};
+
 use super::observer::{FIRST, LAST};
-use super::spectrum::{Continuation, planck};
+use super::planck::planck;
+
+/// What an RGB spectrum is where no observer at rest sees it, below 360 and above 830 nm.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Continuation {
+    /// Nothing.
+    Dark,
+    /// Constant: its value (per wavelength) at 360 or 830 nm.
+    Edge,
+    /// Falling off as Planck's law at 6504 K, from its value at 360 or 830 nm: like things in daylight.
+    #[default]
+    Blackbody,
+}
+
+impl Continuation {
+    /// As the scene file says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Continuation::Dark => "dark",
+            Continuation::Edge => "edge",
+            Continuation::Blackbody => "blackbody",
+        }
+    }
+}
 
 const TABLE: &str = include_str!("rgb_basis.csv");
 

@@ -17,8 +17,8 @@ use std::sync::LazyLock;
 use rayon::prelude::*;
 
 use super::observer::{FIRST, LAST};
-use super::rgb_basis::{self, WHITE_TEMPERATURE};
-use super::spectrum::{Continuation, Shape, Spectrum, integrate};
+use super::rgb_basis::{self, Continuation, WHITE_TEMPERATURE};
+use super::spectrum::{Shape, Spectrum, integrate};
 use super::{colour_matching, rgb_from_xyz};
 
 /// Bits of the mantissa that number the steps of a factor of 2.

@@ -22,17 +22,10 @@
 //!
 //! Luminance is in units of that of linear RGB (1, 1, 1): ∫ L ȳ dλ with L per metre.
 
-use serde::{Deserialize, Serialize};
-
 use super::observer::{FIRST, LAST, colour_matching};
-use super::rgb_basis;
+use super::planck::{planck, planck_total};
+use super::rgb_basis::{self, Continuation};
 use super::rgb_from_xyz;
-
-/// Planck's constant times the speed of light over Boltzmann's constant, m K (exact in SI: 2019).
-pub const SECOND_RADIATION_CONSTANT: f64 = 6.626_070_15e-34 * 299_792_458.0 / 1.380_649e-23;
-
-/// 2 h c², W m² / sr (exact).
-const FIRST_RADIATION_CONSTANT: f64 = 2.0 * 6.626_070_15e-34 * 299_792_458.0 * 299_792_458.0;
 
 /// Points of Gauss on [0, 1], and their weights.
 const GAUSS: [(f64, f64); 3] = [
@@ -46,31 +39,6 @@ const GAUSSIAN_REACH: f64 = 8.0;
 
 /// How many knots a Gaussian has per standard deviation: three points between two of them integrate it to 1e-10.
 const GAUSSIAN_KNOTS: u32 = 4;
-
-/// What an RGB spectrum is where no observer at rest sees it, below 360 and above 830 nm.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Continuation {
-    /// Nothing.
-    Dark,
-    /// Constant: its value (per wavelength) at 360 or 830 nm.
-    Edge,
-    /// Falling off as Planck's law at 6504 K, from its value at 360 or 830 nm: like things in daylight.
-    #[default]
-    Blackbody,
-}
-
-impl Continuation {
-    /// As the scene file says it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Continuation::Dark => "dark",
-            Continuation::Edge => "edge",
-            Continuation::Blackbody => "blackbody",
-        }
-    }
-}
 
 /// How the energy of a spectrum is spread over wavelengths (metres, in the rest frame of the source).
 #[derive(Debug, Clone, PartialEq)]
@@ -160,11 +128,7 @@ impl Spectrum {
     pub fn total(&self) -> Option<f64> {
         let total = match &self.shape {
             Shape::Lines(lines) => lines.iter().map(|[_, energy]| energy).sum(),
-            // σT⁴/π, σ = 2π⁵k⁴/(15h³c²): with c₁ = 2hc² and c₂ = hc/k it is c₁ π⁴ T⁴ / (15 c₂⁴).
-            Shape::Blackbody(t) => {
-                let x = t * std::f64::consts::PI / SECOND_RADIATION_CONSTANT;
-                FIRST_RADIATION_CONSTANT * x * x * x * x / 15.0
-            }
+            Shape::Blackbody(t) => planck_total(*t),
             Shape::Gaussian { .. } => 1.0,
             Shape::Table(rows) => {
                 let trapezium =
@@ -264,16 +228,6 @@ impl Shape {
             Shape::Rgb(..) => rgb_basis::knots().map(|knot| w * knot).collect(),
         }
     }
-}
-
-/// Planck's law: W m⁻² sr⁻¹ per metre of wavelength, at a temperature in kelvin.
-pub fn planck(wavelength: f64, temperature: f64) -> f64 {
-    let x = SECOND_RADIATION_CONSTANT / (wavelength * temperature);
-    // λ⁻⁵ last: neither factor overflows for any wavelength that is looked at.
-    FIRST_RADIATION_CONSTANT
-        / libm::expm1(x)
-        / (wavelength * wavelength * wavelength)
-        / (wavelength * wavelength)
 }
 
 /// Linear between rows of ascending first elements, 0 beyond the first and the last.

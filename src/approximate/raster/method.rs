@@ -3,14 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::divide::Cuts;
-use super::triangles;
-use super::warp::TEXEL_BYTES;
-use crate::approximate::projection::apart;
-use crate::camera::Kind;
 use crate::error::{Error, Result};
-use crate::render::plan::{Plan, Request, bytes, count};
-use crate::scene::model::Scene;
 
 /// How a picture is made.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -236,78 +229,6 @@ impl fmt::Display for Method {
                     Lookup::Bilinear => Ok(()),
                 }
             }
-        }
-    }
-}
-
-impl Method {
-    /// Plans a picture that is made so: what the ray tracer needs for it, and what this method holds beside.
-    ///
-    /// # Errors
-    /// As [`Plan::new`] and [`Method::added_to`].
-    pub fn plan(&self, scene: &Scene, request: &Request) -> Result<Plan> {
-        self.added_to(Plan::new(scene, request)?)
-    }
-
-    /// The plan with the vertices, triangles or texels that this method holds. At how many points triangles will be cut
-    /// shows only once they are loaded: a note says how many there may be.
-    ///
-    /// # Errors
-    /// What [`Method::check`] refuses, and more than the memory limit.
-    pub fn added_to(&self, plan: Plan) -> Result<Plan> {
-        self.check(&plan)?;
-        let [beside, working] = self.bytes(&plan);
-        let mut plan = plan.holding(beside, working)?;
-        if let Method::Raster(raster) = self
-            && raster.tessellation != Tessellation::None
-        {
-            let most = Cuts::most(plan.memory_left());
-            plan.notes.push(format!(
-                "triangles may be cut at up to {} points, which take up to {}; a picture that needs more is refused",
-                count(most as u64),
-                bytes(most as u64 * Cuts::BYTES)
-            ));
-        }
-        Ok(plan)
-    }
-
-    /// What it holds beside what the ray tracer does for `plan`, bytes: to the end, and until the film is complete.
-    fn bytes(&self, plan: &Plan) -> [u64; 2] {
-        match self {
-            Method::Trace => [0, 0],
-            Method::Raster(_) => {
-                let frames = plan.frames.iter().map(|frame| {
-                    let objects = frame.objects.iter().filter_map(|o| plan.objects.get(*o));
-                    let vertices: u64 = objects.map(|o| o.vertices).sum();
-                    triangles::bytes(frame.triangles, vertices.min(3 * frame.triangles))
-                });
-                frames.fold([0, 0], |sum: [u64; 2], held| {
-                    [0, 1].map(|k| sum[k].saturating_add(held[k]))
-                })
-            }
-            Method::Warp(warp) => [0, warp.map.texels().saturating_mul(TEXEL_BYTES)],
-        }
-    }
-
-    /// Refuses what the method cannot do of `plan`, before anything is loaded.
-    ///
-    /// # Errors
-    /// A camera whose rays leave events of their own; for warps, objects that move.
-    pub fn check(&self, plan: &Plan) -> Result<()> {
-        if *self == Method::Trace {
-            return Ok(());
-        }
-        if !matches!(plan.view, Kind::Still | Kind::Moving | Kind::Unaberrated) {
-            return Err(apart());
-        }
-        match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
-            (Method::Warp(_), Some(frame)) => {
-                let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
-                Err(moves(&object.map_or(String::new(), |o| {
-                    format!("object \"{}\"", o.name)
-                })))
-            }
-            _ => Ok(()),
         }
     }
 }

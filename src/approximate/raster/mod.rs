@@ -45,9 +45,11 @@ mod draw;
 mod fragments;
 mod map;
 mod method;
+mod plan;
 mod tile;
 mod triangles;
 mod vertices;
+mod visible;
 mod warp;
 
 pub use method::{Attributes, Lookup, MOST_TEXELS, Map, Method, Raster, Tessellation, Warp};

@@ -3,18 +3,14 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::batch::{Batch, Grid, Piece};
+use super::batch::{Batch, Grid};
 use super::cull::Frustum;
 use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices};
-use super::draw::{RayBatch, TileSamples, Visibility};
-use super::fragments::{Fragments, Surface};
 use super::method::{Attributes, Raster, Tessellation};
-use super::tile::{NOTHING, TileBuffers};
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
 use crate::approximate::projection::{Observer, Projection};
 use crate::error::Result;
-use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::trace::RestFrame;
@@ -27,7 +23,7 @@ const BATCHES: u32 = 16;
 /// All triangles of a scene in homogeneous film coordinates.
 #[derive(Debug)]
 pub(super) struct Triangles<'a> {
-    size: [u32; 2],
+    pub size: [u32; 2],
     pub frames: &'a [RestFrame],
     pub projections: Vec<Projection<'a>>,
     /// By rest frame, the vertices of its triangles.
@@ -35,7 +31,7 @@ pub(super) struct Triangles<'a> {
     pub batches: Vec<Batch>,
     attributes: Attributes,
     /// What depths are measured in, metres: of the order of the farthest vertex.
-    unit: f64,
+    pub unit: f64,
 }
 
 impl<'a> Triangles<'a> {
@@ -136,83 +132,8 @@ fn divided(
     }
 }
 
-/// What so many triangles and their distinct corners take without being cut, bytes: to the end, and until the film is
-/// complete. Lists that grow may have twice the room that they need.
-pub(super) fn bytes(triangles: u64, vertices: u64) -> [u64; 2] {
-    // Places of corners and their indices stay with the rest frame; places are found in a table of as many triangles, whose
-    // room is a power of two at most 8/7 full.
-    let shared = (2 * 24 * vertices).saturating_add(12 * triangles);
-    let table = 75 * triangles;
-    // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
-    let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 96;
-    let drawn = (size_of::<Vertex>() as u64 * vertices).saturating_add(pieces * triangles);
-    [shared, table.max(drawn)]
-}
-
 /// Whether the camera is on the side from which the corners run counter-clockwise. Light goes straight in
 /// the rest frame, so that this is exact, and the same for the whole triangle.
 pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &Projection) -> bool {
     (b - a).cross(c - a).dot(a - projection.origin()) < 0.0
-}
-
-/// What is reused from tile to tile.
-#[derive(Debug, Default)]
-pub(super) struct Buffers {
-    tile: TileBuffers,
-    /// By triangle of the tile, the index of its surface among `surfaces`, where it has been seen.
-    seen_as: Vec<u32>,
-    surfaces: Vec<Surface>,
-    fragments: Fragments,
-}
-
-impl Visibility for Triangles<'_> {
-    type TileBuffers = Buffers;
-
-    fn has_own_delays(&self) -> bool {
-        self.has_interpolated_attributes()
-    }
-
-    fn begin(&self, tile: Tile, buffers: &mut Buffers) {
-        let (batches, seen) = (&self.batches, &self.seen);
-        buffers
-            .tile
-            .gather(self.size, tile, batches, seen, self.unit);
-        buffers.seen_as.clear();
-        let triangles = buffers.tile.triangles.len();
-        buffers.seen_as.resize(triangles, NOTHING);
-        buffers.surfaces.clear();
-    }
-
-    fn paint(&self, samples: &TileSamples, tile: Tile, buffers: &mut Buffers, rays: &mut RayBatch) {
-        let Buffers {
-            tile: triangles,
-            seen_as,
-            surfaces,
-            fragments,
-        } = buffers;
-        triangles.cover(tile, |pixel| samples.camera_rays.offset(pixel));
-        fragments.start();
-        let [width, height] = tile.size.map(|n| n as usize);
-        for row in 0..height {
-            for column in 0..width {
-                let nearest = triangles.nearest(column, row);
-                let known = match seen_as.get_mut(nearest as usize) {
-                    None => None,
-                    Some(known) => {
-                        if *known == NOTHING {
-                            *known = surfaces.len() as u32;
-                            let triangle = &triangles.triangles[nearest as usize];
-                            surfaces.push(Surface::of(self, triangle, tile));
-                        }
-                        Some(*known)
-                    }
-                };
-                let surface = known.map(|known| &surfaces[known as usize]);
-                let [x, y] = samples.camera_rays.offset(row * width + column);
-                let (x, y) = (column as f64 + x, row as f64 + y);
-                fragments.add(surface, x, y, &mut rays.hits);
-            }
-        }
-        fragments.finish(self, samples, rays);
-    }
 }

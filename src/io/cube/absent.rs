@@ -6,7 +6,7 @@ pub(super) mod hdf5 {
     use std::path::Path;
 
     use super::super::format::{CubeFormat, Wanted};
-    use super::super::store::StoredLayout;
+    use super::super::layout::StoredLayout;
     use super::super::wall::Wall;
     use crate::error::{Error, Result};
     use crate::io::files::Reader;
@@ -47,8 +47,8 @@ pub(super) mod zarr {
     use std::path::Path;
 
     use super::super::format::{CubeInfo, FileTimes, Wanted};
+    use super::super::layout::StoredLayout;
     use super::super::samples::Cube;
-    use super::super::store::StoredLayout;
     use crate::error::{Error, Result};
     use crate::io::npy::Header;
 

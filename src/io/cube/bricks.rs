@@ -19,8 +19,9 @@ use half::f16;
 
 use super::cache::Cache;
 use super::format::Wanted;
+use super::layout::{StoredLayout, strides};
 use super::samples::Samples;
-use super::store::{Located, Store, StoredLayout, strides};
+use super::store::{Located, Store};
 use crate::error::{Error, Result};
 use crate::io::files::Reader;
 use crate::io::npy::Dtype;

@@ -8,10 +8,13 @@ mod axes;
 mod bricks;
 mod cache;
 mod convert;
+mod cube_store;
 mod format;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod layout;
 mod npy;
+mod number;
 mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
@@ -31,8 +34,9 @@ use absent::zarr;
 pub use axes::{Axes, Axis};
 pub use bricks::{BRICK, Bricks, BytesRead, Held, LEAST_ROOM};
 pub use convert::{Changes, Converted, convert};
+pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
-pub use samples::{Cube, CubeError, CubeStore, Samples};
+pub use samples::{Cube, CubeError, Samples};
 pub use sequence::{is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};
 pub use wall::Wall;

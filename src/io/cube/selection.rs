@@ -11,9 +11,9 @@ use half::f16;
 
 use super::axes::{Arrangement, Axes, Axis};
 use super::format::CubeInfo;
-use super::npy::Number;
+use super::layout::StoredLayout;
+use super::number::Number;
 use super::samples::{Cube, Samples, place_of};
-use super::store::StoredLayout;
 use crate::error::{Error, Result};
 use crate::io::npy::Dtype;
 

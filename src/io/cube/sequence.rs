@@ -16,9 +16,9 @@ use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
 use super::format::{CubeInfo, Transfer, Wanted};
-use super::npy::Number;
+use super::layout::StoredLayout;
+use super::number::Number;
 use super::samples::{Cube, Samples};
-use super::store::StoredLayout;
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;

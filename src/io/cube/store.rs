@@ -8,10 +8,10 @@ use std::io::{BufWriter, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::axes::{Arrangement, Axes};
+use super::axes::Arrangement;
 use super::format::Wanted;
-use super::npy::{self, Number};
-use super::{hdf5, sequence, transient_image, zarr};
+use super::layout::{StoredLayout, strides};
+use super::{hdf5, npy, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::Dtype;
@@ -26,19 +26,6 @@ pub(super) struct Store {
     /// A run of samples, as it is stored and as numbers.
     bytes: Vec<u8>,
     run: Vec<f64>,
-}
-
-/// How samples lie in a file.
-#[derive(Debug, Clone)]
-pub(super) struct StoredLayout {
-    /// Bytes before the first sample.
-    pub start: u64,
-    pub number: Number,
-    pub big_endian: bool,
-    /// Sizes, the slowest first.
-    pub sizes: Vec<usize>,
-    /// Axes, in the order of the sizes.
-    pub axes: Axes,
 }
 
 impl Store {
@@ -197,15 +184,6 @@ impl Store {
     }
 }
 
-impl StoredLayout {
-    /// H, W, T, C of the cube in `path`.
-    pub fn shape(&self, path: &Path) -> Result<[usize; 4]> {
-        Arrangement::of(&self.sizes, &self.axes, false)
-            .map(|arrangement| arrangement.shape)
-            .map_err(|what| Error::invalid(path, "", what, "name the axes of the array"))
-    }
-}
-
 /// Where samples are read.
 pub(super) enum Located {
     /// In the cube's own file.
@@ -221,15 +199,6 @@ impl Located {
             Located::Spooled(file) => Box::new(file) as Box<dyn ReadSeek>,
         }
     }
-}
-
-/// How far apart entries along each axis are.
-pub(super) fn strides(sizes: &[usize]) -> Vec<usize> {
-    let mut strides = vec![1; sizes.len()];
-    for axis in (1..sizes.len()).rev() {
-        strides[axis - 1] = strides[axis] * sizes[axis];
-    }
-    strides
 }
 
 /// A temporary file, which nobody else sees and which vanishes with the process.

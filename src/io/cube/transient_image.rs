@@ -13,9 +13,9 @@ use std::path::Path;
 
 use super::axes::Axes;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
-use super::npy::Number;
+use super::layout::StoredLayout;
+use super::number::Number;
 use super::samples::{Cube, Samples, place_of};
-use super::store::StoredLayout;
 use crate::error::{Error, Result};
 use crate::io::files::ReadSeek;
 use crate::io::npy::{Dtype, Header as ArrayHeader};

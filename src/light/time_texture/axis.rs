@@ -16,13 +16,13 @@
 //! zero for `Black`; the end bin's value for `Hold`; a `Mark` is no radiance, and the end bin's value
 //! stands in too. Outside, `Black` and `Mark` read nothing, and `Hold` reads the same extended data
 //! (so it joins smoothly, and is the end bin's value alone from 2½ bins on at the latest).
-
 //!
 //! Bins of different widths are read by `irregular`.
 
 use std::sync::Arc;
 
 use super::irregular::Irregular;
+use super::weights::{BinWeights, NOTHING, catmull_rom, less_curvature};
 use crate::io::cube::CubeError;
 use crate::scene::model::{BinValues, CubeSource, Fill, Outside, TimeBins, TimeFilter};
 
@@ -117,16 +117,6 @@ pub(super) enum Phase {
     Before,
     Inside,
     After,
-}
-
-/// A run of bins, all of them existing, and their weights.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BinWeights {
-    pub first: usize,
-    /// 0 to 6.
-    pub count: usize,
-    /// Only the first `count` count.
-    pub weights: [f64; 6],
 }
 
 /// What a time reads.
@@ -270,40 +260,10 @@ impl Timeline {
     }
 }
 
-const NOTHING: BinWeights = BinWeights {
-    first: 0,
-    count: 0,
-    weights: [0.0; 6],
-};
-
 /// ⌊x⌋ and x − ⌊x⌋, for x of the size of a bin index.
 #[inline]
 fn split(x: f64) -> (i64, f64) {
     let truncated = x as i64;
     let floor = truncated - i64::from(x < truncated as f64);
     (floor, x - floor as f64)
-}
-
-#[inline(always)]
-pub(super) fn catmull_rom(f: f64) -> [f64; 4] {
-    [
-        0.5 * f * ((2.0 - f) * f - 1.0),
-        0.5 * ((3.0 * f - 5.0) * f * f + 2.0),
-        0.5 * f * ((4.0 - 3.0 * f) * f + 1.0),
-        0.5 * (f - 1.0) * f * f,
-    ]
-}
-
-/// Weights on a_k − (a_{k−1} − 2a_k + a_{k+1})/24, as weights on a: one bin more on each side.
-#[inline(always)]
-pub(super) fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
-    let spread = |before: f64, own: f64, after: f64| (26.0 * own - before - after) / 24.0;
-    [
-        spread(0.0, 0.0, p),
-        spread(0.0, p, q),
-        spread(p, q, r),
-        spread(q, r, s),
-        spread(r, s, 0.0),
-        spread(s, 0.0, 0.0),
-    ]
 }

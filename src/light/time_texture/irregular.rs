@@ -17,7 +17,7 @@
 
 use std::sync::Arc;
 
-use super::axis::BinWeights;
+use super::weights::BinWeights;
 use crate::scene::model::{BinValues, TimeFilter};
 
 /// Edges of bins, two at least and ascending, and how values between centres are found.
@@ -169,7 +169,7 @@ fn slope_weights(h: f64, g: f64) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::{catmull_rom, less_curvature};
+    use super::super::weights::{catmull_rom, less_curvature};
     use super::*;
 
     const EDGES: [f64; 9] = [1.0, 1.1, 1.4, 1.5, 2.3, 2.4, 3.0, 3.7, 3.9];

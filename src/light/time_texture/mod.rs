@@ -34,6 +34,7 @@ mod sharp;
 mod spans;
 pub mod survey;
 mod texture;
+mod weights;
 
 pub use axis::TimeAxis;
 pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};

@@ -3,7 +3,8 @@
 //! Indices are calculated in f64, which holds them exactly, and become integers by the addition of 2⁵²: vectors
 //! have that, and have no conversion.
 
-use super::axis::{Timeline, catmull_rom, less_curvature};
+use super::axis::Timeline;
+use super::weights::{catmull_rom, less_curvature};
 
 /// Lookups in one batch, at most.
 pub const BATCH: usize = 256;

@@ -1,8 +1,9 @@
 //! Reading of samples: the only place that knows their stored type. Monomorphised over type and
 //! channels; the choice is made once per lookup, and nothing is allocated or converted ahead.
 
-use super::axis::{BinWeights, Moment};
+use super::axis::Moment;
 use super::bilinear::Tap;
+use super::weights::BinWeights;
 use crate::io::cube::{Bricks, Cube, CubeStore, Held, Samples};
 
 /// A stored number.

@@ -12,10 +12,10 @@
 //! Noise that pixels do not share: at a pixel's centre its standard deviation grows by √((28² + 4)/24²) = 1.17; on
 //! average over places it is 0.93 of a pixel's own, 1.4 times that of bilinear interpolation (0.67).
 
-use super::axis::catmull_rom;
 use super::bilinear::Tap;
 use super::capture::{Aim, Capture};
 use super::texture::{Sampled, TimeTexture, When};
+use super::weights::catmull_rom;
 
 /// The 4 × 4 pixels about a place, with their weights.
 fn bicubic([x, y]: [f64; 2], [width, height]: [usize; 2]) -> Option<[Tap; 16]> {

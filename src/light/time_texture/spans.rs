@@ -20,7 +20,6 @@
 //! Times beyond the data are what the policy says, by the part of the span that lies there.
 
 use super::axis::{Phase, Reading, Timeline};
-use super::texture::TimeTexture;
 use crate::io::cube::{Cube, CubeStore};
 use crate::scene::model::{Fill, TimeFilter};
 
@@ -219,12 +218,12 @@ impl Span {
         ]
     }
 
-    /// The weighted sum over the bins of a texel; one channel is given to all three.
-    pub fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
-        let channels = texture.cube().shape()[3];
+    /// The weighted sum over the bins of a texel of `cube`, whose prefix sums are `sums`; one channel is given to all three.
+    pub fn texel(&self, cube: &CubeStore, sums: Option<&PrefixSums>, texel: usize) -> [f64; 3] {
+        let channels = cube.shape()[3];
         let mut rgb = [0.0; 3];
         for (channel, value) in rgb.iter_mut().enumerate().take(channels) {
-            *value = self.channel(texture, texel, channel);
+            *value = self.channel(cube, sums, texel, channel);
         }
         match channels {
             1 => [rgb[0]; 3],
@@ -232,9 +231,15 @@ impl Span {
         }
     }
 
-    fn channel(&self, texture: &TimeTexture, texel: usize, channel: usize) -> f64 {
-        let [_, _, bins, channels] = texture.cube().shape();
-        let value = |bin: usize| match texture.cube() {
+    fn channel(
+        &self,
+        cube: &CubeStore,
+        sums: Option<&PrefixSums>,
+        texel: usize,
+        channel: usize,
+    ) -> f64 {
+        let [_, _, bins, channels] = cube.shape();
+        let value = |bin: usize| match cube {
             CubeStore::Memory(cube) => {
                 let at = (texel * bins + bin) * channels + channel;
                 cube.samples.get(at).unwrap_or(0.0)
@@ -245,7 +250,7 @@ impl Span {
         let ends = self.ends[..self.count].iter();
         let at_ends: f64 = ends.map(|(bin, weight)| weight * value(*bin)).sum();
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
-        let full = match texture.sums() {
+        let full = match sums {
             Some(sums) if first < last => {
                 direct(self.full.start..first * BLOCK)
                     + sums.between(texel, first, last, channel)
@@ -259,7 +264,7 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::{catmull_rom, less_curvature};
+    use super::super::weights::{catmull_rom, less_curvature};
     use super::*;
 
     const FILTERS: [TimeFilter; 4] = [

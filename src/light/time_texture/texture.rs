@@ -96,7 +96,7 @@ impl When for Moment {
 
 impl When for Span {
     fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
-        Span::texel(self, texture, texel)
+        Span::texel(self, texture.cube(), texture.sums(), texel)
     }
 
     fn parts(&self) -> [(Phase, f64); 3] {

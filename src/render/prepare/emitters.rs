@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::response::{eye, received, response, without};
 use crate::accel::{Facing, Ray};
-use crate::colour::{ColourTable, RgbShift, Spectrum};
+use crate::colour::{ColourTable, Spectrum};
 use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Bricks, BytesRead, CubeStore};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
-use crate::light::Received;
 use crate::light::lamp::Lamp;
 use crate::light::sky::Sky;
 use crate::light::time_texture::survey::{self, Order};
@@ -22,12 +22,12 @@ use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
     AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element, EmissionClock, Emitter,
-    Eye, Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup,
+    Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup,
     TimeResolved,
 };
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Equations, Geometry,
-    LightKind, Mapping, Reconstruction, Scene, SourceKind,
+    Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Geometry, LightKind,
+    Mapping, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -386,38 +386,6 @@ fn area_light(scene: &Scene, object: usize) -> Option<([f64; 3], bool)> {
     })
 }
 
-/// What surfaces in `scene` receive of light that measures `quantity`.
-pub(super) fn received(quantity: Quantity, scene: &Scene) -> Received {
-    match quantity {
-        Quantity::Rgb => Received::Rgb(RgbShift::of(scene.continuation)),
-        quantity => Received::Scaled(quantity),
-    }
-}
-
-/// What an observer in `scene` makes of radiance of `quantity`.
-pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
-    let Effects {
-        doppler,
-        searchlight,
-        ..
-    } = scene.effects;
-    let eye = eye(scene);
-    let brightness = match searchlight {
-        true => Scaling::Of(scaling(quantity, scene.equations)),
-        false => Scaling::None,
-    };
-    let (scaled, colour) = match (quantity.line().map(|l| eye.wavelength(l)), doppler) {
-        (Some(wavelength), true) => (brightness, Colouring::ShiftedLine(wavelength)),
-        (Some(wavelength), false) => (brightness, Colouring::UnshiftedLine(wavelength)),
-        (None, true) if quantity == Quantity::Rgb => {
-            let colour = Colouring::Rgb(RgbShift::of(scene.continuation), eye);
-            (without(searchlight), colour)
-        }
-        (None, _) => (brightness, Colouring::Channels),
-    };
-    Response { scaled, colour }
-}
-
 /// A surface that shines with `spectrum`, and what an observer in `scene` makes of it.
 fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
     let eye = eye(scene);
@@ -448,29 +416,6 @@ fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
         factor,
         texture: None,
         response: Some(response),
-    }
-}
-
-/// The scaling that goes with colours that have the searchlight effect in them.
-fn without(searchlight: bool) -> Scaling {
-    match searchlight {
-        true => Scaling::None,
-        false => Scaling::HueAlone,
-    }
-}
-
-/// The wavelengths that the observer sees.
-fn eye(scene: &Scene) -> Eye {
-    scene.false_colour.map_or(Eye::HUMAN, Eye::seeing)
-}
-
-/// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
-pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
-    match (equations, quantity) {
-        (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
-            Quantity::PerWavelength
-        }
-        _ => quantity,
     }
 }
 

@@ -2,11 +2,12 @@
 
 mod emitters;
 mod geometry;
+mod response;
 mod sky;
 
 pub use emitters::Light;
-pub(crate) use emitters::scaling;
 pub use geometry::object_mesh;
+pub(crate) use response::scaling;
 
 use crate::accel::Method;
 use crate::camera::Camera;

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::emitters::{received, response};
+use super::response::{received, response};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;

@@ -16,94 +16,17 @@
 //!
 //! With [`CaptureChoice::First`] it is the first in the order of the scene that holds the point.
 
+use super::blend::Blend;
 use super::emitted::{Emission, Emitted};
 use super::occlusion::{any_hit, shadow_ray};
 use super::point::SurfacePoint;
-use super::radiance::{EmissionClock, TimeResolved};
 use super::run::Run;
 use super::stats::Meter;
+use super::time_resolved::{CapturedCube, TimeResolved};
 use crate::accel::Segment;
 use crate::light::time_texture::{
-    Capture, CaptureView, Coverage, Located, Sampled, SurfacePoint as CapturePoint, TimeTexture,
+    Capture, CaptureView, Located, SurfacePoint as CapturePoint, TimeTexture,
 };
-use crate::scene::model::CaptureChoice;
-
-/// A cube and the camera that captured it.
-#[derive(Debug, Clone, Copy)]
-pub struct CapturedCube {
-    /// Index of the cube.
-    pub cube: usize,
-    /// Index of the capture camera.
-    pub capture: usize,
-    /// The clock before the delay to the capture camera.
-    pub clock: EmissionClock,
-}
-
-/// What the captures of a surface say of one point.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Blend {
-    /// Weighted sum of radiance, and the sum of the weights.
-    radiance: [f64; 3],
-    weight: f64,
-    /// Which captures make up most of it, with its weight; index into the emitter's.
-    most: Option<(usize, f64)>,
-    /// The best answer of those that do not hold the point, and how good it is.
-    stand_in: (f64, Sampled),
-}
-
-impl Blend {
-    /// Adds what capture `index` says, whose weight is `weight` if it sees the point.
-    fn add(&mut self, choice: CaptureChoice, index: usize, sampled: Sampled, weight: Option<f64>) {
-        // The weights of the taps sum to 1 but for rounding.
-        let is_held = sampled.coverage.held > 1.0 - 1e-9;
-        match weight.filter(|_| is_held) {
-            Some(weight) => {
-                if choice == CaptureChoice::First && self.weight > 0.0 {
-                    return;
-                }
-                // The first is taken with all its bits.
-                let counts = match choice {
-                    CaptureChoice::Blend => weight,
-                    CaptureChoice::First => 1.0,
-                };
-                self.weight += counts;
-                for (sum, value) in self.radiance.iter_mut().zip(sampled.radiance) {
-                    *sum += counts * value;
-                }
-                if self.most.is_none_or(|(_, most)| weight > most) {
-                    self.most = Some((index, weight));
-                }
-            }
-            None => {
-                // A camera that saw the point at another time says more than one that did not, and that more than
-                // one that looked elsewhere.
-                let good = match weight {
-                    Some(_) => 2.0 + sampled.coverage.held,
-                    None => 1.0 + sampled.coverage.occluded,
-                };
-                if good > self.stand_in.0 {
-                    self.stand_in = (good, sampled);
-                }
-            }
-        }
-    }
-
-    fn finish(&self) -> Sampled {
-        if self.weight == 0.0 {
-            return self.stand_in.1;
-        }
-        Sampled {
-            radiance: self.radiance.map(|sum| sum / self.weight),
-            coverage: Coverage::HELD,
-            ..Sampled::default()
-        }
-    }
-
-    /// The capture that makes up most of what the point is given; none where none holds it.
-    pub fn most(&self) -> Option<usize> {
-        self.most.map(|(index, _)| index)
-    }
-}
 
 impl TimeResolved {
     /// What `captures` recorded of the points of `run`, as far as they saw them. They rest in the points' frame, and so
@@ -133,7 +56,7 @@ impl TimeResolved {
                 emitted.capture_views.push(capture.view_of(&at));
             }
             emitted.times.resize(run.count(), 0.0);
-            captured.clock.times(run, 0, &mut emitted.times);
+            run.times(captured.clock, 0, &mut emitted.times);
             let (method, counts) = (run.traced.rays.method, meter.occlusion());
             let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
             any_hit(&run.rest.bvh, method, segments, blocked, counts);

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::captures::Blend;
+use super::blend::Blend;
+use super::falling::Falling;
 use super::hits::HitBuffer;
-use super::lamps::Falling;
 use super::occlusion::OcclusionQueries;
 use super::points::Points;
 use crate::accel::Segment;

@@ -9,25 +9,9 @@ use super::emitted::Emitted;
 use super::run::Run;
 use super::stats::Meter;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load, store};
-use crate::light::lamp::{Arrivals, Incident, Irradiance, Lamp};
+use crate::light::lamp::{Incident, Irradiance, Lamp};
 use crate::light::reflection::Reflection;
 use crate::spacetime::{Boost, Direction, Rest, World};
-
-/// The light of one lamp at the points of a run, by point.
-#[derive(Debug, Default)]
-pub(super) struct Falling {
-    arrivals: Arrivals,
-    /// Towards the lamp in the points' rest frame.
-    l: Columns,
-    /// Of the angle of incidence.
-    cosines: Vec<f64>,
-    /// W, and factors on the lamp's intensity.
-    ratios: Vec<f64>,
-    factors: Vec<f64>,
-    /// Points that it shines on, and f there where surfaces are not diffuse.
-    lit: Vec<u32>,
-    values: Columns,
-}
 
 /// Adds the light of one lamp to what falls on the points of `run`, in a medium of index `index`.
 pub(super) fn illuminate(
@@ -154,14 +138,6 @@ fn reflect(light: &Incident, value: DVec3, incident: &mut Irradiance, added: &mu
     let parts = value.to_array().into_iter().zip(light.irradiance);
     for (sum, (value, e)) in added.iter_mut().zip(parts) {
         *sum += value * e;
-    }
-}
-
-impl Falling {
-    fn resize(&mut self, count: usize) {
-        self.l.resize(count);
-        self.cosines.resize(count, 0.0);
-        self.ratios.resize(count, 0.0);
     }
 }
 

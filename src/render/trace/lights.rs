@@ -15,10 +15,10 @@
 
 use glam::DVec3;
 
+use super::base_colours::{BaseColour, BaseColours};
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
 use super::point::SurfacePoint;
-use super::radiance::{BaseColour, BaseColours};
 use super::run::Run;
 use super::stats::Meter;
 use crate::accel::Hit;

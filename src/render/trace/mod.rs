@@ -12,11 +12,14 @@
 //! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays
 //! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
 
+mod base_colours;
+mod blend;
 mod camera_rays;
 mod captures;
 mod channels;
 mod cone;
 mod emitted;
+mod falling;
 mod hits;
 mod lamps;
 mod lights;
@@ -28,24 +31,23 @@ mod radiance;
 mod rest_frame;
 mod run;
 mod shading;
+mod shadows;
 mod stats;
 mod surfaces;
+mod time_resolved;
 mod timed_paths;
 mod tubes;
 
+pub use base_colours::{BaseColour, BaseColours, Finish, Glass, Gloss, TextureLookup};
 pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
-pub use captures::CapturedCube;
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};
 pub use lights::{AreaLights, Element, SkyLight};
 pub use paths::PathTraced;
 pub(crate) use point::ObservedPoint;
-pub use point::SurfacePoint;
-pub use radiance::{
-    BaseColour, BaseColours, EmissionClock, Emitter, Finish, Glass, Gloss, Radiance, TextureLookup,
-    TimeResolved,
-};
+pub use point::{EmissionClock, SurfacePoint};
+pub use radiance::Radiance;
 pub(crate) use rest_frame::{BuildPlaceHasher, SharedVertices};
 pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
@@ -55,4 +57,5 @@ pub(crate) use shading::{RadianceSink, Shading};
 pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};
 pub(crate) use surfaces::Surfaces;
+pub use time_resolved::{CapturedCube, Emitter, TimeResolved};
 pub(crate) use timed_paths::TimedPaths;

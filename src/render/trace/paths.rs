@@ -73,14 +73,16 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::base_colours::{BaseColours, Finish};
 use super::camera_rays::{Rays, Samples};
 use super::emitted::{Colouring, Detail, Emission, Emitted, Onward, Response};
 use super::lamps;
 use super::point::SurfacePoint;
-use super::radiance::{BaseColours, Emitter, Finish, Radiance, TimeResolved};
+use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
 use super::stats::Meter;
+use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
 use crate::camera::RayOrigin;
 use crate::light::Received;

@@ -66,3 +66,22 @@ impl SurfacePoint<'_> {
         self.rest.uv(self.patch, set, &self.hit)
     }
 }
+
+/// A clock at the emission event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EmissionClock {
+    /// World time.
+    World,
+    /// The own time of the object that the point is on.
+    Object,
+}
+
+impl EmissionClock {
+    /// The time of emission at a point.
+    pub(crate) fn time(self, point: &SurfacePoint) -> f64 {
+        match self {
+            EmissionClock::World => point.event().ct,
+            EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
+        }
+    }
+}

@@ -2,27 +2,21 @@
 //! which need no time, and time-resolved sources.
 
 use std::fmt::Debug;
-use std::sync::Arc;
 
-use super::captures::{CapturedCube, captured_point};
-use super::emitted::{Detail, Emission, Emitted, Response};
+use super::base_colours::{BaseColours, Finish};
+use super::captures::captured_point;
+use super::emitted::{Detail, Emission, Emitted};
 use super::lamps;
-use super::lights::{AreaLights, SkyLight};
 use super::occlusion::{any_hit, shadow_ray};
-use super::point::SurfacePoint;
-use super::rest_frame::{Patch, RestFrame};
+use super::point::{EmissionClock, SurfacePoint};
 use super::run::Run;
 use super::stats::{Counter, Meter};
-use crate::accel::{Hit, Segment};
-use crate::io::cube::Bricks;
-use crate::io::image::Texture;
-use crate::light::lamp::Lamp;
+use super::time_resolved::{Emitter, TimeResolved};
+use crate::accel::Segment;
 use crate::light::reflection::Reflection;
 use crate::light::time_texture::{
     BATCH, Capture, CaptureLookups, CaptureView, Coverage, Located, Sampled, TimeTexture,
 };
-use crate::mesh::Wrap;
-use crate::scene::model::CaptureChoice;
 
 /// Radiance of surfaces, run by run.
 pub trait Radiance: Debug + Send + Sync {
@@ -42,220 +36,6 @@ pub trait Radiance: Debug + Send + Sync {
     /// holds the point.
     fn capture_source(&self, _point: &SurfacePoint) -> Option<usize> {
         None
-    }
-}
-
-/// Time-independent radiance: a factor, a texture, colours of vertices.
-#[derive(Debug, Clone)]
-pub struct BaseColour {
-    /// Linear RGB.
-    pub factor: [f64; 3],
-    /// Its texture.
-    pub texture: Option<TextureLookup>,
-    /// Whether the mesh's colours are a factor too.
-    pub vertex_colours: bool,
-    /// What an observer makes of it, where that is not the common response.
-    pub response: Option<Response>,
-}
-
-/// A texture, and how it is looked up.
-#[derive(Debug, Clone, Copy)]
-pub struct TextureLookup {
-    /// Index into [`BaseColours::textures`].
-    pub texture: usize,
-    /// The set of texture coordinates.
-    pub uv_set: usize,
-    /// What lies outside [0, 1] along u and v.
-    pub wrap: [Wrap; 2],
-}
-
-/// How a surface reflects and shines.
-#[derive(Debug, Clone)]
-pub struct Finish {
-    /// Index of its colour among the base colours.
-    pub colour: usize,
-    /// Metalness and roughness; none of a diffuse surface.
-    pub gloss: Option<Gloss>,
-    /// What goes through; none of an opaque surface.
-    pub glass: Option<Glass>,
-    /// Radiance of its own.
-    pub emission: Option<BaseColour>,
-}
-
-/// What goes through a surface.
-#[derive(Debug, Clone, Copy)]
-pub struct Glass {
-    /// The part of what is not reflected.
-    pub transmission: f64,
-    /// Refractive index of the body that it bounds.
-    pub index: f64,
-    /// Whether it bounds a body, and is not a film without thickness.
-    pub solid: bool,
-}
-
-/// Metalness and roughness.
-#[derive(Debug, Clone, Copy)]
-pub struct Gloss {
-    /// Factor on the metalness.
-    pub metallic: f64,
-    /// Factor on the perceptual roughness.
-    pub roughness: f64,
-    /// Roughness in its green channel, metalness in its blue one.
-    pub texture: Option<TextureLookup>,
-}
-
-/// Base colours of all patches.
-#[derive(Debug)]
-pub struct BaseColours {
-    /// By emitter index.
-    pub colours: Vec<BaseColour>,
-    /// Decoded textures.
-    pub textures: Vec<Texture>,
-    /// The common response.
-    pub response: Response,
-}
-
-/// All kinds of emitters, some of which vary with time.
-#[derive(Debug)]
-pub struct TimeResolved {
-    /// By emitter index.
-    pub emitters: Vec<(Emitter, Response)>,
-    /// Base colours (also albedos of what lamps light).
-    pub base: BaseColours,
-    /// Cubes with their time axes.
-    pub cubes: Vec<TimeTexture>,
-    /// The source of the scene that each of them is.
-    pub cube_sources: Vec<usize>,
-    /// Which of several captures of one surface is taken.
-    pub choice: CaptureChoice,
-    /// Capture cameras and what they saw.
-    pub captures: Vec<Capture>,
-    /// By source of the scene: pulses; then the scene's lights without extent.
-    pub lamps: Vec<Option<Lamp>>,
-    /// Surfaces that shine.
-    pub areas: Option<Box<AreaLights>>,
-    /// The sky, where it lights.
-    pub sky: Option<SkyLight>,
-    /// Refractive index of the medium.
-    pub index: f64,
-}
-
-/// Where the radiance of a patch comes from.
-#[derive(Debug, Clone)]
-pub enum Emitter {
-    /// A base colour.
-    Base(usize),
-    /// A cube by texture coordinates.
-    Uv {
-        /// Index of the cube.
-        cube: usize,
-        /// TEXCOORD set.
-        set: usize,
-        /// The clock of its time axis.
-        clock: EmissionClock,
-    },
-    /// Cubes projected from their capture cameras, one or more.
-    Captured(Vec<CapturedCube>),
-    /// The light of lamps, reflected, and also that of shining surfaces and of the sky.
-    Lit {
-        /// How it is reflected.
-        finish: Box<Finish>,
-        /// Which lamps.
-        lamps: Vec<usize>,
-    },
-}
-
-/// A clock at the emission event.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum EmissionClock {
-    /// World time.
-    World,
-    /// The own time of the object that the point is on.
-    Object,
-}
-
-impl EmissionClock {
-    /// The time of emission at a point.
-    pub(crate) fn time(self, point: &SurfacePoint) -> f64 {
-        match self {
-            EmissionClock::World => point.event().ct,
-            EmissionClock::Object => point.rest_event().ct - point.patch.object_origin.ct,
-        }
-    }
-
-    /// The times of members `begin` and on.
-    pub(super) fn times(self, run: &Run, begin: usize, times: &mut [f64]) {
-        match self {
-            EmissionClock::World => run.world_times(begin, times),
-            EmissionClock::Object => run.object_times(begin, times),
-        }
-    }
-}
-
-impl BaseColours {
-    /// What colour `index` emits at `hit`.
-    fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
-        self.colour_at(&self.colours[index], run.rest, run.patch, hit)
-    }
-
-    /// What `base` is at a hit on `patch` of the frame `rest`.
-    pub(super) fn colour_at(
-        &self,
-        base: &BaseColour,
-        rest: &RestFrame,
-        patch: &Patch,
-        hit: &Hit,
-    ) -> [f64; 3] {
-        let mut colour = base.factor;
-        if let Some(lookup) = base.texture
-            && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
-        {
-            let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.wrap);
-            colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
-        }
-        if base.vertex_colours
-            && let Some(vertex) = rest.vertex_colour(patch, hit)
-        {
-            colour = std::array::from_fn(|c| colour[c] * vertex[c]);
-        }
-        colour
-    }
-
-    /// Metalness and roughness at a hit.
-    pub(super) fn gloss(
-        &self,
-        gloss: &Gloss,
-        rest: &RestFrame,
-        patch: &Patch,
-        hit: &Hit,
-    ) -> [f64; 2] {
-        let both = [gloss.metallic, gloss.roughness];
-        let Some(lookup) = gloss.texture else {
-            return both;
-        };
-        let Some(uv) = rest.uv(patch, lookup.uv_set, hit) else {
-            return both;
-        };
-        let [_, roughness, metallic] =
-            self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.wrap);
-        [gloss.metallic * metallic, gloss.roughness * roughness]
-    }
-
-    /// What colour `index` emits at the points of `run`.
-    fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
-        match &self.colours[index] {
-            BaseColour {
-                texture: None,
-                vertex_colours: false,
-                factor,
-                ..
-            } => emitted.radiance.resize(run.count(), *factor),
-            _ => {
-                let hits = (0..run.count()).filter_map(|k| run.hit(k));
-                let radiance = hits.map(|hit| self.radiance(index, run, &hit));
-                emitted.radiance.extend(radiance);
-            }
-        }
     }
 }
 
@@ -333,7 +113,7 @@ fn look_up(
 ) {
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
-        clock.times(run, 0, &mut emitted.times);
+        run.times(clock, 0, &mut emitted.times);
         for k in 0..run.count() {
             let uv = run.hit(k).and_then(|hit| run.rest.uv(run.patch, set, &hit));
             let span = emitted.spans[k].map(|after| emitted.times[k] + after);
@@ -355,7 +135,7 @@ fn look_up(
             lookups.u[at] = uv.x;
             lookups.v[at] = uv.y;
         }
-        clock.times(run, begin, &mut lookups.t[..count]);
+        run.times(clock, begin, &mut lookups.t[..count]);
         texture.sample_each(lookups, count);
         let radiance = lookups.radiance[..count].iter();
         emitted
@@ -406,7 +186,7 @@ fn project(
         located.push(at);
     });
     emitted.times.resize(run.count(), 0.0);
-    clock.times(run, 0, &mut emitted.times);
+    run.times(clock, 0, &mut emitted.times);
     let (method, counts) = (run.traced.rays.method, meter.occlusion());
     let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
     any_hit(&run.rest.bvh, method, segments, blocked, counts);
@@ -482,17 +262,6 @@ fn project(
 }
 
 impl TimeResolved {
-    /// The cubes that are read from disk, each once.
-    pub(crate) fn on_disk(&self) -> impl Iterator<Item = &Bricks> {
-        let bricks = |at: usize| self.cubes[at].cube().on_disk();
-        let is_first = move |at: &usize| {
-            let mut earlier = (0..*at).filter_map(bricks);
-            bricks(*at).is_some_and(|own| !earlier.any(|other| Arc::ptr_eq(other, own)))
-        };
-        let first = (0..self.cubes.len()).filter(is_first);
-        first.filter_map(move |at| bricks(at).map(Arc::as_ref))
-    }
-
     /// Reflects light at the points of `run`: that of `lamps`, and in lit scenes all other.
     fn reflect(
         &self,

@@ -2,8 +2,7 @@
 
 use super::camera_rays::Rays;
 use super::hits::{HitBuffer, SurfaceHit};
-use super::point::{ObservedPoint, SurfacePoint};
-use super::radiance::EmissionClock;
+use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::rest_frame::{Patch, RestFrame};
 use super::surfaces::Surfaces;
 use crate::accel::Hit;
@@ -103,9 +102,17 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// The times of emission of members `begin` and on.
+    pub(super) fn times(&self, clock: EmissionClock, begin: usize, times: &mut [f64]) {
+        match clock {
+            EmissionClock::World => self.world_times(begin, times),
+            EmissionClock::Object => self.object_times(begin, times),
+        }
+    }
+
     /// World times of the emission events of members `begin` and on.
     #[inline(always)]
-    pub(super) fn world_times(&self, begin: usize, times: &mut [f64]) {
+    fn world_times(&self, begin: usize, times: &mut [f64]) {
         for (k, time) in (begin..).zip(times) {
             if let Some(hit) = self.hit(k) {
                 let ray = self.traced.ray(self.members[k] as usize);
@@ -116,7 +123,7 @@ impl<'a> Run<'a> {
 
     /// The object's own times there.
     #[inline(always)]
-    pub(super) fn object_times(&self, begin: usize, times: &mut [f64]) {
+    fn object_times(&self, begin: usize, times: &mut [f64]) {
         let zero = self.patch.object_origin.ct;
         let members = &self.members[begin..begin + times.len()];
         self.each_local(members, |k, local, _| {

@@ -8,22 +8,18 @@
 use super::camera_rays::Rays;
 use super::cone::{DirectionBounds, VisibleCone};
 use super::hits::HitBuffer;
-use super::occlusion::{Obstacles, OcclusionQueries, Places};
 use super::point::SurfacePoint;
-use super::points::Points;
 use super::rest_frame::RestFrame;
-use super::run::Run;
 use super::stats::{Meter, Stage};
 use super::tubes::Tubes;
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
 use crate::spacetime::{Boost, Direction, Displacement, Event, NullRay, Rest, World};
 
 /// The surfaces of all rest frames, as they are seen from one event.
 #[derive(Debug)]
-pub struct Surfaces<'a>(Frames<'a>);
+pub struct Surfaces<'a>(pub(super) Frames<'a>);
 
 #[derive(Debug)]
-enum Frames<'a> {
+pub(super) enum Frames<'a> {
     /// One rest frame, at rest in the world: nothing is boosted.
     Still(Frame<'a>),
     /// One rest frame, which moves: its rays stay in the hit buffer.
@@ -34,21 +30,21 @@ enum Frames<'a> {
 
 /// Several rest frames.
 #[derive(Debug)]
-struct Many<'a> {
-    frames: Vec<Frame<'a>>,
+pub(super) struct Many<'a> {
+    pub frames: Vec<Frame<'a>>,
     /// Where each is seen, as far as that is known.
-    cones: Vec<Option<VisibleCone>>,
+    pub cones: Vec<Option<VisibleCone>>,
     /// Where each is in the world.
-    tubes: Tubes,
+    pub tubes: Tubes,
 }
 
 /// One rest frame.
 #[derive(Debug)]
-struct Frame<'a> {
-    rest: &'a RestFrame,
+pub(super) struct Frame<'a> {
+    pub rest: &'a RestFrame,
     /// The event of the shot in it.
-    shot: Event<Rest>,
-    index: f64,
+    pub shot: Event<Rest>,
+    pub index: f64,
 }
 
 impl<'a> Surfaces<'a> {
@@ -208,64 +204,6 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Answers `queries` about the points of `run`, which are `points`, in a medium of index `index`.
-    pub(super) fn occlude(
-        &self,
-        queries: &mut OcclusionQueries,
-        run: &Run,
-        points: &Points,
-        index: f64,
-        meter: &mut Meter,
-    ) {
-        let method = run.traced.rays.method;
-        match &self.0 {
-            Frames::Still(only) => {
-                let obstacles = Obstacles {
-                    bvh: &only.rest.bvh,
-                    boost: None,
-                    places: points,
-                    own: Some(&points.triangles),
-                };
-                queries.ask(&obstacles, method, meter.occlusion());
-            }
-            Frames::One(only) => {
-                let obstacles = Obstacles {
-                    bvh: &only.rest.bvh,
-                    boost: Some((only.boost(), index)),
-                    places: points,
-                    own: Some(&points.triangles),
-                };
-                queries.ask(&obstacles, method, meter.occlusion());
-            }
-            Frames::Many(Many { frames, tubes, .. }) => {
-                let bundle = queries.bundle(points, index);
-                for (k, frame) in frames.iter().enumerate() {
-                    if !tubes.may_meet(k, &bundle) {
-                        continue;
-                    }
-                    let (bvh, boost) = (&frame.rest.bvh, Some((frame.boost(), index)));
-                    if k as u32 == run.frame {
-                        let obstacles = Obstacles {
-                            bvh,
-                            boost,
-                            places: points,
-                            own: Some(&points.triangles),
-                        };
-                        queries.ask(&obstacles, method, meter.occlusion());
-                    } else {
-                        let obstacles = Obstacles {
-                            bvh,
-                            boost,
-                            places: InOther { frame, run, points },
-                            own: None,
-                        };
-                        queries.ask(&obstacles, method, meter.occlusion());
-                    }
-                }
-            }
-        }
-    }
-
     /// The boost from the world to rest frame `frame`; none where that changes nothing.
     pub(super) fn boost(&self, frame: u32) -> Option<&'a Boost<Rest, World>> {
         let boost = match &self.0 {
@@ -274,65 +212,6 @@ impl<'a> Surfaces<'a> {
             Frames::Many(many) => many.frames[frame as usize].boost(),
         };
         (!boost.is_identity()).then_some(boost)
-    }
-}
-
-/// Points of a run in a rest frame that is not theirs.
-struct InOther<'a> {
-    frame: &'a Frame<'a>,
-    run: &'a Run<'a>,
-    points: &'a Points,
-}
-
-impl Places for InOther<'_> {
-    fn add(&self, points: &mut dyn Iterator<Item = usize>, eyes: &mut Columns, from: &mut Columns) {
-        let rays = &self.run.traced.rays;
-        if rays.origins.is_some() {
-            for k in points {
-                let (local, _) = self.frame.boosted_ray(self.run.members[k] as usize, rays);
-                eyes.push(local.origin.x);
-                from.push(local.at(self.points.s[k]).x);
-            }
-            return;
-        }
-        // Of rays that share the shot first the directions, and where on them the points are.
-        let mut s = Vec::new();
-        for k in points {
-            from.push(rays.directions[self.run.members[k] as usize]);
-            eyes.push(self.frame.shot.x);
-            s.push(self.points.s[k]);
-        }
-        dispatch(AlongRays {
-            frame: self.frame,
-            s: &s,
-            places: from,
-        });
-    }
-}
-
-/// Look directions of the world to places on the rays from the shot.
-struct AlongRays<'a> {
-    frame: &'a Frame<'a>,
-    s: &'a [f64],
-    places: &'a mut Columns,
-}
-
-impl VectorLoop for AlongRays<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let Frame { shot, index, .. } = *self.frame;
-        let boost = self.frame.rest.frame.frame_from_world();
-        let mut begin = 0;
-        while begin < self.s.len() {
-            let (mut places, s) = (self.places.load(begin), load(self.s, begin));
-            for (k, s) in s.iter().enumerate() {
-                let d = Direction::from_unit(places.get(k));
-                let (tangent, _) = boost.tangent_and_ratio(index, d);
-                places.set(k, (shot + tangent * *s).x);
-            }
-            self.places.store(&places, begin);
-            begin += BLOCK;
-        }
     }
 }
 
@@ -346,7 +225,7 @@ impl<'a> Frame<'a> {
     }
 
     #[inline]
-    fn boost(&self) -> &'a Boost<Rest, World> {
+    pub(super) fn boost(&self) -> &'a Boost<Rest, World> {
         self.rest.frame.frame_from_world()
     }
 
@@ -390,7 +269,7 @@ impl<'a> Frame<'a> {
 
     /// Ray `ray`, boosted into this frame.
     #[inline(always)]
-    fn boosted_ray(&self, ray: usize, rays: &Rays) -> (NullRay<Rest>, f64) {
+    pub(super) fn boosted_ray(&self, ray: usize, rays: &Rays) -> (NullRay<Rest>, f64) {
         let d = Direction::from_unit(rays.directions[ray]);
         let index = rays.index(self.index, ray);
         let (tangent, rho) = self.boost().tangent_and_ratio(index, d);

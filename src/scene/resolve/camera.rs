@@ -1,7 +1,8 @@
 //! The camera.
 
 use super::context::Context;
-use super::motion::{self, Mover, Moving};
+use super::motion::{self, Moving};
+use super::mover::{Mover, only_one_way};
 use super::{path, pose, sensor, stereo, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
@@ -18,7 +19,7 @@ pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
     let size = image_size(cx, &camera.size)?;
     let mover = Mover::from(camera);
-    motion::only_one_way(cx, &mover)?;
+    only_one_way(cx, &mover)?;
     let pose = pose(cx, at)?;
     let Moving {
         origin,

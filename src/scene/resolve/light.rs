@@ -6,7 +6,8 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::context::Context;
-use super::motion::{self, Mover, Moving};
+use super::motion::{self, Moving};
+use super::mover::{Mover, only_one_way};
 use super::{object, path, spectrum};
 use crate::colour::{Continuation, Spectrum};
 use crate::error::Result;
@@ -178,7 +179,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
         motion: &light.motion,
         span: &light.clock_zero.span,
     };
-    motion::only_one_way(cx, &mover)?;
+    only_one_way(cx, &mover)?;
     let start = path::start(cx, &mover)?;
     let position = start.as_ref().or(light.position.as_ref());
     let position = match (position, beam) {

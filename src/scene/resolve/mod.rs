@@ -8,6 +8,7 @@ mod equations;
 mod kinematics;
 mod light;
 mod motion;
+mod mover;
 mod object;
 mod panel;
 mod path;

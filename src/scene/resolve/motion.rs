@@ -1,47 +1,16 @@
 //! How a camera's pinhole or a light moves: the state when its clock shows 0, and what becomes of it.
 
-use std::ops::Range;
-
 use glam::DVec3;
 
 use super::context::Context;
+use super::mover::{HELP, Mover};
 use super::{path, velocity, worldline};
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::Motion;
-use crate::scene::values::Vector;
-use crate::spacetime::units::Time;
 use crate::spacetime::worldline::{Axes, Segment, WorldLine};
 use crate::spacetime::{Event, Velocity, World};
-
-const HELP: &str = "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
-
-/// The keys of something that moves.
-pub(super) struct Mover<'a> {
-    /// What it is, for messages.
-    pub noun: &'static str,
-    /// Where it is when its clock shows 0, and the key that says so.
-    pub position: (&'a Option<At<Vector>>, &'static str),
-    pub velocity: &'a Option<At<file::Velocity>>,
-    pub clock_zero: &'a At<Time>,
-    pub motion: &'a Option<At<file::Motion>>,
-    /// What messages point at where it is not the motion.
-    pub span: &'a Range<usize>,
-}
-
-impl<'a> From<&'a file::Camera> for Mover<'a> {
-    fn from(camera: &'a file::Camera) -> Self {
-        Mover {
-            noun: "camera",
-            position: (&camera.eye, "eye"),
-            velocity: &camera.velocity,
-            clock_zero: &camera.clock_zero,
-            motion: &camera.motion,
-            span: &camera.time.span,
-        }
-    }
-}
 
 /// A world line as the file gives it.
 pub(super) struct Moving {
@@ -129,22 +98,6 @@ fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
     } else {
         Err(cx.refuse(at, "no motion is given", HELP))
     }
-}
-
-/// Refuses more than one way to give a motion.
-pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
-    let Some(motion) = mover.motion.as_ref().map(|at| &at.value) else {
-        return Ok(());
-    };
-    let ways = [
-        ("acceleration", At::span_of(&motion.acceleration)),
-        ("segments", At::span_of(&motion.segments)),
-        ("profile", At::span_of(&motion.profile)),
-        ("keyframes", At::span_of(&motion.keyframes)),
-        ("animation", At::span_of(&motion.animation)),
-        ("circle", At::span_of(&motion.circle)),
-    ];
-    cx.only_one("the motion", ways, HELP)
 }
 
 /// A constant proper acceleration, which may be none.

@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
-use super::motion::Mover;
+use super::mover::{Mover, slower};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file::{Animation, Circle, Keyframe};
@@ -76,14 +76,6 @@ pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<
     }
     let event = |(seconds, x): &(f64, DVec3)| Event::new(metres(*seconds), *x);
     Ok(Motion::Keyframes(track.points.iter().map(event).collect()))
-}
-
-/// What helps against an animation that is too fast.
-pub(super) fn slower(noun: &str) -> String {
-    format!(
-        "a {noun} is slower than light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
-         a second of it"
-    )
 }
 
 /// A motion by keyframes.

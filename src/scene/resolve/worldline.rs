@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::context::Context;
-use super::motion::Mover;
-use super::path;
+use super::mover::{Mover, slower};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -38,7 +37,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             let what = format!(
                 "the smooth way of node {node:?} moves at |β| = {speed} at {seconds} s of its animation"
             );
-            cx.report.refuse(here, what, path::slower(noun))
+            cx.report.refuse(here, what, slower(noun))
         }
         WorldLineError::Superluminal { index, ct, speed } => {
             let what = format!(

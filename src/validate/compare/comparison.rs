@@ -6,12 +6,14 @@ use serde::Serialize;
 use super::diagnose::{self, Diagnosis};
 use super::errors::{Errors, Sums};
 use super::flip::{self, Flip};
-use super::geometry::{Field, Points};
+use super::geometry::Field;
 use super::known::KnownScene;
+use super::matching::{self, Uncompared};
 use super::options::{CompareOptions, Region};
 use super::picture::{Encoding, Picture, Plane, RADIANCE, is_auxiliary, is_light};
+use super::points::Points;
+use super::ssim;
 use super::surface::{self, SurfaceErrors};
-use super::{matching, ssim};
 use crate::error::{Error, Result};
 use crate::io::image::Layers;
 
@@ -55,15 +57,6 @@ pub struct ChannelErrors {
     /// Errors of the others; none where there are none.
     #[serde(flatten)]
     pub errors: Option<Errors>,
-}
-
-/// Channels that are in one of the pictures and not compared.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
-pub struct Uncompared {
-    /// What the candidate lacks.
-    pub only_reference: Vec<String>,
-    /// What the reference lacks.
-    pub only_candidate: Vec<String>,
 }
 
 /// Compares a candidate with its reference.

@@ -1,106 +1,10 @@
-//! Points of surfaces that pixels show, and how far each is from where it should be; `surface` says the definition.
+//! How far the points of surfaces that pixels show are from where they should be; `surface` says the definition.
 
 use glam::{DVec2, DVec3};
 
 use super::known::KnownScene;
 use super::picture::Plane;
-use crate::io::image::Layers;
-use crate::render::aov::Aov;
-
-pub(super) const OBJECT_POINT: [Aov; 3] = [Aov::ObjectEventX, Aov::ObjectEventY, Aov::ObjectEventZ];
-pub(super) const WORLD_POINT: [Aov; 3] = [Aov::EventX, Aov::EventY, Aov::EventZ];
-pub(super) const DIRECTION: [Aov; 3] = [Aov::DirectionX, Aov::DirectionY, Aov::DirectionZ];
-/// The third coordinate adds nothing.
-const BARYCENTRIC: [Aov; 3] = [Aov::BarycentricU, Aov::BarycentricV, Aov::BarycentricV];
-
-/// Channels of surface points.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Points<'a> {
-    width: usize,
-    height: usize,
-    pub object: Option<Plane<'a>>,
-    pub primitive: Option<Plane<'a>>,
-    /// Places in the object's own frame.
-    pub material: Option<[Plane<'a>; 3]>,
-    /// Places in the world.
-    pub world: Option<[Plane<'a>; 3]>,
-    /// Places on the triangle.
-    barycentric: Option<[Plane<'a>; 3]>,
-    /// Look directions in the world.
-    pub direction: Option<[Plane<'a>; 3]>,
-    /// Emission times in the world, or else in the object's frame.
-    pub time: Option<Plane<'a>>,
-}
-
-impl<'a> Points<'a> {
-    /// The channels that there are.
-    pub fn new(layers: &'a Layers) -> Self {
-        let plane = |aov| Plane::aov(layers, aov);
-        Points {
-            width: layers.width as usize,
-            height: layers.height as usize,
-            object: plane(Aov::Object),
-            primitive: plane(Aov::Primitive),
-            material: Plane::aovs(layers, OBJECT_POINT),
-            world: Plane::aovs(layers, WORLD_POINT),
-            barycentric: Plane::aovs(layers, BARYCENTRIC),
-            direction: Plane::aovs(layers, DIRECTION),
-            time: plane(Aov::EventCt).or_else(|| plane(Aov::ObjectEventCt)),
-        }
-    }
-
-    pub fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
-    }
-
-    /// The planes of both pictures in which the same point of a surface has the same place: in the object's
-    /// frame, or else in the world's, which is right for what rests there.
-    pub fn places(pair: &[Points<'a>; 2]) -> Option<[[Plane<'a>; 3]; 2]> {
-        let both =
-            |of: fn(&Points<'a>) -> Option<[Plane<'a>; 3]>| Some([of(&pair[0])?, of(&pair[1])?]);
-        both(|p| p.material).or_else(|| both(|p| p.world))
-    }
-
-    /// The object that a pixel shows, below 0 for none; none where there is no such channel.
-    pub fn object_at(&self, index: usize) -> Option<f64> {
-        // EXR files of other programs hold −1 as the largest count.
-        let id = self.object?.at(index);
-        Some(if id.is_nan() || id >= 4_294_967_295.0 {
-            -1.0
-        } else {
-            id
-        })
-    }
-
-    /// The triangle that a pixel shows.
-    pub fn primitive_at(&self, index: usize) -> Option<f64> {
-        Some(self.primitive?.at(index))
-    }
-
-    /// The point that a pixel shows in its object's frame, where there are such channels.
-    pub fn own_point(&self, index: usize) -> Option<DVec3> {
-        Some(place(&self.material?, index))
-    }
-
-    /// The place in the world that a pixel shows, where there are such channels.
-    pub fn world_point(&self, index: usize) -> Option<DVec3> {
-        Some(place(&self.world?, index))
-    }
-
-    /// Whether both pictures show one object at this pixel; where neither has the channel, always.
-    pub fn same_object(&self, other: &Points, index: usize) -> bool {
-        match (self.object_at(index), other.object_at(index)) {
-            (Some(a), Some(b)) => a == b && a >= 0.0,
-            _ => true,
-        }
-    }
-}
-
-/// The three coordinates at a pixel.
-pub(super) fn place(planes: &[Plane; 3], index: usize) -> DVec3 {
-    let [x, y, z] = planes.map(|plane| plane.at(index));
-    DVec3::new(x, y, z)
-}
+use super::points::{Points, place};
 
 /// The geometric error of every pixel, NaN where there is none.
 pub(super) fn map(field: &Field) -> Vec<f32> {

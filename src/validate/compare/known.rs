@@ -13,8 +13,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::geometry::Points;
 use super::picture::Picture;
+use super::points::Points;
 use crate::camera::{AnyProjection, Projection, Shot};
 use crate::scene::model::{CameraModel, Effects, Equations, Scene};
 use crate::scene::{self, CameraMotion, Overrides};

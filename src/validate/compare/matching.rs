@@ -6,10 +6,11 @@
 
 use std::borrow::Cow;
 
-use super::comparison::Uncompared;
-use super::geometry::{OBJECT_POINT, WORLD_POINT};
+use serde::Serialize;
+
 use super::options::{CompareOptions, NotFinite, Region};
 use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity};
+use super::points::{OBJECT_POINT, WORLD_POINT};
 use crate::error::{Error, Result};
 use crate::io::image::{Channel, Layers, Samples};
 use crate::render::aov::Aov;
@@ -33,6 +34,15 @@ const SHOT: [&str; 10] = [
     "camera_interpupillary_distance",
     "medium_index",
 ];
+
+/// Channels that are in one of the pictures and not compared.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Uncompared {
+    /// What the candidate lacks.
+    pub only_reference: Vec<String>,
+    /// What the reference lacks.
+    pub only_candidate: Vec<String>,
+}
 
 /// Two pictures that belong together.
 #[derive(Debug)]

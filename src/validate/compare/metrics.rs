@@ -6,8 +6,9 @@
 
 use serde::Serialize;
 
-use super::comparison::{Comparison, Uncompared};
+use super::comparison::Comparison;
 use super::errors::Errors;
+use super::matching::Uncompared;
 use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors};
 use crate::error::{Error, Result};

@@ -36,14 +36,16 @@ mod matching;
 mod metrics;
 mod options;
 mod picture;
+mod points;
 pub mod report;
 mod ssim;
 pub mod surface;
 
-pub use comparison::{ChannelErrors, Comparison, Uncompared, compare};
+pub use comparison::{ChannelErrors, Comparison, compare};
 pub use diagnose::{Diagnosis, Kind};
 pub use errors::{Errors, Histogram};
 pub use flip::Flip;
+pub use matching::Uncompared;
 pub use metrics::{Better, Breach, Found, METRICS, Metric, Tolerance, help};
 pub use options::{CompareOptions, NotFinite, Region};
 pub use picture::{Alpha, Encoding, Picture};

@@ -46,9 +46,10 @@ use std::f64::consts::FRAC_PI_4;
 use serde::Serialize;
 
 use super::errors::{Histogram, Sums};
-use super::geometry::{self, Field, Points};
+use super::geometry::{self, Field};
 use super::options::Region;
 use super::picture::Plane;
+use super::points::Points;
 use crate::io::image::Layers;
 use crate::render::aov::Aov;
 

@@ -11,7 +11,7 @@ use hdf5_reader::{
     ByteOrder, Datatype, FilterRegistry, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem,
 };
 
-use super::super::npy::Number;
+use super::super::number::Number;
 use super::super::selection::Windows;
 use super::lzf;
 use crate::error::{Error, Result};

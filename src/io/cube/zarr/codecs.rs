@@ -5,7 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use flate2::read::MultiGzDecoder;
 use half::f16;
 
-use super::metadata::Number;
+use super::number::Number;
 use crate::io::files::Reader;
 
 /// A step of the encoding of chunks.

@@ -7,6 +7,7 @@
 
 mod codecs;
 mod metadata;
+mod number;
 mod write;
 
 use std::collections::VecDeque;
@@ -15,13 +16,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use self::codecs::Codec;
-use self::metadata::{Metadata, Number};
+use self::metadata::Metadata;
+use self::number::Number;
 pub(super) use self::write::Writer;
 use super::axes::Axes;
 use super::format::{CubeInfo, FileTimes, Wanted};
+use super::layout::StoredLayout;
 use super::samples::Cube;
 use super::selection::{NAME_AXES, Selection, Taken, Windows, name_and_choices};
-use super::store::StoredLayout;
 use crate::error::{Error, Result};
 use crate::io::npy::{Dtype, Header};
 use crate::io::open::open_regular;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::super::geometry::place;
 use super::super::picture::Plane;
+use super::super::points::place;
 use super::motion::camera_velocity;
 use super::{Case, Diagnosis, Kind, Tally, median, time};
 use crate::render::aov::Aov;

@@ -19,8 +19,9 @@
 
 use glam::DVec2;
 
-use super::super::geometry::{Field, place};
+use super::super::geometry::Field;
 use super::super::picture::{Plane, RADIANCE};
+use super::super::points::place;
 use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally};
 
 /// A picture, turned or moved.

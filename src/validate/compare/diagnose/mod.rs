@@ -39,10 +39,11 @@ mod time;
 
 use serde::Serialize;
 
-use super::geometry::{Field, Points};
+use super::geometry::Field;
 use super::known::KnownScene;
 use super::options::Region;
 use super::picture::Picture;
+use super::points::Points;
 use crate::scene::model::Scene;
 
 /// The part of an error that a hypothesis has to explain, and of the pixels at which it does.

@@ -24,9 +24,9 @@ use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
-use super::super::geometry::place;
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
+use super::super::points::place;
 use super::{Case, Diagnosis, Kind, NEAR, Tally};
 use crate::render::aov::Aov;
 use crate::spacetime::{Boost, Camera, Direction, Velocity, World};

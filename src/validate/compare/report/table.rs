@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::validate::compare::comparison::{Comparison, Uncompared};
+use crate::validate::compare::comparison::Comparison;
 use crate::validate::compare::errors::Errors;
+use crate::validate::compare::matching::Uncompared;
 use crate::validate::compare::metrics::{METRICS, number};
 use crate::validate::compare::picture::Encoding;
 

@@ -1,0 +1,97 @@
+//! What the methods need beside the ray tracer, foretold, and what they refuse.
+
+use super::batch::Piece;
+use super::divide::Cuts;
+use super::method::{Method, Tessellation, moves};
+use super::vertices::Vertex;
+use super::warp::TEXEL_BYTES;
+use crate::approximate::projection::apart;
+use crate::camera::Kind;
+use crate::error::Result;
+use crate::render::plan::{Plan, Request, bytes, count};
+use crate::scene::model::Scene;
+
+impl Method {
+    /// Plans a picture that is made so: what the ray tracer needs for it, and what this method holds beside.
+    ///
+    /// # Errors
+    /// As [`Plan::new`] and [`Method::added_to`].
+    pub fn plan(&self, scene: &Scene, request: &Request) -> Result<Plan> {
+        self.added_to(Plan::new(scene, request)?)
+    }
+
+    /// The plan with the vertices, triangles or texels that this method holds. At how many points triangles will be cut
+    /// shows only once they are loaded: a note says how many there may be.
+    ///
+    /// # Errors
+    /// What [`Method::check`] refuses, and more than the memory limit.
+    pub fn added_to(&self, plan: Plan) -> Result<Plan> {
+        self.check(&plan)?;
+        let [beside, working] = self.bytes(&plan);
+        let mut plan = plan.holding(beside, working)?;
+        if let Method::Raster(raster) = self
+            && raster.tessellation != Tessellation::None
+        {
+            let most = Cuts::most(plan.memory_left());
+            plan.notes.push(format!(
+                "triangles may be cut at up to {} points, which take up to {}; a picture that needs more is refused",
+                count(most as u64),
+                bytes(most as u64 * Cuts::BYTES)
+            ));
+        }
+        Ok(plan)
+    }
+
+    /// What it holds beside what the ray tracer does for `plan`, bytes: to the end, and until the film is complete.
+    fn bytes(&self, plan: &Plan) -> [u64; 2] {
+        match self {
+            Method::Trace => [0, 0],
+            Method::Raster(_) => {
+                let frames = plan.frames.iter().map(|frame| {
+                    let objects = frame.objects.iter().filter_map(|o| plan.objects.get(*o));
+                    let vertices: u64 = objects.map(|o| o.vertices).sum();
+                    triangle_bytes(frame.triangles, vertices.min(3 * frame.triangles))
+                });
+                frames.fold([0, 0], |sum: [u64; 2], held| {
+                    [0, 1].map(|k| sum[k].saturating_add(held[k]))
+                })
+            }
+            Method::Warp(warp) => [0, warp.map.texels().saturating_mul(TEXEL_BYTES)],
+        }
+    }
+
+    /// Refuses what the method cannot do of `plan`, before anything is loaded.
+    ///
+    /// # Errors
+    /// A camera whose rays leave events of their own; for warps, objects that move.
+    pub fn check(&self, plan: &Plan) -> Result<()> {
+        if *self == Method::Trace {
+            return Ok(());
+        }
+        if !matches!(plan.view, Kind::Still | Kind::Moving | Kind::Unaberrated) {
+            return Err(apart());
+        }
+        match (self, plan.frames.iter().find(|frame| frame.gamma > 1.0)) {
+            (Method::Warp(_), Some(frame)) => {
+                let object = frame.objects.first().and_then(|o| plan.objects.get(*o));
+                Err(moves(&object.map_or(String::new(), |o| {
+                    format!("object \"{}\"", o.name)
+                })))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What so many triangles and their distinct corners take without being cut, bytes: to the end, and until the film is
+/// complete. Lists that grow may have twice the room that they need.
+fn triangle_bytes(triangles: u64, vertices: u64) -> [u64; 2] {
+    // Places of corners and their indices stay with the rest frame; places are found in a table of as many triangles, whose
+    // room is a power of two at most 8/7 full.
+    let shared = (2 * 24 * vertices).saturating_add(12 * triangles);
+    let table = 75 * triangles;
+    // By triangle: its piece, its place in the level, its index in the tiles, and what a tile gathers of it.
+    let pieces = 2 * size_of::<Piece>() as u64 + 2 * 16 + 8 + 96;
+    let drawn = (size_of::<Vertex>() as u64 * vertices).saturating_add(pieces * triangles);
+    [shared, table.max(drawn)]
+}

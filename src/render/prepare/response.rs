@@ -1,0 +1,62 @@
+//! What surfaces and observers of a scene make of light: its effects, its equations and what its eye sees.
+
+use crate::colour::RgbShift;
+use crate::light::Received;
+use crate::render::trace::{Colouring, Eye, Response, Scaling};
+use crate::scene::model::{Effects, Equations, Scene};
+use crate::spacetime::Quantity;
+
+/// What surfaces in `scene` receive of light that measures `quantity`.
+pub(super) fn received(quantity: Quantity, scene: &Scene) -> Received {
+    match quantity {
+        Quantity::Rgb => Received::Rgb(RgbShift::of(scene.continuation)),
+        quantity => Received::Scaled(quantity),
+    }
+}
+
+/// What an observer in `scene` makes of radiance of `quantity`.
+pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
+    let Effects {
+        doppler,
+        searchlight,
+        ..
+    } = scene.effects;
+    let eye = eye(scene);
+    let brightness = match searchlight {
+        true => Scaling::Of(scaling(quantity, scene.equations)),
+        false => Scaling::None,
+    };
+    let (scaled, colour) = match (quantity.line().map(|l| eye.wavelength(l)), doppler) {
+        (Some(wavelength), true) => (brightness, Colouring::ShiftedLine(wavelength)),
+        (Some(wavelength), false) => (brightness, Colouring::UnshiftedLine(wavelength)),
+        (None, true) if quantity == Quantity::Rgb => {
+            let colour = Colouring::Rgb(RgbShift::of(scene.continuation), eye);
+            (without(searchlight), colour)
+        }
+        (None, _) => (brightness, Colouring::Channels),
+    };
+    Response { scaled, colour }
+}
+
+/// The scaling that goes with colours that have the searchlight effect in them.
+pub(super) fn without(searchlight: bool) -> Scaling {
+    match searchlight {
+        true => Scaling::None,
+        false => Scaling::HueAlone,
+    }
+}
+
+/// The wavelengths that the observer sees.
+pub(super) fn eye(scene: &Scene) -> Eye {
+    scene.false_colour.map_or(Eye::HUMAN, Eye::seeing)
+}
+
+/// The quantity whose power of W is applied: Jarabo et al. 2015 have D⁻⁵ for lines and whole spectra too.
+pub(crate) fn scaling(quantity: Quantity, equations: Equations) -> Quantity {
+    match (equations, quantity) {
+        (Equations::Paper2015, Quantity::Line { .. } | Quantity::Integrated) => {
+            Quantity::PerWavelength
+        }
+        _ => quantity,
+    }
+}

@@ -1,0 +1,145 @@
+//! Colours and finishes of surfaces, by patch and place.
+
+use super::emitted::{Emitted, Response};
+use super::rest_frame::{Patch, RestFrame};
+use super::run::Run;
+use crate::accel::Hit;
+use crate::io::image::Texture;
+use crate::mesh::Wrap;
+
+/// Time-independent radiance: a factor, a texture, colours of vertices.
+#[derive(Debug, Clone)]
+pub struct BaseColour {
+    /// Linear RGB.
+    pub factor: [f64; 3],
+    /// Its texture.
+    pub texture: Option<TextureLookup>,
+    /// Whether the mesh's colours are a factor too.
+    pub vertex_colours: bool,
+    /// What an observer makes of it, where that is not the common response.
+    pub response: Option<Response>,
+}
+
+/// A texture, and how it is looked up.
+#[derive(Debug, Clone, Copy)]
+pub struct TextureLookup {
+    /// Index into [`BaseColours::textures`].
+    pub texture: usize,
+    /// The set of texture coordinates.
+    pub uv_set: usize,
+    /// What lies outside [0, 1] along u and v.
+    pub wrap: [Wrap; 2],
+}
+
+/// How a surface reflects and shines.
+#[derive(Debug, Clone)]
+pub struct Finish {
+    /// Index of its colour among the base colours.
+    pub colour: usize,
+    /// Metalness and roughness; none of a diffuse surface.
+    pub gloss: Option<Gloss>,
+    /// What goes through; none of an opaque surface.
+    pub glass: Option<Glass>,
+    /// Radiance of its own.
+    pub emission: Option<BaseColour>,
+}
+
+/// What goes through a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Glass {
+    /// The part of what is not reflected.
+    pub transmission: f64,
+    /// Refractive index of the body that it bounds.
+    pub index: f64,
+    /// Whether it bounds a body, and is not a film without thickness.
+    pub solid: bool,
+}
+
+/// Metalness and roughness.
+#[derive(Debug, Clone, Copy)]
+pub struct Gloss {
+    /// Factor on the metalness.
+    pub metallic: f64,
+    /// Factor on the perceptual roughness.
+    pub roughness: f64,
+    /// Roughness in its green channel, metalness in its blue one.
+    pub texture: Option<TextureLookup>,
+}
+
+/// Base colours of all patches.
+#[derive(Debug)]
+pub struct BaseColours {
+    /// By emitter index.
+    pub colours: Vec<BaseColour>,
+    /// Decoded textures.
+    pub textures: Vec<Texture>,
+    /// The common response.
+    pub response: Response,
+}
+
+impl BaseColours {
+    /// What colour `index` emits at `hit`.
+    pub(super) fn radiance(&self, index: usize, run: &Run, hit: &Hit) -> [f64; 3] {
+        self.colour_at(&self.colours[index], run.rest, run.patch, hit)
+    }
+
+    /// What `base` is at a hit on `patch` of the frame `rest`.
+    pub(super) fn colour_at(
+        &self,
+        base: &BaseColour,
+        rest: &RestFrame,
+        patch: &Patch,
+        hit: &Hit,
+    ) -> [f64; 3] {
+        let mut colour = base.factor;
+        if let Some(lookup) = base.texture
+            && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
+        {
+            let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.wrap);
+            colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
+        }
+        if base.vertex_colours
+            && let Some(vertex) = rest.vertex_colour(patch, hit)
+        {
+            colour = std::array::from_fn(|c| colour[c] * vertex[c]);
+        }
+        colour
+    }
+
+    /// Metalness and roughness at a hit.
+    pub(super) fn gloss(
+        &self,
+        gloss: &Gloss,
+        rest: &RestFrame,
+        patch: &Patch,
+        hit: &Hit,
+    ) -> [f64; 2] {
+        let both = [gloss.metallic, gloss.roughness];
+        let Some(lookup) = gloss.texture else {
+            return both;
+        };
+        let Some(uv) = rest.uv(patch, lookup.uv_set, hit) else {
+            return both;
+        };
+        let [_, roughness, metallic] =
+            self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.wrap);
+        [gloss.metallic * metallic, gloss.roughness * roughness]
+    }
+
+    /// What colour `index` emits at the points of `run`.
+    pub(super) fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
+        match &self.colours[index] {
+            BaseColour {
+                texture: None,
+                vertex_colours: false,
+                factor,
+                ..
+            } => emitted.radiance.resize(run.count(), *factor),
+            _ => {
+                let hits = (0..run.count()).filter_map(|k| run.hit(k));
+                let radiance = hits.map(|hit| self.radiance(index, run, &hit));
+                emitted.radiance.extend(radiance);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! What shines and reflects in a scene whose light varies with time.
+
+use std::sync::Arc;
+
+use super::base_colours::{BaseColours, Finish};
+use super::emitted::Response;
+use super::lights::{AreaLights, SkyLight};
+use super::point::EmissionClock;
+use crate::io::cube::Bricks;
+use crate::light::lamp::Lamp;
+use crate::light::time_texture::{Capture, TimeTexture};
+use crate::scene::model::CaptureChoice;
+
+/// All kinds of emitters, some of which vary with time.
+#[derive(Debug)]
+pub struct TimeResolved {
+    /// By emitter index.
+    pub emitters: Vec<(Emitter, Response)>,
+    /// Base colours (also albedos of what lamps light).
+    pub base: BaseColours,
+    /// Cubes with their time axes.
+    pub cubes: Vec<TimeTexture>,
+    /// The source of the scene that each of them is.
+    pub cube_sources: Vec<usize>,
+    /// Which of several captures of one surface is taken.
+    pub choice: CaptureChoice,
+    /// Capture cameras and what they saw.
+    pub captures: Vec<Capture>,
+    /// By source of the scene: pulses; then the scene's lights without extent.
+    pub lamps: Vec<Option<Lamp>>,
+    /// Surfaces that shine.
+    pub areas: Option<Box<AreaLights>>,
+    /// The sky, where it lights.
+    pub sky: Option<SkyLight>,
+    /// Refractive index of the medium.
+    pub index: f64,
+}
+
+impl TimeResolved {
+    /// The cubes that are read from disk, each once.
+    pub(crate) fn on_disk(&self) -> impl Iterator<Item = &Bricks> {
+        let bricks = |at: usize| self.cubes[at].cube().on_disk();
+        let is_first = move |at: &usize| {
+            let mut earlier = (0..*at).filter_map(bricks);
+            bricks(*at).is_some_and(|own| !earlier.any(|other| Arc::ptr_eq(other, own)))
+        };
+        let first = (0..self.cubes.len()).filter(is_first);
+        first.filter_map(move |at| bricks(at).map(Arc::as_ref))
+    }
+}
+
+/// Where the radiance of a patch comes from.
+#[derive(Debug, Clone)]
+pub enum Emitter {
+    /// A base colour.
+    Base(usize),
+    /// A cube by texture coordinates.
+    Uv {
+        /// Index of the cube.
+        cube: usize,
+        /// TEXCOORD set.
+        set: usize,
+        /// The clock of its time axis.
+        clock: EmissionClock,
+    },
+    /// Cubes projected from their capture cameras, one or more.
+    Captured(Vec<CapturedCube>),
+    /// The light of lamps, reflected, and also that of shining surfaces and of the sky.
+    Lit {
+        /// How it is reflected.
+        finish: Box<Finish>,
+        /// Which lamps.
+        lamps: Vec<usize>,
+    },
+}
+
+/// A cube and the camera that captured it.
+#[derive(Debug, Clone, Copy)]
+pub struct CapturedCube {
+    /// Index of the cube.
+    pub cube: usize,
+    /// Index of the capture camera.
+    pub capture: usize,
+    /// The clock before the delay to the capture camera.
+    pub clock: EmissionClock,
+}

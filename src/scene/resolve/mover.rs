@@ -1,0 +1,63 @@
+//! What moves, as the file gives it: the keys that cameras and lights have in common.
+
+use std::ops::Range;
+
+use super::context::Context;
+use crate::error::Result;
+use crate::scene::at::At;
+use crate::scene::file;
+use crate::scene::values::Vector;
+use crate::spacetime::units::Time;
+
+/// What helps where no motion is given, or several.
+pub(super) const HELP: &str = "give it in exactly one way: `acceleration`, `segments`, `profile`, `keyframes`, `animation` or `circle`";
+
+/// The keys of something that moves.
+pub(super) struct Mover<'a> {
+    /// What it is, for messages.
+    pub noun: &'static str,
+    /// Where it is when its clock shows 0, and the key that says so.
+    pub position: (&'a Option<At<Vector>>, &'static str),
+    pub velocity: &'a Option<At<file::Velocity>>,
+    pub clock_zero: &'a At<Time>,
+    pub motion: &'a Option<At<file::Motion>>,
+    /// What messages point at where it is not the motion.
+    pub span: &'a Range<usize>,
+}
+
+impl<'a> From<&'a file::Camera> for Mover<'a> {
+    fn from(camera: &'a file::Camera) -> Self {
+        Mover {
+            noun: "camera",
+            position: (&camera.eye, "eye"),
+            velocity: &camera.velocity,
+            clock_zero: &camera.clock_zero,
+            motion: &camera.motion,
+            span: &camera.time.span,
+        }
+    }
+}
+
+/// Refuses more than one way to give a motion.
+pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
+    let Some(motion) = mover.motion.as_ref().map(|at| &at.value) else {
+        return Ok(());
+    };
+    let ways = [
+        ("acceleration", At::span_of(&motion.acceleration)),
+        ("segments", At::span_of(&motion.segments)),
+        ("profile", At::span_of(&motion.profile)),
+        ("keyframes", At::span_of(&motion.keyframes)),
+        ("animation", At::span_of(&motion.animation)),
+        ("circle", At::span_of(&motion.circle)),
+    ];
+    cx.only_one("the motion", ways, HELP)
+}
+
+/// What helps against an animation that is too fast.
+pub(super) fn slower(noun: &str) -> String {
+    format!(
+        "a {noun} is slower than light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
+         a second of it"
+    )
+}

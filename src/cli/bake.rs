@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use nullray::io::cube::Samples;
 use nullray::io::image::npz::{self, CubeOptions};
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Surface};
+use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
 use nullray::render::journal::Journal;
 use nullray::render::metadata;
 use nullray::render::plan::{Lit, Plan, Request, lit_by};
@@ -33,7 +33,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     bake::check(&scene)?;
     let bins = bins(arguments, &scene)?;
-    let jobs = jobs(arguments, &scene)?;
+    let mut jobs = jobs(arguments, &scene)?;
     let limit = arguments.scene.changes.memory.bytes();
     let size = |job: &Job| {
         job.surface
@@ -57,6 +57,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         ..arguments.scene.changes.request()
     };
     let plan = Plan::new(&scene, &request)?;
+    choose_coordinates(arguments, &plan, &mut jobs)?;
     let read = inputs::of(&scene, &plan);
     check_names(arguments, &jobs, &read)?;
     if arguments.plan {
@@ -96,7 +97,8 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
                 arguments.half,
             )?;
             journal.remove()?;
-            say(quiet, &report(&scene, &prepared, job, &bins, &baked))?;
+            let text = report((&scene, &plan), &prepared, job, &bins, &baked);
+            say(quiet, &text)?;
         }
         warn(quiet, &prepared.warnings)
     })
@@ -131,7 +133,7 @@ fn bins(arguments: &BakeArguments, scene: &Scene) -> Result<Bins> {
 fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
     let path = match &arguments.output {
         Some(path) => path.clone(),
-        None => named_after(arguments.scene.path(), "-light.npy"),
+        None => named_after(arguments.scene.path(), "-light.npz"),
     };
     if !["npy", "npz"].contains(&extension(&path).as_str()) {
         let what = "a cube is written as .npy, or as .npz with what it is of";
@@ -156,11 +158,37 @@ fn jobs(arguments: &BakeArguments, scene: &Scene) -> Result<Vec<Job>> {
         },
         surface: Some(Surface {
             object,
-            uv_set: usize::from(arguments.uv),
+            coordinates: match arguments.atlas {
+                true => Coordinates::Atlas,
+                false => Coordinates::Set(arguments.uv.map_or(0, usize::from)),
+            },
             size: arguments.texels,
         }),
     };
     Ok(objects.into_iter().map(job).collect())
+}
+
+/// An atlas for objects without texture coordinates, unless a set is asked for; and a file that can hold it.
+fn choose_coordinates(arguments: &BakeArguments, plan: &Plan, jobs: &mut [Job]) -> Result<()> {
+    for job in jobs {
+        let Some(surface) = &mut job.surface else {
+            continue;
+        };
+        let has_none = plan.objects[surface.object].uv_sets == 0;
+        if has_none && arguments.uv.is_none() {
+            surface.coordinates = Coordinates::Atlas;
+        }
+        if surface.coordinates == Coordinates::Atlas && extension(&job.path) != "npz" {
+            let what =
+                "a .npy file has no room for the texture coordinates that are made for the light";
+            return Err(refused(
+                format!("-o {}", job.path.display()),
+                what,
+                "end it in .npz",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The objects that are named, or all that reflect light.
@@ -252,16 +280,36 @@ fn write(
             ));
         }
     }
+    let coordinates = baked.texture_coordinates.iter().flatten();
+    let coordinates: Vec<f64> = coordinates
+        .flatten()
+        .flatten()
+        .map(|x| f64::from(*x))
+        .collect();
+    let (bins_shape, corners_shape) = ([bins.count], [coordinates.len() / 6, 3, 2]);
+    let arrays: [(&str, &[usize], &[f64]); 2] = [
+        ("standard_error", &bins_shape, &baked.standard_error),
+        ("texture_coordinates", &corners_shape, &coordinates),
+    ];
     let options = CubeOptions {
         half,
-        arrays: &[("standard_error", &baked.standard_error)],
+        arrays: match baked.texture_coordinates {
+            Some(_) => &arrays,
+            None => &arrays[..1],
+        },
         metadata: &metadata::of_baked(scene, bins, samples, baked),
     };
     npz::write_cube_with(&job.path, &baked.cube, &options)
 }
 
 /// What was written, what is not in it, and how a scene uses it.
-fn report(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Baked) -> String {
+fn report(
+    (scene, plan): (&Scene, &Plan),
+    prepared: &Prepared,
+    job: &Job,
+    bins: &Bins,
+    baked: &Baked,
+) -> String {
     let [h, w, t, _] = baked.cube.shape;
     let energy = &baked.energy;
     let all = energy.held + energy.before + energy.after;
@@ -286,11 +334,17 @@ fn report(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Ba
         text += &format!("\nstandard error of a bin: {error:.2} % of the root mean square of all");
     }
     text += "\n\n";
-    text + &source(scene, prepared, job, bins, baked)
+    text + &source((scene, plan), prepared, job, bins, baked)
 }
 
 /// The table of a scene file that reads the cube.
-fn source(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Baked) -> String {
+fn source(
+    (scene, plan): (&Scene, &Plan),
+    prepared: &Prepared,
+    job: &Job,
+    bins: &Bins,
+    baked: &Baked,
+) -> String {
     let file = job.path.file_name().unwrap_or_default().to_string_lossy();
     // An archive holds more arrays than one.
     let array = match extension(&job.path).as_str() {
@@ -308,10 +362,22 @@ fn source(scene: &Scene, prepared: &Prepared, job: &Job, bins: &Bins, baked: &Ba
                 true => "object",
                 false => "world",
             };
+            // Another file of coordinates takes the place of one that it has.
+            let has_file = scene.objects[surface.object].texture_coordinates.is_some();
+            let own_sets = plan.objects[surface.object].uv_sets - usize::from(has_file);
+            let (before, set) = match surface.coordinates {
+                Coordinates::Set(set) => (String::new(), set),
+                // The next after its own.
+                Coordinates::Atlas => (
+                    format!(
+                        "# Give object {object:?}\n# texture_coordinates = {{ file = {file:?} }}\n"
+                    ),
+                    own_sets,
+                ),
+            };
             format!(
-                "[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {} }}\n",
+                "{before}[[source]]\nname = {:?}\nobjects = [{object:?}]\ncube = {{ {axis}, clock = \"{clock}\", uv = {set} }}\n",
                 format!("light on {object}"),
-                surface.uv_set
             )
         }
         None => {

@@ -21,9 +21,14 @@ pub fn of(scene: &Scene, plan: &Plan) -> Vec<PathBuf> {
         .objects
         .iter()
         .flat_map(|o| o.file.iter().chain(&o.files).cloned());
+    let coordinates = scene.objects.iter().filter_map(|o| {
+        let file = o.texture_coordinates.as_ref()?;
+        Some(file.path.clone())
+    });
     let sky = scene.sky.iter().flat_map(|sky| sky.files().cloned());
     let named = cubes
         .chain(meshes)
+        .chain(coordinates)
         .chain(sky)
         .filter(|p| !p.starts_with(files::BUILT_IN));
     // The built-in scene has a name, and no file.

@@ -1,5 +1,6 @@
 //! Triangles and their attributes, and the built-in shapes.
 
+pub mod atlas;
 pub mod shapes;
 mod triangles;
 

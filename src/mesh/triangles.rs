@@ -1,6 +1,10 @@
 //! Triangles and their attributes, as they are at rest: no motion, no acceleration structure.
 
+use std::collections::HashMap;
+
 use glam::{DVec2, DVec3};
+
+use super::atlas::Corners;
 
 /// An indexed triangle mesh in the coordinates of its object, metres.
 ///
@@ -230,6 +234,44 @@ impl Mesh {
             false => {
                 let what = format!("cover {next} of {} triangles", self.triangles.len());
                 refuse("parts".into(), what)
+            }
+        }
+    }
+
+    /// Adds a set of texture coordinates that are given by triangle and corner, as set `set`, before which there must be as many; sets from
+    /// there on are moved one further, with the textures that use them. Vertices whose corners differ become several.
+    pub fn insert_uvs(&mut self, set: usize, corners: &[Corners]) {
+        let mut vertices = HashMap::new();
+        let mut old = Vec::new();
+        let mut uvs = Vec::new();
+        for (triangle, corners) in self.triangles.iter_mut().zip(corners) {
+            for (vertex, uv) in triangle.iter_mut().zip(corners) {
+                let new = *vertices
+                    .entry((*vertex, uv.map(f32::to_bits)))
+                    .or_insert_with(|| {
+                        old.push(*vertex as usize);
+                        uvs.push(*uv);
+                        old.len() as u32 - 1
+                    });
+                *vertex = new;
+            }
+        }
+        self.positions = old.iter().map(|v| self.positions[*v]).collect();
+        for list in self.uvs.iter_mut().filter(|list| !list.is_empty()) {
+            *list = old.iter().map(|v| list[*v]).collect();
+        }
+        if !self.colours.is_empty() {
+            self.colours = old.iter().map(|v| self.colours[*v]).collect();
+        }
+        self.uvs.insert(set, uvs);
+        for material in &mut self.materials {
+            let textures = [
+                &mut material.base_colour_texture,
+                &mut material.metallic_roughness_texture,
+                &mut material.emissive_texture,
+            ];
+            for texture in textures.into_iter().flatten() {
+                texture.uv_set += usize::from(texture.uv_set >= set);
             }
         }
     }

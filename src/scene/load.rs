@@ -132,6 +132,9 @@ pub(super) fn scene(
         read_numbers(&mut inputs, seen, &edges.value);
     }
     for object in &file.object {
+        if let Some(coordinates) = &object.value.texture_coordinates {
+            look_for(&mut inputs, seen, &coordinates.value.file);
+        }
         read_spectrum(&mut inputs, seen, &object.value.spectrum);
     }
     for light in &file.light {

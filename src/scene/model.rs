@@ -122,6 +122,8 @@ pub struct Object {
     pub geometry: Geometry,
     /// What it shines with in place of base colours and sources.
     pub spectrum: Option<Spectrum>,
+    /// Further texture coordinates, as the set after those that the mesh has.
+    pub texture_coordinates: Option<CoordinateFile>,
     /// Object coordinates from the file's (or shape's) coordinates.
     pub transform: DAffine3,
     /// What is done about vertices that no ray can hit.
@@ -132,6 +134,15 @@ pub struct Object {
     pub origin: Event<World>,
     /// A byte range of the scene text to point at in messages.
     pub span: std::ops::Range<usize>,
+}
+
+/// A file of texture coordinates, shape (triangles, 3, 2).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CoordinateFile {
+    /// Relative paths are already resolved against the scene file.
+    pub path: PathBuf,
+    /// The array of an `.npz`.
+    pub array: Option<String>,
 }
 
 /// Where an object's triangles come from.

@@ -6,7 +6,7 @@ use nullray::error::Result;
 use nullray::io::cube::{self, Cube, Samples, Wanted};
 use nullray::io::image::npz;
 use nullray::render::aov::Aov;
-use nullray::render::bake::{self, Baked, Bins, Surface};
+use nullray::render::bake::{self, Baked, Bins, Coordinates, Surface};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -49,7 +49,7 @@ fn camera_cube(scene: &Scene, bins: &Bins) -> Result<Baked> {
 fn surface_cube(scene: &Scene, object: usize, size: [u32; 2], bins: &Bins) -> Result<Baked> {
     let surface = Surface {
         object,
-        uv_set: 0,
+        coordinates: Coordinates::Set(0),
         size,
     };
     bake::surface_cube(scene, &prepared(scene), &surface, bins, None, &Silent)
@@ -279,6 +279,127 @@ colour = [0.9, 0.5, 0.3]
     stage::assert_relative(sums[0], sums[1], 1e-2, "whole film");
 }
 
+/// Objects none of whose texture coordinates would do: a box, whose faces share theirs; a mesh from a file without any, mirrored; and a sphere. Baked with atlases, and read by their files, the light is the one that paths find.
+#[test]
+fn a_film_through_light_on_atlases_is_the_path_traced_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let positions = [
+        [0f32, 0.0, 0.0],
+        [0.8, 0.0, 0.0],
+        [0.8, 1.0, 0.2],
+        [0.0, 1.0, 0.2],
+        [0.4, 0.5, 0.5],
+    ];
+    let triangles = [0u32, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4];
+    let mut bytes: Vec<u8> = positions
+        .as_flattened()
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    bytes.extend(triangles.iter().flat_map(|x| x.to_le_bytes()));
+    std::fs::write(folder.path().join("pyramid.bin"), &bytes).unwrap();
+    let json = r#"{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0 } }],
+        "buffers": [{ "uri": "pyramid.bin", "byteLength": 108 }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 60 }, { "buffer": 0, "byteOffset": 60, "byteLength": 48 }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3", "min": [0, 0, 0], "max": [0.8, 1, 0.5] },
+            { "bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR" }] }"#;
+    std::fs::write(folder.path().join("pyramid.gltf"), json).unwrap();
+    let pyramid = folder.path().join("pyramid.gltf");
+    let head = "
+[camera]
+eye = [0.3, 1.6, 4]
+look_at = [0, 0.5, 0]
+hfov = \"45 deg\"
+size = [32, 24]
+velocity = { beta = [0.3, 0, -0.5] }
+clock_zero = \"8 m\"
+[display]
+samples_per_pixel = 1024
+[[object]]
+name = \"floor\"
+shape = { plane = { size = [4, 4] } }
+colour = [0.8, 0.8, 0.8]
+";
+    let light = "[[light]]\nposition = [0.2, 2, 1.5]\nintensity = 2\nemission = { gaussian = { sigma = \"0.3 m\" } }\n";
+    let objects = |files: [&str; 3]| {
+        format!(
+            "[[object]]\nname = \"box\"\nshape = {{ box = {{ size = [0.7, 1, 0.7] }} }}\ncolour = [0.9, 0.5, 0.3]\n{}\n\
+             transform = {{ translate = [-0.9, 0.5, -0.2], rotate = {{ axis = [0, 1, 0], angle = \"20 deg\" }} }}\n\
+             [[object]]\nname = \"pyramid\"\ngltf = {pyramid:?}\n{}\n\
+             transform = {{ translate = [0.3, 0, 0.4], scale = [-1, 1, 1] }}\n\
+             [[object]]\nname = \"ball\"\nshape = {{ sphere = {{ radius = 0.4, subdivisions = 3 }} }}\n{}\n\
+             transform = {{ translate = [1, 0.4, 0] }}\n",
+            files[0], files[1], files[2]
+        )
+    };
+    let lit = format!(
+        "render = {{ bounces = 1 }}\n{head}{}{light}",
+        objects([""; 3])
+    );
+    let lit = stage::scene(&lit);
+    let bins = Bins {
+        start: -2.0,
+        width: 0.1,
+        count: 120,
+    };
+    let mut sources = String::new();
+    let mut files = Vec::new();
+    for (object, name) in ["floor", "box", "pyramid", "ball"].into_iter().enumerate() {
+        let mut scene = lit.clone();
+        scene.samples_per_pixel = 16;
+        let surface = Surface {
+            object,
+            coordinates: Coordinates::Atlas,
+            size: [128, 128],
+        };
+        let baked = bake::surface_cube(&scene, &prepared(&scene), &surface, &bins, None, &Silent);
+        let baked = baked.unwrap();
+        let corners = baked.texture_coordinates.unwrap();
+        let corners: Vec<f64> = corners
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|x| f64::from(*x))
+            .collect();
+        let file = folder.path().join(format!("{name}.npz"));
+        let options = npz::CubeOptions {
+            arrays: &[("texture_coordinates", &[corners.len() / 6, 3, 2], &corners)],
+            ..npz::CubeOptions::default()
+        };
+        npz::write_cube_with(&file, &baked.cube, &options).unwrap();
+        // A mesh without coordinates has set 0 of the file alone; shapes have one of their own.
+        let set = usize::from(name != "pyramid");
+        files.push(format!("texture_coordinates = {{ file = {file:?} }}"));
+        sources += &format!(
+            "[[source]]\nobjects = [\"{name}\"]\ncube = {{ file = {file:?}, array = \"radiance\", start = \"-2 m\", bin_width = \"0.1 m\", \
+             clock = \"world\", filter = \"linear\", uv = {set} }}\n"
+        );
+    }
+    let floor = format!("{head}{}\n", files[0]);
+    let stored = format!(
+        "{floor}{}{sources}",
+        objects([&files[1], &files[2], &files[3]])
+    );
+    let stored = stage::scene(&stored);
+    let film = |scene: &Scene| stage::rendered(scene, &stage::sampled()).unwrap();
+    let (traced, stored) = (film(&lit), film(&stored));
+    let (mut squares, mut all, mut sums) = (0.0, 0.0, [0.0; 2]);
+    for (a, b) in stored.radiance().iter().zip(traced.radiance()) {
+        for c in 0..3 {
+            squares += (a[c] - b[c]).powi(2);
+            all += b[c] * b[c];
+            sums[0] += a[c];
+            sums[1] += b[c];
+        }
+    }
+    let error = f64::sqrt(squares / all);
+    assert!(all > 0.0 && error < 5e-2, "{error}");
+    stage::assert_relative(sums[0], sums[1], 1e-2, "whole film");
+}
+
 #[test]
 fn baked_light_is_the_same_on_any_number_of_threads() {
     let mut scene = stage::scene(CORNER);
@@ -398,7 +519,7 @@ fn a_bake_that_is_taken_up_again_has_the_bits_of_one_that_was_not_stopped() {
     let path = folder.path().join("parts");
     let surface = Surface {
         object: 0,
-        uv_set: 0,
+        coordinates: Coordinates::Set(0),
         size: [33, 121],
     };
     for camera in [true, false] {

@@ -24,6 +24,7 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
     let mut builder = Builder {
         buffers: Buffers::new(document),
         vertices: Vertices::new(draft.uv_sets(), want.bad_vertices),
+        uv_sets: draft.uv_sets(),
         triangles: Vec::new(),
         parts: Vec::new(),
         palette: Palette::default(),
@@ -42,6 +43,7 @@ pub(super) fn load(document: &mut Document, node: Option<&str>, want: Want) -> R
 struct Builder<'d, 'a> {
     buffers: Buffers<'d, 'a>,
     vertices: Vertices,
+    uv_sets: usize,
     triangles: Vec<[u32; 3]>,
     parts: Vec<Part>,
     palette: Palette,
@@ -141,6 +143,7 @@ impl Builder<'_, '_> {
                 parts: self.parts,
                 materials: self.palette.materials,
             },
+            uv_sets: self.uv_sets,
             images: self.palette.images,
             warnings: self.warnings.into_sentences(),
         }

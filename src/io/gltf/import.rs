@@ -30,6 +30,8 @@ pub struct Imported {
     /// (KHR_texture_transform) have their coordinates in further lists after the file's sets. Vertices without
     /// a colour that others have are white.
     pub mesh: Mesh,
+    /// How many of its texture coordinate sets the file has.
+    pub uv_sets: usize,
     /// Encoded images of the materials in use, as far as they are wanted; [`TextureRef::image`] counts these.
     ///
     /// [`TextureRef::image`]: crate::mesh::TextureRef::image

@@ -89,8 +89,8 @@ pub fn write_cube(path: &Path, cube: &Cube) -> Result<()> {
 pub struct CubeOptions<'a> {
     /// Single precision as half, rounded to the nearest.
     pub half: bool,
-    /// More arrays of one axis, with their names; in an .npz file alone.
-    pub arrays: &'a [(&'a str, &'a [f64])],
+    /// More arrays, by name, shape and samples in C order; in an .npz file alone.
+    pub arrays: &'a [(&'a str, &'a [usize], &'a [f64])],
     /// What `metadata` holds; in an .npz file alone.
     pub metadata: &'a [(String, String)],
 }
@@ -180,9 +180,10 @@ fn write_arrays(
 
 /// Writes what an archive holds beside its cube.
 fn write_more(archive: &mut Archive, path: &Path, options: &CubeOptions) -> Result<()> {
-    for (name, values) in options.arrays {
+    for (name, shape, values) in options.arrays {
         start(archive, path, name, values.len() as u64 * 8)?;
-        let header = npy_header("<f8", &format!("({},)", values.len()));
+        let sizes: String = shape.iter().map(|size| format!("{size},")).collect();
+        let header = npy_header("<f8", &format!("({sizes})"));
         write_all(archive, path, &header)?;
         let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
         write_all(archive, path, &bytes)?;

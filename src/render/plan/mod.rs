@@ -20,7 +20,8 @@ use crate::mesh::shapes;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
 use crate::scene::model::{
-    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Scene, Source, SourceKind, TimeBins,
+    Crop, CubeData, CubeSource, Elements, Geometry, Mapping, Object, Scene, Source, SourceKind,
+    TimeBins,
 };
 
 pub use bindings::{Lit, lit_by};
@@ -139,63 +140,72 @@ fn covers_itself(scene: &Scene) -> bool {
 }
 
 fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
-    scene
-        .objects
-        .iter()
-        .map(|object| match &object.geometry {
-            Geometry::Gltf { path, node } => {
-                let summary = gltf::inspect(path, node.as_deref())?;
-                Ok(PlannedObject {
-                    name: object.name.clone(),
-                    file: Some(path.clone()),
-                    without_file: "",
-                    files: summary.files,
-                    triangles: summary.triangles,
-                    vertices: summary.vertices,
-                    uvs: false,
-                    textures: false,
-                    radiance: Vec::new(),
-                    uv_sets: summary.uv_sets,
-                    materials: summary.materials,
-                    images: summary.images,
-                    unread: summary.warnings,
-                })
-            }
-            Geometry::Shape { shape, .. } => {
-                let triangles = shapes::triangle_count(*shape);
-                Ok(PlannedObject {
-                    name: object.name.clone(),
-                    file: None,
-                    without_file: "shape",
-                    files: Vec::new(),
-                    triangles,
-                    vertices: 2 * triangles,
-                    uvs: false,
-                    textures: false,
-                    radiance: Vec::new(),
-                    uv_sets: 1,
-                    materials: vec![String::new()],
-                    images: 0,
-                    unread: Vec::new(),
-                })
-            }
-            Geometry::Mesh(mesh) => Ok(PlannedObject {
+    let inspect = |object: &Object| {
+        let mut planned = inspect_geometry(object)?;
+        if object.texture_coordinates.is_some() {
+            planned.uv_sets += 1;
+            // Corners that differ are vertices of their own.
+            planned.vertices = planned.vertices.max(3 * planned.triangles);
+        }
+        Ok(planned)
+    };
+    scene.objects.iter().map(inspect).collect()
+}
+
+fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
+    match &object.geometry {
+        Geometry::Gltf { path, node } => {
+            let summary = gltf::inspect(path, node.as_deref())?;
+            Ok(PlannedObject {
                 name: object.name.clone(),
-                file: None,
-                without_file: "mesh in memory",
-                files: Vec::new(),
-                triangles: mesh.triangles.len() as u64,
-                vertices: mesh.positions.len() as u64,
+                file: Some(path.clone()),
+                without_file: "",
+                files: summary.files,
+                triangles: summary.triangles,
+                vertices: summary.vertices,
                 uvs: false,
                 textures: false,
                 radiance: Vec::new(),
-                uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
-                materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
+                uv_sets: summary.uv_sets,
+                materials: summary.materials,
+                images: summary.images,
+                unread: summary.warnings,
+            })
+        }
+        Geometry::Shape { shape, .. } => {
+            let triangles = shapes::triangle_count(*shape);
+            Ok(PlannedObject {
+                name: object.name.clone(),
+                file: None,
+                without_file: "shape",
+                files: Vec::new(),
+                triangles,
+                vertices: 2 * triangles,
+                uvs: false,
+                textures: false,
+                radiance: Vec::new(),
+                uv_sets: 1,
+                materials: vec![String::new()],
                 images: 0,
                 unread: Vec::new(),
-            }),
-        })
-        .collect()
+            })
+        }
+        Geometry::Mesh(mesh) => Ok(PlannedObject {
+            name: object.name.clone(),
+            file: None,
+            without_file: "mesh in memory",
+            files: Vec::new(),
+            triangles: mesh.triangles.len() as u64,
+            vertices: mesh.positions.len() as u64,
+            uvs: false,
+            textures: false,
+            radiance: Vec::new(),
+            uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
+            materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
+            images: 0,
+            unread: Vec::new(),
+        }),
+    }
 }
 
 fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<PlannedCube>>> {

@@ -8,12 +8,13 @@ use glam::DVec3;
 use super::emitters::Builder;
 use crate::accel::{Bvh, Facing};
 use crate::error::{Error, Result};
-use crate::io::gltf;
-use crate::mesh::Mesh;
-use crate::mesh::shapes;
+use crate::io::budget::Budget;
+use crate::io::{gltf, npy};
+use crate::mesh::atlas::Corners;
+use crate::mesh::{Mesh, shapes};
 use crate::render::plan::{Plan, PlannedFrame};
 use crate::render::trace::{Patch, RestFrame};
-use crate::scene::model::{BackFaces, BadVertices, Geometry, Object, Scene};
+use crate::scene::model::{BackFaces, BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
 /// Loads the objects of `planned` and builds their BVH, whose seconds `built_in` is told.
@@ -80,12 +81,12 @@ pub fn object_mesh(
     want: gltf::Want,
     warnings: &mut Vec<String>,
 ) -> Result<(Mesh, Vec<gltf::EncodedImage>)> {
-    let (mut mesh, images) = match &object.geometry {
+    let (mut mesh, images, own_sets) = match &object.geometry {
         Geometry::Gltf { path, node } => {
             let imported = gltf::load(path, node.as_deref(), want)?;
             let named = |w: String| format!("{}: {w}", path.display());
             warnings.extend(imported.warnings.into_iter().map(named));
-            (imported.mesh, imported.images)
+            (imported.mesh, imported.images, imported.uv_sets)
         }
         Geometry::Shape {
             shape,
@@ -102,12 +103,18 @@ pub fn object_mesh(
                 // A plane has no inside.
                 material.solid = !matches!(shape, shapes::Shape::Plane { .. });
             }
-            (mesh, Vec::new())
+            let own_sets = mesh.uvs.len();
+            (mesh, Vec::new(), own_sets)
         }
-        Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new()),
+        Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new(), mesh.uvs.len()),
     };
-    if !want.uvs {
-        mesh.uvs.clear();
+    match &object.texture_coordinates {
+        _ if !want.uvs => mesh.uvs.clear(),
+        None => {}
+        Some(file) => {
+            let corners = texture_coordinates(object, file, mesh.triangles.len())?;
+            mesh.insert_uvs(own_sets, &corners);
+        }
     }
     let transform = object.transform;
     for p in &mut mesh.positions {
@@ -118,6 +125,39 @@ pub fn object_mesh(
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     Ok((mesh, images))
+}
+
+/// The coordinates in the file of an object of so many triangles.
+fn texture_coordinates(
+    object: &Object,
+    file: &CoordinateFile,
+    triangles: usize,
+) -> Result<Vec<Corners>> {
+    let path = &file.path;
+    let place = |more: &str| match &file.array {
+        Some(array) => format!("array \"{array}\"{more}"),
+        None => more.trim_start_matches(", ").to_string(),
+    };
+    // As stored and widened; what is longer has another shape.
+    let budget = Budget::new(96 * triangles as u64 + (1 << 20));
+    let plain = npy::load_plain(path, file.array.as_deref(), &budget)?;
+    if plain.shape != [triangles, 3, 2] {
+        let what = format!(
+            "its shape is {:?}, and object \"{}\" has {triangles} triangles",
+            plain.shape, object.name
+        );
+        let help = "an array of shape (triangles, 3, 2): u and v by triangle and corner, as baked for this mesh";
+        return Err(Error::invalid(path, place(""), what, help));
+    }
+    let values = plain.samples.into_f64();
+    let values: Vec<f32> = values.into_iter().map(|x| x as f32).collect();
+    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+        let what = format!("it is {}", values[at]);
+        let at = place(&format!(", triangle {}", at / 6));
+        return Err(Error::invalid(path, at, what, "finite texture coordinates"));
+    }
+    let pairs = values.as_chunks::<2>().0;
+    Ok(pairs.as_chunks::<3>().0.to_vec())
 }
 
 /// Refuses, or drops triangles with, vertices that are too far away for a ray to meet.

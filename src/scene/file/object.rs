@@ -47,6 +47,9 @@ pub(in crate::scene) struct Object {
     pub transmission: Option<At<Number>>,
     /// Refractive index of a shape that light goes through, 1 to 10. Default: 1.5.
     pub ior: Option<At<Number>>,
+    /// Further texture coordinates, as the set after those that the mesh has: what `nullray bake --atlas` makes for models that have none
+    /// of their own for every place.
+    pub texture_coordinates: Option<At<TextureCoordinates>>,
     /// Object coordinates from the file's (or shape's) coordinates. Default: the identity.
     pub transform: Option<At<Transform>>,
     /// Velocity in the world. Default: at rest.
@@ -60,6 +63,21 @@ pub(in crate::scene) struct Object {
 impl Object {
     /// What `colour` is unless the file says otherwise.
     pub const COLOUR: Vector = Numbers([0.8; 3]);
+}
+
+/// Texture coordinates in an array.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table like { file = \"light.npz\" }"
+)]
+pub(in crate::scene) struct TextureCoordinates {
+    /// A .npy or .npz file, relative to the scene file, of an array of shape (triangles, 3, 2): by triangle of the mesh and corner,
+    /// u and v, with v = 0 the top row.
+    pub file: At<String>,
+    /// The array of an .npz file. Default: "texture_coordinates".
+    pub array: Option<At<String>>,
 }
 
 /// A shape that needs no file: exactly one of the keys.

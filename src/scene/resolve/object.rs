@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::context::{Context, GLTF};
+use super::context::{Context, GLTF, NUMBERS};
 use super::{shape, spectrum, transform, velocity};
 use crate::colour::{Continuation, Spectrum};
 use crate::error::Result;
 use crate::mesh::MOST_INDEX;
 use crate::scene::at::At;
 use crate::scene::file;
-use crate::scene::model::{Geometry, Object};
+use crate::scene::model::{CoordinateFile, Geometry, Object};
 use crate::scene::names;
 use crate::scene::values::Number;
 use crate::spacetime::Event;
@@ -84,6 +84,7 @@ fn resolve(
         name,
         geometry: geometry(cx, at)?,
         spectrum: spectrum(cx, object, continuation)?,
+        texture_coordinates: texture_coordinates(cx, object)?,
         transform: transform::resolve(cx, &object.transform)?,
         bad_vertices: object
             .bad_vertices
@@ -105,6 +106,21 @@ fn spectrum(
     cx.exclusive((&object.colour, "colour"), (&object.spectrum, "spectrum"))?;
     let resolve = |at| spectrum::resolve(cx, at, continuation);
     object.spectrum.as_ref().map(resolve).transpose()
+}
+
+fn texture_coordinates(cx: &Context, object: &file::Object) -> Result<Option<CoordinateFile>> {
+    let Some(at) = &object.texture_coordinates else {
+        return Ok(None);
+    };
+    let path = cx.path(&at.value.file, NUMBERS)?;
+    let is_archive = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    let array = cx.optional_text(&at.value.array, "the array's name")?;
+    Ok(Some(CoordinateFile {
+        path,
+        array: array.or_else(|| is_archive.then(|| "texture_coordinates".to_string())),
+    }))
 }
 
 /// What messages point at: the name, or what stands in for it.

@@ -95,6 +95,57 @@ fn an_archive_says_what_it_is_of_and_a_plan_what_it_takes() {
 }
 
 #[test]
+fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
+    let folder = Folder::empty();
+    let boxed = FLASH.replace("plane = { size = [4, 4] }", "box = { size = [4, 0.2, 4] }");
+    folder.write("lit.toml", boxed.clone() + LIGHT);
+    let bake = [
+        "bake",
+        "lit.toml",
+        "--start=-2 m",
+        "--bin-width=10 cm",
+        "--bins=150",
+        "--spp=4",
+    ];
+    // The faces of a box share their coordinates.
+    let run = folder.run(&bake);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("charts overlap"), "{}", run.stderr);
+    assert!(run.message().contains("--atlas"), "{}", run.stderr);
+    for (options, words) in [
+        (["--atlas", "-o=light.npy"], "end it in .npz"),
+        (["--atlas", "--texels=6x6"], "--texels 9x9"),
+    ] {
+        let run = folder.run(&[&bake[..], &options].concat());
+        assert_eq!(run.code, 2);
+        assert!(run.message().contains(words), "{}", run.stderr);
+    }
+    let said = folder.ok(&[&bake[..], &["--atlas", "--texels=64x64", "-o=light.npz"]].concat());
+    let (_, tables) = said.split_once("\n\n").unwrap();
+    let (_, key) = tables.split_once("# Give object \"floor\"\n# ").unwrap();
+    let (key, source) = key.split_once('\n').unwrap();
+    folder.write("baked.toml", format!("{boxed}{key}\n{source}"));
+    let mean = |scene: &str| {
+        folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
+        let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+        let radiance = layers.radiance().unwrap();
+        radiance.iter().map(|rgb| rgb[0]).sum::<f64>() / radiance.len() as f64
+    };
+    let (baked, lit) = (mean("baked.toml"), mean("lit.toml"));
+    assert!(
+        lit > 0.0 && (baked / lit - 1.0).abs() < 0.02,
+        "{baked} {lit}"
+    );
+    // Another mesh is not the one of these coordinates.
+    let other = boxed.replace("box = { size = [4, 0.2, 4] }", "plane = { size = [4, 4] }");
+    folder.write("other.toml", format!("{other}{key}\n{source}"));
+    let run = folder.run(&["render", "other.toml", "-o", "b.exr"]);
+    assert_eq!(run.code, 2);
+    let words = "its shape is [12, 3, 2], and object \"floor\" has 2 triangles";
+    assert!(run.message().contains(words), "{}", run.stderr);
+}
+
+#[test]
 fn bins_that_miss_light_say_how_much() {
     let folder = Folder::empty();
     folder.write("lit.toml", FLASH.to_string() + LIGHT);
@@ -105,7 +156,7 @@ fn bins_that_miss_light_say_how_much() {
         "--bins=14",
         "--texels=8x8",
     ]);
-    assert!(said.starts_with("wrote lit-light.npy"), "{said}");
+    assert!(said.starts_with("wrote lit-light.npz"), "{said}");
     assert!(
         said.contains("warning: the bins miss 0.00 % of its energy before them"),
         "{said}"

@@ -1,0 +1,510 @@
+//! Texture coordinates for surfaces that have none of their own for every place: an atlas of flat charts.
+//!
+//! A chart is a connected part of the surface whose normals are within 45° of one axis, seen along it: texels are stretched by
+//! 1/cos 45° at most. It grows from the first triangle that no chart has yet, over edges that triangles share, in the order of the triangles.
+//! Such a part may still cover itself (a spiral ramp does): of two triangles that cover one place, the later is
+//! given back, and becomes part of another chart. Charts are turned to lie in the smallest rectangle, and stand on shelves, the highest
+//! first, at the largest scale, the same for all, at which they fit (bisection). Between two charts there are two columns or rows of
+//! texels, so that bilinear lookups at the border of a chart, which reach one texel beyond, never read another one's.
+//!
+//! The same triangles give the same coordinates, bit for bit. Files keep them beside what is baked with them; nothing that is
+//! read later depends on this code.
+
+use std::collections::{HashMap, VecDeque};
+
+use glam::{DVec2, DVec3};
+
+/// The texture coordinates of the corners of a triangle, 0 to 1.
+pub type Corners = [[f32; 2]; 3];
+
+/// Cosine of the largest angle between a chart's axis and its normals.
+const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Texels beside a chart on each side that are its own.
+const MARGIN: usize = 1;
+
+/// Bisections of the scale: to 2⁻⁴⁰ of it.
+const BISECTIONS: u32 = 40;
+
+/// Triangles overlap by more than this part of their size; those that share an edge do so by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A texture too small for its charts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("its {charts} charts need a texture of at least {least}x{least} texels")]
+pub struct TooSmall {
+    /// How many charts there are.
+    pub charts: usize,
+    /// Columns, and rows, of a square texture on which they find room.
+    pub least: u32,
+}
+
+/// The coordinates of the corners of all `triangles` (places in metres) on a texture of `size` columns and rows. Triangles without
+/// an area get the corner (0, 0).
+///
+/// # Errors
+/// A texture on which not every chart has a texel.
+pub fn atlas(triangles: &[[DVec3; 3]], size: [u32; 2]) -> Result<Vec<Corners>, TooSmall> {
+    let charts = charts(triangles);
+    let mut corners = vec![[[0.0; 2]; 3]; triangles.len()];
+    if charts.is_empty() {
+        return Ok(corners);
+    }
+    let (scale, places) = packed(&charts, size.map(|n| n as usize))?;
+    let texels = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    for (chart, place) in charts.iter().zip(places) {
+        let origin = place + DVec2::splat(MARGIN as f64);
+        for (triangle, flat) in chart.triangles.iter().zip(&chart.flat) {
+            corners[*triangle as usize] =
+                flat.map(|p| ((origin + p * scale) / texels).as_vec2().to_array());
+        }
+    }
+    Ok(corners)
+}
+
+/// Part of a surface on a plane.
+struct Chart {
+    triangles: Vec<u32>,
+    /// Their corners, metres from the lower left corner of the chart.
+    flat: Vec<[DVec2; 3]>,
+    size: DVec2,
+}
+
+/// The normal of a triangle, if it has an area.
+fn normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    let n = (b - a).cross(c - a);
+    n.try_normalize().filter(|n| n.is_finite())
+}
+
+fn charts(triangles: &[[DVec3; 3]]) -> Vec<Chart> {
+    let normals: Vec<_> = triangles.iter().map(|t| normal(*t)).collect();
+    let neighbours = Neighbours::of(triangles);
+    let mut taken: Vec<bool> = normals.iter().map(Option::is_none).collect();
+    let mut charts = Vec::new();
+    // Those that a chart gives back come again, as first of their own.
+    let mut seeds: VecDeque<u32> = (0..triangles.len() as u32).collect();
+    while let Some(seed) = seeds.pop_front() {
+        let Some(axis) = normals[seed as usize].filter(|_| !taken[seed as usize]) else {
+            continue;
+        };
+        taken[seed as usize] = true;
+        let mut members = vec![seed];
+        let mut next = 0;
+        while let Some(&triangle) = members.get(next) {
+            next += 1;
+            for &other in neighbours.of_triangle(triangle) {
+                let along = normals[other as usize].map_or(0.0, |n| n.dot(axis));
+                if !taken[other as usize] && along >= STEEPEST {
+                    taken[other as usize] = true;
+                    members.push(other);
+                }
+            }
+        }
+        let (x, y) = axis.any_orthonormal_pair();
+        let on_plane = |t: &u32| triangles[*t as usize].map(|p| DVec2::new(p.dot(x), p.dot(y)));
+        let mut flat: Vec<_> = members.iter().map(on_plane).collect();
+        let covering = covering(&flat);
+        if covering.contains(&true) {
+            let given_back = members.iter().zip(&covering).filter(|(_, covers)| **covers);
+            for (triangle, _) in given_back {
+                taken[*triangle as usize] = false;
+                seeds.push_back(*triangle);
+            }
+            let mut covers = covering.iter();
+            members.retain(|_| !covers.next().unwrap_or(&false));
+            let mut covers = covering.iter();
+            flat.retain(|_| !covers.next().unwrap_or(&false));
+        }
+        charts.push(Chart::laid(members, flat));
+    }
+    charts
+}
+
+/// Which triangles share an edge, whose ends are the same places.
+struct Neighbours {
+    /// By triangle, where its neighbours begin.
+    first: Vec<usize>,
+    all: Vec<u32>,
+}
+
+impl Neighbours {
+    fn of(triangles: &[[DVec3; 3]]) -> Self {
+        let mut places: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut place = |p: DVec3| {
+            // Adding 0 makes −0 the same as 0.
+            let key = (p + DVec3::ZERO).to_array().map(f64::to_bits);
+            let new = places.len() as u32;
+            *places.entry(key).or_insert(new)
+        };
+        let mut edges = Vec::with_capacity(3 * triangles.len());
+        for (triangle, corners) in (0u32..).zip(triangles) {
+            let [a, b, c] = corners.map(&mut place);
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                edges.push((from.min(to), from.max(to), triangle));
+            }
+        }
+        edges.sort_unstable();
+        let mut pairs = Vec::new();
+        for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            // Of very many triangles at one edge each one has the ones before and after it.
+            for pair in shared.windows(2) {
+                pairs.extend([(pair[0].2, pair[1].2), (pair[1].2, pair[0].2)]);
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut first = vec![0; triangles.len() + 1];
+        for (triangle, _) in &pairs {
+            first[*triangle as usize + 1] += 1;
+        }
+        for k in 1..first.len() {
+            first[k] += first[k - 1];
+        }
+        Neighbours {
+            first,
+            all: pairs.into_iter().map(|pair| pair.1).collect(),
+        }
+    }
+
+    fn of_triangle(&self, triangle: u32) -> &[u32] {
+        let k = triangle as usize;
+        &self.all[self.first[k]..self.first[k + 1]]
+    }
+}
+
+/// By triangle, whether it covers a place that one before it covers and that keeps its place.
+fn covering(flat: &[[DVec2; 3]]) -> Vec<bool> {
+    let mut covers = vec![false; flat.len()];
+    // A grid of about as many cells as there are triangles; each is noted in the cells that it may touch, row by row.
+    let (low, high) = bounds(flat);
+    let side = (flat.len() as f64).sqrt().ceil().max(1.0);
+    let cell = ((high - low) / side).max(DVec2::splat(f64::MIN_POSITIVE));
+    let last = side as usize - 1;
+    let index = |x: f64| (x.max(0.0) as usize).min(last);
+    let mut grid: HashMap<(usize, usize), Vec<u32>> = HashMap::new();
+    for (triangle, corners) in flat.iter().enumerate() {
+        let local = corners.map(|p| (p - low) / cell);
+        let (below, above) = bounds(std::slice::from_ref(&local));
+        let mut cells = Vec::new();
+        for row in index(below.y)..=index(above.y) {
+            let [from, to] = extent(&local, [row as f64, row as f64 + 1.0]);
+            cells.extend((index(from - 1e-6)..=index(to + 1e-6)).map(|column| (row, column)));
+        }
+        covers[triangle] = cells.iter().any(|cell| {
+            let there = grid.get(cell).map_or(&[][..], Vec::as_slice);
+            there
+                .iter()
+                .any(|other| overlap(corners, &flat[*other as usize]))
+        });
+        if !covers[triangle] {
+            for cell in cells {
+                grid.entry(cell).or_default().push(triangle as u32);
+            }
+        }
+    }
+    covers
+}
+
+fn bounds(flat: &[[DVec2; 3]]) -> (DVec2, DVec2) {
+    let all = || flat.iter().flatten().copied();
+    let low = all().fold(DVec2::INFINITY, DVec2::min);
+    (low, all().fold(DVec2::NEG_INFINITY, DVec2::max))
+}
+
+/// From where to where a triangle reaches between two heights.
+fn extent(corners: &[DVec2; 3], [from, to]: [f64; 2]) -> [f64; 2] {
+    let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut add = |x: f64| reach = [reach[0].min(x), reach[1].max(x)];
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        if (from..=to).contains(&a.y) {
+            add(a.x);
+        }
+        for height in [from, to] {
+            if (a.y < height) != (b.y < height) {
+                add(a.x + (b.x - a.x) * (height - a.y) / (b.y - a.y));
+            }
+        }
+    }
+    match reach[0] <= reach[1] {
+        true => reach,
+        // Rounding took it out of the row.
+        false => {
+            let x = corners.map(|p| p.x);
+            [x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2])]
+        }
+    }
+}
+
+/// Whether two triangles cover a common area: no line along an edge of one has them on two sides.
+fn overlap(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
+    let reach = |corners: &[DVec2; 3], axis: DVec2| {
+        let x = corners.map(|p| p.dot(axis));
+        [x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2])]
+    };
+    let apart = |corners: &[DVec2; 3], k: usize| {
+        let axis = (corners[(k + 1) % 3] - corners[k]).perp();
+        let ([a0, a1], [b0, b1]) = (reach(a, axis), reach(b, axis));
+        let size = (a1 - a0).max(b1 - b0);
+        a1.min(b1) - a0.max(b0) <= ROUNDING * size
+    };
+    !(0..3).any(|k| apart(a, k) || apart(b, k))
+}
+
+impl Chart {
+    /// The chart of these triangles, turned so that its rectangle is smallest of those along edges of its first triangle and at
+    /// multiples of 10°, and lies.
+    fn laid(triangles: Vec<u32>, flat: Vec<[DVec2; 3]>) -> Self {
+        let [a, b, c] = flat[0];
+        let edges = [b - a, c - b, a - c].map(|edge| edge.normalize_or(DVec2::X));
+        let turns = (0..9).map(|k| DVec2::from_angle(f64::from(k) * 10f64.to_radians()));
+        let turned = |turn: DVec2| {
+            let across = DVec2::new(turn.x, -turn.y);
+            let turned: Vec<_> = (flat.iter().map(|t| t.map(|p| across.rotate(p)))).collect();
+            let (low, high) = bounds(&turned);
+            (turned, low, high - low)
+        };
+        let mut best = turned(edges[0]);
+        for turn in edges.into_iter().skip(1).chain(turns) {
+            let other = turned(turn);
+            // By more than rounding: the first that is as good stays.
+            if other.2.x * other.2.y < (1.0 - 1e-6) * best.2.x * best.2.y {
+                best = other;
+            }
+        }
+        let (mut flat, low, mut size) = best;
+        let lies = size.x >= size.y;
+        for p in flat.iter_mut().flatten() {
+            *p -= low;
+            if !lies {
+                // A quarter turn, which keeps front sides front.
+                *p = DVec2::new(size.y - p.y, p.x);
+            }
+        }
+        if !lies {
+            size = DVec2::new(size.y, size.x);
+        }
+        Chart {
+            triangles,
+            flat,
+            size,
+        }
+    }
+
+    /// Columns and rows at this scale, with its margins.
+    fn texels(&self, scale: f64) -> [usize; 2] {
+        [self.size.x, self.size.y]
+            .map(|length| (length * scale).ceil().max(1.0) as usize + 2 * MARGIN)
+    }
+}
+
+/// The largest scale, texels per metre, at which the charts fit, and the texels where each begins.
+fn packed(charts: &[Chart], size: [usize; 2]) -> Result<(f64, Vec<DVec2>), TooSmall> {
+    let area: f64 = charts.iter().map(|c| c.size.x * c.size.y).sum();
+    let mut order: Vec<usize> = (0..charts.len()).collect();
+    order.sort_by(|a, b| charts[*b].size.y.total_cmp(&charts[*a].size.y));
+    let mut best = (
+        0.0,
+        shelved(charts, &order, 0.0, size).ok_or_else(|| too_small(charts))?,
+    );
+    // More than all texels is no scale.
+    let (mut low, mut high) = (0.0, (size[0] as f64 * size[1] as f64 / area).sqrt());
+    for _ in 0..BISECTIONS {
+        let scale = 0.5 * (low + high);
+        match shelved(charts, &order, scale, size) {
+            Some(places) => (low, best) = (scale, (scale, places)),
+            None => high = scale,
+        }
+    }
+    Ok(best)
+}
+
+fn too_small(charts: &[Chart]) -> TooSmall {
+    let each = 1 + 2 * MARGIN;
+    let columns = (charts.len() as f64).sqrt().ceil() as usize;
+    TooSmall {
+        charts: charts.len(),
+        least: (each * columns) as u32,
+    }
+}
+
+/// Where each chart begins, in `order` on shelves; none where there is no room.
+fn shelved(
+    charts: &[Chart],
+    order: &[usize],
+    scale: f64,
+    [width, height]: [usize; 2],
+) -> Option<Vec<DVec2>> {
+    let mut places = vec![DVec2::ZERO; charts.len()];
+    let (mut column, mut row, mut shelf) = (0, 0, 0);
+    for &chart in order {
+        let [columns, rows] = charts[chart].texels(scale);
+        if column + columns > width {
+            (column, row, shelf) = (0, row + shelf, 0);
+        }
+        shelf = shelf.max(rows);
+        if columns > width || row + rows > height {
+            return None;
+        }
+        places[chart] = DVec2::new(column as f64, row as f64);
+        column += columns;
+    }
+    Some(places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{Shape, mesh};
+
+    fn triangles(shape: Shape) -> Vec<[DVec3; 3]> {
+        let mesh = mesh(shape, [0.5; 3]);
+        (0..mesh.triangles.len() as u32)
+            .map(|t| mesh.corners(t))
+            .collect()
+    }
+
+    fn sphere() -> Vec<[DVec3; 3]> {
+        triangles(Shape::Sphere {
+            radius: 1.0,
+            subdivisions: 3,
+        })
+    }
+
+    /// A ramp that turns twice around the axis: its second turn is above the first.
+    fn spiral() -> Vec<[DVec3; 3]> {
+        let place = |k: i32, radius: f64| {
+            let angle = f64::from(k) * 0.2;
+            DVec3::new(radius * angle.cos(), 0.1 * angle, -radius * angle.sin())
+        };
+        let pair = |k| {
+            let [a, b, c, d] = [
+                place(k, 1.0),
+                place(k, 2.0),
+                place(k + 1, 2.0),
+                place(k + 1, 1.0),
+            ];
+            [[a, b, c], [a, c, d]]
+        };
+        (0..63).flat_map(pair).collect()
+    }
+
+    /// Corners in texels.
+    fn in_texels(corners: &[Corners], size: [u32; 2]) -> Vec<[DVec2; 3]> {
+        let scale = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+        let place = |[u, v]: [f32; 2]| DVec2::new(f64::from(u), f64::from(v)) * scale;
+        corners.iter().map(|t| t.map(place)).collect()
+    }
+
+    /// No two triangles of `flat` cover one place: by all pairs.
+    fn is_apart(flat: &[[DVec2; 3]]) -> bool {
+        // What f32 rounds, and more.
+        let shrunk = |t: &[DVec2; 3]| {
+            let middle = (t[0] + t[1] + t[2]) / 3.0;
+            t.map(|p| middle + (p - middle) * (1.0 - 1e-3))
+        };
+        let flat: Vec<_> = flat.iter().map(shrunk).collect();
+        let pairs = (0..flat.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        pairs.into_iter().all(|(a, b)| !overlap(&flat[a], &flat[b]))
+    }
+
+    #[test]
+    fn every_place_of_a_surface_has_coordinates_of_its_own() {
+        let boxed = triangles(Shape::Box {
+            size: [1.0, 2.0, 0.5],
+        });
+        for (name, surface, size) in [
+            ("box", boxed, [64, 64]),
+            ("sphere", sphere(), [96, 64]),
+            ("spiral", spiral(), [64, 64]),
+        ] {
+            let corners = atlas(&surface, size).unwrap();
+            let flat = in_texels(&corners, size);
+            assert!(is_apart(&flat), "{name}");
+            let inside = |p: &DVec2| p.min_element() >= 0.999 && p.x <= f64::from(size[0]) - 0.999;
+            assert!(flat.iter().flatten().all(inside), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_that_turns_above_itself_becomes_several_charts() {
+        let charts = charts(&spiral());
+        assert!(charts.len() > 1);
+        assert!(charts.iter().all(|chart| is_apart(&chart.flat)));
+        let members: usize = charts.iter().map(|chart| chart.triangles.len()).sum();
+        assert_eq!(members, spiral().len());
+    }
+
+    /// Lengths on the texture over lengths on the surface are those of the scale, or cos 45° of it where it is steepest.
+    #[test]
+    fn texels_are_of_one_size_but_for_the_slope_of_their_chart() {
+        let size = [128, 128];
+        let surface = sphere();
+        let flat = in_texels(&atlas(&surface, size).unwrap(), size);
+        let ratios = surface.iter().zip(&flat).flat_map(|(solid, flat)| {
+            (0..3).map(|k| {
+                let next = (k + 1) % 3;
+                (flat[next] - flat[k]).length() / (solid[next] - solid[k]).length()
+            })
+        });
+        let ratios: Vec<f64> = ratios.collect();
+        let most = ratios.iter().fold(0f64, |most, r| most.max(*r));
+        let least = ratios.iter().fold(f64::INFINITY, |least, r| least.min(*r));
+        // An edge of a triangle within 45° is within 45° of the plane; f32 rounds.
+        assert!(least >= most * STEEPEST * 0.999, "{least} to {most}");
+        // All of a sphere of radius 1 at this scale fills a good part of the texture.
+        assert!(
+            4.0 * std::f64::consts::PI * most * most > 0.4 * 128.0 * 128.0,
+            "{most}"
+        );
+    }
+
+    /// Two columns or rows lie between charts: texels within one of a chart are nobody else's.
+    #[test]
+    fn bilinear_lookups_in_one_chart_never_read_another() {
+        let size = [96, 96];
+        let surface = sphere();
+        let flat = in_texels(&atlas(&surface, size).unwrap(), size);
+        let mut owners = vec![None; 96 * 96];
+        for (index, chart) in charts(&surface).iter().enumerate() {
+            for triangle in &chart.triangles {
+                let corners = flat[*triangle as usize];
+                let (low, high) = bounds(std::slice::from_ref(&corners));
+                for row in (low.y - 0.5).floor() as usize..=(high.y + 0.5).floor() as usize {
+                    let [from, to] = extent(&corners, [row as f64 - 0.5, row as f64 + 1.5]);
+                    for column in (from - 0.5).floor() as usize..=(to + 0.5).floor() as usize {
+                        let owner: &mut Option<usize> = &mut owners[row * 96 + column];
+                        assert!(
+                            owner.is_none_or(|other| other == index),
+                            "({column}, {row})"
+                        );
+                        *owner = Some(index);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_texture_too_small_for_its_charts_says_how_large_it_must_be() {
+        let boxed = triangles(Shape::Box { size: [1.0; 3] });
+        let error = atlas(&boxed, [6, 6]).unwrap_err();
+        assert_eq!(
+            error,
+            TooSmall {
+                charts: 6,
+                least: 9
+            }
+        );
+        assert!(atlas(&boxed, [9, 9]).is_ok());
+    }
+
+    #[test]
+    fn triangles_without_an_area_have_no_chart() {
+        let point = [DVec3::ONE; 3];
+        let surface = [point, [DVec3::ZERO, DVec3::X, DVec3::Z]];
+        let corners = atlas(&surface, [16, 16]).unwrap();
+        assert_eq!(corners[0], [[0.0; 2]; 3]);
+        assert_ne!(corners[1], [[0.0; 2]; 3]);
+    }
+}

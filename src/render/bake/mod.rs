@@ -1,0 +1,249 @@
+//! Baking: time-resolved light of what rests relative to each other, as cubes that any moving camera can look up.
+//!
+//! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
+//! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
+//! arrives, so that the cost is that of the paths, whatever the number of bins. Pixels and texels are each summed by one thread,
+//! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`] as they are
+//! done, where one is given.
+//!
+//! # The standard error
+//!
+//! The samples of a texel are R = 2 or more independent parts ([`sampler`](crate::render::sampler)). With the sums S_k of part k in a bin, the
+//! numbers f_k of its samples that lie on the surface, and m = Σ S_k/Σ f_k what is baked,
+//!
+//! ```text
+//! standard error² = R/(R − 1) Σ (S_k − m f_k)²/(Σ f_k)²
+//! ```
+//!
+//! (Cochran, Sampling Techniques, § 6.4; of equal f_k it is the variance of R means over R). Of each bin the root of the mean square over all
+//! texels is told.
+//!
+//! A camera's times are those of arrival: of emission at the surface, by the world's clock (or the object's own where all moves), plus η
+//! times the *distance* to the pinhole, as in mitransient with `camera_unwarp = false`, whose arrays (H, W, T, C) these are. A surface's times
+//! are those of emission, and its radiance is the diffuse part, which is the same for all directions.
+
+mod camera;
+mod histogram;
+mod part;
+mod surface;
+
+pub use camera::{camera_cube, eye};
+pub use surface::{Coordinates, Surface, surface_cube};
+
+use self::part::Summary;
+use crate::error::{Error, Result};
+use crate::io::cube::{Cube, Samples};
+use crate::light::Received;
+use crate::light::lamp::Lamp;
+use crate::mesh::atlas::Corners;
+use crate::render::film::TILE;
+use crate::render::prepare::Prepared;
+use crate::render::trace::{RestFrame, TimedPaths};
+use crate::scene::model::{LightKind, Motion, Scene, SourceKind};
+use crate::spacetime::Velocity;
+
+/// Bins of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bins {
+    /// Time at the start of bin 0, metres.
+    pub start: f64,
+    /// Width of a bin, metres, above 0.
+    pub width: f64,
+    /// How many, at least 1.
+    pub count: usize,
+}
+
+/// Energy of light by when it arrives, sums over all pixels or texels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    /// In bins, before the first and after the last.
+    pub held: f64,
+    /// Before the first.
+    pub before: f64,
+    /// After the last.
+    pub after: f64,
+    /// When the first light begins to arrive, and when the last has arrived; none where it is dark.
+    pub span: Option<[f64; 2]>,
+}
+
+/// A baked cube.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// Energy per bin, (H, W, T, 3), linear RGB, f32.
+    pub cube: Cube,
+    /// Of each bin, the root of the mean square over pixels or texels of the standard error of its energy (mean of R, G, B); NaN of one sample.
+    pub standard_error: Vec<f64>,
+    /// What is in it, and what is not.
+    pub energy: Energy,
+    /// Whether its times are those of the object's own clock, and not of the world's.
+    pub own_clock: bool,
+    /// The texture coordinates that were made for a surface, by triangle of its mesh and corner.
+    pub texture_coordinates: Option<Vec<Corners>>,
+}
+
+impl Baked {
+    /// The root of the mean square over all bins of the standard error, over that of the energy.
+    pub fn relative_error(&self) -> f64 {
+        let bins = self.standard_error.len().max(1);
+        let errors: f64 = self.standard_error.iter().map(|e| e * e).sum();
+        let [h, w, t, _] = self.cube.shape;
+        let texels = (0..h * w).flat_map(|texel| (0..t).map(move |bin| (texel, bin)));
+        let square = |(texel, bin)| (self.cube.total(texel, bin) / 3.0).powi(2);
+        let squares: f64 = texels.map(square).sum();
+        let mean = squares / (h * w * t) as f64;
+        match mean > 0.0 {
+            true => (errors / bins as f64 / mean).sqrt(),
+            false => 0.0,
+        }
+    }
+}
+
+/// Parts of the samples of a texel: few, as samples of one part are spread more evenly, and the error is a mean over many texels.
+const PARTS: u32 = 2;
+
+/// Bytes of a cube of `size` (columns and rows) and `bins`, and of what is summed at a time on this many threads.
+pub fn bytes(size: [u32; 2], bins: &Bins, threads: usize) -> u64 {
+    let texels = u64::from(size[0]) * u64::from(size[1]);
+    let bins = bins.count as u64;
+    // A tile of sums: two of three channels, two for the error, each f64; and what it becomes.
+    let tile = u64::from(TILE * TILE).min(texels) * bins * (8 * 8 + 12);
+    let cube = texels.saturating_mul(bins).saturating_mul(12);
+    cube.saturating_add(tile.saturating_mul(threads as u64))
+}
+
+/// Refuses scenes whose light cannot be baked.
+///
+/// # Errors
+/// Bodies or lamps that move relative to each other, light without an end, no lamps.
+pub fn check(scene: &Scene) -> Result<()> {
+    let refuse = |place: String, what: String, help: &str| {
+        Err(Error::invalid(&scene.name, place, what, help))
+    };
+    let Some(first) = scene.objects.first() else {
+        return Ok(());
+    };
+    let moves = |velocity: Velocity| {
+        let difference = velocity.rapidity() - first.velocity.rapidity();
+        difference.length() > 1e-12
+    };
+    if let Some(other) = scene.objects.iter().find(|o| moves(o.velocity)) {
+        let what = format!("it moves relative to \"{}\"", first.name);
+        let help = "bake what rests relative to each other, each in a scene of its own, or follow light with `render.bounces`";
+        return refuse(format!("object \"{}\"", other.name), what, help);
+    }
+    for light in &scene.lights {
+        let place = format!("light \"{}\"", light.name);
+        let LightKind::Lamp(lamp) = &light.kind else {
+            let what = "a surface that shines does so steadily, which has no place in bins of time";
+            return refuse(
+                place,
+                what.into(),
+                "leave it out, or follow light with `render.bounces`",
+            );
+        };
+        if lamp.motion != Motion::Inertial || moves(lamp.velocity) {
+            let what = format!("it moves relative to \"{}\"", first.name);
+            let help = "a lamp that rests with the objects, or `render.bounces`";
+            return refuse(place, what, help);
+        }
+        let end = Lamp::new(lamp, Received::Scaled(scene.quantity), false, lamp.origin);
+        if end.emission_span().is_none() {
+            let what = "it shines for ever, which has no place in bins of time";
+            let help = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
+            return refuse(place, what.into(), help);
+        }
+    }
+    if scene.sky.as_ref().is_some_and(|sky| sky.lights) {
+        let what = "it lights surfaces steadily, which has no place in bins of time";
+        return refuse("sky".into(), what.into(), "set sky.lights = false");
+    }
+    let pulses = scene
+        .sources
+        .iter()
+        .filter(|s| matches!(s.kind, SourceKind::Pulse(_)));
+    if let Some(pulse) = pulses.clone().next().filter(|_| !first.velocity.is_rest()) {
+        let what = format!(
+            "a pulse leaves a place at rest in the world, and \"{}\" moves",
+            first.name
+        );
+        let help = "a [[light]] of the same velocity, with a Gaussian emission";
+        return refuse(format!("source \"{}\"", pulse.name), what, help);
+    }
+    if scene.lights.is_empty() && pulses.count() == 0 {
+        let help =
+            "add [[light]] with an emission, like emission = { gaussian = { sigma = \"5 cm\" } }";
+        return refuse("light".into(), "there is no light to bake".into(), help);
+    }
+    Ok(())
+}
+
+impl Energy {
+    const NONE: Energy = Energy {
+        held: 0.0,
+        before: 0.0,
+        after: 0.0,
+        span: None,
+    };
+
+    fn add(&mut self, other: &Energy) {
+        self.held += other.held;
+        self.before += other.before;
+        self.after += other.after;
+        self.span = match (self.span, other.span) {
+            (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+            (span, None) => span,
+            (None, span) => span,
+        };
+    }
+}
+
+fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
+    let rest = prepared.frames.first();
+    match (rest, prepared.light.time_resolved()) {
+        (Some(rest), Some(light)) if prepared.frames.len() == 1 => Ok(TimedPaths {
+            rest,
+            light,
+            bounces: scene.bounces,
+        }),
+        _ => Err(Error::invalid(
+            &scene.name,
+            "light",
+            "no surface reflects any light",
+            "objects that rest relative to each other, with lamps that light them",
+        )),
+    }
+}
+
+fn baked(
+    scene: &Scene,
+    prepared: &Prepared,
+    [height, width]: [usize; 2],
+    bins: &Bins,
+    values: Vec<f32>,
+    summaries: &[Summary],
+) -> Result<Baked> {
+    let mut energy = Energy::NONE;
+    summaries.iter().for_each(|part| energy.add(&part.energy));
+    let texels: u64 = summaries.iter().map(|part| part.texels).sum();
+    let square = |bin: usize| {
+        summaries
+            .iter()
+            .map(|part| part.error_squares[bin])
+            .sum::<f64>()
+    };
+    let standard_error = (0..bins.count).map(|bin| (square(bin) / texels as f64).sqrt());
+    let standard_error = standard_error.collect();
+    let cube = Cube::new([height, width, bins.count, 3], Samples::F32(values));
+    let cube = cube.map_err(|e| {
+        let help = "lamps whose light f32 can hold";
+        Error::invalid(&scene.name, "light", e.to_string(), help)
+    })?;
+    let still = |frame: &RestFrame| frame.frame.velocity().is_rest();
+    Ok(Baked {
+        cube,
+        standard_error,
+        energy,
+        own_clock: !prepared.frames.iter().all(still),
+        texture_coordinates: None,
+    })
+}

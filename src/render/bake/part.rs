@@ -1,0 +1,126 @@
+//! What becomes of a tile of pixels or a row of texels, and how it is kept.
+
+use super::histogram::Histogram;
+use super::{Bins, Energy};
+use crate::error::Result;
+use crate::render::journal::Journal;
+
+/// What becomes of a tile of pixels or a row of texels.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    /// Energy by texel, bin and channel.
+    pub values: Vec<f32>,
+    /// By texel, whether there is any surface.
+    pub covered: Vec<bool>,
+    pub summary: Summary,
+}
+
+/// What is summed over texels.
+#[derive(Debug)]
+pub(super) struct Summary {
+    pub energy: Energy,
+    /// By bin, Σ of the squares of standard errors.
+    pub error_squares: Vec<f64>,
+    /// Of so many texels.
+    pub texels: u64,
+}
+
+impl Default for Summary {
+    fn default() -> Self {
+        Summary {
+            energy: Energy::NONE,
+            error_squares: Vec::new(),
+            texels: 0,
+        }
+    }
+}
+
+impl Part {
+    pub fn new(bins: &Bins) -> Self {
+        let mut part = Part::default();
+        part.summary.error_squares = vec![0.0; bins.count];
+        part
+    }
+
+    /// Adds the next texel.
+    pub fn push(&mut self, texel: &Histogram) {
+        let n = texel.all_found;
+        self.covered.push(n > 0);
+        if n == 0 {
+            let blank = std::iter::repeat_n(0.0, texel.values.len());
+            return self.values.extend(blank);
+        }
+        let scale = 1.0 / f64::from(n);
+        let means = texel.values.iter().map(|sum| (sum * scale) as f32);
+        self.values.extend(means);
+        self.summary.energy.add(&texel.energy);
+        self.summary.texels += 1;
+        for (bin, sum) in self.summary.error_squares.iter_mut().enumerate() {
+            *sum += texel.error_square(bin);
+        }
+    }
+
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Summary {
+            energy,
+            error_squares,
+            texels,
+        } = &self.summary;
+        let [from, to] = energy.span.unwrap_or([f64::NAN; 2]);
+        let numbers = [energy.held, energy.before, energy.after, from, to];
+        let mut bytes = texels.to_le_bytes().to_vec();
+        let numbers = numbers.iter().chain(error_squares);
+        bytes.extend(numbers.flat_map(|x| x.to_le_bytes()));
+        bytes.extend(self.covered.iter().map(|covered| u8::from(*covered)));
+        bytes.extend(self.values.iter().flat_map(|x| x.to_le_bytes()));
+        bytes
+    }
+
+    /// Of so many texels; none where that is not what these bytes are.
+    pub fn from_bytes(bytes: &[u8], texels: usize, bins: usize) -> Option<Part> {
+        let (count, rest) = bytes.split_first_chunk::<8>()?;
+        let (numbers, rest) = rest.split_at_checked(8 * (5 + bins))?;
+        let (covered, values) = rest.split_at_checked(texels)?;
+        let (values, left) = values.as_chunks::<4>();
+        if values.len() != 3 * texels * bins || !left.is_empty() {
+            return None;
+        }
+        let numbers = numbers.as_chunks::<8>().0.iter();
+        let numbers: Vec<f64> = numbers.map(|x| f64::from_le_bytes(*x)).collect();
+        let span = [numbers[3], numbers[4]];
+        let energy = Energy {
+            held: numbers[0],
+            before: numbers[1],
+            after: numbers[2],
+            span: (!span[0].is_nan()).then_some(span),
+        };
+        Some(Part {
+            values: values.iter().map(|x| f32::from_le_bytes(*x)).collect(),
+            covered: covered.iter().map(|covered| *covered == 1).collect(),
+            summary: Summary {
+                energy,
+                error_squares: numbers[5..].to_vec(),
+                texels: u64::from_le_bytes(*count),
+            },
+        })
+    }
+}
+
+/// Part `index` of the work, of `texels` texels: from the journal, or else made by `make` and added to it.
+pub(super) fn kept(
+    journal: Option<&Journal>,
+    index: usize,
+    [texels, bins]: [usize; 2],
+    make: impl FnOnce() -> Result<Part>,
+) -> Result<Part> {
+    let Some(journal) = journal else {
+        return make();
+    };
+    let bytes = journal.part(index as u64)?;
+    if let Some(part) = bytes.and_then(|bytes| Part::from_bytes(&bytes, texels, bins)) {
+        return Ok(part);
+    }
+    let part = make()?;
+    journal.add(index as u64, &part.to_bytes())?;
+    Ok(part)
+}

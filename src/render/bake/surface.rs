@@ -1,0 +1,345 @@
+//! The cube of the surface of an object.
+
+use glam::{DVec2, DVec3, Vec2};
+use rayon::prelude::*;
+
+use super::histogram::Histogram;
+use super::part::{Part, Summary, kept};
+use super::{Baked, Bins, PARTS, baked, check, paths};
+use crate::accel::Hit;
+use crate::error::{Error, Result};
+use crate::mesh::atlas::{Corners, atlas};
+use crate::render::journal::Journal;
+use crate::render::prepare::Prepared;
+use crate::render::progress::Progress;
+use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
+use crate::render::trace::{Patch, RestFrame, TimedPaths};
+use crate::scene::model::{Object, Scene};
+
+/// What of an object is baked onto its texture.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    /// Index of the object in the scene.
+    pub object: usize,
+    /// Its texture coordinates.
+    pub coordinates: Coordinates,
+    /// Columns and rows of texels.
+    pub size: [u32; 2],
+}
+
+/// Texture coordinates by which a surface is baked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coordinates {
+    /// Of a set that the mesh has, in which every place has its own.
+    Set(usize),
+    /// Made for it: an [`atlas`](crate::mesh::atlas).
+    Atlas,
+}
+
+/// The cube of the surface of an object by its texture coordinates; rows are kept in `journal`, where there is one.
+///
+/// # Errors
+/// What [`check`] refuses, no texture coordinates, some outside [0, 1], charts that overlap, a texture too small for an atlas, I/O errors of the journal, and
+/// [`Error::Cancelled`] when `progress` says so.
+pub fn surface_cube(
+    scene: &Scene,
+    prepared: &Prepared,
+    surface: &Surface,
+    bins: &Bins,
+    journal: Option<&Journal>,
+    progress: &dyn Progress,
+) -> Result<Baked> {
+    check(scene)?;
+    let paths = paths(scene, prepared)?;
+    let charts = Charts::new(scene, paths.rest, surface)?;
+    let [width, height] = surface.size.map(|n| n as usize);
+    let row = width * bins.count * 3;
+    let mut values = vec![0f32; height * row];
+    let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));
+    let sampling = (sampler.with_seed(scene.seed), prepared.layout.samples);
+    let make = |i: usize| {
+        let mut part = Part::new(bins);
+        for j in 0..width {
+            progress.check()?;
+            let mut texel = Histogram::new(bins);
+            charts.gather(&paths, bins, [j, i], sampling, &mut texel)?;
+            part.push(&texel);
+        }
+        Ok(part)
+    };
+    let rows: Vec<(Summary, Vec<bool>)> = values
+        .par_chunks_mut(row)
+        .enumerate()
+        .map(|(i, values)| {
+            let part = kept(journal, i, [width, bins.count], || make(i))?;
+            values.copy_from_slice(&part.values);
+            progress.rays_done(width as u64 * u64::from(prepared.layout.samples));
+            Ok((part.summary, part.covered))
+        })
+        .collect::<Result<_>>()?;
+    let (summaries, covered): (Vec<Summary>, Vec<Vec<bool>>) = rows.into_iter().unzip();
+    fill_gutters(
+        &mut values,
+        covered.concat(),
+        [width, height],
+        bins.count * 3,
+    );
+    let baked = baked(scene, prepared, [height, width], bins, values, &summaries)?;
+    Ok(Baked {
+        texture_coordinates: charts.into_coordinates(&scene.objects[surface.object]),
+        ..baked
+    })
+}
+
+/// The triangles of an object on its texture.
+struct Charts<'a> {
+    scene: &'a Scene,
+    object: &'a str,
+    triangles: Vec<ChartTriangle>,
+    /// By texel, the triangles that may lie in it.
+    texels: Vec<Vec<u32>>,
+    size: [usize; 2],
+    /// What was made for it, by triangle of its mesh.
+    atlas: Option<Vec<Corners>>,
+}
+
+struct ChartTriangle {
+    /// Id and slot in the tree.
+    triangle: u32,
+    slot: u32,
+    /// Corners in texels.
+    corners: [DVec2; 3],
+}
+
+impl<'a> Charts<'a> {
+    fn new(scene: &'a Scene, rest: &RestFrame, surface: &Surface) -> Result<Self> {
+        let object = scene.objects[surface.object].name.as_str();
+        let size = surface.size.map(|n| n as usize);
+        let mut charts = Charts {
+            scene,
+            object,
+            triangles: Vec::new(),
+            texels: vec![Vec::new(); size[0] * size[1]],
+            size,
+            atlas: None,
+        };
+        let of_object = |slot: &u32| {
+            let patch = rest.patch(rest.bvh.triangle(*slot).0);
+            patch.object as usize == surface.object
+        };
+        let slots: Vec<u32> = (0..rest.bvh.len() as u32).filter(of_object).collect();
+        if surface.coordinates == Coordinates::Atlas {
+            charts.atlas = Some(charts.made(rest, &slots, surface.size)?);
+        }
+        for slot in slots {
+            let (triangle, _) = rest.bvh.triangle(slot);
+            let patch = rest.patch(triangle);
+            let corners = match (&charts.atlas, surface.coordinates) {
+                (None, Coordinates::Set(set)) => {
+                    charts.of_set(rest, patch, set, [triangle, slot])?
+                }
+                (made, _) => {
+                    let corners = made.as_ref().map_or([[0.0; 2]; 3], |made| {
+                        made[(triangle - patch.object_first) as usize]
+                    });
+                    corners.map(|uv| Vec2::from(uv).as_dvec2())
+                }
+            };
+            charts.add(corners, [triangle, slot]);
+        }
+        Ok(charts)
+    }
+
+    /// An atlas of the object, whose triangles are in these slots: by triangle of its mesh.
+    fn made(&self, rest: &RestFrame, slots: &[u32], size: [u32; 2]) -> Result<Vec<Corners>> {
+        let Some(first) = slots.first() else {
+            return Ok(Vec::new());
+        };
+        let patch = rest.patch(rest.bvh.triangle(*first).0);
+        let parts = &rest.meshes[patch.mesh as usize].parts;
+        let count: u32 = parts.iter().map(|part| part.triangles).sum();
+        // Triangles without an area may have no slot.
+        let mut triangles = vec![[DVec3::ZERO; 3]; count as usize];
+        for slot in slots {
+            let (triangle, _) = rest.bvh.triangle(*slot);
+            triangles[(triangle - patch.object_first) as usize] = rest.bvh.corners(*slot);
+        }
+        atlas(&triangles, size).map_err(|error| {
+            let help = format!("--texels {0}x{0} or more", error.least);
+            self.refuse(error.to_string(), &help)
+        })
+    }
+
+    /// The atlas by triangles as the mesh's file has them: a mirroring transform exchanges two of their corners.
+    fn into_coordinates(self, object: &Object) -> Option<Vec<Corners>> {
+        let mut atlas = self.atlas?;
+        if object.transform.matrix3.determinant() < 0.0 {
+            atlas.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        Some(atlas)
+    }
+
+    fn refuse(&self, what: String, help: &str) -> Error {
+        let place = format!("object \"{}\"", self.object);
+        Error::invalid(&self.scene.name, place, what, help)
+    }
+
+    /// The coordinates of a triangle in a set that the mesh has.
+    fn of_set(
+        &self,
+        rest: &RestFrame,
+        patch: &Patch,
+        set: usize,
+        [triangle, slot]: [u32; 2],
+    ) -> Result<[DVec2; 3]> {
+        let help = "--atlas, which makes coordinates; a mesh that has its own for every place, within 0 to 1; or --camera";
+        let at = |u, v| rest.uv(patch, set, &place(triangle, slot, [u, v]));
+        let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
+        let [Some(a), Some(b), Some(c)] = corners else {
+            let what = format!("it has no texture coordinates of set {set}");
+            return Err(self.refuse(what, help));
+        };
+        let corners = [a, b, c];
+        // What was stored in f32 may be a little beyond.
+        let inside = |uv: DVec2| uv.min_element() >= -1e-6 && uv.max_element() <= 1.0 + 1e-6;
+        if let Some(uv) = corners.into_iter().find(|uv| !inside(*uv)) {
+            let what = format!(
+                "its texture coordinates ({}, {}) are outside of 0 to 1",
+                uv.x, uv.y
+            );
+            return Err(self.refuse(what, help));
+        }
+        Ok(corners)
+    }
+
+    /// Adds a triangle by the coordinates of its corners.
+    fn add(&mut self, corners: [DVec2; 3], [triangle, slot]: [u32; 2]) {
+        let scale = DVec2::new(self.size[0] as f64, self.size[1] as f64);
+        let corners = corners.map(|uv| uv * scale);
+        let index = self.triangles.len() as u32;
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        let span = |low: f64, high: f64, size: usize| {
+            low.max(0.0) as usize..(high.max(0.0) as usize + 1).min(size)
+        };
+        for i in span(low.y, high.y, self.size[1]) {
+            for j in span(low.x, high.x, self.size[0]) {
+                self.texels[i * self.size[0] + j].push(index);
+            }
+        }
+        self.triangles.push(ChartTriangle {
+            triangle,
+            slot,
+            corners,
+        });
+    }
+
+    /// The place of the surface at a point of the texture, in texels.
+    fn locate(&self, [j, i]: [usize; 2], point: DVec2) -> Result<Option<Hit>> {
+        let mut found = None;
+        let mut inside = 0;
+        for index in &self.texels[i * self.size[0] + j] {
+            let triangle = &self.triangles[*index as usize];
+            let Some([u, v]) = triangle.barycentric(point) else {
+                continue;
+            };
+            let least = u.min(v).min(1.0 - u - v);
+            if least >= 0.0 {
+                found = found.or(Some(place(triangle.triangle, triangle.slot, [u, v])));
+            }
+            inside += u32::from(least > 1e-6);
+        }
+        if inside > 1 {
+            let what = format!(
+                "its charts overlap: {inside} triangles share the texture coordinates ({:.4}, {:.4})",
+                point.x / self.size[0] as f64,
+                point.y / self.size[1] as f64
+            );
+            let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
+            return Err(self.refuse(what, help));
+        }
+        Ok(found)
+    }
+
+    /// Adds all samples of a texel that lie on the surface.
+    fn gather(
+        &self,
+        paths: &TimedPaths,
+        bins: &Bins,
+        [j, i]: [usize; 2],
+        (sampler, samples): (Sampler, u32),
+        texel: &mut Histogram,
+    ) -> Result<()> {
+        for sample in 0..samples {
+            let (within, salt) = sampler.replicate(sample);
+            let key = pixel_key(j as u32, i as u32) ^ salt;
+            let [x, y] = sobol(key, within, IN_TEXEL);
+            let point = DVec2::new(j as f64 + x, i as f64 + y);
+            if let Some(hit) = self.locate([j, i], point)? {
+                texel.found += 1;
+                let clock = paths.clock(paths.rest.patch(hit.triangle));
+                paths.follow_from(hit, (key, within), |lamp, light, delay| {
+                    texel.add(bins, lamp, light, delay + clock);
+                });
+            }
+            if within + 1 == sampler.samples() {
+                texel.end_part();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What random numbers of a texel are for, beside those of its paths.
+const IN_TEXEL: u32 = 1 << 16;
+
+/// A place of a triangle, on its front.
+fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {
+    Hit {
+        s: 0.0,
+        u,
+        v,
+        triangle,
+        slot,
+        front: true,
+    }
+}
+
+impl ChartTriangle {
+    /// The weights of the second and third corner at a point; none where the triangle has no area on the texture.
+    fn barycentric(&self, point: DVec2) -> Option<[f64; 2]> {
+        let [a, b, c] = self.corners;
+        let (b, c, p) = (b - a, c - a, point - a);
+        let area = b.perp_dot(c);
+        let (u, v) = (p.perp_dot(c) / area, b.perp_dot(p) / area);
+        (u.is_finite() && v.is_finite()).then_some([u, v])
+    }
+}
+
+/// Gives texels beside charts the mean of their neighbours on them, two texels wide, so that bilinear lookups find no black there.
+fn fill_gutters(
+    values: &mut [f32],
+    mut covered: Vec<bool>,
+    [width, height]: [usize; 2],
+    stride: usize,
+) {
+    for _ in 0..2 {
+        let known = covered.clone();
+        for texel in (0..width * height).filter(|texel| !known[*texel]) {
+            let (i, j) = (texel / width, texel % width);
+            let rows = i.saturating_sub(1)..(i + 2).min(height);
+            let around = rows.flat_map(|i| {
+                (j.saturating_sub(1)..(j + 2).min(width)).map(move |j| i * width + j)
+            });
+            let around: Vec<usize> = around.filter(|k| known[*k]).collect();
+            if around.is_empty() {
+                continue;
+            }
+            for at in 0..stride {
+                let sum: f32 = around.iter().map(|k| values[k * stride + at]).sum();
+                values[texel * stride + at] = sum / around.len() as f32;
+            }
+            covered[texel] = true;
+        }
+    }
+}

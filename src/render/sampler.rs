@@ -129,17 +129,6 @@ pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
     samples / parts.unwrap_or(1)
 }
 
-/// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the points of Roberts's R₂ sequence
-/// (1/p, 1/p² with p³ = p + 1), which fill the square evenly for any number of samples, moved by random numbers of
-/// pixel and dimension modulo 1 (Cranley and Patterson 1976).
-#[inline]
-pub(crate) fn pair(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
-    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    let noise = hash(hash(pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let starts = [noise as u32, (noise >> 32) as u32].map(unit);
-    std::array::from_fn(|k| (starts[k] + STEP[k] * f64::from(index)).fract())
-}
-
 /// Two numbers in [0, 1) of sample `index` of a pixel, for what `dimension` counts: the first two dimensions of Sobol's
 /// sequence in an order and with digits that are scrambled as Owen does (1995) by pixel and dimension, so that any 2ᵐ
 /// samples in a row from a multiple of 2ᵐ on fill all elementary intervals of area 2⁻ᵐ once, and dimensions are independent.
@@ -163,6 +152,19 @@ pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
         unit(scrambled(index.reverse_bits(), digits as u32)),
         unit(scrambled(second, (digits >> 32) as u32)),
     ]
+}
+
+/// The same for one of `count` numbers of each pixel, of a sequence that 4 × 4 pixels share: along a curve that goes through them in Zs
+/// (Morton 1966) each takes as many points in a row as fill the intervals of its own, and those of 2 × 2 and of 4 × 4 pixels
+/// fill finer ones. Errors of neighbours then make up for each other, and noise is fine-grained (Ahmed and Wonka, "Screen-space
+/// blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of pixels", SIGGRAPH Asia 2020).
+#[inline]
+pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) -> [f64; 2] {
+    const WITHIN: u64 = 3 | 3 << 32;
+    let (x, y) = (pixel as u32 & 3, (pixel >> 32) as u32 & 3);
+    let place = x & 1 | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2;
+    let first = place.wrapping_mul(count.next_power_of_two());
+    sobol(pixel & !WITHIN, first.wrapping_add(index), dimension)
 }
 
 /// Owen's scrambling of the digits of x, the highest first: each is flipped or not by a hash of those above it.
@@ -495,6 +497,27 @@ mod tests {
                     assert_eq!(cells, (0..64).collect::<Vec<_>>(), "{pixel} {first} {a}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn neighbouring_pixels_share_one_set_of_points() {
+        // 16 numbers of each of 4 × 4 pixels: each pixel's fill 4 × 4 cells once, those of all 16 × 16, in any replicate. Of
+        // 12 numbers each is in a cell of its own.
+        for (salt, count) in [(0, 16), (hash(7), 16), (0, 12)] {
+            let mut all = vec![0; 256];
+            for key in 0..16 {
+                let pixel = pixel_key(40 + key % 4, 80 + key / 4) ^ salt;
+                let mut own = vec![0; 16];
+                for index in 0..count {
+                    let [x, y] = sobol_among(pixel, index, count, 1);
+                    let cell = |n: f64| (x * n) as usize * n as usize + (y * n) as usize;
+                    own[cell(4.0)] += 1;
+                    all[cell(16.0)] += 1;
+                }
+                assert!(own.iter().all(|n| *n <= 1));
+            }
+            assert!(all.iter().all(|n| *n <= 1));
         }
     }
 

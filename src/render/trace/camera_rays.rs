@@ -6,7 +6,7 @@ use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, Projection, RayOrigin, View};
 use crate::render::film::Tile;
-use crate::render::sampler::{Sampler, pair, pixel_key, sobol};
+use crate::render::sampler::{Sampler, pixel_key, sobol, sobol_among};
 
 /// One camera ray for every pixel of a tile.
 #[derive(Debug, Default)]
@@ -16,6 +16,7 @@ pub struct CameraRays {
     keys: Vec<u64>,
     /// Which sample of the replicate.
     index: u32,
+    in_pixel: u32,
     offsets: [Vec<f64>; 2],
     film: [Vec<f64>; 2],
     moments: Vec<f64>,
@@ -47,6 +48,8 @@ pub struct Samples<'a> {
     pub pixels: &'a [u64],
     /// The sample of each.
     pub index: u32,
+    /// How many samples a pixel has.
+    pub in_pixel: u32,
     /// How many surfaces the rays come from, one after the other.
     pub depth: u32,
     /// The parts of an exposure that they stand for, where data are integrated over these.
@@ -79,10 +82,12 @@ impl Exposure<'_> {
 const DRAWN_AT_A_SURFACE: u32 = 8;
 
 impl Samples<'_> {
-    /// Two numbers in [0, 1) of ray `ray`, the `index`-th for what `dimension` counts.
+    /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts, the `number`-th of `count`.
     #[inline]
-    pub(super) fn pair(&self, ray: usize, index: u32, dimension: u32) -> [f64; 2] {
-        pair(self.pixel(ray), index, dimension)
+    pub(super) fn one_of(&self, ray: usize, dimension: u32, number: u32, count: u32) -> [f64; 2] {
+        let index = self.index.wrapping_mul(count).wrapping_add(number);
+        let in_pixel = self.in_pixel.wrapping_mul(count);
+        sobol_among(self.pixel(ray), index, in_pixel, dimension)
     }
 
     /// Two numbers in [0, 1) of ray `ray` for what `dimension` counts at the surface that it hits.
@@ -138,6 +143,7 @@ impl CameraRays {
             samples: Samples {
                 pixels: &self.keys,
                 index: self.index,
+                in_pixel: self.in_pixel,
                 depth: 0,
                 exposure: None,
             },
@@ -224,6 +230,7 @@ impl<V: View> RayGenerator for V {
         rays.resize::<V>(tile.pixels());
         let (within, salt) = sampler.replicate(index);
         rays.index = within;
+        rays.in_pixel = sampler.samples();
         let [left, top] = tile.corner;
         let rows = rays.pixels.chunks_mut(tile.size[0].max(1) as usize);
         for (row, pixels) in (top..).zip(rows) {
@@ -246,6 +253,7 @@ impl<V: View> RayGenerator for V {
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
         rays.resize::<V>(points.len());
         rays.index = 0;
+        rays.in_pixel = 1;
         for (k, [x, y]) in points.iter().enumerate() {
             let [column, row] = [x.floor(), y.floor()];
             rays.pixels[k] = pixel_key(column as u32, row as u32);

@@ -276,6 +276,7 @@ impl PathTraced {
             samples: Samples {
                 pixels,
                 index: before.rays.samples.index,
+                in_pixel: before.rays.samples.in_pixel,
                 depth: *depth,
                 exposure: None,
             },

@@ -199,7 +199,6 @@ impl<'a> Run<'a> {
     ) -> [f64; 2] {
         let ray = self.members[k] as usize;
         let samples = &self.traced.rays.samples;
-        let index = samples.index.wrapping_mul(count).wrapping_add(number);
-        samples.pair(ray, index, dimension)
+        samples.one_of(ray, dimension, number, count)
     }
 }

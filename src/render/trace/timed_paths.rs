@@ -113,6 +113,7 @@ impl TimedPaths<'_> {
             let samples = Samples {
                 pixels: &[pixel],
                 index,
+                in_pixel: 1,
                 depth,
                 exposure: None,
             };

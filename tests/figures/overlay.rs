@@ -191,6 +191,36 @@ fn straight_edges_have_their_slope_at_any_phase() {
 }
 
 #[test]
+fn corners_of_an_outline_are_where_they_are_at_any_phase() {
+    let mut exact = 0;
+    for seed in 0..60 {
+        let [x, y, turn] = [0, 1, 2].map(|k| random(3000 + 3 * seed + k));
+        let (sin, cos) = (6.3 * turn).sin_cos();
+        let own = |p: [f64; 2]| {
+            let [u, v] = [p[0] - 50.0 - x, p[1] - 50.0 - y];
+            [u * cos + v * sin, v * cos - u * sin]
+        };
+        // A square of 60 pixels without its fourth quarter: five corners that stick out, and one that goes in.
+        let line = outlined(|p| {
+            let [u, v] = own(p);
+            u.abs() < 30.0 && v.abs() < 30.0 && !(u > 0.0 && v > 0.0)
+        });
+        let corners = [[-30, -30], [30, -30], [30, 0], [0, 0], [0, 30], [-30, 30]];
+        for corner in corners.map(|c| c.map(f64::from)) {
+            let off = line.iter().map(|p| {
+                let [u, v] = own(*p);
+                (u - corner[0]).hypot(v - corner[1])
+            });
+            let nearest = off.fold(f64::INFINITY, f64::min);
+            // What is cut off by less than 0.05 pixels stays so.
+            assert!(nearest < 0.08, "{nearest} from {corner:?}, seed {seed}");
+            exact += usize::from(nearest < 2e-3);
+        }
+    }
+    assert!(exact > 320, "{exact} of 360");
+}
+
+#[test]
 fn the_outline_of_a_turned_box_is_its_projection_at_any_phase() {
     // A camera at rest at distance 5 from the front of a slab of 2 × 1: f = 100/tan 30° pixels.
     for seed in 0..8 {

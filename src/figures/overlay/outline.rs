@@ -9,9 +9,9 @@
 //!
 //! Through these points goes the outline, by marching squares: in a square of four pixel centres a straight piece joins two of
 //! them, and where two objects meet like the fields of a chessboard, a ray through the middle of the square tells which are
-//! joined. A piece is the chord of the edge in its square: straight edges have their own slope everywhere, an edge of radius r
-//! strays from it by 1/(4r) pixels at most, and a corner within a square is cut off there. What no pixel centre shows has no
-//! outline.
+//! joined. A piece is the chord of the edge in its square: straight edges have their own slope everywhere, and an edge of radius r
+//! strays from it by 1/(4r) pixels at most. Where the edge turns within a square, the straight parts before and after it are prolonged until
+//! they meet, and rays to both sides of that point tell whether a corner is there. What no pixel centre shows has no outline.
 //!
 //! Where two objects meet, the lines of both are the same: the line is that of the object with fewer pixels, as a rule
 //! the one in front.
@@ -25,6 +25,17 @@ use crate::figures::isochrones::contour::{Crossing, Piece};
 
 /// How often the way between two pixel centres is halved.
 const HALVINGS: u32 = 12;
+
+/// Corners turn by more than this, radians: an edge of a radius of 4 pixels turns by less in a square.
+const TURN: f64 = 0.26;
+/// How far a corner is from the piece that cuts it off at most, pixels: the tip of one of 45 degrees over a side of a square.
+const FARTHEST: f64 = 1.3;
+/// Rays pass a corner at this distance, pixels: prolonged arcs of a radius of 4 pixels meet farther outside of them.
+const BESIDE: f64 = 0.01;
+/// Pieces that cut off less than this are left as they are, pixels.
+const NEAREST: f64 = 0.05;
+/// What is prolonged is longer than this, pixels, so that the direction is known to 2⁻¹¹.
+const STRAIGHT: f64 = 0.3;
 
 /// The outline of what is seen of an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,13 +64,13 @@ struct Area {
 pub fn outlines(
     [width, height]: [u32; 2],
     objects: &[f64],
-    look: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+    mut look: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
 ) -> Result<Vec<Outline>> {
     let size = [width, height].map(|side| side as usize);
     if objects.len() != size[0] * size[1] {
         return Ok(Vec::new());
     }
-    let edges = Edges::find(size, objects, look)?;
+    let edges = Edges::find(size, objects, &mut look)?;
     let mut areas = areas(size, objects);
     areas.sort_by_key(|area| (area.count, area.object));
     let mut taken = BTreeSet::new();
@@ -69,7 +80,103 @@ pub fn outlines(
     });
     let mut outlines: Vec<Outline> = traced.filter(|o| !o.lines.is_empty()).collect();
     outlines.sort_by_key(|outline| outline.object);
+    add_corners(&mut outlines, &mut look)?;
     Ok(outlines)
+}
+
+/// A corner that a piece of a line may have cut off.
+struct Corner {
+    outline: usize,
+    line: usize,
+    /// The point of the line that it comes before.
+    before: usize,
+    at: [f64; 2],
+    /// Places on the inner and on the outer side of it.
+    beside: [[f64; 2]; 2],
+}
+
+/// Puts the corners where they are, in place of the pieces that cut them off.
+fn add_corners(
+    outlines: &mut [Outline],
+    look: &mut impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+) -> Result<()> {
+    let mut corners = Vec::new();
+    for (outline, of) in outlines.iter().enumerate() {
+        for (line, points) in of.lines.iter().enumerate() {
+            corners.extend(corners_of(points).map(|(before, at, beside)| Corner {
+                outline,
+                line,
+                before,
+                at,
+                beside,
+            }));
+        }
+    }
+    let places: Vec<_> = corners.iter().flat_map(|corner| corner.beside).collect();
+    let seen = look(&places)?;
+    // From behind, so that what comes before keeps its place.
+    for (corner, seen) in corners.iter().zip(seen.chunks_exact(2)).rev() {
+        let outline = &mut outlines[corner.outline];
+        let shows = |seen: f64| seen == outline.object as f64;
+        if shows(seen[0]) != shows(seen[1]) {
+            outline.lines[corner.line].insert(corner.before, corner.at);
+        }
+    }
+    Ok(())
+}
+
+/// Where the parts of a line before and after each of its pieces would meet in a corner: the point that it would come before,
+/// the place, and places beside it, on the piece's side and beyond.
+fn corners_of(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, [f64; 2], [[f64; 2]; 2])> {
+    let is_closed = points.len() > 3 && points.first() == points.last();
+    // Of a closed line the last point is the first again.
+    let count = if is_closed {
+        points.len() - 1
+    } else {
+        points.len()
+    };
+    let point = move |k: isize| match is_closed {
+        true => Some(points[k.rem_euclid(count as isize) as usize]),
+        false => usize::try_from(k).ok().and_then(|k| points.get(k).copied()),
+    };
+    let pieces = if is_closed {
+        count
+    } else {
+        count.saturating_sub(1)
+    };
+    (0..pieces).filter_map(move |k| {
+        let (first, second) = (k as isize, k as isize + 1);
+        let (a, b) = (point(first)?, point(second)?);
+        let before = direction(a, [1, 2, 3].map(|n| point(first - n)))?;
+        let after = direction(b, [1, 2, 3].map(|n| point(second + n)))?;
+        // Both point to the corner: a + s before = b + t after.
+        let turn = before[0] * after[1] - before[1] * after[0];
+        let along = -(before[0] * after[0] + before[1] * after[1]);
+        if libm::atan2(turn.abs(), along) < TURN {
+            return None;
+        }
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let s = (way[0] * after[1] - way[1] * after[0]) / turn;
+        let t = (way[0] * before[1] - way[1] * before[0]) / turn;
+        let at = [a[0] + s * before[0], a[1] + s * before[1]];
+        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        let out = [at[0] - middle[0], at[1] - middle[1]];
+        let far = libm::hypot(out[0], out[1]);
+        if !(s > 0.0 && t > 0.0 && far > NEAREST && far < FARTHEST) {
+            return None;
+        }
+        let beside = |way: f64| [0, 1].map(|i| at[i] + way / far * out[i]);
+        Some((k + 1, at, [beside(-BESIDE), beside(BESIDE)]))
+    })
+}
+
+/// The unit vector to `end` from the first of `others` that is far enough for it.
+fn direction(end: [f64; 2], others: [Option<[f64; 2]>; 3]) -> Option<[f64; 2]> {
+    others.into_iter().flatten().find_map(|other| {
+        let way = [end[0] - other[0], end[1] - other[1]];
+        let length = libm::hypot(way[0], way[1]);
+        (length > STRAIGHT).then(|| way.map(|x| x / length))
+    })
 }
 
 /// Where each object is seen.
@@ -131,7 +238,7 @@ impl Edges {
     fn find(
         size: [usize; 2],
         objects: &[f64],
-        mut look: impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
+        look: &mut impl FnMut(&[[f64; 2]]) -> Result<Vec<f64>>,
     ) -> Result<Edges> {
         let mut changes = changes(size, objects);
         for _ in 0..HALVINGS {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use nullray::figures::diagram::{self, Series, model::Diagram};
 use nullray::figures::drawing::{Drawing, Item, Text};
+use nullray::figures::pixel_probe;
 use nullray::figures::text::{Rect, Segment};
 
 use super::parsed;
@@ -28,6 +29,8 @@ fn drawn(model: &Diagram) -> Drawing {
 struct Page {
     texts: Vec<(String, Rect)>,
     pieces: Vec<[[f64; 2]; 2]>,
+    /// Lines from labels to what they are of.
+    leaders: Vec<[[f64; 2]; 2]>,
 }
 
 impl Page {
@@ -47,6 +50,16 @@ impl Page {
             match item {
                 Item::Text(text) => self.texts.push((name(text), text.bounds().unwrap())),
                 Item::Clip { path, items } => self.add(items, &path.bounds().unwrap()),
+                Item::Path {
+                    path,
+                    stroke: Some(stroke),
+                    ..
+                } if stroke.width == 0.4 && stroke.colour.alpha == 150 => {
+                    let [Segment::Move(from), Segment::Line(to)] = path.0[..] else {
+                        panic!("a leader is a line")
+                    };
+                    self.leaders.push([from, to]);
+                }
                 // World lines and axes; leaders, grids and what is pale are thinner or translucent.
                 Item::Path {
                     path,
@@ -75,6 +88,16 @@ impl Page {
         }
     }
 
+    /// Texts that go beyond the page.
+    fn beyond(&self, drawing: &Drawing) -> Vec<String> {
+        let size = [drawing.width, drawing.height];
+        let is_out = |(_, rect): &&(String, Rect)| {
+            (0..2).any(|k| rect.min[k] < 0.0 || rect.max[k] > size[k])
+        };
+        let out = self.texts.iter().filter(is_out);
+        out.map(|(text, _)| text.clone()).collect()
+    }
+
     /// Pairs of texts that overlap.
     fn overlaps(&self) -> Vec<String> {
         let mut found = Vec::new();
@@ -87,6 +110,14 @@ impl Page {
             }
         }
         found
+    }
+
+    /// Texts whose ink a leader of another one goes through: its own ends beside it.
+    fn led_over(&self) -> Vec<String> {
+        let is_crossed =
+            |(_, rect): &&(String, Rect)| self.leaders.iter().any(|l| crosses(rect, l));
+        let crossed = self.texts.iter().filter(is_crossed);
+        crossed.map(|(text, _)| text.clone()).collect()
     }
 
     /// Texts whose ink a line goes through.
@@ -128,9 +159,12 @@ fn within(rect: &Rect, [a, b]: &[[f64; 2]; 2]) -> Option<[f64; 2]> {
 #[test]
 fn labels_of_the_classics_are_on_no_label_no_title_and_no_line() {
     for (file, model) in classics() {
-        let page = Page::of(&drawn(&model));
+        let drawing = drawn(&model);
+        let page = Page::of(&drawing);
+        assert_eq!(page.beyond(&drawing), Vec::<String>::new(), "{file}");
         assert_eq!(page.overlaps(), Vec::<String>::new(), "{file}");
         assert_eq!(page.struck(), Vec::<String>::new(), "{file}");
+        assert_eq!(page.led_over(), Vec::<String>::new(), "{file}");
     }
 }
 
@@ -186,7 +220,9 @@ fn labels_of_200_random_diagrams_are_on_no_label_and_no_title() {
     let mut labels = 0;
     for seed in 0..200 {
         let model = parsed(&random(seed)).unwrap_or_else(|error| panic!("{seed}: {error}"));
-        let page = Page::of(&drawn(&model));
+        let drawing = drawn(&model);
+        let page = Page::of(&drawing);
+        assert_eq!(page.beyond(&drawing), Vec::<String>::new(), "seed {seed}");
         assert_eq!(page.overlaps(), Vec::<String>::new(), "seed {seed}");
         struck += page.struck().len();
         labels += page.texts.len();
@@ -195,11 +231,49 @@ fn labels_of_200_random_diagrams_are_on_no_label_and_no_title() {
     assert!(100 * struck <= labels, "{struck} of {labels}");
 }
 
+#[test]
+fn leaders_of_200_random_diagrams_go_over_no_other_label() {
+    let (mut led, mut leaders) = (Vec::new(), 0);
+    for seed in 0..200 {
+        let page = Page::of(&drawn(&parsed(&random(seed)).unwrap()));
+        leaders += page.leaders.len();
+        led.extend(page.led_over().into_iter().map(|text| (seed, text)));
+    }
+    assert!(leaders > 100, "{leaders}");
+    assert_eq!(led, []);
+}
+
+#[test]
+fn labels_of_200_random_diagrams_are_steady_in_boosts() {
+    let (mut far, mut steps) = (Vec::new(), 0);
+    for seed in 0..200 {
+        let text = random(seed) + "animation = { boost_to = \"S'\", frames = 97 }\n";
+        // Of two views side by side there is no boost.
+        let Ok(model) = parsed(&text) else {
+            assert!(text.contains("view = ["), "{text}");
+            continue;
+        };
+        for (k, text, way) in jumps_of_first(&model, 6) {
+            steps += 1;
+            if way >= 8.0 {
+                far.push((seed, k, text, way));
+            }
+        }
+    }
+    assert!(steps > 5000, "{steps}");
+    assert_eq!(far, []);
+}
+
 /// By how much labels that are in two pictures move from the one to the next, by what they say.
 fn jumps(model: &Diagram) -> Vec<(usize, String, f64)> {
+    jumps_of_first(model, usize::MAX)
+}
+
+/// The same in so many pictures.
+fn jumps_of_first(model: &Diagram, count: usize) -> Vec<(usize, String, f64)> {
     let mut before: HashMap<(String, usize), [f64; 2]> = HashMap::new();
     let mut found = Vec::new();
-    for (k, drawing) in Series::new(model).unwrap().enumerate() {
+    for (k, drawing) in Series::new(model).unwrap().take(count).enumerate() {
         let mut now = HashMap::new();
         for (text, rect) in Page::of(&drawing.unwrap()).texts {
             let count = (0..)
@@ -258,6 +332,44 @@ fn labels_of_moving_classics_are_on_no_label_no_title_and_hardly_ever_on_a_line(
     }
     // A label that goes from one side of a line to the other crosses it on its way.
     assert!(100 * struck <= 2 * labels, "{struck} of {labels}");
+}
+
+#[test]
+fn labels_of_pixels_are_on_the_page_and_on_no_label() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for (file, pixel) in [
+        ("cube/approaching-0.9.toml", [320, 240]),
+        ("cube/still.toml", [200, 300]),
+        ("dice.toml", [200, 220]),
+        ("dice.toml", [330, 230]),
+        ("several-velocities.toml", [300, 250]),
+        ("gallery/barn-and-ladder.toml", [320, 200]),
+    ] {
+        let path = folder.join(file);
+        let scene = nullray::scene::load(&path, &Default::default()).unwrap();
+        let silent = &nullray::render::progress::Silent;
+        let probe = pixel_probe::trace(&scene, pixel, u64::MAX, silent).unwrap();
+        for dimensions in ["1+1", "2+1"] {
+            let overrides = nullray::scene::Overrides {
+                set: vec![("diagram.dimensions".into(), dimensions.into())],
+                ..Default::default()
+            };
+            let base = diagram::load(&path, &overrides).unwrap();
+            let model = pixel_probe::diagram(&probe, base, None, None).unwrap();
+            let drawing = drawn(&model);
+            let page = Page::of(&drawing);
+            assert_eq!(
+                page.beyond(&drawing),
+                Vec::<String>::new(),
+                "{file} {pixel:?} {dimensions}"
+            );
+            assert_eq!(
+                page.overlaps(),
+                Vec::<String>::new(),
+                "{file} {pixel:?} {dimensions}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -71,14 +71,24 @@ impl Words<'_> {
                 [0.0, -1.0],
                 [-0.9, -0.4],
                 [0.9, -0.4],
+                [0.9, 2.0],
             ];
-            let right = [[0.3, 1.0], [0.0, 1.0], [0.0, -1.0], [0.9, 0.0], [-0.8, 0.8]];
+            // The last one is below the numbers of an axis that ends at the edge of the page.
+            let right = [
+                [0.3, 1.0],
+                [0.0, 1.0],
+                [0.0, -1.0],
+                [0.9, 0.0],
+                [-0.8, 0.8],
+                [-0.8, 2.4],
+            ];
             let back = [
                 [0.9, -0.3],
                 [0.9, 0.3],
                 [0.0, -1.0],
                 [-0.9, -0.4],
                 [0.0, 1.0],
+                [-0.9, -2.0],
             ];
             let depth = axes.depth.as_ref().map(|axis| (axis, back));
             let two = [(&axes.time, up), (&axes.space, right)];

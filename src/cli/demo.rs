@@ -48,17 +48,12 @@ pub fn run() -> Result<()> {
 }
 
 fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
+    let scene = builtin::open(None, overrides)?.scene(overrides)?;
     let request = nullray::render::plan::Request {
-        aovs: outputs.needs(),
+        aovs: outputs.needs(&scene),
         ..Default::default()
     };
-    film::one(
-        &builtin::open(None, overrides)?.scene(overrides)?,
-        &request,
-        &outputs,
-        false,
-        None,
-    )
+    film::one(&scene, &request, &outputs, false, None)
 }
 
 /// Writes the built-in scene and its files into `directory`, except for those that are there already.

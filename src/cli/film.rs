@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use nullray::approximate::raster::{self, Method};
-use nullray::figures::overlay::{Part, apparent};
+use nullray::figures::overlay::centred;
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -11,7 +11,7 @@ use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
 
 use super::check::check_all;
-use super::output::{Kind, Outputs};
+use super::output::{Kind, Outputs, times_need};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{inputs, interrupt, overlay, remarks, say, warn};
@@ -49,7 +49,7 @@ pub fn times(
     }
     let [width, height] = scene.camera.size.map(u64::from);
     let bar = Bar::new(width * height, quiet).named("retarded times".into());
-    let film = apparent(prepared, Part::Isochrones.into(), &bar)?.film;
+    let film = centred(prepared, times_need(scene), &bar)?.film;
     drop(bar);
     interrupt::check()?;
     Ok(Some(film))
@@ -94,6 +94,7 @@ impl Rendered {
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film, plan))?;
         say(quiet, &remarks::blackness(&self.film))?;
+        say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         if remarks::is_black(&self.film) {
             say(quiet, &remarks::times(scene, &mut self.prepared))?;
             say(quiet, &remarks::shift(scene, &self.prepared))?;

@@ -3,6 +3,7 @@
 mod args;
 mod bake;
 mod builtin;
+mod caption;
 mod check;
 mod compare;
 mod convert;

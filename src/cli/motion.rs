@@ -37,7 +37,7 @@ use super::frames::{self, Frames, Job, Shot};
 use super::names::{named_after, numbered};
 use super::output::Outputs;
 use super::reel::{self, Folder, Reel};
-use super::{builtin, inputs};
+use super::{builtin, caption, inputs};
 
 pub fn run(mut arguments: FilmArguments) -> Result<()> {
     if arguments.output.is_empty() {
@@ -85,7 +85,7 @@ fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
             captions: vec!["at rest".into(); motion.len()],
         });
     }
-    let captions = motion.iter().map(caption);
+    let captions = motion.iter().map(speed_of);
     takes.push(Take {
         name: "film",
         captions: captions.collect(),
@@ -101,17 +101,8 @@ fn no_motion() -> Error {
 }
 
 /// The speed of a moving camera.
-pub fn caption(shot: &Shot) -> String {
-    speed(shot.velocity)
-}
-
-/// A speed and its Lorentz factor, in three digits.
-pub fn speed(velocity: Velocity) -> String {
-    let (beta, gamma) = (velocity.beta().length(), velocity.gamma());
-    match beta {
-        b if b > 0.999 => format!("γ = {gamma:.2}"),
-        b => format!("β = {b:.3}, γ = {gamma:.3}"),
-    }
+pub fn speed_of(shot: &Shot) -> String {
+    caption::speed(shot.velocity)
 }
 
 /// The moments of a moving camera; none where it is the scene's own.
@@ -324,7 +315,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         for take in takes {
             panels.push(Panel {
                 picture: reel::read(&numbered(&folder.pattern(take.name), k))?,
-                label: label(arguments, take, k),
+                label: label(arguments, scene, take, k),
                 new_row: false,
             });
         }
@@ -363,12 +354,13 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
 }
 
 /// What stands beneath picture `k` of a take.
-fn label(arguments: &FilmArguments, take: &Take, k: u64) -> String {
+fn label(arguments: &FilmArguments, scene: &Scene, take: &Take, k: u64) -> String {
     let caption = take.captions.get(k as usize).cloned().unwrap_or_default();
-    match (&arguments.caption, arguments.no_captions) {
-        (_, true) => String::new(),
-        (Some(text), false) => format!("{text}, {caption}"),
-        (None, false) => caption,
+    let words = arguments.caption.as_ref().or(scene.caption.as_ref());
+    match words.filter(|words| !words.is_empty()) {
+        _ if arguments.no_captions => String::new(),
+        Some(words) => format!("{words}, {caption}"),
+        None => caption,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The files of one rendering, by extension, and the fingerprints by which files of a frame are known again.
 //!
 //! fingerprint = SHA-256 (common, kind[, isochrone step]), with common = SHA-256 (version, scene text with
-//! the frame's time, poses and spectra read from other files, channels, sampling, method, content of every input file); each
+//! the frame's time, poses and spectra read from other files, channels, sampling, method, caption, content of every input file); each
 //! part is preceded by its length.
 
 use std::io::Read;
@@ -10,6 +10,7 @@ use std::time::SystemTime;
 
 use nullray::Result;
 use nullray::approximate::raster::Method;
+use nullray::figures::contact_sheet::{self, Layout, Panel, SheetOptions};
 use nullray::figures::drawing::{Drawing, pdf, png, svg, tikz};
 use nullray::figures::isochrones;
 use nullray::figures::overlay::{self, Parts};
@@ -23,10 +24,15 @@ use nullray::render::tonemap;
 use nullray::scene::model::{Exposure, Mapping, Scene, Show, SourceKind};
 use sha2::{Digest, Sha256};
 
-use super::{interrupt, say};
+use super::{caption, interrupt, say};
 
-/// The retarded time, which isochrones need.
-const RETARDED_TIME: Aov = Aov::EventCt;
+/// The channels that isochrones of `scene` are computed from.
+pub fn times_need(scene: &Scene) -> Vec<Aov> {
+    match scene.flash_times {
+        Some(_) => isochrones::FLASH_NEEDS.to_vec(),
+        None => vec![Aov::EventCt],
+    }
+}
 
 /// The files of one rendering.
 #[derive(Debug, Clone, Default)]
@@ -51,6 +57,8 @@ pub struct Outputs {
     pub half: bool,
     /// How they are made.
     pub method: Method,
+    /// Words beneath pictures, with time and speed of the camera.
+    pub caption: Option<String>,
     /// Tells the files of a frame of a sequence from all others.
     pub identity: Option<Identity>,
 }
@@ -95,12 +103,19 @@ impl Kind {
 }
 
 impl Outputs {
-    /// Auxiliary channels that have to be rendered.
-    pub fn needs(&self) -> Vec<Aov> {
+    /// Auxiliary channels of `scene` that have to be rendered.
+    pub fn needs(&self, scene: &Scene) -> Vec<Aov> {
         let mut needed = self.aovs.clone();
-        let times = self.files().any(|(_, kind)| kind == Kind::Isochrones);
-        if times && !needed.contains(&RETARDED_TIME) {
-            needed.push(RETARDED_TIME);
+        // The tracer takes another picture for isochrones, but foresees this one too.
+        if self.files().any(|(_, kind)| kind == Kind::Isochrones) {
+            needed.extend(times_need(scene));
+            let mut seen = Vec::new();
+            needed.retain(|aov| {
+                !seen.contains(aov) && {
+                    seen.push(*aov);
+                    true
+                }
+            });
         }
         needed
     }
@@ -208,19 +223,35 @@ impl Outputs {
         film: &Film,
         mut metadata: Vec<(String, String)>,
     ) -> Result<String> {
+        let label = match (&self.caption, show) {
+            (Some(words), Show::Picture) => Some(caption::of(words, scene)?),
+            _ => None,
+        };
         if show == Show::Picture && scene.bits == 16 {
-            let [width, height] = film.size();
-            let (rgb, white) = tonemap::tonemap_16(film.radiance(), scene.exposure)?;
-            metadata.push(("white".into(), white.to_string()));
-            image::png::write_16(path, width, height, &rgb, &metadata)?;
-            return Ok(format!(" (white is radiance {})", five_digits(white)));
+            let (rgb, white, black) = tonemap::tonemap_16(film.radiance(), scene.exposure)?;
+            let ends = Ends { white, black };
+            metadata.extend(ends.metadata());
+            let deep = Deep {
+                size: film.size(),
+                rgb,
+            };
+            let Deep { size: [w, h], rgb } = match label {
+                Some(label) => deep.with_caption(label)?,
+                None => deep,
+            };
+            image::png::write_16(path, w, h, &rgb, &metadata)?;
+            return Ok(ends.note());
         }
-        let Picture { image, white } = picture(scene, film, show, self.step)?;
-        metadata.extend(white.map(|white| ("white".into(), white.to_string())));
+        let Picture { mut image, ends } = picture(scene, film, show, self.step)?;
+        metadata.extend(ends.iter().flat_map(Ends::metadata));
+        if let Some(label) = label {
+            image = contact_sheet::compose(&[panel(image, label)], &SheetOptions::default())?;
+        }
         image::png::write(path, image.width, image.height, &image.rgb, &metadata)?;
-        Ok(match (show, white) {
-            (_, Some(white)) => format!(" (white is radiance {})", five_digits(white)),
+        Ok(match (show, ends) {
+            (_, Some(ends)) => ends.note(),
             (Show::Luminance, _) => " (luminance)".into(),
+            _ if scene.flash_times.is_some() => " (times of the flash)".into(),
             _ => " (retarded time)".into(),
         })
     }
@@ -269,10 +300,88 @@ pub fn extension(path: &Path) -> String {
         .map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
 }
 
-/// A picture, and the radiance that is white in it, where it shows radiance.
+/// The radiances at the ends of a display's scale.
+#[derive(Debug, Clone, Copy)]
+pub struct Ends {
+    white: f64,
+    /// On a logarithmic scale.
+    black: Option<f64>,
+}
+
+impl Ends {
+    /// What is said of them in a file. "white" alone means a linear scale.
+    fn metadata(&self) -> Vec<(String, String)> {
+        match self.black {
+            None => vec![("white".into(), self.white.to_string())],
+            Some(black) => vec![("logarithmic".into(), format!("{black} {}", self.white))],
+        }
+    }
+
+    /// What is said of them beside the file's name.
+    fn note(&self) -> String {
+        let white = five_digits(self.white);
+        match self.black {
+            None => format!(" (white is radiance {white})"),
+            Some(black) => format!(
+                " (by the logarithm of radiance, from {} to {white})",
+                five_digits(black)
+            ),
+        }
+    }
+}
+
+fn panel(picture: RgbImage, label: String) -> Panel {
+    Panel {
+        picture,
+        label,
+        new_row: false,
+    }
+}
+
+/// A picture of 16 bits per sample.
+struct Deep {
+    size: [u32; 2],
+    rgb: Vec<u16>,
+}
+
+impl Deep {
+    /// On a page with these words beneath it. The page is that of a black picture, into which this one is copied.
+    fn with_caption(self, label: String) -> Result<Deep> {
+        let [width, height] = self.size;
+        let black = RgbImage {
+            width,
+            height,
+            rgb: vec![0; self.rgb.len()],
+        };
+        let panels = [panel(black, label)];
+        let layout = Layout::new(&panels, &SheetOptions::default())?;
+        let page = contact_sheet::compose(&panels, &SheetOptions::default())?;
+        let mut rgb: Vec<u16> = page.rgb.iter().map(|code| u16::from(*code) * 257).collect();
+        if let Some(cell) = layout.cells.first() {
+            let scale = layout.scale as usize;
+            let (left, top) = (cell.picture.left as usize, cell.picture.top as usize);
+            let rows = rgb.chunks_exact_mut(3 * page.width as usize).skip(top);
+            let lines = self.rgb.chunks_exact(3 * width as usize);
+            for (row, line) in rows.zip(lines.flat_map(|line| std::iter::repeat_n(line, scale))) {
+                let spread = line
+                    .chunks_exact(3)
+                    .flat_map(|rgb| std::iter::repeat_n(rgb, scale));
+                for (place, rgb) in row.chunks_exact_mut(3).skip(left).zip(spread) {
+                    place.copy_from_slice(rgb);
+                }
+            }
+        }
+        Ok(Deep {
+            size: [page.width, page.height],
+            rgb,
+        })
+    }
+}
+
+/// A picture, and the ends of its scale, where it shows radiance.
 pub struct Picture {
     pub image: RgbImage,
-    pub white: Option<f64>,
+    pub ends: Option<Ends>,
 }
 
 /// What `film` shows; isochrones `step` metres apart, or at round numbers.
@@ -281,14 +390,14 @@ pub fn picture(scene: &Scene, film: &Film, show: Show, step: Option<f64>) -> Res
         Show::Picture => display(scene, film),
         Show::Isochrones => Ok(Picture {
             image: times(scene, film, step)?,
-            white: None,
+            ends: None,
         }),
         Show::Luminance => {
             let [width, height] = film.size();
             let (pixels, range) = (film.radiance(), scene.luminances);
             Ok(Picture {
                 image: isochrones::draw_radiance(width, height, pixels, "Luminance", range)?,
-                white: None,
+                ends: None,
             })
         }
     }
@@ -303,19 +412,29 @@ fn display(scene: &Scene, film: &Film) -> Result<Picture> {
             height,
             rgb: mapped.rgb,
         },
-        white: Some(mapped.white),
+        ends: Some(Ends {
+            white: mapped.white,
+            black: mapped.black,
+        }),
     })
 }
 
 fn times(scene: &Scene, film: &Film, step: Option<f64>) -> Result<RgbImage> {
     let [width, height] = film.size();
-    let options = isochrones::IsochroneOptions {
+    let mut options = isochrones::IsochroneOptions {
         step,
         range: scene.times,
         speed_of_light: scene.speed_of_light,
         ..isochrones::IsochroneOptions::default()
     };
-    let times = film.aov(RETARDED_TIME).unwrap_or_default();
+    let of_flash = scene.flash_times.map(|times| {
+        options.title = isochrones::flash_title(times.clock).into();
+        isochrones::flash_times(film, &times, scene.medium_index)
+    });
+    let times = of_flash
+        .as_deref()
+        .or(film.aov(Aov::EventCt))
+        .unwrap_or_default();
     isochrones::draw(width, height, times, &options)
 }
 
@@ -467,6 +586,7 @@ impl Identity {
             parts.add(&white.to_le_bytes());
         }
         parts.add(outputs.method.to_string().as_bytes());
+        parts.add(outputs.caption.as_deref().unwrap_or("\0").as_bytes());
         parts.add(request.precision.name().as_bytes());
         parts.add(&inputs.digest);
         Identity {

@@ -77,6 +77,23 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     }
 }
 
+/// Which lamps are inside objects.
+pub fn enclosed(scene: &Scene, prepared: &Prepared) -> String {
+    let lamps = survey::enclosed_lamps(scene, prepared).into_iter();
+    let line = |lamp: survey::EnclosedLamp| {
+        let object = scene
+            .objects
+            .get(lamp.object)
+            .map_or("", |object| &object.name);
+        format!(
+            "lamp \"{}\" is inside \"{}\": it lights nothing outside of it but through openings\n",
+            super::info::escaped(&lamp.lamp),
+            super::info::escaped(object)
+        )
+    };
+    lamps.map(line).collect()
+}
+
 /// A number in four significant digits.
 fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);

@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
-use nullray::camera::Camera;
-use nullray::figures::contact_sheet::{self, Panel, SheetOptions};
-use nullray::io::image::RgbImage;
+use nullray::figures::text::RichText;
 use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
@@ -18,10 +16,10 @@ use super::failure::refused;
 use super::film::{in_pool, one};
 use super::frames::{self, Frames, Job};
 use super::names::{named_after, numbered, suffixed};
-use super::output::{Outputs, extension};
+use super::output::{Kind, Outputs, extension};
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
-use super::{builtin, exposure, inputs, motion, panels, passes, print, say};
+use super::{builtin, exposure, inputs, panels, passes, print, say};
 
 /// Pictures per second of a film for which nothing else is said.
 pub const PLAY_FPS: f64 = 24.0;
@@ -57,10 +55,10 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     };
     let film = Film {
         films: &films,
-        caption: arguments.caption.as_deref(),
         fps: arguments.play_fps.unwrap_or(PLAY_FPS),
     };
     film.check(frames.is_some())?;
+    check_caption(arguments, &outputs, &films)?;
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if let Some(path) = &arguments.stats_json {
         let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;
@@ -124,23 +122,14 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
 /// The films of a sequence.
 struct Film<'a> {
     films: &'a [PathBuf],
-    caption: Option<&'a str>,
     fps: f64,
 }
 
 impl Film<'_> {
-    /// Refuses films of nothing that moves, and options of films without a film.
+    /// Refuses films of nothing that moves.
     fn check(&self, is_sequence: bool) -> Result<()> {
-        match (self.films.first(), self.caption) {
-            (None, Some(_)) => {
-                let what = "it stands beneath the pictures of a film, and there is none";
-                Err(refused(
-                    "--caption",
-                    what,
-                    "add a film: -o FILE.apng or -o FILE.y4m",
-                ))
-            }
-            (Some(film), _) if !is_sequence => {
+        match self.films.first() {
+            Some(film) if !is_sequence => {
                 let option = format!("-o {}", film.display());
                 let what = "a film is made of the frames of a sequence";
                 let help = "say which, like --from \"0 m\" --to \"5 m\" --interval \"5 cm\", or let `nullray film` choose a motion";
@@ -189,33 +178,28 @@ impl Film<'_> {
             metadata: &metadata::of_text(&job.scene.name, &job.scene.text),
             quiet: job.quiet,
         };
-        reel.write(|k| self.picture(job, numbers.start + k, reel::read(&name(k))?))?;
+        reel.write(|k| reel::read(&name(k)))?;
         if let Some(folder) = folder {
             folder.remove((0..reel.count).map(name));
         }
         Ok(())
     }
+}
 
-    /// The picture of a frame, with its caption.
-    fn picture(&self, job: &Job, number: u64, picture: RgbImage) -> Result<RgbImage> {
-        let Some(text) = self.caption else {
-            return Ok(picture);
-        };
-        let mut scene = job.scene.clone();
-        scene.camera.time = job.frames.time(number).unwrap_or_default();
-        let velocity = Camera::new(&scene)?.shot.frame.velocity();
-        let mut words = vec![format!("t′ = {:.3} m", scene.camera.time).replace('-', "−")];
-        words.extend((!velocity.is_rest()).then(|| motion::speed(velocity)));
-        words.splice(0..0, (!text.is_empty()).then(|| text.to_string()));
-        let label = words.join(", ");
-        contact_sheet::compose(
-            &[Panel {
-                picture,
-                label,
-                new_row: false,
-            }],
-            &SheetOptions::default(),
-        )
+/// Refuses a caption that has no picture to stand beneath, and characters that cannot be set.
+fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBuf]) -> Result<()> {
+    let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
+    if arguments.caption.is_some() && !shown && films.is_empty() {
+        let what = "it stands beneath pictures, and none of these files is one";
+        return Err(refused(
+            "--caption",
+            what,
+            "add a picture or a film: -o FILE.png or -o FILE.apng",
+        ));
+    }
+    match &outputs.caption {
+        Some(words) => RichText::plain(words)?.width(1.0).map(|_| ()),
+        None => Ok(()),
     }
 }
 
@@ -324,7 +308,7 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
 
 fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Request {
     Request {
-        aovs: outputs.needs(),
+        aovs: outputs.needs(&scene),
         beside: outputs.beside(scene.camera.size),
         ..arguments.changes.request()
     }
@@ -391,6 +375,7 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.channels.list(),
         half: arguments.half,
+        caption: arguments.caption.clone().or_else(|| scene.caption.clone()),
         method: arguments.method.method,
         ..Outputs::default()
     }

@@ -170,7 +170,7 @@ fn part(scene: Scene, panel: &Panel, arguments: &SheetArguments, file: PathBuf) 
         ..Outputs::default()
     };
     let request = Request {
-        aovs: outputs.needs(),
+        aovs: outputs.needs(&scene),
         ..arguments.changes.request()
     };
     let images = match arguments.keep_panels {

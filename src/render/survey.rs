@@ -10,6 +10,7 @@
 //! Later shots see later light. Where the range of times moves by r per metre of the camera's own time,
 //! found by a second survey, it reaches data [c, d] from [a, b] at camera times t + (c − b)/r to t + (d − a)/r.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::light::lamp::Lamp;
@@ -17,10 +18,11 @@ use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Surfaces, TimeResolved,
-    TracedRays,
+    CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
+    TimeResolved, TracedRays,
 };
-use crate::scene::model::Scene;
+use crate::scene::model::{Beam, LightKind, Scene, SourceKind};
+use crate::spacetime::{Event, World};
 
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
@@ -116,6 +118,87 @@ fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile)
         at_point(light, observed, &mut all);
     });
     all
+}
+
+/// A lamp inside a body, whose outside it does not light but through openings.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EnclosedLamp {
+    /// The name of the light, or of the pulse.
+    pub lamp: String,
+    /// Index of an object that is around it.
+    pub object: usize,
+}
+
+/// The lamps of which no ray gets out, and most meet the inside of a surface first, at the event at which the camera sees them: 26 rays along their past
+/// light cone, towards the faces, edges and corners of a cube. A body that is around the camera too is a room, and left out.
+pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
+    let shot = prepared.camera.shot.event;
+    let lights = scene.lights.iter().filter(|light| light.shadows);
+    let lamps = lights.filter_map(|light| match &light.kind {
+        LightKind::Lamp(lamp) if !matches!(lamp.beam, Beam::Parallel(_)) => {
+            let near = lamp.line.state(0.0);
+            let seen = near.and_then(|near| {
+                let crossing = lamp.line.on_past_light_cone(&near, shot - near.event)?;
+                Some(near.event + crossing.displacement)
+            });
+            Some((&light.name, seen.unwrap_or(lamp.origin)))
+        }
+        _ => None,
+    });
+    let pulses = scene
+        .sources
+        .iter()
+        .filter_map(|source| match &source.kind {
+            SourceKind::Pulse(pulse) if pulse.shadows => Some((&source.name, pulse.origin)),
+            _ => None,
+        });
+    let mut room = None;
+    let found = lamps.chain(pulses).filter_map(|(name, at)| {
+        let object = around(prepared, at)?;
+        let room = *room.get_or_insert_with(|| around(prepared, shot));
+        (room != Some(object)).then(|| EnclosedLamp {
+            lamp: name.clone(),
+            object: object as usize,
+        })
+    });
+    found.collect()
+}
+
+/// The object whose inside most of the rays from `at` meet first, where all of them meet something and most of them an inside: a
+/// body that stands on a floor has that for its ground.
+fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
+    let steps = [-1.0, 0.0, 1.0];
+    let all = steps.into_iter().flat_map(|x| {
+        steps
+            .into_iter()
+            .flat_map(move |y| steps.map(|z| DVec3::new(x, y, z)))
+    });
+    // Turned a little, so that edges of boxes are not on their way.
+    let turn = glam::DMat3::from_rotation_y(0.11) * glam::DMat3::from_rotation_x(0.07);
+    let directions: Vec<DVec3> = all.filter_map(|d| (turn * d).try_normalize()).collect();
+    let surfaces = Surfaces::unbuffered(&prepared.frames, at, prepared.ray_index);
+    let rays = Rays {
+        directions: &directions,
+        origins: None,
+        method: prepared.method,
+        samples: Default::default(),
+    };
+    let mut hits = HitBuffer::default();
+    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
+    let met = (0..directions.len()).map(|ray| hits.hit(ray));
+    let met: Vec<_> = met.collect::<Option<_>>()?;
+    let inside = met.iter().filter(|met| !met.hit.front);
+    let mut objects: Vec<u32> = inside
+        .map(|met| surfaces.rest(met.frame).patch(met.hit.triangle).object)
+        .collect();
+    if 2 * objects.len() <= met.len() {
+        return None;
+    }
+    objects.sort_unstable();
+    let most = objects
+        .chunk_by(|a, b| a == b)
+        .max_by_key(|same| same.len());
+    most.and_then(|same| same.first().copied())
 }
 
 /// What the rays through the centres of a tile's pixels meet.

@@ -8,8 +8,11 @@
 //! A component below 0 is a colour outside the gamut. White is added, and the colour taken away in proportion, until
 //! none is: c becomes Y + t (c − Y), with Y the luminance and t = Y/(Y − least component). That keeps luminance and
 //! hue (the direction from white in the chromaticity diagram). What has no luminance is black.
+//!
+//! On a logarithmic scale from b (black) to w (white) the code of the largest component m is ln (m/b)/ln (w/b) of the greatest, so
+//! that equal ratios are equal steps of code, and the others keep their ratios to it as light.
 
-use crate::colour::{srgb_encode_8, srgb_encode_16};
+use crate::colour::{srgb_decode, srgb_encode_8, srgb_encode_16};
 use crate::error::{Error, Result};
 use crate::scene::model::Exposure;
 
@@ -23,6 +26,8 @@ pub struct Display {
     pub rgb: Vec<u8>,
     /// The radiance that became white. 1 where a percentile was asked of an image without a lit pixel.
     pub white: f64,
+    /// The radiance that became black, on a logarithmic scale.
+    pub black: Option<f64>,
 }
 
 /// Shows linear RGB `pixels`.
@@ -34,29 +39,31 @@ pub struct Display {
 /// # Errors
 /// A percentile outside (0, 100], a white that is not above 0 and finite.
 pub fn tonemap<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<Display> {
-    let white = white(pixels, exposure)?;
+    let scale = Scale::of(pixels, exposure)?;
     let code =
-        |p: &[T; 3]| show(p.map(Into::into), white).map_or(NOT_A_NUMBER, |p| p.map(srgb_encode_8));
+        |p: &[T; 3]| show(p.map(Into::into), scale).map_or(NOT_A_NUMBER, |p| p.map(srgb_encode_8));
     Ok(Display {
         rgb: pixels.iter().flat_map(code).collect(),
-        white,
+        white: scale.white,
+        black: scale.black,
     })
 }
 
-/// The same in 16 bits: sRGB codes, 3 per pixel, and the radiance that became white.
+/// The same in 16 bits: sRGB codes, 3 per pixel, and the radiances that became white and, on a logarithmic scale, black.
 ///
 /// # Errors
 /// As [`tonemap`].
 pub fn tonemap_16<T: Copy + Into<f64>>(
     pixels: &[[T; 3]],
     exposure: Exposure,
-) -> Result<(Vec<u16>, f64)> {
-    let white = white(pixels, exposure)?;
-    let code = |p: &[T; 3]| match show(p.map(Into::into), white) {
+) -> Result<(Vec<u16>, f64, Option<f64>)> {
+    let scale = Scale::of(pixels, exposure)?;
+    let code = |p: &[T; 3]| match show(p.map(Into::into), scale) {
         Some(rgb) => rgb.map(srgb_encode_16),
         None => NOT_A_NUMBER.map(|code| u16::from(code) * 257),
     };
-    Ok((pixels.iter().flat_map(code).collect(), white))
+    let codes = pixels.iter().flat_map(code).collect();
+    Ok((codes, scale.white, scale.black))
 }
 
 /// The radiance that becomes white.
@@ -69,6 +76,35 @@ pub fn white<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Resu
         Exposure::White(white) => Err(wrong(format!("{white} as the radiance of white"))),
         Exposure::Percentile(p) if p > 0.0 && p <= 100.0 => Ok(percentile(pixels, p)),
         Exposure::Percentile(p) => Err(wrong(format!("a percentile of {p}"))),
+        Exposure::Logarithmic([black, white])
+            if 0.0 < black && black < white && white.is_finite() =>
+        {
+            Ok(white)
+        }
+        Exposure::Logarithmic([black, white]) => Err(wrong(format!(
+            "{black} and {white} as the radiances of black and white"
+        ))),
+    }
+}
+
+/// From radiance to the display.
+#[derive(Clone, Copy)]
+struct Scale {
+    white: f64,
+    /// Where brightness goes by the logarithm.
+    black: Option<f64>,
+}
+
+impl Scale {
+    fn of<T: Copy + Into<f64>>(pixels: &[[T; 3]], exposure: Exposure) -> Result<Scale> {
+        let black = match exposure {
+            Exposure::Logarithmic([black, _]) => Some(black),
+            _ => None,
+        };
+        Ok(Scale {
+            white: white(pixels, exposure)?,
+            black,
+        })
     }
 }
 
@@ -96,12 +132,20 @@ fn brightest(rgb: [f64; 3]) -> f64 {
 }
 
 /// Linear light of the display, in [0, 1]; none for NaN.
-fn show(rgb: [f64; 3], white: f64) -> Option<[f64; 3]> {
+fn show(rgb: [f64; 3], Scale { white, black }: Scale) -> Option<[f64; 3]> {
     if rgb.iter().any(|c| c.is_nan()) {
         return None;
     }
     let rgb = within_gamut(rgb).map(|c| c / white);
     let m = brightest(rgb);
+    if let Some(black) = black.filter(|_| m <= 1.0) {
+        let part = 1.0 - libm::log(m) / libm::log(black / white);
+        let factor = match part > 0.0 {
+            true => srgb_decode(part) / m,
+            false => 0.0,
+        };
+        return Some(rgb.map(|c| c * factor));
+    }
     if m <= 1.0 {
         return Some(rgb);
     }
@@ -173,7 +217,8 @@ mod tests {
             display,
             Display {
                 rgb: vec![0; 12],
-                white: 1.0
+                white: 1.0,
+                black: None,
             }
         );
     }
@@ -214,7 +259,7 @@ mod tests {
     fn sixteen_bits_are_the_same_light_in_finer_steps() {
         let pixels = [[2.0, 1.0, 0.5], [0.001, 5.0, 0.0], [f64::NAN, 0.0, 0.0]];
         let exposure = Exposure::White(2.0);
-        let (deep, white) = tonemap_16(&pixels, exposure).unwrap();
+        let (deep, white, _) = tonemap_16(&pixels, exposure).unwrap();
         let display = tonemap(&pixels, exposure).unwrap();
         assert_eq!(white, 2.0);
         for (deep, code) in deep.into_iter().zip(display.rgb) {
@@ -223,8 +268,34 @@ mod tests {
     }
 
     #[test]
+    fn on_a_logarithmic_scale_equal_ratios_are_equal_steps_of_code_and_hues_stay() {
+        let exposure = Exposure::Logarithmic([1e-2, 1e3]);
+        // Five decades over 255 codes: 51 for each.
+        for (radiance, code) in [
+            (1e-3, 0),
+            (1e-2, 0),
+            (1e-1, 51),
+            (1.0, 102),
+            (1e2, 204),
+            (1e3, 255),
+            (1e5, 255),
+        ] {
+            let display = tonemap(&[[radiance; 3]], exposure).unwrap();
+            assert_eq!(display.rgb, [code; 3], "{radiance}");
+            assert_eq!((display.white, display.black), (1e3, Some(1e-2)));
+        }
+        // Red with half as much green, as light: 0.5 of decode(204/255) = 0.6038 is code 150.
+        let display = tonemap(&[[1e2, 5e1, 0.0]], exposure).unwrap();
+        assert_eq!(display.rgb, [204, 150, 0]);
+        assert_eq!(tonemap(&[[0.0f64; 3]], exposure).unwrap().rgb, [0; 3]);
+    }
+
+    #[test]
     fn an_impossible_exposure_is_refused() {
         for exposure in [
+            Exposure::Logarithmic([0.0, 1.0]),
+            Exposure::Logarithmic([1.0, 1.0]),
+            Exposure::Logarithmic([1.0, f64::INFINITY]),
             Exposure::White(0.0),
             Exposure::White(f64::NAN),
             Exposure::Percentile(0.0),

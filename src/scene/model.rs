@@ -90,6 +90,10 @@ pub struct Scene {
     pub times: Option<[f64; 2]>,
     /// What the colours of luminance span; none for what each picture has.
     pub luminances: Option<[f64; 2]>,
+    /// The light whose isochrones are drawn, where it is not that of the picture.
+    pub flash_times: Option<FlashTimes>,
+    /// Words beneath pictures, with the camera's time and speed; none for nothing.
+    pub caption: Option<String>,
     /// Display of the PNG: exposure.
     pub exposure: Exposure,
     /// Samples per pixel (a square number is stratified evenly in both directions).
@@ -579,6 +583,26 @@ pub enum BackFaces {
     Culled,
 }
 
+/// Light of one flash, whose isochrones are drawn, on bodies at rest in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlashTimes {
+    /// The flash.
+    pub flash: Event<World>,
+    /// On whose clock its light comes.
+    pub clock: FlashClock,
+}
+
+/// Where the light of a flash is received, after it has come to a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FlashClock {
+    /// At the surface: world time.
+    World,
+    /// At the scene's camera, at rest: time 0 of its clock is at this event.
+    Camera(Event<World>),
+    /// At a capture camera at rest here, whose clock shows world time.
+    Capture(DVec3),
+}
+
 /// The factor between linear radiance and the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exposure {
@@ -586,4 +610,6 @@ pub enum Exposure {
     Percentile(f64),
     /// Radiance of white, above 0.
     White(f64),
+    /// Radiances of black and white, both above 0; between them by the logarithm.
+    Logarithmic([f64; 2]),
 }

@@ -58,17 +58,19 @@ pub(super) fn apply(text: &str, overrides: &Overrides) -> Result<(String, Vec<Ed
         let place = set(&mut document, &key, value, &|what, help| {
             refuse(&flag, what, help)
         })?;
-        // The flags of the two ways to say how bright white is take each other's place.
-        let rival = match (key.as_str(), flag.starts_with("--set ")) {
-            ("display.exposure", false) => "white",
-            ("display.white", false) => "exposure",
-            _ => "",
+        // The flags of the ways to say how bright white is take each other's place.
+        let rivals: &[&str] = match (key.as_str(), flag.starts_with("--set ")) {
+            ("display.exposure", false) => &["white", "logarithmic"],
+            ("display.white", false) => &["exposure", "logarithmic"],
+            _ => &[],
         };
         if let Some(display) = document
             .get_mut("display")
             .and_then(Item::as_table_like_mut)
         {
-            display.remove(rival);
+            for rival in rivals {
+                display.remove(rival);
+            }
         }
         edits.push(Edit { flag, place });
     }

@@ -1,6 +1,8 @@
 //! Pictures of retarded time.
 
-use nullray::figures::isochrones::{IsochroneOptions, draw, draw_radiance};
+use nullray::figures::isochrones::{
+    FLASH_NEEDS, IsochroneOptions, draw, draw_radiance, flash_times,
+};
 use nullray::io::image::RgbImage;
 
 /// A sphere of radius 1 in front of a wall, seen from the origin along −z: ct = −distance.
@@ -221,4 +223,89 @@ fn pictures_of_luminance_on_one_scale_have_one_colour_for_one_luminance() {
     assert_eq!(left(&dark), left(&bright));
     assert_ne!(left(&drawn(0.1, None)), left(&drawn(100.0, None)));
     assert!(draw_radiance(1, 1, &[[1.0; 3]], "", Some([2.0, 1.0])).is_err());
+}
+
+#[test]
+fn times_of_a_flash_are_its_ways_by_the_metre_on_all_three_clocks() {
+    // Straight down on a floor from 3 m above (0.5, 0, −0.25): columns go along x, rows along z.
+    let scene = |clock: &str| {
+        let text = format!(
+            "camera = {{ eye = [0.5, 3, -0.25], look_at = [0.5, 0, -0.25], up = [0, 0, -1], hfov = \"90 deg\", size = [6, 4], \
+             clock_zero = \"10 m\", time = \"4 m\" }}\n\
+             object = [{{ shape = {{ plane = {{ size = [9, 2.2] }} }}, transform = {{ translate = [0, 0, -1] }} }}]\n\
+             medium.index = 1.5\n\
+             display.isochrones = {{ flash = [-1, 2, 0.5], time = \"7 m\", {clock} }}"
+        );
+        nullray::scene::parse(&text, "test", ".".as_ref(), &Default::default()).unwrap()
+    };
+    let length =
+        |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+    for (clock, receiver, zero) in [
+        ("clock = \"world\"", None, 0.0),
+        ("clock = [2, 1, 4]", Some([2.0, 1.0, 4.0]), 0.0),
+        ("clock = \"camera\"", Some([0.5, 3.0, -0.25]), 10.0),
+    ] {
+        let scene = scene(clock);
+        let request = nullray::render::plan::Request {
+            aovs: FLASH_NEEDS.to_vec(),
+            pixel_centers: true,
+            ..Default::default()
+        };
+        let plan = nullray::render::plan::Plan::new(&scene, &request).unwrap();
+        let silent = &nullray::render::progress::Silent;
+        let prepared = nullray::render::prepare::Prepared::new(&scene, &plan, silent).unwrap();
+        let film = nullray::render::render(&prepared, silent).unwrap();
+        let times = flash_times(&film, &scene.flash_times.unwrap(), scene.medium_index);
+        let mut seen = 0;
+        for (k, time) in times.into_iter().enumerate() {
+            // A pixel is 1 m wide on the floor.
+            let [i, j] = [k / 6, k % 6].map(|n| n as f64 + 0.5);
+            let at = [0.5 + (j - 3.0), 0.0, -0.25 + (i - 2.0)];
+            if at[2] > 0.1 || at[2] < -2.1 {
+                assert!(time.is_nan(), "{at:?}");
+                continue;
+            }
+            seen += 1;
+            let way = length(at, [-1.0, 2.0, 0.5]) + receiver.map_or(0.0, |eye| length(at, eye));
+            let expected = 7.0 + 1.5 * way - zero;
+            assert!(
+                (time - expected).abs() < 1e-9,
+                "{clock} {at:?}: {time} {expected}"
+            );
+        }
+        assert_eq!(seen, 12);
+    }
+}
+
+#[test]
+fn times_of_a_flash_are_refused_of_what_moves() {
+    let parse = |camera: &str, object: &str| {
+        let text = format!(
+            "camera = {{ eye = [0, 0, 5], look_at = [0, 0, 0] {camera} }}\n\
+             object = [{{ name = \"crate\", shape = {{ box = {{ size = [1, 1, 1] }} }} {object} }}]\n\
+             display.isochrones = {{ flash = [0, 2, 0], clock = \"camera\" }}"
+        );
+        nullray::scene::parse(&text, "test", ".".as_ref(), &Default::default())
+    };
+    assert!(parse("", "").is_ok());
+    for (camera, object, said) in [
+        (
+            ", velocity = { beta = [0.1, 0, 0] }",
+            "",
+            "camera with one pinhole at rest",
+        ),
+        (
+            ", stereo = { interpupillary_distance = \"6 cm\" }",
+            "",
+            "camera with one pinhole at rest",
+        ),
+        (
+            "",
+            ", velocity = { beta = [0.1, 0, 0] }",
+            "and \"crate\" moves",
+        ),
+    ] {
+        let error = parse(camera, object).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
 }

@@ -50,7 +50,8 @@ pub struct RenderArguments {
     pub half: bool,
     #[command(flatten)]
     pub exposure: ExposureArgument,
-    /// Beneath each picture of a film: these words, the camera's time and, where it moves, its speed (β and γ).
+    /// Beneath each picture (.png) and those of a film: these words, the camera's time and, where it moves, its speed (β and γ);
+    /// "" for time and speed alone. Default: the scene's display.caption, or nothing.
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Pictures per second of a film when it is played. Default: 24.

@@ -10,10 +10,13 @@
 //! before them, an arrow on the legend shows that there is more, and no lines are drawn beyond it. Lines
 //! that would be too close to be told apart are left out, but for the heavy ones as far as they are not.
 //!
+//! [`flash_times`] are other times to draw: those at which the light of one flash is received.
+//!
 //! [`draw_radiance`] draws luminance the same way: colours and lines by its logarithm, the legend by its value.
 
 pub(crate) mod chain;
 pub(crate) mod contour;
+mod flash;
 mod legend;
 pub(crate) mod lines;
 mod page;
@@ -24,6 +27,7 @@ pub(crate) mod viridis;
 use crate::error::{Error, Result};
 use crate::io::image::RgbImage;
 
+pub use flash::{NEEDED as FLASH_NEEDS, flash_times, title as flash_title};
 use page::Page;
 use range::Range;
 

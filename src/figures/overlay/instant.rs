@@ -37,7 +37,14 @@ pub fn apparent(prepared: &mut Prepared, parts: Parts, progress: &dyn Progress) 
 }
 
 /// The picture of these channels at the centres of pixels; `prepared` is left as it was.
-fn centred(prepared: &mut Prepared, channels: Vec<Aov>, progress: &dyn Progress) -> Result<Seen> {
+///
+/// # Errors
+/// As [`apparent`].
+pub fn centred(
+    prepared: &mut Prepared,
+    channels: Vec<Aov>,
+    progress: &dyn Progress,
+) -> Result<Seen> {
     let layout = Layout {
         samples: 1,
         pixel_centers: true,

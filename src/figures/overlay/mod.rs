@@ -27,7 +27,7 @@ mod pointer;
 mod style;
 mod times;
 
-pub use instant::{Seen, apparent, instantaneous};
+pub use instant::{Seen, apparent, centred, instantaneous};
 pub use outline::{Outline, outlines};
 pub use page::{bytes, png_scale};
 pub use parts::{Part, Parts};

@@ -16,8 +16,8 @@ mod spectrum;
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, StrDeserializer};
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::at::At;
@@ -279,6 +279,65 @@ pub(in crate::scene) enum Fill {
     Mark(Vector),
 }
 
+/// Isochrones of the light of one flash, of bodies at rest in the world: when it lights them, or when that is seen. Nothing is in
+/// its way.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields, expecting = "a table like { flash = [0, 3, 0] }")]
+pub(in crate::scene) struct Isochrones {
+    /// World position of the flash, metres.
+    pub flash: At<Vector>,
+    /// World time (ct) of the flash. Default: "0 m".
+    pub time: Option<At<Time>>,
+    /// On whose clock: "world", when the light comes to the surface; "camera", when it comes from there to this camera, which rests;
+    /// or [x, y, z], when it comes from there to a capture camera that rests at this place, on a clock that shows the world's time.
+    /// Default: "world".
+    pub clock: Option<At<Receiver>>,
+}
+
+/// Where light is received, in one of two ways.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(untagged)]
+pub(in crate::scene) enum Receiver {
+    Named(NamedReceiver),
+    At(Vector),
+}
+
+/// Where light is received, by a word.
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", schemars(inline))]
+pub(in crate::scene) enum NamedReceiver {
+    World,
+    Camera,
+}
+
+struct ReceiverVisitor;
+
+impl<'de> Visitor<'de> for ReceiverVisitor {
+    type Value = Receiver;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("\"world\", \"camera\" or a place [x, y, z]")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Receiver, E> {
+        NamedReceiver::deserialize(StrDeserializer::new(text)).map(Receiver::Named)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Receiver, A::Error> {
+        Vector::deserialize(SeqAccessDeserializer::new(seq)).map(Receiver::At)
+    }
+}
+
+impl<'de> Deserialize<'de> for Receiver {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ReceiverVisitor)
+    }
+}
+
 /// How radiance becomes a picture to look at.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -289,10 +348,19 @@ pub(in crate::scene) enum Fill {
 )]
 pub(in crate::scene) struct Display {
     /// The percentile of the lit pixels' brightest channel that becomes white, in (0, 100] %. Excludes
-    /// `white`. Default: "99 %".
+    /// `white` and `logarithmic`. Default: "99 %".
     pub exposure: Option<At<Percentage>>,
-    /// The radiance that becomes white, above 0. Excludes `exposure`.
+    /// The radiance that becomes white, above 0. Excludes `exposure` and `logarithmic`.
     pub white: Option<At<Number>>,
+    /// The radiances that become black and white, both above 0, the lower first, like [1e-8, 1e4]: between them brightness goes by
+    /// the logarithm of the brightest channel, and colours keep their hue. One scale for all pictures of a series, however
+    /// far apart they are. Excludes `exposure` and `white`.
+    pub logarithmic: Option<At<Numbers<2>>>,
+    /// Words beneath pictures (.png), with the camera's time and, where it moves, its speed (β and γ); "" for these alone.
+    /// Default: nothing stands beneath them.
+    pub caption: Option<At<String>>,
+    /// Of what light isochrones are. Default: of the light that makes the picture, by the time at which it left.
+    pub isochrones: Option<At<Isochrones>>,
     /// The observed wavelength that is shown as the eye sees 555 nm, like "10 um", with all others in proportion: false
     /// colours of what is invisible. Of lines, spectra and quantity = "rgb". Default: colours as they are seen.
     pub false_colour: Option<At<Wavelength>>,
@@ -319,6 +387,9 @@ impl Default for Display {
         Display {
             exposure: None,
             white: None,
+            logarithmic: None,
+            caption: None,
+            isochrones: None,
             false_colour: None,
             times: None,
             luminances: None,

@@ -46,6 +46,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let camera = camera::resolve(&cx, said)?;
     let continuation = radiance::continuation(&file.radiance);
     let objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
+    let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let around = light::Around {
         objects: &objects,
@@ -58,6 +59,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let scene = Scene {
         speed_of_light: cx.speed_of_light,
         medium_index,
+        flash_times,
         camera,
         lights,
         objects,
@@ -77,6 +79,12 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         false_colour: settings::false_colour(&cx, &file.display)?,
         times: settings::times(&cx, &file.display)?,
         luminances: settings::luminances(&cx, &file.display)?,
+        caption: file
+            .display
+            .value
+            .caption
+            .as_ref()
+            .map(|at| at.value.clone()),
         exposure: settings::exposure(&cx, &file.display)?,
         samples_per_pixel: settings::samples_per_pixel(&cx, &file.display)?,
         panels: panel::resolve_all(&cx, &file.panel)?,

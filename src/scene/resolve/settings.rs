@@ -5,8 +5,12 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
-    Effects, Equations, Exposure, Fill, MOST_BOUNCES, MOST_SAMPLES, Outside,
+    CameraModel, Effects, Equations, Exposure, Fill, FlashClock, FlashTimes, MOST_BOUNCES,
+    MOST_SAMPLES, Motion, Object, Outside,
 };
+use crate::scene::values::Numbers;
+use crate::spacetime::Event;
+use crate::spacetime::units::quoted;
 
 /// What `exposure` is unless the file says otherwise, per cent.
 const PERCENTILE: f64 = 99.0;
@@ -66,9 +70,17 @@ fn fill(fill: file::Fill) -> Fill {
 
 pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure> {
     let file::Display {
-        exposure, white, ..
+        exposure,
+        white,
+        logarithmic,
+        ..
     } = &at.value;
     cx.exclusive((exposure, "exposure"), (white, "white"))?;
+    cx.exclusive((exposure, "exposure"), (logarithmic, "logarithmic"))?;
+    cx.exclusive((white, "white"), (logarithmic, "logarithmic"))?;
+    if let Some(at) = logarithmic {
+        return Ok(Exposure::Logarithmic(ascending(cx, at, "radiances")?));
+    }
     if let Some(white) = white {
         return Ok(Exposure::White(cx.positive(white, "`white`")?));
     }
@@ -141,12 +153,61 @@ pub(super) fn luminances(cx: &Context, at: &At<file::Display>) -> Result<Option<
     let Some(at) = &at.value.luminances else {
         return Ok(None);
     };
+    ascending(cx, at, "luminances").map(Some)
+}
+
+/// Two values above 0, the lower first.
+fn ascending(cx: &Context, at: &At<Numbers<2>>, what: &str) -> Result<[f64; 2]> {
     let [low, high] = at.value.0;
     if 0.0 < low && low < high {
-        return Ok(Some([low, high]));
+        return Ok([low, high]);
     }
-    let what = "these luminances span nothing, or are not above 0";
+    let what = format!("these {what} span nothing, or are not above 0");
     Err(cx.refuse(at, what, "give the lower one first, like [1e-4, 1e2]"))
+}
+
+/// Of what light isochrones are, seen by this camera, of these objects.
+pub(super) fn isochrones(
+    cx: &Context,
+    at: &At<file::Display>,
+    camera: &CameraModel,
+    objects: &[Object],
+) -> Result<Option<FlashTimes>> {
+    let Some(at) = &at.value.isochrones else {
+        return Ok(None);
+    };
+    let file::Isochrones { flash, time, clock } = &at.value;
+    if let Some(object) = objects.iter().find(|object| !object.velocity.is_rest()) {
+        let what = format!(
+            "isochrones of a flash are of bodies at rest, and {} moves",
+            quoted(&object.name)
+        );
+        return Err(cx.refuse(
+            at,
+            what,
+            "leave `isochrones` out: those of the light in the picture are of any bodies",
+        ));
+    }
+    let rests =
+        camera.velocity.is_rest() && camera.motion == Motion::Inertial && camera.stereo.is_none();
+    let clock = match clock.as_ref().map(|at| at.value) {
+        None | Some(file::Receiver::Named(file::NamedReceiver::World)) => FlashClock::World,
+        Some(file::Receiver::At(place)) => FlashClock::Capture(place.vec()),
+        Some(file::Receiver::Named(file::NamedReceiver::Camera)) if rests => {
+            FlashClock::Camera(camera.origin)
+        }
+        Some(file::Receiver::Named(file::NamedReceiver::Camera)) => {
+            let what =
+                "these isochrones are of a camera with one pinhole at rest, and this one is not";
+            let help = "give clock = \"world\", or a camera at rest";
+            return Err(cx.refuse(at, what, help));
+        }
+    };
+    let ct = time.as_ref().map_or(Ok(0.0), |time| cx.time(time))?;
+    Ok(Some(FlashTimes {
+        flash: Event::new(ct, flash.value.vec()),
+        clock,
+    }))
 }
 
 pub(super) fn samples_per_pixel(cx: &Context, at: &At<file::Display>) -> Result<u32> {

@@ -149,6 +149,9 @@ cases! { SETTINGS:
     "quantity = \"line\"" => "quantity = \"photons\"" at "radiance.wavelength" "\"532 nm\"": "only the radiance of a spectral line", "quantity = \"line\"";
     "exposure = \"98 %\"" => "luminances = [2, 1]" at "display.luminances" "[2, 1]": "span nothing", "[1e-4, 1e2]";
     "exposure = \"98 %\"" => "luminances = [0, 1]" at "display.luminances" "[0, 1]": "not above 0", "[1e-4, 1e2]";
+    "exposure = \"98 %\"" => "logarithmic = [2, 1]" at "display.logarithmic" "[2, 1]": "span nothing", "lower one first";
+    "exposure = \"98 %\"" => "exposure = \"98 %\"\nlogarithmic = [1, 2]" at "display.logarithmic" "[1, 2]": "exclude each other", "keep one";
+    "exposure = \"98 %\"" => "isochrones = { flash = [0, 1, 0], clock = \"mine\" }" at "display.isochrones.clock" "\"mine\"": "mine", "capture camera";
     "\"98 %\"" => "\"0 %\"" at "display.exposure" "\"0 %\"": "not above 0 and at most 100 %", "99 %";
     "\"98 %\"" => "\"101 %\"" at "display.exposure" "\"101 %\"": "at most 100 %", "white";
     "exposure = \"98 %\"" => "white = 0" at "display.white" "0": "`white` is 0", "above 0";

@@ -97,7 +97,7 @@ fn a_blackbody_is_seen_as_one_of_another_temperature() {
         );
         let expected = seen(&other.unwrap(), 1.0);
         for (got, expected) in film.radiance()[i].into_iter().zip(expected) {
-            assert_relative(got, expected, 2e-4, w);
+            assert_relative(got, expected, 1e-6, w);
         }
     }
 }

@@ -242,8 +242,8 @@ fn films_that_cannot_be_made_are_refused() {
             &["-o a.apng", "frames of a sequence", "nullray film"],
         ),
         (
-            "render scene.toml --caption x",
-            &["--caption", "-o FILE.apng"],
+            "render scene.toml -o a.exr --caption x",
+            &["--caption", "-o FILE.png"],
         ),
         ("film scene.toml", &["--flyby", "--light"]),
         ("film scene.toml --flyby 0.5 --light", &["cannot be used"]),

@@ -1,6 +1,6 @@
 //! Spectra, exposure of series, and what is said of dark pictures.
 
-use nullray::io::image::{exr, png};
+use nullray::io::image::{Channel, Layers, Samples, exr, png};
 
 use super::frames::{FOUR, folder, sequence};
 use super::refused::refused;
@@ -221,4 +221,164 @@ fn spectra_that_cannot_be_are_refused_in_their_place() {
         folder.write("bad.toml", format!("{scene}spectrum = {spectrum}\n"));
         refused(&folder, &["render", "bad.toml"], &[said]);
     }
+}
+
+#[test]
+fn a_picture_can_have_a_caption_with_time_and_speed() {
+    let folder = folder();
+    let size = |name: &str| {
+        let info = png::inspect(&folder.path(name)).unwrap();
+        [info.width, info.height]
+    };
+    folder.ok(&["render", "scene.toml", "-o", "plain.png", "-o", "plain.exr"]);
+    let caption = ["--caption", "a crate", "-o", "words.png", "-o", "words.exr"];
+    folder.ok(&[&["render", "scene.toml"][..], &caption].concat());
+    let ([w, h], [wide, high]) = (size("plain.png"), size("words.png"));
+    // Small pictures are enlarged to 240 pixels; words beneath.
+    assert!(wide > w && high > h && wide >= 240, "{wide} {high}");
+    let data = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    assert_eq!(data("plain.exr"), data("words.exr"));
+    // The scene can say it, and 16 bits hold it.
+    let set = ["--set", "display.caption=a crate", "-o", "said.png"];
+    folder.ok(&[&["render", "scene.toml"][..], &set].concat());
+    assert_eq!(size("said.png"), [wide, high]);
+    let deep = [
+        "--set",
+        "display.bits=16",
+        "--caption",
+        "a crate",
+        "-o",
+        "deep.png",
+    ];
+    folder.ok(&[&["render", "scene.toml"][..], &deep].concat());
+    assert_eq!(size("deep.png"), [wide, high]);
+    let light = |name: &str| {
+        let read = png::read(&folder.path(name), &Default::default()).unwrap();
+        read.radiance().unwrap()
+    };
+    for (a, b) in light("words.png").into_iter().zip(light("deep.png")) {
+        for (a, b) in a.into_iter().zip(b) {
+            assert!((a - b).abs() < 0.51 / 255.0, "{a} {b}");
+        }
+    }
+    // Another speed has other words, another text too.
+    let other = [
+        "--caption",
+        "a crate",
+        "--set",
+        "camera.velocity.beta=[0,0,-0.2]",
+    ];
+    folder.ok(&[&["render", "scene.toml", "-o", "other.png"][..], &other].concat());
+    assert_ne!(data("words.png"), data("other.png"));
+    refused(
+        &folder,
+        &["render", "scene.toml", "--caption", "\u{1F600}"],
+        &["\u{1F600}"],
+    );
+}
+
+#[test]
+fn one_logarithmic_scale_holds_pictures_of_any_brightness() {
+    let folder = folder();
+    let render = |name: &str, intensity: &str, more: &[&str]| {
+        let set = format!("source.lamp.pulse.intensity={intensity}");
+        let scale = "display={logarithmic=[1e-6,1e6]}";
+        let first = [
+            "render",
+            "scene.toml",
+            "--set",
+            scale,
+            "--set",
+            &set,
+            "-o",
+            name,
+        ];
+        folder.ok(&[&first[..], more].concat())
+    };
+    let said = render("dark.png", "0.01", &[]);
+    assert!(
+        said.contains("by the logarithm of radiance, from 1.0000e-6 to 1000000"),
+        "{said}"
+    );
+    render("bright.png", "100", &[]);
+    let codes = |name: &str| {
+        let read = png::read(&folder.path(name), &Default::default()).unwrap();
+        read.radiance().unwrap()
+    };
+    // Four of twelve decades are 85 of 255 codes.
+    let mut lit = 0;
+    for (a, b) in codes("dark.png").into_iter().zip(codes("bright.png")) {
+        let [a, b] = [a, b].map(|rgb| rgb.into_iter().fold(0.0, f64::max) * 255.0);
+        if a > 20.0 {
+            lit += 1;
+            assert!((b - a - 85.0).abs() <= 1.0, "{a} {b}");
+        }
+    }
+    assert!(lit > 5, "{lit}");
+    assert_eq!(
+        entry(&folder, "dark.png", "logarithmic").unwrap(),
+        "0.000001 1000000"
+    );
+    assert_eq!(entry(&folder, "dark.png", "white"), None);
+    // An exposure on the command line takes its place.
+    render("white.png", "100", &["--white", "0.5"]);
+    assert_eq!(entry(&folder, "white.png", "white").unwrap(), "0.5");
+}
+
+#[test]
+fn a_lamp_inside_a_body_is_said_to_be() {
+    let folder = Folder::empty();
+    let scene = |more: &str| {
+        format!(
+            "[camera]\neye = [0, 1, 6]\nlook_at = [0, 0.5, 0]\nsize = [16, 12]\n             [display]\nback_faces = \"two_sided\"\n             [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [20, 20] }} }}\n             [[object]]\nname = \"crate\"\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n             velocity = {{ beta = [0.6, 0, 0] }}\norigin = {{ position = [0, 0.5, 0] }}\n{more}"
+        )
+    };
+    let said = |lamp: &str| {
+        folder.write("in.toml", scene(lamp));
+        folder.ok(&["render", "in.toml", "-o", "in.png", "--white", "1"])
+    };
+    let inside =
+        "[[light]]\nname = \"bulb\"\nposition = [0, 0.5, 0]\nvelocity = { beta = [0.6, 0, 0] }\n";
+    let words = "lamp \"bulb\" is inside \"crate\"";
+    assert!(said(inside).contains(words));
+    // In front of it; at rest where it has been when its light left; without shadows; and in a room with the camera.
+    for lamp in [
+        "[[light]]\nname = \"bulb\"\nposition = [0, 0.5, 2]\nvelocity = { beta = [0.6, 0, 0] }\n",
+        "[[light]]\nname = \"bulb\"\nposition = [8, 0.5, 0]\n",
+        &format!("{inside}shadows = false\n"),
+        "[[light]]\nname = \"bulb\"\nposition = [0, 3, 0]\n\
+         [[object]]\nname = \"room\"\nshape = { box = { size = [30, 30, 30] } }\n",
+    ] {
+        let said = said(lamp);
+        assert!(!said.contains("is inside"), "{lamp}: {said}");
+    }
+    // A pulse too.
+    let pulse = "[[source]]\nname = \"spark\"\npulse = { position = [-3.6, 0.5, 0], time = \"-6 m\", sigma = \"9 m\" }\n";
+    assert!(said(pulse).contains("lamp \"spark\" is inside \"crate\""));
+}
+
+#[test]
+fn a_sky_that_is_not_twice_as_wide_as_high_is_refused() {
+    let folder = Folder::empty();
+    let channel = |name: &str| Channel {
+        name: name.into(),
+        samples: Samples::F32(vec![1.0; 30 * 12]),
+    };
+    let channels = ["R", "G", "B"].map(channel).into();
+    let layers = Layers::new(30, 12, channels, vec![]).unwrap();
+    exr::write(&folder.path("sky.exr"), &layers).unwrap();
+    folder.write(
+        "sky.toml",
+        "[camera]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nsize = [8, 6]\n[sky]\nimage = { file = \"sky.exr\" }\n\
+         [[object]]\nshape = { box = { size = [1, 1, 1] } }\n",
+    );
+    refused(
+        &folder,
+        &["render", "sky.toml"],
+        &[
+            "sky.exr",
+            "30 by 12 pixels are not 2:1",
+            "twice as wide as high",
+        ],
+    );
 }

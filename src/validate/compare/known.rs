@@ -143,6 +143,11 @@ impl KnownScene {
         self.objects.iter().map(InertialFrame::velocity)
     }
 
+    /// The rest frame of an object.
+    pub(super) fn frame(&self, k: usize) -> Option<&InertialFrame<Rest>> {
+        self.objects.get(k)
+    }
+
     /// The projection's field of view from the left edge's middle to the right one's, radians.
     pub(super) fn horizontal_fov(&self) -> f64 {
         let [w, h] = self.film.size();
@@ -170,12 +175,32 @@ impl KnownScene {
             }
         };
         let (d, _) = boost.direction(Direction::new(c)?);
+        self.film_point_along(d)
+    }
+
+    /// Where the world's direction `d` is seen; none where no film point looks that way.
+    pub(super) fn film_point_along(&self, d: Direction<World>) -> Option<DVec2> {
         let seen = match self.aberration {
             true => self.camera.frame_from_world().direction(d).0.unit(),
             false => d.unit(),
         };
         let point = self.film.film_point(self.film.along_axes(seen))?;
         Some(DVec2::from_array(point)).filter(|point| point.is_finite())
+    }
+
+    /// The world's direction along which the film point `p` looks; none where it sees nothing.
+    pub(super) fn look_along(&self, p: DVec2) -> Option<Direction<World>> {
+        self.film.sees(p.x, p.y).then_some(())?;
+        let v = self.film.vector(p.x, p.y);
+        match self.aberration {
+            true => Some(
+                self.camera
+                    .world_from_frame()
+                    .direction(Direction::new(v)?)
+                    .0,
+            ),
+            false => Direction::new(v),
+        }
     }
 
     /// The object at pixel `i` of a picture, and the coordinates in it of the point that the picture shows there. Where

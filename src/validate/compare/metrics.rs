@@ -10,7 +10,7 @@ use super::comparison::Comparison;
 use super::errors::Errors;
 use super::matching::Uncompared;
 use super::picture::is_light;
-use super::surface::{Distribution, SurfaceErrors};
+use super::surface::{Distribution, SurfaceErrors, Unmeasured};
 use crate::error::{Error, Result};
 use crate::scene::model::SPEED_OF_LIGHT;
 
@@ -177,8 +177,11 @@ const PARTS: [Part; 8] = [
     ("p99", Better::Smaller, |d| Some(d.summary?.p99)),
     ("max", Better::Smaller, |d| Some(d.summary?.max)),
     ("count", Better::Larger, |d| Some(d.count as f64)),
-    ("unmeasured", Better::Smaller, |d| Some(d.unmeasured as f64)),
+    (UNMEASURED, Better::Smaller, |d| Some(d.unmeasured as f64)),
 ];
+
+/// The name of the number of pixels without a value.
+const UNMEASURED: &str = "unmeasured";
 
 /// The name of the mean of values with a sign.
 const BIAS: &str = "bias";
@@ -323,9 +326,10 @@ fn spread((bias, d): Values, unit: &str, scale: f64) -> String {
     let bias = bias.map_or(String::new(), |b| {
         format!("bias {} {unit}, ", number(scale * b))
     });
-    let unmeasured = match d.unmeasured {
-        0 => String::new(),
-        n => format!("; {n} pixels have none"),
+    let unmeasured = match (d.unmeasured, gaps(d)) {
+        (_, Some(gaps)) => format!("; {gaps}"),
+        (0, None) => String::new(),
+        (n, None) => format!("; {n} pixels have none"),
     };
     format!("{bias}mean {mean}, p50 {p50}, p99 {p99}, max {max} {unit}{unmeasured}")
 }
@@ -336,6 +340,51 @@ fn nothing(d: &Distribution) -> String {
         0 => "no pixel shows the same object in both pictures".into(),
         n => format!("at none of the {n} pixels of the same object can it be measured"),
     }
+}
+
+/// The part of the reference's pixels with surfaces that has to be measured for a limit to hold.
+const LEAST_MEASURED: f64 = 0.5;
+
+/// No more objects are named.
+const MOST_NAMED: usize = 6;
+
+/// Why a distribution is not that of the whole picture: objects, or more than half of the surfaces, have no value.
+fn gaps(d: &Distribution) -> Option<String> {
+    if let [first, others @ ..] = &d.unmeasured_objects[..] {
+        let list = |of: fn(&Unmeasured) -> u64| {
+            let named = d
+                .unmeasured_objects
+                .iter()
+                .take(MOST_NAMED)
+                .map(|o| of(o).to_string());
+            let more = if others.len() < MOST_NAMED {
+                ""
+            } else {
+                ", …"
+            };
+            format!("{}{more}", named.collect::<Vec<_>>().join(", "))
+        };
+        let (objects, pixels, shown) = (list(|o| o.object), list(|o| o.pixels), list(|o| o.shown));
+        let moving = match first
+            .shown
+            .max(others.iter().map(|o| o.shown).max().unwrap_or(0))
+        {
+            0 => "",
+            _ => "; of a moving object, object_event says which point is shown",
+        };
+        return Some(format!(
+            "of object {objects}, which the reference shows at {pixels} pixels and the candidate at {shown} of them, no pixel has a value{moving}"
+        ));
+    }
+    let part = d.count as f64 / d.surfaces as f64;
+    (part < LEAST_MEASURED).then(|| {
+        format!(
+            "only {} of the reference's {} pixels with surfaces have a value ({} %)",
+            d.count,
+            d.surfaces,
+            number(100.0 * part)
+        )
+    })
 }
 
 /// What stands for a value that there is not.
@@ -522,13 +571,15 @@ impl<'a> Name<'a> {
             Of::Picture(value, _) => settled(value(comparison), needs),
             Of::Pixels(values, ..) => match comparison.surface.as_ref().and_then(values) {
                 None => Found::Nothing(needs()),
-                Some((bias, d)) => settled(
-                    match self.part {
-                        Some((_, _, of)) => of(d),
-                        None => bias,
-                    },
-                    || nothing(d),
-                ),
+                Some((bias, d)) => match (self.part, gaps(d)) {
+                    // Counts say themselves how much was measured.
+                    (Some((_, Better::Larger, of)), _) | (Some((UNMEASURED, _, of)), _) => {
+                        settled(of(d), || nothing(d))
+                    }
+                    (_, Some(gaps)) if d.count > 0 => Found::Nothing(gaps),
+                    (Some((_, _, of)), _) => settled(of(d), || nothing(d)),
+                    (None, _) => settled(bias, || nothing(d)),
+                },
             },
         })
     }

@@ -10,6 +10,9 @@
 //! | emission time | `event.ct`, or `object_event.ct` | candidate − reference at pixels of the same object |
 //! | wavelength ratio | `wavelength_ratio` | candidate / reference − 1, and steps of the coarser of the two precisions (ulp) |
 //!
+//! A limit on the last three holds only where they are known: it is exceeded where an object that the reference shows at eight
+//! pixels or more has no value at any of them, or where less than half of the reference's pixels with surfaces have one.
+//!
 //! With several samples per pixel the channels are means, which mix surfaces at silhouettes: compare pictures
 //! of pixel centres.
 //!
@@ -41,6 +44,7 @@
 //! centre's triangle, so that creases and one part of an object in front of another do not pollute it. Without
 //! triangles the shorter difference stands in. A pixel without such neighbours has no error unless Y = X(p).
 
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
 
 use serde::Serialize;
@@ -108,6 +112,10 @@ pub struct Distribution {
     pub count: u64,
     /// Pixels that have an object in both pictures, and no value.
     pub unmeasured: u64,
+    /// Pixels at which the reference shows a surface; 0 where it does not say.
+    pub surfaces: u64,
+    /// Objects that the reference shows at eight pixels or more, none of which has a value.
+    pub unmeasured_objects: Vec<Unmeasured>,
     /// Their size; none where there are no values.
     #[serde(flatten)]
     pub summary: Option<Summary>,
@@ -115,6 +123,20 @@ pub struct Distribution {
     #[serde(skip)]
     pub histogram: Histogram,
 }
+
+/// An object without a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Unmeasured {
+    /// Its index.
+    pub object: u64,
+    /// Pixels at which the reference shows it.
+    pub pixels: u64,
+    /// Those of them at which the candidate does, too.
+    pub shown: u64,
+}
+
+/// An object has to have so many pixels to be missed: of fewer, an error that is allowed may move all.
+pub(super) const FEWEST_OF_OBJECT: u64 = 8;
 
 /// The size of values that are not below 0, of which there is one at least.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -245,16 +267,21 @@ fn distribution(
 ) -> Distribution {
     let [width, height] = size;
     let mut sums = Sums::new();
-    let mut unmeasured = 0;
+    let (mut unmeasured, mut objects) = (0, Objects::default());
     let zeros = vec![0.0; width];
     let mut row = vec![0.0; width];
     for y in 0..height {
         let mut chosen = region.row(y, width);
         for x in 0..width {
             let i = y * width + x;
+            let object = points[0].object_at(i).filter(|_| chosen[x]);
             chosen[x] &= points[0].same_object(&points[1], i);
             row[x] = value(chosen[x], i);
-            unmeasured += u64::from(chosen[x] && row[x].is_nan());
+            let is_measured = chosen[x] && !row[x].is_nan();
+            unmeasured += u64::from(chosen[x] && !is_measured);
+            if let Some(object) = object.filter(|object| *object >= 0.0) {
+                objects.add(object as u64, [chosen[x], is_measured]);
+            }
         }
         sums.add_row(y, &zeros, &row, Some(&chosen));
     }
@@ -262,6 +289,8 @@ fn distribution(
     Distribution {
         count: errors.as_ref().map_or(0, |e| e.count),
         unmeasured,
+        surfaces: objects.counts.values().map(|[pixels, ..]| pixels).sum(),
+        unmeasured_objects: objects.unmeasured(),
         summary: errors.as_ref().map(|e| Summary {
             mean: e.mae,
             rms: e.rmse,
@@ -272,6 +301,35 @@ fn distribution(
             max_at: e.max_at,
         }),
         histogram: errors.map(|e| e.histogram).unwrap_or_default(),
+    }
+}
+
+/// Pixels of the reference by its objects: all, those at which the candidate shows the same, those with a value.
+#[derive(Debug, Default)]
+struct Objects {
+    counts: BTreeMap<u64, [u64; 3]>,
+}
+
+impl Objects {
+    fn add(&mut self, object: u64, [shown, measured]: [bool; 2]) {
+        let counts = self.counts.entry(object).or_default();
+        let more = [true, shown, measured].map(u64::from);
+        counts
+            .iter_mut()
+            .zip(more)
+            .for_each(|(count, more)| *count += more);
+    }
+
+    fn unmeasured(&self) -> Vec<Unmeasured> {
+        let missed = self.counts.iter();
+        let missed =
+            missed.filter(|(_, [all, _, measured])| *all >= FEWEST_OF_OBJECT && *measured == 0);
+        let named = |(&object, &[pixels, shown, _]): (&u64, &[u64; 3])| Unmeasured {
+            object,
+            pixels,
+            shown,
+        };
+        missed.map(named).collect()
     }
 }
 

@@ -2,9 +2,11 @@
 
 mod arrays;
 mod browser;
+mod by_light;
 mod metrics;
 mod pictures;
 mod planted;
+mod planting;
 mod program;
 mod refusals;
 mod surfaces;

@@ -3,168 +3,17 @@
 
 use std::sync::Arc;
 
-use nullray::approximate::raster;
-use nullray::io::image::{Layers, Samples};
-use nullray::render::aov::{self, Aov};
-use nullray::render::metadata::metadata;
-use nullray::render::plan::{Plan, Request};
-use nullray::render::prepare::Prepared;
-use nullray::render::progress::Silent;
-use nullray::render::render;
-use nullray::scene::model::{Scene, SourceKind};
+use nullray::io::image::Samples;
+use nullray::scene::model::SourceKind;
 use nullray::scene::{self, Overrides};
-use nullray::validate::compare::{CompareOptions, Diagnosis, Encoding, Kind, Picture, compare};
+use nullray::validate::compare::{
+    Breach, CompareOptions, Encoding, Kind, Picture, Tolerance, compare,
+};
 
-/// A camera with β = 0.5 along x, a floor at rest and two boxes that move, of three colours.
-const SCENE: &str = r#"
-    camera = { eye = [0, 0.6, 4], look_at = [1.5, 0.3, 0], hfov = "60 deg", size = [96, 72], velocity = { beta = [0.5, 0, 0] } }
-    [[object]]
-    name = "floor"
-    shape = { plane = { size = [12, 12] } }
-    colour = [0.2, 0.5, 0.8]
-    [[object]]
-    name = "left"
-    shape = { box = { size = [1.2, 1.2, 1.2] } }
-    colour = [0.9, 0.6, 0.1]
-    velocity = { beta = [0.3, 0, 0] }
-    origin = { position = [-1, 0.6, 0], time = "-4 m" }
-    [[object]]
-    name = "right"
-    shape = { box = { size = [1.2, 1.2, 1.2] } }
-    colour = [0.3, 0.7, 0.5]
-    velocity = { beta = [-0.4, 0, 0] }
-    origin = { position = [1, 0.6, 0], time = "-4 m" }
-"#;
-
-fn parsed(text: &str) -> Scene {
-    scene::parse(text, "test scene", ".".as_ref(), &Overrides::default()).unwrap()
-}
-
-/// What `scene` looks like, with all channels and metadata.
-fn shot(scene: &Scene) -> Picture {
-    let mut aovs = aov::parse("all").unwrap();
-    aovs.retain(|aov| *aov != Aov::StandardError);
-    let request = Request {
-        aovs: aovs.clone(),
-        pixel_centers: true,
-        ..Request::default()
-    };
-    let plan = Plan::new(scene, &request).unwrap();
-    let film = render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap();
-    let [width, height] = film.size();
-    let layers = Layers::new(width, height, film.channels(&aovs), metadata(scene, &film));
-    Picture::linear("picture", layers.unwrap())
-}
-
-/// The scene's picture after replacements in its text.
-fn with(replaced: &[(&str, &str)]) -> Picture {
-    let text = replaced.iter().fold(SCENE.to_string(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    });
-    shot(&parsed(&text))
-}
-
-fn exact() -> Picture {
-    with(&[])
-}
-
-/// The picture without what it says of its scene, so that places are searched.
-fn unknown(picture: &Picture) -> Picture {
-    let mut picture = picture.clone();
-    picture
-        .layers
-        .metadata
-        .retain(|(key, _)| key != "scene_text");
-    picture
-}
-
-/// The picture with these channels alone.
-fn only(picture: &Picture, groups: &[&str]) -> Picture {
-    let mut picture = picture.clone();
-    picture.layers.channels.retain(|channel| {
-        groups
-            .iter()
-            .any(|group| channel.name == *group || channel.name.starts_with(&format!("{group}.")))
-    });
-    picture
-}
-
-fn map(picture: &mut Picture, name: &str, of: impl Fn(usize, f64) -> f64) {
-    let channel = picture.layers.channels.iter_mut().find(|c| c.name == name);
-    let channel = channel.unwrap_or_else(|| panic!("no channel {name}"));
-    let values = channel.samples.to_f64().into_iter().enumerate();
-    channel.samples = Samples::F64(values.map(|(i, v)| of(i, v)).collect());
-}
-
-fn values(picture: &Picture, name: &str) -> Vec<f64> {
-    picture.layers.channel(name).unwrap().samples.to_f64()
-}
-
-/// The exact picture with channels changed.
-fn changed(names: &[&str], of: impl Fn(usize, f64) -> f64) -> Picture {
-    let mut picture = exact();
-    for name in names {
-        map(&mut picture, name, &of);
-    }
-    picture
-}
-
-/// The picture whose pixel (x, y) holds what `source` says that of `picture` is.
-fn rearranged(picture: &Picture, source: impl Fn(i64, i64) -> [i64; 2]) -> Picture {
-    let [w, h] = [picture.layers.width, picture.layers.height].map(i64::from);
-    let mut turned = picture.clone();
-    for channel in &mut turned.layers.channels {
-        let values = channel.samples.to_f64();
-        let at = |i: i64| {
-            let [x, y] = source(i % w, i / w);
-            values[(y.clamp(0, h - 1) * w + x.clamp(0, w - 1)) as usize]
-        };
-        channel.samples = Samples::F64((0..w * h).map(at).collect());
-    }
-    turned
-}
-
-const LIGHT: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
-
-fn diagnosed_with(
-    reference: &Picture,
-    candidate: &Picture,
-    options: &CompareOptions,
-) -> Vec<Diagnosis> {
-    compare(reference, candidate, options).unwrap().diagnoses
-}
-
-fn diagnosed(reference: &Picture, candidate: &Picture) -> Vec<Diagnosis> {
-    let options = CompareOptions {
-        bin_width: Some(0.05),
-        pixels_per_degree: None,
-        ..CompareOptions::default()
-    };
-    diagnosed_with(reference, candidate, &options)
-}
-
-/// Asserts that one thing is named, of this kind and in these words.
-fn named(kind: Kind, words: &[&str], found: &[Diagnosis]) {
-    let kinds: Vec<_> = found.iter().map(|d| d.kind).collect();
-    assert_eq!(kinds, [kind], "{found:?}");
-    for word in words {
-        assert!(found[0].what.contains(word), "{word:?}: {}", found[0].what);
-    }
-    assert!(!found[0].evidence.is_empty(), "{found:?}");
-    assert!(
-        found[0].evidence.iter().all(|(_, value)| value.is_finite()),
-        "{found:?}"
-    );
-}
-
-fn evidence(found: &[Diagnosis], name: &str) -> f64 {
-    let mut evidence = found[0].evidence.iter();
-    evidence
-        .find(|(n, _)| *n == name)
-        .unwrap_or_else(|| panic!("{found:?}"))
-        .1
-}
+use crate::compare::planting::{
+    LIGHT, SCENE, changed, diagnosed, diagnosed_with, evidence, exact, map, named, only, parsed,
+    rasterized, rearranged, shot, unknown, values, with,
+};
 
 #[test]
 fn of_right_clamped_rounded_and_noisy_pictures_nothing_is_named() {
@@ -225,24 +74,6 @@ fn a_rasterizer_that_is_right_but_for_its_tessellation_is_not_diagnosed() {
         let candidate = rasterized(&scene, method);
         assert_eq!(diagnosed(&shot(&scene), &candidate), [], "{method}");
     }
-}
-
-/// What a rasterizer makes of a scene, with all channels.
-fn rasterized(scene: &Scene, method: &str) -> Picture {
-    let mut aovs = aov::parse("all").unwrap();
-    aovs.retain(|aov| *aov != Aov::StandardError);
-    let request = Request {
-        aovs: aovs.clone(),
-        pixel_centers: true,
-        ..Request::default()
-    };
-    let plan = Plan::new(scene, &request).unwrap();
-    let prepared = Prepared::new(scene, &plan, &Silent).unwrap();
-    let method = method.parse::<raster::Method>().unwrap();
-    let film = raster::render(&prepared, &method, &Silent).unwrap();
-    let [w, h] = film.size();
-    let layers = Layers::new(w, h, film.channels(&aovs), vec![]).unwrap();
-    Picture::linear("raster", layers)
 }
 
 #[test]
@@ -675,4 +506,95 @@ fn exchanged_colours_gamma_exposure_and_exponents_are_named() {
     });
     let found = diagnosed(&exact, &wrong);
     named(Kind::ExponentWrong, &["W^(+1)", "1.3000 times"], &found);
+}
+
+#[test]
+fn events_alone_measure_no_moving_object_and_name_lost_velocities() {
+    let exact = exact();
+    let options = CompareOptions {
+        pixels_per_degree: None,
+        ..CompareOptions::default()
+    };
+    let limit: Tolerance = "geometric.max=0.1".parse().unwrap();
+    let breaches = |candidate: &Picture| {
+        let found = compare(&exact, candidate, &options).unwrap();
+        let breaches = found.breaches(std::slice::from_ref(&limit)).unwrap();
+        breaches.iter().map(Breach::to_string).collect::<String>()
+    };
+    assert_eq!(breaches(&only(&exact, &["object", "object_event"])), "");
+
+    // Whatever point of a moving object an event is taken for, it is seen where it is.
+    let groups = ["object", "event"];
+    let right = only(&exact, &groups);
+    let words = "of object 1, 2, which the reference shows at";
+    assert!(breaches(&right).contains(words), "{}", breaches(&right));
+    assert!(breaches(&right).contains("object_event says which point"));
+    assert_eq!(diagnosed(&exact, &right), []);
+
+    for (replaced, kind, words) in [
+        (
+            "beta = [0, 0, 0]",
+            Kind::VelocityMissing,
+            "object 2 is missing",
+        ),
+        (
+            "beta = [0.4, 0, 0]",
+            Kind::VelocityWrong,
+            "object 2 is reversed",
+        ),
+    ] {
+        let wrong = only(&with(&[("beta = [-0.4, 0, 0]", replaced)]), &groups);
+        assert!(!breaches(&wrong).is_empty(), "{words}");
+        named(kind, &[words], &diagnosed(&exact, &wrong));
+    }
+}
+
+#[test]
+fn an_object_that_is_nowhere_is_named_and_breaks_limits_on_what_is_left() {
+    let exact = exact();
+    let start = SCENE.find("    [[object]]\n    name = \"right\"").unwrap();
+    let gone = shot(&parsed(&SCENE[..start]));
+    for groups in [
+        &["object", "event"][..],
+        &["object", "object_event"],
+        &["object", "event", "wavelength_ratio"],
+    ] {
+        let candidate = only(&gone, groups);
+        let found = compare(&exact, &candidate, &CompareOptions::default()).unwrap();
+        named(
+            Kind::ObjectMissing,
+            &["object 2 is missing", "nowhere"],
+            &found.diagnoses,
+        );
+        for limit in ["geometric.max=1e9", "geometric.mean=1e9"] {
+            // Events say nothing of the other moving object either.
+            let breaches = found.breaches(&[limit.parse().unwrap()]).unwrap();
+            let words = breaches.iter().map(Breach::to_string).collect::<String>();
+            assert!(
+                words.contains("of object") && words.contains("no pixel has a value"),
+                "{words}"
+            );
+        }
+        let kept = ["geometric.count=100", "coverage=0.5"].map(|limit| limit.parse().unwrap());
+        assert_eq!(found.breaches(&kept).unwrap(), []);
+    }
+}
+
+#[test]
+fn an_object_off_its_surface_is_named_where_nothing_explains_it() {
+    // Events of the box, a tenth of a metre towards the camera.
+    let exact = exact();
+    let object = values(&exact, "object");
+    let mut wrong = only(&exact, &["object", "event"]);
+    map(&mut wrong, "event.z", |i, z| {
+        if object[i] == 1.0 { z + 0.1 } else { z }
+    });
+    map(&mut wrong, "event.y", |i, y| {
+        if object[i] == 1.0 { y + 0.1 } else { y }
+    });
+    map(&mut wrong, "event.x", |i, x| {
+        if object[i] == 1.0 { x + 0.1 } else { x }
+    });
+    let found = diagnosed(&exact, &wrong);
+    named(Kind::ObjectElsewhere, &["object 1 is elsewhere"], &found);
 }

@@ -164,9 +164,9 @@ pub(super) fn scaled(case: &Case) -> Option<Diagnosis> {
 
 /// a + k p along both axes.
 #[derive(Debug, Clone, Copy)]
-struct Film {
-    a: DVec2,
-    k: DVec2,
+pub(super) struct Film {
+    pub a: DVec2,
+    pub k: DVec2,
 }
 
 impl Film {
@@ -184,7 +184,7 @@ impl Film {
         k.is_finite().then(|| Film { a: q - k * p, k })
     }
 
-    fn of(&self, p: DVec2) -> DVec2 {
+    pub fn of(&self, p: DVec2) -> DVec2 {
         self.a + self.k * p
     }
 }
@@ -214,24 +214,36 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
         all.iter()
             .map(|pair| [(pair[1] - pair[0]).length(), off(&film, pair)]),
     );
-    tally
-        .explains(NOTABLE)
-        .then(|| describe(case, &film, half, &tally))
-}
-
-fn describe(case: &Case, film: &Film, half: DVec2, tally: &Tally) -> Diagnosis {
-    let Film { a, k } = *film;
-    // What the scale does at the film's edges, against what the shift does.
-    let scale = (k - 1.0).abs() * half;
-    let mut evidence = vec![
+    let evidence = vec![
         ("points are displaced by (pixels, rms)", tally.error()),
         ("and from the hypothesis by (pixels, rms)", tally.rest()),
     ];
+    tally
+        .explains(NOTABLE)
+        .then(|| describe(case, &film, BY_PLACES, evidence))
+}
+
+/// How far a shift by half a pixel may be off to be called so: by places, and by light, which edges between pixels blur.
+const BY_PLACES: f64 = 0.05;
+pub(super) const BY_LIGHT: f64 = 0.2;
+
+/// What is said of a film, whose shift is known to `precision` pixels.
+pub(super) fn describe(
+    case: &Case,
+    film: &Film,
+    precision: f64,
+    mut evidence: Vec<(&'static str, f64)>,
+) -> Diagnosis {
+    let Film { a, k } = *film;
+    let [width, height] = case.points[0].size();
+    let half = 0.5 * DVec2::new(width as f64, height as f64);
+    // What the scale does at the film's edges, against what the shift does.
+    let scale = (k - 1.0).abs() * half;
     if scale.max_element() <= 2.0 * NEAR * a.abs().max_element() {
         // A point that belongs to the right is seen displaced to the left.
         let [x, y] = [-a.x, -a.y];
         evidence.extend([("to the right (pixels)", x), ("down (pixels)", y)]);
-        let is_half = |v: f64| (v.abs() - 0.5).abs() < 0.05 || v.abs() < 0.05;
+        let is_half = |v: f64| (v.abs() - 0.5).abs() < precision || v.abs() < precision;
         let words = match is_half(x) && is_half(y) && a.abs().max_element() > 0.25 {
             true => "by half a pixel, ",
             false => "by ",

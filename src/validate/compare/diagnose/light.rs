@@ -1,4 +1,4 @@
-//! Mistakes of the light: exchanged colours, gamma, exposure, the exponent of W, times of lookup.
+//! Mistakes of the light: exchanged colours, gamma, exposure, the exponent of W.
 //!
 //! Pixels that the candidate clips at 1 say nothing. Of the hypotheses that explain the error the first is named:
 //! exchanged colours and gamma have no free number; an exponent explains how the light's logarithm varies, an exposure
@@ -11,18 +11,12 @@
 //! by least squares over pixels, where the candidate's own W is right; a is the exposure beside it.
 
 use super::super::picture::{Encoding, Plane, RADIANCE};
-use super::time::words_for_bins;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, Tally, median};
 use crate::colour::{srgb_decode, srgb_encode};
 use crate::render::aov::Aov;
-use crate::render::plan::{Plan, Request};
-use crate::render::prepare::Prepared;
-use crate::render::progress::Silent;
-use crate::render::render;
-use crate::scene::model::SourceKind;
 
 /// The light of a pixel in the reference and in the candidate.
-type Lit = (usize, [[f64; 3]; 2]);
+pub(super) type Lit = (usize, [[f64; 3]; 2]);
 
 /// What asks one question of the light.
 type Hypothesis = fn(&Case, &[Lit]) -> Option<Diagnosis>;
@@ -30,7 +24,7 @@ type Hypothesis = fn(&Case, &[Lit]) -> Option<Diagnosis>;
 /// What is wrong with the light.
 pub(super) fn light(case: &Case) -> Option<Diagnosis> {
     let lit = lit(case)?;
-    let named: [Hypothesis; 5] = [colours, gamma, exponent, exposure, lookup];
+    let named: [Hypothesis; 4] = [colours, gamma, exponent, exposure];
     named.iter().find_map(|hypothesis| hypothesis(case, &lit))
 }
 
@@ -38,7 +32,7 @@ pub(super) fn light(case: &Case) -> Option<Diagnosis> {
 const CLIPPED: f64 = 1e-6;
 
 /// Pixels of surfaces with light, which the candidate does not clip.
-fn lit(case: &Case) -> Option<Vec<Lit>> {
+pub(super) fn lit(case: &Case) -> Option<Vec<Lit>> {
     let [r, c] = case
         .pair
         .map(|picture| Plane::group(&picture.layers, RADIANCE));
@@ -62,7 +56,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// |c − r| and |c − h(r)| in parts of the reference's light, so that bright pixels do not decide alone.
-fn tally(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Tally {
+pub(super) fn tally(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Tally {
     Tally::of(lit.iter().map(|&(i, [r, c])| {
         let size = distance(r, [0.0; 3]);
         [distance(c, r) / size, distance(c, h(i, r)) / size]
@@ -70,9 +64,9 @@ fn tally(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Tally {
 }
 
 /// Errors of light, in parts of it, that are notable.
-const NOTABLE: f64 = 0.03;
+pub(super) const NOTABLE: f64 = 0.03;
 
-fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
+pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
     vec![
         ("light differs by (parts of it, rms)", tally.error()),
         ("and from the hypothesis by", tally.rest()),
@@ -141,7 +135,8 @@ fn exposure(_: &Case, lit: &[Lit]) -> Option<Diagnosis> {
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
     let factor = median(lit.iter().map(|(_, [r, c])| sum(c) / sum(r)).collect())?;
     let tally = tally(lit, |_, r| r.map(|v| factor * v));
-    (factor > 0.0 && tally.explains(NOTABLE)).then(|| Diagnosis {
+    let is_notable = factor > 0.0 && libm::log(factor).abs() > NOTABLE;
+    (is_notable && tally.explains(NOTABLE)).then(|| Diagnosis {
         kind: Kind::Exposure,
         what: format!(
             "light is {factor:.4} times what it should be, everywhere alike ({:+.2} stops)",
@@ -215,51 +210,4 @@ fn describe_exponent(slope: f64, factor: f64, explained: f64, count: usize) -> D
             ("pixels with light", count as f64),
         ],
     }
-}
-
-/// Shifts of the time of lookup that are asked about, bins.
-const SHIFTS: [f64; 4] = [0.5, -0.5, 1.0, -1.0];
-
-/// The light is that of the scene with its cubes at shifted times.
-fn lookup(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
-    let scene = case.scene?;
-    scene
-        .sources
-        .iter()
-        .find(|source| matches!(source.kind, SourceKind::Cube(_)))?;
-    let error = tally(lit, |_, r| r).error();
-    if error <= NOTABLE {
-        return None;
-    }
-    let found = SHIFTS.iter().filter_map(|&bins| {
-        let mut shifted = scene.clone();
-        for source in &mut shifted.sources {
-            if let SourceKind::Cube(cube) = &mut source.kind {
-                // Data that start later are looked up earlier.
-                cube.bins = cube.bins.shifted(-bins * cube.bins.width());
-            }
-        }
-        let request = Request {
-            pixel_centers: case.pair[0].metadata("pixel_centers") == Some("true"),
-            ..Request::default()
-        };
-        let plan = Plan::new(&shifted, &request).ok()?;
-        let film = render(&Prepared::new(&shifted, &plan, &Silent).ok()?, &Silent).ok()?;
-        let light = film.radiance();
-        let [width, height] = case.points[0].size();
-        (light.len() == width * height).then_some(())?;
-        let tally = tally(lit, |i, _| light[i]);
-        tally.explains(NOTABLE).then_some((bins, tally))
-    });
-    let (bins, tally) = found.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    let late = if bins > 0.0 { "late" } else { "early" };
-    let amount = words_for_bins(bins.abs());
-    Some(Diagnosis {
-        kind: Kind::LookupShifted,
-        what: format!("light is looked up {amount} too {late} in the cubes"),
-        evidence: [("shift (bins)", bins)]
-            .into_iter()
-            .chain(evidence(&tally))
-            .collect(),
-    })
 }

@@ -25,6 +25,10 @@
 //! | gamma | light is encoded once more than it should be, or once less |
 //! | exponent of W wrong | ln(c/r) = a + k ln W |
 //! | exposure | light is multiplied by one factor |
+//! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
+//! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
+//! | object elsewhere | by their events, points of an object are not on its surface; or they are in the frame of another velocity |
+//! | object missing | the reference shows it, the candidate nowhere |
 //! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //!
 //! A hypothesis without the channels that it needs is not asked. What follows from a wrong film or a wrong velocity (time,
@@ -35,6 +39,8 @@ mod film;
 mod light;
 mod motion;
 mod part;
+mod registration;
+mod rendered;
 mod time;
 
 use serde::Serialize;
@@ -90,6 +96,8 @@ pub enum Kind {
     VelocityWrong,
     /// An object rests that should move.
     VelocityMissing,
+    /// An object is nowhere in the candidate.
+    ObjectMissing,
     /// Coordinates are exchanged, or have the opposite sign.
     AxesExchanged,
     /// Look directions point into the camera.
@@ -118,6 +126,26 @@ pub enum Kind {
     TriangleDisplaced,
     /// One object is displaced.
     ObjectDisplaced,
+    /// The points shown of an object are not on the surface that the reference shows.
+    ObjectElsewhere,
+}
+
+impl Kind {
+    /// Whether it moves or renames all that is seen: objects may be out of view for it.
+    fn is_of_all(self) -> bool {
+        matches!(
+            self,
+            Kind::Mirrored
+                | Kind::FilmShifted
+                | Kind::FieldOfView
+                | Kind::Aspect
+                | Kind::IdentitiesOneBased
+                | Kind::IdentitiesSwapped
+                | Kind::AberrationReversed
+                | Kind::AberrationMissing
+                | Kind::RetardationMissing
+        )
+    }
 }
 
 /// What the hypotheses are asked of.
@@ -136,7 +164,16 @@ pub(super) struct Case<'a> {
 
 /// All diagnoses of a candidate.
 pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
-    let causes: [fn(&Case) -> Vec<Diagnosis>; 8] = [
+    let mut found = causes(case);
+    if !found.iter().any(|found| found.kind.is_of_all()) {
+        found.extend(part::vanished(case));
+    }
+    found
+}
+
+/// What explains the errors of pixels.
+fn causes(case: &Case) -> Vec<Diagnosis> {
+    let causes: [fn(&Case) -> Vec<Diagnosis>; 9] = [
         |case| film::turned(case).into_iter().collect(),
         |case| channels::identities(case).into_iter().collect(),
         channels::coordinates,
@@ -145,6 +182,7 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
         motion::velocities,
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),
+        motion::elsewhere,
     ];
     if let Some(found) = causes
         .iter()
@@ -156,7 +194,20 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
     let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
     found.extend(channels::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
-    found.extend(light::light(case));
+    let by_light = light::light(case);
+    // Another velocity changes light much as another exponent does, and the scene tells them apart.
+    let is_settled = by_light
+        .as_ref()
+        .is_some_and(|d| d.kind != Kind::ExponentWrong);
+    let by_scene = if is_settled {
+        None
+    } else {
+        rendered::changes(case)
+    };
+    found.extend(by_scene.or(by_light));
+    if found.is_empty() && !case.has_places() {
+        found.extend(registration::found(case));
+    }
     if found.is_empty() {
         found.extend(part::displaced(case));
     }
@@ -164,6 +215,12 @@ pub(super) fn diagnose(case: &Case) -> Vec<Diagnosis> {
 }
 
 impl Case<'_> {
+    /// Whether channels say which points pixels show, or where they look: then light need not.
+    fn has_places(&self) -> bool {
+        let directions = self.points.each_ref().map(|p| p.direction.is_some());
+        self.field.is_some() || directions == [true, true]
+    }
+
     /// Pixels of the region at which both pictures show the same object.
     fn pixels(&self) -> Vec<usize> {
         let [r, c] = &self.points;

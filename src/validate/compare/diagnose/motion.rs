@@ -14,22 +14,28 @@
 //! object that takes up little of the view determines them badly; so hypotheses are compared by how well they
 //! reproduce W where the object is seen, not by the fitted numbers.
 //!
+//! # By events
+//!
+//! Events of the world do not say which point of a moving object emits there, but in the object's frame all of them lie on
+//! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that one. The
+//! surface is that of the reference's points; as other sides of it may be seen, velocities are told by the boxes around all points.
+//!
 //! # By places
 //!
 //! In a known scene the map π from points of objects to the film is known for any velocity of the camera and of the
 //! objects, and for light that takes no time. The candidate's points are seen where it shows them under the
 //! change that it has made.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, NEAR, Tally};
+use super::{Case, Diagnosis, Kind, NEAR, Tally, median};
 use crate::render::aov::Aov;
-use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
+use crate::spacetime::{Boost, Camera, Direction, Event, InertialFrame, Rest, Velocity, World};
 
 /// Errors of directions that storage in single precision makes, radians.
 const DIRECTION_ROUNDING: f64 = 1e-5;
@@ -281,6 +287,163 @@ fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
     Some(objects)
 }
 
+/// The most of an object's points that may be off its surface, by events.
+const OFF_SURFACE: f64 = 0.1;
+/// How far the boxes around an object's points may be apart, in parts of the diagonal: other sides of it are seen. Another
+/// velocity has to leave this part of what the right one does.
+const SAME_BOX: f64 = 0.05;
+const NEARER: f64 = 0.3;
+
+/// Objects whose events are those of another velocity, and objects whose events are not on the surface that the reference
+/// shows; for candidates that say of events of the world alone.
+pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
+    let [r, c] = &case.points;
+    let (Some(_), Some(_), Some(_), None) = (r.object, c.object, c.world, c.material) else {
+        return Vec::new();
+    };
+    let mut pixels: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
+    for i in case.region.pixels(r.size()) {
+        for (which, points) in [r, c].into_iter().enumerate() {
+            if let Some(object) = points.object_at(i).filter(|object| *object >= 0.0) {
+                pixels.entry(object as usize).or_default()[which].push(i);
+            }
+        }
+    }
+    let enough = |pixels: &[Vec<usize>; 2]| pixels.iter().all(|pixels| pixels.len() >= FEWEST);
+    let found = pixels.iter().filter(|(_, pixels)| enough(pixels));
+    found
+        .filter_map(|(object, pixels)| off_surface(case, *object, pixels))
+        .collect()
+}
+
+fn off_surface(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Option<Diagnosis> {
+    let frame = case.known.and_then(|known| known.frame(object));
+    let velocity = frame.map_or(Velocity::REST, InertialFrame::velocity);
+    let own = |which: usize, velocity: Velocity| {
+        let world = case.points[which].world;
+        let time = Plane::aov(&case.pair[which].layers, Aov::EventCt);
+        move |i: &usize| {
+            let x = place(&world?, *i);
+            // Of what rests, and of scenes that are not known, places say all.
+            let Some(frame) = frame.filter(|_| !velocity.is_rest()) else {
+                return Some(x - frame.map_or(DVec3::ZERO, |frame| frame.origin().x));
+            };
+            let event = Event::new(time?.at(*i), x);
+            let frame = InertialFrame::<Rest>::new(velocity, frame.origin());
+            Some(frame.event_from_world(event).x)
+        }
+    };
+    let surface = Cloud::of(in_r, case.points[0].size()[0], own(0, velocity))?;
+    let points = |velocity| in_c.iter().filter_map(own(1, velocity));
+    let error = surface.part_off(points(velocity));
+    let error = error.filter(|part| *part > OFF_SURFACE)?;
+    let evidence = vec![("part of its points that are off the surface", error)];
+    let right = bounds(in_r.iter().filter_map(own(0, velocity)));
+    let apart = |velocity| {
+        let [low, high] = bounds(points(velocity));
+        let [low, high] = [low - right[0], high - right[1]];
+        low.abs().max(high.abs()).max_element()
+    };
+    let [is, rest, reversed] = [velocity, Velocity::REST, -velocity].map(apart);
+    let nearest = rest.min(reversed);
+    let most = (SAME_BOX * (right[1] - right[0]).length()).min(NEARER * is);
+    let explains = nearest <= most && !velocity.is_rest();
+    let (kind, what) = match (explains, rest <= reversed) {
+        (false, _) => (
+            Kind::ObjectElsewhere,
+            format!(
+                "object {object} is elsewhere: by their events, {:.0} % of its points are not on the surface that the reference shows",
+                100.0 * error
+            ),
+        ),
+        (true, true) => (
+            Kind::VelocityMissing,
+            format!("the velocity of object {object} is missing: its events are those of its rest"),
+        ),
+        (true, false) => (
+            Kind::VelocityWrong,
+            format!(
+                "the velocity of object {object} is reversed: its events are those of −β for β"
+            ),
+        ),
+    };
+    let with_velocity = explains.then_some([
+        ("the box around its points is off by (m)", is),
+        ("and with that velocity by (m)", nearest),
+        ("beta", velocity.beta().length()),
+    ]);
+    Some(Diagnosis {
+        kind,
+        what,
+        evidence: evidence
+            .into_iter()
+            .chain(with_velocity.into_iter().flatten())
+            .collect(),
+    })
+}
+
+/// The least box around points.
+fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let finite = points.filter(|p| p.is_finite());
+    finite.fold(none, |[low, high], p| [low.min(p), high.max(p)])
+}
+
+/// The surface that points of neighbouring pixels make: cells as wide as the points are apart.
+struct Cloud {
+    cell: f64,
+    cells: HashSet<[i64; 3]>,
+}
+
+impl Cloud {
+    /// That of the points of these pixels, in order, of a picture so wide; none of too few.
+    fn of(
+        pixels: &[usize],
+        width: usize,
+        point: impl Fn(&usize) -> Option<DVec3>,
+    ) -> Option<Cloud> {
+        let points: Vec<(usize, DVec3)> = pixels
+            .iter()
+            .filter_map(|i| Some((*i, point(i).filter(|p| p.is_finite())?)))
+            .collect();
+        let beside = points.windows(2).filter(|pair| {
+            let [a, b] = [pair[0].0, pair[1].0];
+            b == a + 1 && b % width != 0
+        });
+        let steps: Vec<f64> = beside
+            .map(|pair| (pair[1].1 - pair[0].1).length())
+            .filter(|step| *step > 0.0)
+            .collect();
+        let cell = median(steps)?;
+        let cells = points.iter().map(|(_, p)| Cloud::cell(*p, cell)).collect();
+        Some(Cloud { cell, cells })
+    }
+
+    fn cell(p: DVec3, size: f64) -> [i64; 3] {
+        (p / size).to_array().map(|x| x.floor() as i64)
+    }
+
+    /// The part of points that are not in these cells or beside them; none of too few.
+    fn part_off(&self, points: impl Iterator<Item = DVec3>) -> Option<f64> {
+        let (mut all, mut off) = (0usize, 0usize);
+        for p in points.filter(|p| p.is_finite()) {
+            let [x, y, z] = Cloud::cell(p, self.cell);
+            let around =
+                (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
+            let mut around = around.map(|[i, j, k]| {
+                [
+                    x.saturating_add(i),
+                    y.saturating_add(j),
+                    z.saturating_add(k),
+                ]
+            });
+            all += 1;
+            off += usize::from(!around.any(|cell| self.cells.contains(&cell)));
+        }
+        (all >= FEWEST).then(|| off as f64 / all as f64)
+    }
+}
+
 /// Displacements that are notable, pixels, rms.
 const NOTABLE_DISPLACEMENT: f64 = 0.1;
 
@@ -372,6 +535,28 @@ fn displaced(
         Some([off, (shown - centre).length()])
     });
     Tally::of(off)
+}
+
+/// What is said of a camera whose light has the aberration of another velocity.
+pub(super) fn describe_aberration_by_light(
+    change: Change,
+    evidence: Vec<(&'static str, f64)>,
+) -> Diagnosis {
+    let (kind, what) = match change {
+        Change::CameraReversed => (
+            Kind::AberrationReversed,
+            "aberration is reversed: the light is where a camera sees it that moves the opposite way (−β for β)",
+        ),
+        _ => (
+            Kind::AberrationMissing,
+            "aberration is missing: the light is where a camera at rest sees it",
+        ),
+    };
+    Diagnosis {
+        kind,
+        what: what.into(),
+        evidence,
+    }
 }
 
 fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnosis {

@@ -1,10 +1,11 @@
-//! Displacements of one triangle, or of one object, alone.
+//! Displacements of one triangle, or of one object, alone; objects that are nowhere.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
 use super::super::geometry::Field;
+use super::super::surface::FEWEST_OF_OBJECT;
 use super::{Case, Diagnosis, FEWEST, Kind, MOST, median};
 
 /// Displacements that are notable, pixels.
@@ -29,6 +30,32 @@ pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
         return by_points;
     }
     by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
+}
+
+/// Objects of the reference that no pixel of the candidate shows.
+pub(super) fn vanished(case: &Case) -> Vec<Diagnosis> {
+    let [r, c] = &case.points;
+    let mut pixels: BTreeMap<i64, [u64; 2]> = BTreeMap::new();
+    for i in case.region.pixels(r.size()) {
+        let (Some(in_r), Some(in_c)) = (r.object_at(i), c.object_at(i)) else {
+            return Vec::new();
+        };
+        for (which, object) in [in_r, in_c].into_iter().enumerate() {
+            if object >= 0.0 {
+                pixels.entry(object as i64).or_default()[which] += 1;
+            }
+        }
+    }
+    let is_gone = |[in_r, in_c]: &[u64; 2]| *in_r >= FEWEST_OF_OBJECT && *in_c == 0;
+    let gone = pixels.iter().filter(|(_, pixels)| is_gone(pixels));
+    let describe = |(object, [pixels, _]): (&i64, &[u64; 2])| Diagnosis {
+        kind: Kind::ObjectMissing,
+        what: format!(
+            "object {object} is missing: the reference shows it at {pixels} pixels, the candidate nowhere"
+        ),
+        evidence: vec![("pixels", *pixels as f64)],
+    };
+    gone.map(describe).collect()
 }
 
 fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {

@@ -1,0 +1,524 @@
+//! Films that are moved or scaled, by light alone.
+//!
+//! Where no channel says which point of a surface a pixel shows, the pictures themselves are laid over each other. With p from the
+//! film's centre, the candidate c is asked to be the reference r seen through another film,
+//!
+//! ```text
+//! c(p) = r(p′),      p′ = a + k p        a shift (k = 1), one scale (a = 0), or two (a = 0)
+//! ```
+//!
+//! by the Gauss–Newton steps of Lucas and Kanade (IJCAI 1981) on blurred light: with the gradient g of r(p′),
+//! c − r = g·∂p′, least squares over all pixels and colours; from coarse pictures to fine ones, so that displacements of
+//! many pixels are found. Light v is compressed to v / (|v| + m), m the reference's median, so that lamps do not decide alone.
+//!
+//! A camera that forgot its boost, or reversed it, sees the same light along other film points: p′ is known then, and
+//! has no free numbers.
+//!
+//! Pictures of single samples cannot be interpolated to what other samples would see, so that no hypothesis explains
+//! all of the error. It has to explain most of it, and at most places: of 8 × 8 tiles, it has to halve the squared
+//! error E of those that have most of Σ E^(1/4). That root lets places with little contrast count for nearly as much as others, so
+//! that a part that moves alone does not pass: what stands still would have to move, too.
+
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+use super::super::known::Change;
+use super::super::picture::{Plane, RADIANCE};
+use super::film::{self, Film};
+use super::motion::describe_aberration_by_light;
+use super::{Case, Diagnosis, median};
+
+/// What a shift, and a scale, may leave of the squared error: single samples at edges leave up to a half of that of half a pixel.
+const LEFT_BY_SHIFT: f64 = 0.5;
+const LEFT_BY_SCALE: f64 = 0.35;
+/// The part of the tiles, by the fourth root of their error, of which half is explained: 0.69 and more of films, and
+/// 0.45 and less of parts that move, in the scenes of this repository.
+const MOST_TILES: f64 = 0.6;
+/// Tiles with less of the largest one's error are noise.
+const QUIET: f64 = 1e-3;
+/// A hypothesis with fewer free numbers is preferred up to this many times the least that is left.
+const SIMPLER: f64 = 1.5;
+/// Displacements that are notable, pixels, rms over the film.
+const NOTABLE: f64 = 0.15;
+/// Differences of compressed light that are notable, rms.
+const NOTABLE_LIGHT: f64 = 0.005;
+/// The longest shift that is named, pixels: by more, whole pixels are tried.
+const LONGEST: f64 = 2.5;
+/// Tiles along each axis, and the part of a tile's pixels that both films have to show.
+const TILES: usize = 8;
+const MOST_OF_TILE: f64 = 0.5;
+/// The part of the candidate that the reference has to show.
+const OVERLAP: f64 = 0.25;
+/// Pictures are halved while their shorter side has this many pixels, and at least until they have so many in all.
+const COARSE: usize = 24;
+const FINEST: usize = 500_000;
+/// Scales from which the search starts, on the coarsest pictures.
+const STARTS: [f64; 5] = [0.75, 0.87, 1.0, 1.15, 1.33];
+/// Steps on each level.
+const STEPS: usize = 10;
+
+/// A candidate whose film is moved or scaled, or whose light has the aberration of another velocity.
+pub(super) fn found(case: &Case) -> Option<Diagnosis> {
+    if !case.region.is_all() {
+        return None;
+    }
+    let pair = compressed(case)?;
+    if !(rms_difference(&pair) > NOTABLE_LIGHT) {
+        return None;
+    }
+    let levels = Levels::of(pair);
+    let mut fits: Vec<Fit> = (BOOSTS.into_iter())
+        .filter_map(|change| boosted(case, &levels, change))
+        .collect();
+    let films: Vec<Option<Fit>> = (MODELS.par_iter())
+        .map(|model| model.fit(&levels))
+        .collect();
+    fits.extend(films.into_iter().flatten());
+    let least = fits.iter().map(|fit| fit.left).reduce(f64::min)?;
+    let best = fits.into_iter().find(|fit| fit.left <= SIMPLER * least)?;
+    Some(best.or_boost(case, &levels).describe(case))
+}
+
+/// Velocities that the camera may have taken.
+const BOOSTS: [Change; 2] = [Change::CameraAtRest, Change::CameraReversed];
+/// A boost and another film are alike where they differ by less than this part of what they displace.
+const ALIKE: f64 = 0.2;
+
+/// What explains the error.
+#[derive(Debug)]
+struct Fit {
+    cause: Cause,
+    /// The rms displacement over the film, pixels.
+    displacement: f64,
+    /// What is left of the squared error.
+    left: f64,
+    /// The part of the tiles of which it explains half.
+    tiles: f64,
+}
+
+#[derive(Debug)]
+enum Cause {
+    Boost(Change),
+    Film(Film),
+}
+
+impl Fit {
+    /// A camera that moves along its axis sees much the same through another film; that it moves is known.
+    fn or_boost(self, case: &Case, levels: &Levels) -> Fit {
+        let Cause::Film(film) = self.cause else {
+            return self;
+        };
+        let film = Film {
+            a: film.a / levels.scale,
+            ..film
+        };
+        let finest = &levels.pairs[0][0];
+        let is_alike = |change: &Change| {
+            let Some(place) = boost(case, levels.scale, *change) else {
+                return false;
+            };
+            let off = finest.rms_over_film(|p| Some(place(p)? - film.of(p)));
+            off <= ALIKE * self.displacement / levels.scale
+        };
+        match BOOSTS.into_iter().find(is_alike) {
+            Some(change) => Fit {
+                cause: Cause::Boost(change),
+                ..self
+            },
+            None => self,
+        }
+    }
+
+    fn describe(&self, case: &Case) -> Diagnosis {
+        let evidence = vec![
+            (
+                "light alone says so: displacement (pixels, rms)",
+                self.displacement,
+            ),
+            ("what it leaves of the squared error", self.left),
+            (
+                "part of the error in tiles of which it explains half",
+                self.tiles,
+            ),
+        ];
+        match &self.cause {
+            Cause::Boost(change) => describe_aberration_by_light(*change, evidence),
+            Cause::Film(film) => film::describe(case, film, film::BY_LIGHT, evidence),
+        }
+    }
+}
+
+/// Colours of the pixels of a picture, by rows.
+#[derive(Debug, Clone)]
+struct Light {
+    width: usize,
+    height: usize,
+    colours: Vec<[f64; 3]>,
+}
+
+/// The light of both pictures.
+fn compressed(case: &Case) -> Option<[Light; 2]> {
+    let [width, height] = case.points[0].size();
+    let [r, c] = case.pair.map(|p| Plane::group(&p.layers, RADIANCE));
+    let planes = [r?, c?];
+    let values = |planes: &[Plane; 3]| -> Vec<[f64; 3]> {
+        (0..width * height)
+            .map(|i| planes.map(|plane| plane.at(i)))
+            .collect()
+    };
+    let [r, c] = planes.each_ref().map(values);
+    let lit = r.iter().flatten().filter(|v| **v > 0.0 && v.is_finite());
+    let middle = median(lit.copied().collect())?;
+    let compress = |v: f64| match v {
+        v if v.is_nan() => 0.0,
+        v if v.is_infinite() => 1.0,
+        v => v / (v.abs() + middle),
+    };
+    Some([r, c].map(|colours| Light {
+        width,
+        height,
+        colours: colours.into_iter().map(|v| v.map(compress)).collect(),
+    }))
+}
+
+fn rms_difference([r, c]: &[Light; 2]) -> f64 {
+    let sum: f64 = (r.colours.iter().zip(&c.colours))
+        .map(|(r, c)| square(difference(*r, *c)))
+        .sum();
+    (sum / r.colours.len() as f64).sqrt()
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn square(a: [f64; 3]) -> f64 {
+    a.iter().map(|v| v * v).sum()
+}
+
+impl Light {
+    /// Where the film's centre is, from the centre of the first pixel.
+    fn middle(&self) -> DVec2 {
+        0.5 * (DVec2::new(self.width as f64, self.height as f64) - 1.0)
+    }
+
+    fn size(&self) -> DVec2 {
+        DVec2::new(self.width as f64, self.height as f64)
+    }
+
+    /// The place of a pixel's centre from the film's centre.
+    fn place(&self, i: usize) -> DVec2 {
+        DVec2::new((i % self.width) as f64, (i / self.width) as f64) - self.middle()
+    }
+
+    /// The rms length of a displacement over the film, where there is one.
+    fn rms_over_film(&self, displacement: impl Fn(DVec2) -> Option<DVec2>) -> f64 {
+        let squares = (0..self.colours.len())
+            .filter_map(|i| Some(displacement(self.place(i))?.length_squared()));
+        let (count, sum) = squares.fold((0.0, 0.0), |(n, sum), d| (n + 1.0, sum + d));
+        libm::sqrt(sum / f64::max(count, 1.0))
+    }
+
+    /// Means of squares of four pixels.
+    fn halved(&self) -> Light {
+        let (width, height) = (self.width / 2, self.height / 2);
+        let mean = |i: usize| {
+            let at = 2 * (i / width) * self.width + 2 * (i % width);
+            let four = [at, at + 1, at + self.width, at + self.width + 1];
+            std::array::from_fn(|k| 0.25 * four.iter().map(|j| self.colours[*j][k]).sum::<f64>())
+        };
+        Light {
+            width,
+            height,
+            colours: (0..width * height).map(mean).collect(),
+        }
+    }
+
+    /// Between pixels, bilinear; none beyond the outermost centres.
+    fn at(&self, place: DVec2) -> Option<[f64; 3]> {
+        let p = place + self.middle();
+        let last = self.size() - 1.0;
+        let is_inside = p.cmpge(DVec2::ZERO).all() && p.cmple(last).all();
+        is_inside.then_some(())?;
+        let (x, y) = (
+            (p.x as usize).min(self.width - 2),
+            (p.y as usize).min(self.height - 2),
+        );
+        let (u, v) = (p.x - x as f64, p.y - y as f64);
+        let i = y * self.width + x;
+        let [a, b] = [i, i + self.width].map(|i| [self.colours[i], self.colours[i + 1]]);
+        Some(std::array::from_fn(|k| {
+            let [above, below] = [a, b].map(|[left, right]| left[k] + u * (right[k] - left[k]));
+            above + v * (below - above)
+        }))
+    }
+
+    /// Blurred by a Gaussian of this standard deviation, with the edges repeated.
+    fn blurred(&self, sigma: f64) -> Light {
+        let reach = (3.0 * sigma).ceil() as isize;
+        let weights: Vec<f64> = (-reach..=reach)
+            .map(|x| libm::exp(-0.5 * (x as f64 / sigma).powi(2)))
+            .collect();
+        let sum: f64 = weights.iter().sum();
+        let pass = |from: &[[f64; 3]], count: usize, stride: usize| -> Vec<[f64; 3]> {
+            let blur = |i: usize| {
+                let (place, first) = (i / stride % count, i - i / stride % count * stride);
+                let mut mean = [0.0; 3];
+                for (x, weight) in (-reach..=reach).zip(&weights) {
+                    let at = place.saturating_add_signed(x).min(count - 1);
+                    let colour = from[first + at * stride];
+                    (0..3).for_each(|k| mean[k] += weight / sum * colour[k]);
+                }
+                mean
+            };
+            (0..from.len()).map(blur).collect()
+        };
+        let across = pass(&self.colours, self.width, 1);
+        Light {
+            colours: pass(&across, self.height, self.width),
+            ..*self
+        }
+    }
+
+    /// What the film that has `place` of this one at its own place shows, blurred, and which pixels see this one.
+    fn through(&self, place: impl Fn(DVec2) -> Option<DVec2>, sigma: f64) -> (Light, Vec<bool>) {
+        let last = self.middle();
+        let seen = |i: usize| {
+            let place = place(self.place(i));
+            let found = place.and_then(|p| self.at(p));
+            // Beyond the edge the edge goes on, so that the blur of what is inside has no dark border.
+            let beside = || self.at(place.unwrap_or_default().clamp(-last, last));
+            (found.or_else(beside).unwrap_or_default(), found.is_some())
+        };
+        let (colours, inside) = (0..self.colours.len()).map(seen).unzip();
+        (Light { colours, ..*self }.blurred(sigma), inside)
+    }
+}
+
+/// Both pictures in halves of halves, the finest first.
+struct Levels {
+    pairs: Vec<[Light; 2]>,
+    /// Pixels of the pictures per pixel of the finest level.
+    scale: f64,
+}
+
+/// Standard deviations of the blur on the coarsest level, and on the others, pixels.
+const COARSE_BLUR: f64 = 0.7;
+const BLUR: f64 = 1.0;
+
+impl Levels {
+    fn of(pair: [Light; 2]) -> Levels {
+        let halved = |pair: &[Light; 2]| pair.each_ref().map(Light::halved);
+        let mut scale = 1.0;
+        let mut finest = pair;
+        while finest[0].colours.len() > FINEST && finest[0].width.min(finest[0].height) >= COARSE {
+            finest = halved(&finest);
+            scale *= 2.0;
+        }
+        let mut pairs = vec![finest];
+        loop {
+            let last = pairs.last().expect("the finest is there");
+            if last[0].width.min(last[0].height) < COARSE {
+                return Levels { pairs, scale };
+            }
+            pairs.push(halved(last));
+        }
+    }
+}
+
+/// Which numbers of a film are free: the directions of steps, in (a, k), and where the search starts.
+struct Model {
+    directions: &'static [[DVec2; 2]],
+    scales: fn() -> Vec<DVec2>,
+    left: f64,
+}
+
+/// The simplest first.
+const MODELS: [Model; 3] = [
+    Model {
+        directions: &[[DVec2::X, DVec2::ZERO], [DVec2::Y, DVec2::ZERO]],
+        scales: || vec![DVec2::ONE],
+        left: LEFT_BY_SHIFT,
+    },
+    Model {
+        directions: &[[DVec2::ZERO, DVec2::ONE]],
+        scales: || STARTS.map(DVec2::splat).to_vec(),
+        left: LEFT_BY_SCALE,
+    },
+    Model {
+        directions: &[[DVec2::ZERO, DVec2::X], [DVec2::ZERO, DVec2::Y]],
+        scales: || {
+            let pairs = STARTS
+                .iter()
+                .flat_map(|x| STARTS.map(|y| DVec2::new(*x, y)));
+            pairs.collect()
+        },
+        left: LEFT_BY_SCALE,
+    },
+];
+
+impl Model {
+    fn fit(&self, levels: &Levels) -> Option<Fit> {
+        let (coarsest, finer) = levels.pairs.split_last()?;
+        let starts = (self.scales)()
+            .into_iter()
+            .map(|k| Film { a: DVec2::ZERO, k });
+        let tried = starts.filter_map(|film| self.refined(coarsest, film, COARSE_BLUR));
+        let (mut film, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        for pair in finer.iter().rev() {
+            film.a *= 2.0;
+            film = self.refined(pair, film, BLUR)?.0;
+        }
+        let [finest, ..] = &levels.pairs[..] else {
+            return None;
+        };
+        let (left, tiles) = explained(finest, |p| Some(film.of(p)))?;
+        film.a *= levels.scale;
+        let half = 0.5 * levels.scale * finest[0].size();
+        // Over the film p² has the mean half²/3.
+        let scaled = (film.k - 1.0) * half;
+        let displacement = (film.a.length_squared() + scaled.length_squared() / 3.0).sqrt();
+        let is_near = film.a.length() <= LONGEST;
+        let explains = left <= self.left && tiles >= MOST_TILES && displacement > NOTABLE;
+        (is_near && explains).then_some(Fit {
+            cause: Cause::Film(film),
+            displacement,
+            left,
+            tiles,
+        })
+    }
+
+    /// The film after Gauss–Newton steps, and the mean squared error that it leaves.
+    fn refined(&self, [r, c]: &[Light; 2], mut film: Film, sigma: f64) -> Option<(Film, f64)> {
+        let wanted = c.blurred(sigma);
+        let half = 0.5 * r.size().max_element();
+        for _ in 0..STEPS {
+            let (shown, inside) = r.through(|p| Some(film.of(p)), sigma);
+            let step = self.step(&shown, &wanted, &inside, &film)?;
+            film.a += step[0];
+            film.k += step[1];
+            let is_sane = film.k.min_element() > 0.3 && film.k.max_element() < 3.0;
+            is_sane.then_some(())?;
+            if step[0].abs().max((half * step[1]).abs()).max_element() < 1e-3 {
+                break;
+            }
+        }
+        let (shown, inside) = r.through(|p| Some(film.of(p)), sigma);
+        let errors = (0..inside.len()).filter(|i| inside[*i]);
+        let errors = errors.map(|i| square(difference(wanted.colours[i], shown.colours[i])));
+        let (count, sum) = errors.fold((0.0, 0.0), |(n, sum), e| (n + 1.0, sum + e));
+        (count >= OVERLAP * inside.len() as f64).then(|| (film, sum / count))
+    }
+
+    /// The least squares step of (a, k).
+    fn step(
+        &self,
+        shown: &Light,
+        wanted: &Light,
+        inside: &[bool],
+        film: &Film,
+    ) -> Option<[DVec2; 2]> {
+        let (mut normal, mut right) = (DMat2::ZERO, DVec2::ZERO);
+        for y in 1..shown.height - 1 {
+            for x in 1..shown.width - 1 {
+                let i = y * shown.width + x;
+                if !inside[i] {
+                    continue;
+                }
+                let p = shown.place(i);
+                for k in 0..3 {
+                    let at = |j: usize| shown.colours[j][k];
+                    let across = 0.5 * (at(i + 1) - at(i - 1));
+                    let down = 0.5 * (at(i + shown.width) - at(i - shown.width));
+                    // ∂r/∂p′ = (∂r/∂p) / k.
+                    let gradient = DVec2::new(across, down) / film.k;
+                    let mut row = [0.0; 2];
+                    for (row, [a, k]) in row.iter_mut().zip(self.directions) {
+                        *row = gradient.dot(*a + *k * p);
+                    }
+                    let row = DVec2::from_array(row);
+                    normal += DMat2::from_cols(row * row.x, row * row.y);
+                    right += row * (wanted.colours[i][k] - shown.colours[i][k]);
+                }
+            }
+        }
+        // With one free number the other's row is empty.
+        if self.directions.len() == 1 {
+            normal.y_axis.y = 1.0;
+        }
+        let step = normal.inverse() * right;
+        let along = |which: usize| {
+            let parts = self.directions.iter().zip(step.to_array());
+            parts.map(|(d, s)| d[which] * s).sum::<DVec2>()
+        };
+        step.is_finite().then(|| [along(0), along(1)])
+    }
+}
+
+/// What a hypothesis, which says where in the reference the candidate's places belong, leaves of the squared error where both
+/// films see, and the part of the tiles of which it explains half; none where there are too few tiles.
+fn explained([r, c]: &[Light; 2], place: impl Fn(DVec2) -> Option<DVec2>) -> Option<(f64, f64)> {
+    let [before, wanted] = [r, c].map(|light| light.blurred(BLUR));
+    let (after, inside) = r.through(place, BLUR);
+    let mut tiles = vec![[0.0; 3]; TILES * TILES];
+    let mut sizes = vec![0.0; TILES * TILES];
+    for (i, inside) in inside.iter().enumerate() {
+        let (x, y) = (i % r.width, i / r.width);
+        let at = y * TILES / r.height * TILES + x * TILES / r.width;
+        sizes[at] += 1.0;
+        if *inside {
+            let wanted = wanted.colours[i];
+            let errors =
+                [before.colours[i], after.colours[i]].map(|v| square(difference(wanted, v)));
+            let [count, was, is] = &mut tiles[at];
+            (*count, *was, *is) = (*count + 1.0, *was + errors[0], *is + errors[1]);
+        }
+    }
+    let seen = tiles.iter().zip(&sizes);
+    let seen = seen.filter(|([count, ..], size)| *count >= MOST_OF_TILE * **size && **size > 0.0);
+    let seen: Vec<[f64; 2]> = seen.map(|([_, was, is], _)| [*was, *is]).collect();
+    let [was, is] = [0, 1].map(|k| seen.iter().map(|tile| tile[k]).sum::<f64>());
+    let largest = seen.iter().map(|[was, _]| *was).fold(0.0, f64::max);
+    let loud = seen
+        .iter()
+        .filter(|[was, is]| was.max(*is) > QUIET * largest);
+    let (all, half) = loud.fold((0.0, 0.0), |(all, half), [was, is]| {
+        let weight = was.max(*is).sqrt().sqrt();
+        let is_explained = *is <= 0.5 * was;
+        (all + weight, half + if is_explained { weight } else { 0.0 })
+    });
+    (all > 0.0 && was > 0.0).then(|| (is / was, half / all))
+}
+
+/// Where the reference has what a camera with another velocity, or none, sees at a place.
+fn boost<'a>(
+    case: &Case<'a>,
+    scale: f64,
+    change: Change,
+) -> Option<impl Fn(DVec2) -> Option<DVec2> + 'a> {
+    let known = case.known?;
+    let changed = known.changed(change)?;
+    let [width, height] = case.points[0].size();
+    let half = 0.5 * DVec2::new(width as f64, height as f64);
+    Some(move |p: DVec2| {
+        let seen = known.film_point_along(changed.look_along(half + scale * p)?)?;
+        Some((seen - half) / scale)
+    })
+}
+
+/// The same light in the film of a camera with another velocity, or none.
+fn boosted(case: &Case, levels: &Levels, change: Change) -> Option<Fit> {
+    let [finest, ..] = &levels.pairs[..] else {
+        return None;
+    };
+    let place = boost(case, levels.scale, change)?;
+    let (left, tiles) = explained(finest, &place)?;
+    let displacement = levels.scale * finest[0].rms_over_film(|p| Some(place(p)? - p));
+    let explains = left <= LEFT_BY_SCALE && tiles >= MOST_TILES && displacement > NOTABLE;
+    explains.then_some(Fit {
+        cause: Cause::Boost(change),
+        displacement,
+        left,
+        tiles,
+    })
+}

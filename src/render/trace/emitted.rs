@@ -162,35 +162,80 @@ pub struct Emitted {
     pub(super) times: Vec<f64>,
     /// Factors on what points shine of their own, where light is followed that was also drawn there; empty for 1.
     pub(super) own_weights: Vec<f64>,
-    /// Rays that go on from the points.
-    pub(super) next: Option<Box<Onward>>,
+    /// Paths that go on from the points.
+    pub(super) paths: Option<Box<Paths>>,
 }
 
-/// Rays that go on from points of surfaces, and what they meet.
+/// Paths from the points of a run: for each surface that they meet after it, a level of all their rays.
 #[derive(Debug, Default)]
-pub(super) struct Onward {
-    /// How many surfaces came before those that they meet.
-    pub depth: u32,
-    /// The point in its run from which each comes, and how it was drawn there.
-    pub drawn: Vec<(usize, Scattered)>,
-    /// Look directions in the world, unit vectors.
-    pub directions: Vec<DVec3>,
-    /// Where they leave.
-    pub origins: Vec<RayOrigin>,
-    /// ω_world/ω_F of their light, F the rest frame of the points.
-    pub ratios: Vec<f64>,
-    /// Keys of their pixels.
-    pub pixels: Vec<u64>,
-    /// Their nearest hits.
-    pub hits: HitBuffer,
+pub(super) struct Paths {
+    pub levels: Vec<Level>,
     /// Rays by what they hit: frame, first triangle of the patch, ray.
     pub order: Vec<(u32, u32, u32)>,
     /// The rays of one patch.
     pub members: Vec<u32>,
     /// W of each of them.
     pub wavelength_ratios: Vec<f64>,
-    /// What they meet there.
+    /// What leaves the points of one patch.
     pub emitted: Emitted,
+}
+
+/// Rays that go on from points of surfaces, and what they meet.
+#[derive(Debug, Default)]
+pub(super) struct Level {
+    /// How many surfaces came before those that they meet.
+    pub depth: u32,
+    /// Where each comes from.
+    pub drawn: Vec<Drawn>,
+    /// Look directions in the world, unit vectors.
+    pub directions: Vec<DVec3>,
+    /// Where they leave.
+    pub origins: Vec<RayOrigin>,
+    /// ω_world/ω_F of their light, F the rest frame of the points that they leave.
+    pub ratios: Vec<f64>,
+    /// Keys of their pixels.
+    pub pixels: Vec<u64>,
+    /// Their nearest hits.
+    pub hits: HitBuffer,
+    /// What each has met.
+    pub met: Vec<Met>,
+}
+
+/// A direction drawn at a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    /// The point: its place in the run, or the ray of the level before that has met it.
+    pub from: u32,
+    /// Its rest frame.
+    pub frame: u32,
+    /// n·l there.
+    pub cosine: f64,
+    pub scattered: Scattered,
+}
+
+/// What a ray has met.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Met {
+    /// Nothing that sends light.
+    Nothing,
+    /// Light that is known.
+    Light(Incident),
+    /// A surface that reflects what comes to it, some of which may not yet be known.
+    Surface(MetSurface),
+}
+
+/// A point of a surface that reflects.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MetSurface {
+    /// Index of its emitter.
+    pub emitter: u32,
+    /// W of its light where the ray comes from.
+    pub ratio: f64,
+    /// What it reflects of the light that is known so far, and what it shines of its own.
+    pub reflected: [f64; 3],
+    pub own: [f64; 3],
+    /// Of the light that is known so far.
+    pub incident: Irradiance,
 }
 
 /// A point whose radiance is not fully known, or has another wavelength than the response says.
@@ -232,7 +277,7 @@ impl Default for Emitted {
             blends: Vec::new(),
             times: Vec::new(),
             own_weights: Vec::new(),
-            next: None,
+            paths: None,
         }
     }
 }

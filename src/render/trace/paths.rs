@@ -75,7 +75,9 @@ use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
 use super::camera_rays::{Rays, Samples};
-use super::emitted::{Colouring, Detail, Emission, Emitted, Onward, Response};
+use super::emitted::{
+    Colouring, Drawn, Emission, Emitted, Level, Met, MetSurface, Paths, Response,
+};
 use super::lamps;
 use super::point::SurfacePoint;
 use super::radiance::Radiance;
@@ -86,7 +88,7 @@ use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
 use crate::camera::RayOrigin;
 use crate::light::Received;
-use crate::light::lamp::Incident;
+use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::CaptureView;
 use crate::spacetime::{Direction, Displacement, Rest, World};
@@ -140,11 +142,8 @@ impl Radiance for PathTraced {
             return self.light.emit(run, emitted, meter);
         };
         emitted.start(response.clone());
-        self.start(finish, run, emitted);
-        if run.traced.rays.samples.depth <= self.bounces {
-            self.illuminate(lamps, run, emitted, meter);
-            self.follow(run, emitted, meter);
-        }
+        self.receive(finish, lamps, run, emitted, meter);
+        self.follow(run, emitted, meter);
         self.add_own(finish, run, emitted);
     }
 }
@@ -233,29 +232,63 @@ impl PathTraced {
         }
     }
 
-    /// Adds the light that is found along one drawn direction from each point of `run`.
-    fn follow(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
-        let depth = run.traced.rays.samples.depth;
-        if depth == self.bounces && !self.shines {
-            return;
-        }
-        let mut next = emitted.next.take().unwrap_or_default();
-        next.start(depth + 1);
-        for (k, point) in run.points().enumerate() {
-            let drawn = emitted.reflections[k].sample(run.on_path(k, ONWARD));
-            if let Some(drawn) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0)) {
-                next.push(k, drawn, run, &point);
-            }
-        }
-        if !next.drawn.is_empty() {
-            self.trace(&mut next, run, emitted, meter);
-        }
-        emitted.next = Some(next);
+    /// Whether rays go on from surfaces that as many as `depth` come before.
+    fn goes_on(&self, depth: u32) -> bool {
+        depth < self.bounces || (depth == self.bounces && self.shines)
     }
 
-    /// Adds the light that `next` meets to what the points of `run` reflect.
-    fn trace(&self, next: &mut Onward, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
-        let Onward {
+    /// Adds the light that is found along one drawn direction from each point of `run`, and from there on: level by level, so that the
+    /// rays of each are many, and then back.
+    fn follow(&self, run: &Run, emitted: &mut Emitted, meter: &mut Meter) {
+        let depth = run.traced.rays.samples.depth;
+        if !self.goes_on(depth) {
+            return;
+        }
+        let mut paths = emitted.paths.take().unwrap_or_default();
+        let first = level(&mut paths.levels, 0);
+        first.start(depth + 1);
+        first.draw(run, &emitted.reflections, |k| k as u32);
+        let mut count = 0;
+        while !level(&mut paths.levels, count).drawn.is_empty() {
+            self.meet(&mut paths, count, run.traced, meter);
+            count += 1;
+        }
+        // What the last surfaces send is known; it makes known what those before them do.
+        for at in (1..count).rev() {
+            let (before, after) = paths.levels.split_at_mut(at);
+            for (drawn, met) in after[0].drawn.iter().zip(&after[0].met) {
+                let light = self.sent(met);
+                if let (Some(light), Met::Surface(point)) =
+                    (light, &mut before[at - 1].met[drawn.from as usize])
+                {
+                    let known = (&mut point.reflected, &mut point.incident);
+                    add(known, &drawn.scattered, light);
+                }
+            }
+        }
+        let first = level(&mut paths.levels, 0);
+        for (drawn, met) in first.drawn.iter().zip(&first.met) {
+            if let Some(light) = self.sent(met) {
+                let k = drawn.from as usize;
+                let known = (&mut emitted.added[k], &mut emitted.incident[k]);
+                add(known, &drawn.scattered, light);
+            }
+        }
+        emitted.paths = Some(paths);
+    }
+
+    /// Traces the rays of level `at`, takes down what they meet, and draws those of the next.
+    fn meet(&self, paths: &mut Paths, at: usize, before: &TracedRays, meter: &mut Meter) {
+        let Paths {
+            levels,
+            order,
+            members,
+            wavelength_ratios,
+            emitted,
+        } = paths;
+        level(levels, at + 1);
+        let (levels, next) = levels.split_at_mut(at + 1);
+        let Level {
             depth,
             drawn,
             directions,
@@ -263,12 +296,9 @@ impl PathTraced {
             ratios,
             pixels,
             hits,
-            order,
-            members,
-            wavelength_ratios,
-            emitted: met,
-        } = next;
-        let before = run.traced;
+            met,
+        } = &mut levels[at];
+        next[0].start(*depth + 1);
         let rays = Rays {
             directions,
             origins: Some(origins),
@@ -290,12 +320,12 @@ impl PathTraced {
             index: before.index,
         };
         sort(&traced, order);
-        for (ray, (k, drawn)) in drawn.iter().enumerate() {
-            if traced.hits.hits()[ray].is_none() {
-                let light = self.escaped(run, &emitted.reflections[*k], drawn);
-                add(emitted, *k, drawn, light);
-            }
-        }
+        met.clear();
+        let escaped = drawn.iter().zip(traced.hits.hits());
+        met.extend(escaped.map(|(drawn, hit)| match hit {
+            None => Met::Light(self.escaped(drawn)),
+            Some(_) => Met::Nothing,
+        }));
         // Rays that have met one patch, together.
         for group in order.chunk_by(|a, b| a.0 == b.0 && a.1 == b.1) {
             let (frame, triangle, _) = group[0];
@@ -310,16 +340,91 @@ impl PathTraced {
                 frame,
             };
             run.ratios(ratios, wavelength_ratios);
-            self.weigh_own(&run, drawn, wavelength_ratios, met);
-            self.emit(&run, met, meter);
-            let emitter = run.patch.emitter as usize;
-            let mut details = met.details.iter().peekable();
-            for (at, ray) in run.members.iter().enumerate() {
-                let w = wavelength_ratios[at];
-                let detail = details.next_if(|detail| detail.at == at);
-                let light = self.arriving(emitter, &met.response, w, met.radiance[at], detail);
-                let (k, drawn) = &drawn[*ray as usize];
-                add(emitted, *k, drawn, light);
+            match &self.light.emitters[run.patch.emitter as usize].0 {
+                Emitter::Lit { finish, lamps } => {
+                    self.weigh_own(&run, drawn, wavelength_ratios, emitted);
+                    self.receive(finish, lamps, &run, emitted, meter);
+                    if self.goes_on(*depth) {
+                        next[0].draw(&run, &emitted.reflections, |k| run.members[k]);
+                    }
+                    self.note_surfaces(finish, &run, (wavelength_ratios, emitted), met);
+                }
+                _ => {
+                    self.light.emit(&run, emitted, meter);
+                    self.note_light(&run, (wavelength_ratios, emitted), met);
+                }
+            }
+        }
+    }
+
+    /// Gathers the light that comes to the points of `run` straight from lamps, from what shines and from the sky; after the last surface
+    /// none.
+    fn receive(
+        &self,
+        finish: &Finish,
+        lamps: &[usize],
+        run: &Run,
+        emitted: &mut Emitted,
+        meter: &mut Meter,
+    ) {
+        if run.traced.rays.samples.depth <= self.bounces {
+            self.start(finish, run, emitted);
+            self.illuminate(lamps, run, emitted, meter);
+        }
+    }
+
+    /// Takes down the points of `run`, their W and the light that `emitted` has gathered at them.
+    fn note_surfaces(
+        &self,
+        finish: &Finish,
+        run: &Run,
+        (ratios, emitted): (&[f64], &Emitted),
+        met: &mut [Met],
+    ) {
+        let receives = run.traced.rays.samples.depth <= self.bounces;
+        for (at, ray) in run.members.iter().enumerate() {
+            let (reflected, incident) = match receives {
+                true => (emitted.added[at], emitted.incident[at]),
+                false => Default::default(),
+            };
+            met[*ray as usize] = Met::Surface(MetSurface {
+                emitter: run.patch.emitter,
+                ratio: ratios[at],
+                reflected,
+                own: self.own(finish, run, at, emitted),
+                incident,
+            });
+        }
+    }
+
+    /// Takes down the light of the points of `run`, whose W are `ratios`.
+    fn note_light(&self, run: &Run, (ratios, emitted): (&[f64], &Emitted), met: &mut [Met]) {
+        let emitter = run.patch.emitter as usize;
+        let mut details = emitted.details.iter().peekable();
+        for (at, ray) in run.members.iter().enumerate() {
+            let detail = details.next_if(|detail| detail.at == at);
+            let scale = detail.map_or(1.0, |detail| detail.wavelength_scale);
+            let light = self.arriving(
+                emitter,
+                &emitted.response,
+                ratios[at],
+                (emitted.radiance[at], scale),
+            );
+            met[*ray as usize] = Met::Light(light);
+        }
+    }
+
+    /// The light that comes along a ray that has met this.
+    fn sent(&self, met: &Met) -> Option<Incident> {
+        match met {
+            Met::Nothing => None,
+            Met::Light(light) => Some(*light),
+            Met::Surface(point) => {
+                let emitter = point.emitter as usize;
+                let radiance = std::array::from_fn(|c| point.reflected[c] + point.own[c]);
+                let scale = point.incident.wavelength_scale();
+                let response = &self.light.emitters[emitter].1;
+                Some(self.arriving(emitter, response, point.ratio, (radiance, scale)))
             }
         }
     }
@@ -330,8 +435,7 @@ impl PathTraced {
         emitter: usize,
         response: &Response,
         w: f64,
-        radiance: [f64; 3],
-        detail: Option<&Detail>,
+        (radiance, wavelength_scale): ([f64; 3], f64),
     ) -> Incident {
         let received = &self.received[emitter];
         let light = match &response.colour {
@@ -341,19 +445,23 @@ impl PathTraced {
             }
             _ => received.radiance(w, radiance),
         };
-        let scale = detail.map_or(1.0, |detail| detail.wavelength_scale);
-        Incident::new(light, scale * received.wavelength_scale(w))
+        Incident::new(light, wavelength_scale * received.wavelength_scale(w))
     }
 
     /// What arrives of the sky along `drawn`, where the ray that goes on along it meets nothing.
-    fn escaped(&self, run: &Run, reflection: &Reflection, drawn: &Scattered) -> Incident {
+    fn escaped(&self, drawn: &Drawn) -> Incident {
         let Some(light) = &self.light.sky else {
             return Incident::new([0.0; 3], 1.0);
         };
-        let boosted = &light.frames[run.frame as usize];
-        let (d, rho) = boosted.in_world(drawn.l);
+        let Drawn {
+            cosine,
+            scattered: Scattered { l, density, .. },
+            ..
+        } = *drawn;
+        let boosted = &light.frames[drawn.frame as usize];
+        let (d, rho) = boosted.in_world(l);
         let w = 1.0 / rho;
-        let radiance = if drawn.density.is_infinite() {
+        let radiance = if density.is_infinite() {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
             let radiance = light.sky.radiance(d.unit(), 0.0);
             boosted.received().radiance(w, radiance)
@@ -361,10 +469,7 @@ impl PathTraced {
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
                 (true, false) => 1.0,
-                (true, true) => {
-                    let cosine = reflection.normal().dot(drawn.l);
-                    balance(drawn.density, boosted.density(cosine, d, rho))
-                }
+                (true, true) => balance(density, boosted.density(cosine, d, rho)),
             };
             boosted.radiance(&light.sky, d, rho).map(|l| l * weight)
         };
@@ -373,13 +478,7 @@ impl PathTraced {
 
     /// Notes what the points of `run` shine of their own counts for, where each was met along one of `drawn` and could have been drawn
     /// itself; `ratios` are W.
-    fn weigh_own(
-        &self,
-        run: &Run,
-        drawn: &[(usize, Scattered)],
-        ratios: &[f64],
-        emitted: &mut Emitted,
-    ) {
+    fn weigh_own(&self, run: &Run, drawn: &[Drawn], ratios: &[f64], emitted: &mut Emitted) {
         emitted.own_weights.clear();
         let emitter = &self.light.emitters[run.patch.emitter as usize].0;
         let shines = matches!(emitter, Emitter::Lit { finish, .. } if finish.emission.is_some());
@@ -387,7 +486,7 @@ impl PathTraced {
             return;
         };
         for (at, point) in run.points().enumerate() {
-            let by_material = drawn[run.members[at] as usize].1.density;
+            let by_material = drawn[run.members[at] as usize].scattered.density;
             let by_area = areas.density(run.frame, point.hit.triangle);
             let weight = match by_area {
                 _ if by_material.is_infinite() => 1.0,
@@ -406,25 +505,26 @@ impl PathTraced {
         }
     }
 
+    /// What point `at` of `run` shines of its own, as far as it counts.
+    fn own(&self, finish: &Finish, run: &Run, at: usize, emitted: &Emitted) -> [f64; 3] {
+        let (Some(emission), Some(hit)) = (&finish.emission, run.hit(at)) else {
+            return [0.0; 3];
+        };
+        let base = &self.light.base;
+        let own = base.colour_at(emission, run.rest, run.patch, &hit);
+        let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
+        own.map(|c| weight * c)
+    }
+
     /// Ends the points of `run`: what they reflect, and what they shine of their own.
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
-            let Some(hit) = run.hit(k) else {
-                continue;
-            };
-            let mut radiance = emitted.added[k];
-            if let Some(emission) = &finish.emission {
-                let own = self
-                    .light
-                    .base
-                    .colour_at(emission, run.rest, run.patch, &hit);
-                let weight = emitted.own_weights.get(k).copied().unwrap_or(1.0);
-                radiance = std::array::from_fn(|c| radiance[c] + weight * own[c]);
-            }
+            let own = self.own(finish, run, k, emitted);
+            let reflected = emitted.added[k];
             let wavelength_scale = emitted.incident[k].wavelength_scale();
             emitted.push(Emission {
                 wavelength_scale,
-                ..Emission::full(radiance)
+                ..Emission::full(std::array::from_fn(|c| reflected[c] + own[c]))
             });
         }
     }
@@ -482,7 +582,15 @@ pub(super) fn diffuse_part(
     Reflection::diffuse(normal, colour.map(|c| c * part))
 }
 
-impl Onward {
+/// Level `at`, which is there from now on.
+fn level(levels: &mut Vec<Level>, at: usize) -> &mut Level {
+    if levels.len() <= at {
+        levels.resize_with(at + 1, Level::default);
+    }
+    &mut levels[at]
+}
+
+impl Level {
     /// Forgets all rays; those to come have left `depth` surfaces behind.
     fn start(&mut self, depth: u32) {
         self.depth = depth;
@@ -493,11 +601,29 @@ impl Onward {
         self.pixels.clear();
     }
 
+    /// Draws a direction at each point of `run`, which reflect so; `from`: what levels know the points by.
+    fn draw(&mut self, run: &Run, reflections: &[Reflection], from: impl Fn(usize) -> u32) {
+        for (k, point) in run.points().enumerate() {
+            let drawn = reflections[k].sample(run.on_path(k, ONWARD));
+            let Some(scattered) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0))
+            else {
+                continue;
+            };
+            self.drawn.push(Drawn {
+                from: from(k),
+                frame: run.frame,
+                cosine: reflections[k].normal().dot(scattered.l),
+                scattered,
+            });
+            self.push(k, &scattered, run, &point);
+        }
+    }
+
     /// Adds the ray from `point`, the k-th of `run`, along `drawn`.
-    fn push(&mut self, k: usize, drawn: Scattered, run: &Run, point: &SurfacePoint) {
+    fn push(&mut self, k: usize, drawn: &Scattered, run: &Run, point: &SurfacePoint) {
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
-        let (d, ratio, delay) = along(run, &drawn);
+        let (d, ratio, delay) = along(run, drawn);
         // From the event of the shot to the point, and off its surface.
         let way = point.origin.displacement + point.ray.tangent * point.hit.s;
         let gamma = run.rest.frame.velocity().gamma();
@@ -510,7 +636,6 @@ impl Onward {
         };
         let off = point.facing_normal() * (side * size);
         let off = world_from_rest.displacement(Displacement::new(0.0, off));
-        self.drawn.push((k, drawn));
         self.directions.push(d.unit());
         self.ratios.push(ratio);
         self.origins.push(RayOrigin {
@@ -557,13 +682,17 @@ fn sort(traced: &TracedRays, order: &mut Vec<(u32, u32, u32)>) {
     order.sort_unstable();
 }
 
-/// Adds what arrives at point `k` along `drawn` to what it reflects.
-fn add(emitted: &mut Emitted, k: usize, drawn: &Scattered, light: Incident) {
-    for (c, sum) in emitted.added[k].iter_mut().enumerate() {
+/// Adds what arrives along `drawn` to what a point reflects.
+fn add(
+    (reflected, incident): (&mut [f64; 3], &mut Irradiance),
+    drawn: &Scattered,
+    light: Incident,
+) {
+    for (c, sum) in reflected.iter_mut().enumerate() {
         *sum += drawn.weight[c] * light.irradiance[c];
     }
     // As an irradiance, like that of lamps.
-    emitted.incident[k].weigh(&light.scaled(PI));
+    incident.weigh(&light.scaled(PI));
 }
 
 /// The share of what is drawn with density `own`, where it could be drawn with density `other` too.

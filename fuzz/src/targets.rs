@@ -147,20 +147,16 @@ fn cube_hdf5(bytes: &[u8]) {
 /// A shard of compressed chunks, and the same bytes as the description of an array.
 fn cube_zarr(bytes: &[u8]) {
     const SHARDS: &str = include_str!("../../tests/data/zarr/sharded/zarr.json");
-    let Ok(folder) = tempfile::tempdir() else {
-        return;
+    let folder = folder().join("zarr");
+    let write = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).expect("a file can be written");
     };
-    let chunks = folder.path().join("c/0/0/0");
-    let write = |name: &Path, bytes: &[u8]| std::fs::write(name, bytes).is_ok();
-    if std::fs::create_dir_all(&chunks).is_ok()
-        && write(&folder.path().join("zarr.json"), SHARDS.as_bytes())
-        && write(&chunks.join("0"), bytes)
-    {
-        load_small(folder.path(), Wanted::default());
-        if write(&folder.path().join("zarr.json"), bytes) {
-            load_small(folder.path(), Wanted::default());
-        }
-    }
+    std::fs::create_dir_all(folder.join("c/0/0/0")).expect("a folder can be made");
+    write("zarr.json", SHARDS.as_bytes());
+    write("c/0/0/0/0", bytes);
+    load_small(&folder, Wanted::default());
+    write("zarr.json", bytes);
+    load_small(&folder, Wanted::default());
 }
 
 fn frame_tiff(bytes: &[u8]) {
@@ -315,19 +311,24 @@ fn texts(bytes: &[u8]) {
     }
 }
 
-/// Readers that want a file get one, in memory where the system has a folder there.
-fn with_file(extension: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+/// A folder of this thread's own for all inputs, in memory where the system has a folder there.
+fn folder() -> PathBuf {
     thread_local! {
         static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
     }
-    let path: PathBuf = FOLDER.with_borrow_mut(|folder| {
+    FOLDER.with_borrow_mut(|folder| {
         let in_memory = Path::new("/dev/shm");
         let made = folder.get_or_insert_with(|| {
             let made = tempfile::tempdir_in(in_memory).or_else(|_| tempfile::tempdir());
             made.expect("a folder can be made")
         });
-        made.path().join(format!("fuzzed.{extension}"))
-    });
+        made.path().to_path_buf()
+    })
+}
+
+/// Readers that want a file get one.
+fn with_file(extension: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+    let path = folder().join(format!("fuzzed.{extension}"));
     std::fs::write(&path, bytes).expect("a file can be written");
     read(&path);
 }

@@ -308,7 +308,7 @@ fn settle(arguments: &RenderArguments, account: &Account) -> Result<()> {
 
 fn request(arguments: &RenderArguments, outputs: &Outputs, scene: &Scene) -> Request {
     Request {
-        aovs: outputs.needs(&scene),
+        aovs: outputs.needs(scene),
         beside: outputs.beside(scene.camera.size),
         ..arguments.changes.request()
     }

@@ -508,7 +508,7 @@ mod tests {
             let mut all = vec![0; 256];
             for key in 0..16 {
                 let pixel = pixel_key(40 + key % 4, 80 + key / 4) ^ salt;
-                let mut own = vec![0; 16];
+                let mut own = [0; 16];
                 for index in 0..count {
                     let [x, y] = sobol_among(pixel, index, count, 1);
                     let cell = |n: f64| (x * n) as usize * n as usize + (y * n) as usize;

@@ -365,6 +365,11 @@ fn gaps(d: &Distribution) -> Option<String> {
             format!("{}{more}", named.collect::<Vec<_>>().join(", "))
         };
         let (objects, pixels, shown) = (list(|o| o.object), list(|o| o.pixels), list(|o| o.shown));
+        let noun = if others.is_empty() {
+            "object"
+        } else {
+            "objects"
+        };
         let moving = match first
             .shown
             .max(others.iter().map(|o| o.shown).max().unwrap_or(0))
@@ -373,7 +378,7 @@ fn gaps(d: &Distribution) -> Option<String> {
             _ => "; of a moving object, object_event says which point is shown",
         };
         return Some(format!(
-            "of object {objects}, which the reference shows at {pixels} pixels and the candidate at {shown} of them, no pixel has a value{moving}"
+            "of {noun} {objects}, which the reference shows at {pixels} pixels and the candidate at {shown} of them, no pixel has a value{moving}"
         ));
     }
     let part = d.count as f64 / d.surfaces as f64;

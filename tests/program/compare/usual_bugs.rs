@@ -526,7 +526,7 @@ fn events_alone_measure_no_moving_object_and_name_lost_velocities() {
     // Whatever point of a moving object an event is taken for, it is seen where it is.
     let groups = ["object", "event"];
     let right = only(&exact, &groups);
-    let words = "of object 1, 2, which the reference shows at";
+    let words = "of objects 1, 2, which the reference shows at";
     assert!(breaches(&right).contains(words), "{}", breaches(&right));
     assert!(breaches(&right).contains("object_event says which point"));
     assert_eq!(diagnosed(&exact, &right), []);

@@ -63,7 +63,7 @@ pub(super) fn found(case: &Case) -> Option<Diagnosis> {
         return None;
     }
     let pair = compressed(case)?;
-    if !(rms_difference(&pair) > NOTABLE_LIGHT) {
+    if rms_difference(&pair) <= NOTABLE_LIGHT {
         return None;
     }
     let levels = Levels::of(pair);

@@ -138,20 +138,30 @@ pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
     let noise = hash(hash(!pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let index = scrambled(index, noise as u32);
     let digits = hash(noise);
-    // The first dimension is van der Corput's, with the bits reversed; the second by its direction numbers.
-    let mut second = 0;
-    let (mut bits, mut direction) = (index, 1u32 << 31);
-    while bits != 0 {
-        if bits & 1 != 0 {
-            second ^= direction;
-        }
-        direction ^= direction >> 1;
-        bits >>= 1;
-    }
+    // The first dimension is van der Corput's, with the bits reversed.
+    let second = second_dimension(index);
     [
         unit(scrambled(index.reverse_bits(), digits as u32)),
         unit(scrambled(second, (digits >> 32) as u32)),
     ]
+}
+
+/// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, s a shift by one digit, so that with the index as a
+/// polynomial f over two elements they are f(1 + s): block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
+/// implementation algorithm of 2D Sobol sequence fast, elegant, and compact", EGSR 2024).
+#[inline]
+fn second_dimension(index: u32) -> u32 {
+    let mut digits = index;
+    for (m, low) in [
+        (16, 0x0000_ffff),
+        (8, 0x00ff_00ff),
+        (4, 0x0f0f_0f0f),
+        (2, 0x3333_3333),
+        (1, 0x5555_5555),
+    ] {
+        digits ^= (digits >> m) & low;
+    }
+    digits.reverse_bits()
 }
 
 /// The same for one of `count` numbers of each pixel, of a sequence that 4 × 4 pixels share: along a curve that goes through them in Zs
@@ -381,6 +391,20 @@ fn hash(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_second_dimension_is_made_of_its_direction_numbers() {
+        for index in (0..4096).chain((0..4096).map(|k: u32| k.wrapping_mul(0x9e37_79b9))) {
+            let (mut digits, mut direction) = (0, 1u32 << 31);
+            for bit in 0..32 {
+                if index >> bit & 1 == 1 {
+                    digits ^= direction;
+                }
+                direction ^= direction >> 1;
+            }
+            assert_eq!(second_dimension(index), digits, "{index}");
+        }
+    }
 
     #[test]
     fn samples_fill_every_stratum_of_x_and_y_once() {

@@ -54,7 +54,8 @@ Examples:
 
 An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
 pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
-All pictures have one exposure, but those of --speeds, which each have their own; --white sets it.
+All pictures have one exposure, but those of --speeds, which each have their own; --white sets it, and \
+--set \"display.logarithmic=[1e-6,1e4]\" has room for any speeds on one scale.
 
 --time gives the moment that --flyby is centred on, and at which the others begin, as world time after camera.clock_zero.";
 

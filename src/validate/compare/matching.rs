@@ -16,10 +16,11 @@ use crate::io::image::{Channel, Layers, Samples};
 use crate::render::aov::Aov;
 
 /// Metadata that have to agree, and what they are.
-const SAME: [(&str, &str); 3] = [
+const SAME: [(&str, &str); 4] = [
     ("radiance_quantity", "quantities of light"),
     ("units", "units"),
     ("white", "radiances of white"),
+    ("logarithmic", "radiances of black and white"),
 ];
 /// Metadata that describe the shot.
 const SHOT: [&str; 10] = [

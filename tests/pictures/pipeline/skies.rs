@@ -1,8 +1,12 @@
 //! The sky, seen and as a light.
 
+use std::path::Path;
+
 use glam::DVec3;
+use nullray::io::image::{Channel, Layers, Samples, exr};
 use nullray::scene::model::Scene;
 
+use crate::pipeline::lorentz;
 use crate::pipeline::stage::{self, assert_relative};
 
 const PI: f64 = std::f64::consts::PI;
@@ -157,4 +161,68 @@ stars = { file = \"one.csv\", scale = 1e-3, diameter = \"2 deg\" }
     let expected = 1e-4 / (PI * 1f64.to_radians().sin().powi(2));
     assert_relative(luminance, expected, 1e-3, "star");
     assert_eq!(film.radiance()[0], [0.0; 3]);
+}
+
+/// A sky of 512 × 256 texels of this radiance by look direction, as the table of a scene whose files are in `folder`.
+fn pictured(folder: &Path, name: &str, radiance: impl Fn(DVec3) -> f64) -> String {
+    let (width, height) = (512, 256);
+    let texel = |k: usize| {
+        let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        let longitude = 2.0 * PI * (at(k % width, width) - 0.5);
+        let latitude = PI * (0.5 - at(k / width, height));
+        let across = latitude.cos();
+        radiance(DVec3::new(
+            longitude.sin() * across,
+            latitude.sin(),
+            -longitude.cos() * across,
+        )) as f32
+    };
+    let texels: Vec<f32> = (0..width * height).map(texel).collect();
+    let channel = |name: &str| Channel {
+        name: name.into(),
+        samples: Samples::F32(texels.clone()),
+    };
+    let channels = ["R", "G", "B"].map(channel).into();
+    let layers = Layers::new(width as u32, height as u32, channels, vec![]).unwrap();
+    exr::write(&folder.join(name), &layers).unwrap();
+    format!("[sky]\nimage = {{ file = \"{name}\" }}\nshadows = false")
+}
+
+#[test]
+fn boosting_sky_bodies_and_camera_together_changes_rounding_and_interpolation_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let bodies = format!(
+        "{BALL}\n[[object]]\nname = \"crate\"\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n\
+         velocity = {{ beta = [-0.3, 0.5, 0.1] }}\norigin = {{ position = [1.2, -0.4, -3], time = \"-6 m\" }}"
+    );
+    let with = |sky: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nhfov = \"70 deg\"\nsize = [36, 28]\n\
+             velocity = {{ beta = [0.2, 0.1, -0.4] }}\n[[object]]\n{bodies}\n{sky}"
+        );
+        stage::scene_in(folder.path(), &text)
+    };
+    // Brighter above than below.
+    let bright = |d: DVec3| 1.0 + 0.6 * d.y + 0.2 * d.x;
+    let scene = with(&pictured(folder.path(), "rest.exr", bright));
+    let film = stage::film(&scene);
+    for v in [DVec3::new(0.5, 0.2, 0.0), DVec3::new(-0.3, 0.4, 0.9)] {
+        // What is seen along d in the new world came along d₀ in the old: w (−1, d₀) = B(−v) (−1, d), and W = 1/w.
+        let seen = |d: DVec3| {
+            let k = lorentz::boost(-v) * lorentz::four(-1.0, d);
+            bright(lorentz::space(k).normalize()) * (-k.x).powi(-4)
+        };
+        let sky = with(&pictured(folder.path(), "moved.exr", seen)).sky;
+        let mut moved = lorentz::boosted(&scene, v);
+        moved.sky = sky;
+        let moved = stage::film(&moved);
+        let mut differ = 0;
+        for (a, b) in film.radiance().iter().zip(moved.radiance()) {
+            // Texels of 0.7°, and E_F to 2·10⁻³ of its largest.
+            differ += usize::from((a[0] - b[0]).abs() > 5e-3 * a[0]);
+        }
+        assert!(differ <= 4, "{differ} pixels differ at {v}");
+    }
+    let met = stage::met(&film).len();
+    assert!(met > 50, "{met}");
 }

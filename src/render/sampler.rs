@@ -529,7 +529,7 @@ mod tests {
         // 16 numbers of each of 4 × 4 pixels: each pixel's fill 4 × 4 cells once, those of all 16 × 16, in any replicate. Of
         // 12 numbers each is in a cell of its own.
         for (salt, count) in [(0, 16), (hash(7), 16), (0, 12)] {
-            let mut all = vec![0; 256];
+            let mut all = [0; 256];
             for key in 0..16 {
                 let pixel = pixel_key(40 + key % 4, 80 + key / 4) ^ salt;
                 let mut own = [0; 16];

@@ -6,6 +6,7 @@
 //! Each reader has an `inspect` that reads headers only, for planning.
 
 pub mod budget;
+pub mod colmap;
 pub mod cube;
 pub mod files;
 pub mod gltf;

@@ -62,6 +62,11 @@ impl Sampler {
         }
     }
 
+    /// Width and height of the cell of a pixel that a sample stands for.
+    pub(crate) fn cell(&self) -> [f64; 2] {
+        self.cell
+    }
+
     /// Samples per pixel of one replicate.
     pub fn samples(&self) -> u32 {
         self.columns * self.rows

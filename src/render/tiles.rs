@@ -12,7 +12,7 @@ use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    CameraRays, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
+    CameraRays, Cells, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
     TracedRays, record,
 };
 use crate::spacetime::Direction;
@@ -109,6 +109,7 @@ pub(super) struct Pipeline<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     camera_rays: CameraRays,
+    beside: [CameraRays; 2],
     hits: HitBuffer,
     shading: Shading,
 }
@@ -135,6 +136,7 @@ impl<'a> Pipeline<'a> {
         let (scene, surfaces) = (self.scene, &self.surfaces);
         let Buffers {
             camera_rays,
+            beside,
             hits,
             shading,
         } = buffers;
@@ -143,11 +145,21 @@ impl<'a> Pipeline<'a> {
             .camera
             .view
             .generate(camera_rays, &self.sampler, tile, index);
+        if scene.light.has_footprints() {
+            for (axis, beside) in beside.iter_mut().enumerate() {
+                scene.camera.view.beside(beside, camera_rays, axis);
+            }
+        }
         meter.lap(Stage::CameraRays);
         let mut rays = camera_rays.rays(scene.method);
         let duration = scene.integrated_exposure;
         rays.samples.exposure =
             duration.and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
+        rays.samples.cells = scene.light.has_footprints().then_some(Cells {
+            rays: camera_rays,
+            beside,
+            size: self.sampler.cell(),
+        });
         surfaces.nearest(&rays, hits, meter);
         let traced = TracedRays {
             surfaces,

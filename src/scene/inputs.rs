@@ -21,7 +21,7 @@ pub(super) struct Pose {
     pub eye: DVec3,
     /// Orthonormal: right, up, forward.
     pub axes: [DVec3; 3],
-    /// From a glTF camera: the horizontal field of view where it is known, and the vertical one.
+    /// From a camera of glTF or COLMAP: the horizontal field of view where it is known, and the vertical one.
     pub gltf_fov: Option<(Option<f64>, f64)>,
 }
 

@@ -16,7 +16,7 @@ use super::report::Report;
 use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
-use crate::io::{cube, files, gltf, npy, spectrum};
+use crate::io::{colmap, cube, files, gltf, npy, spectrum};
 use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
@@ -127,6 +127,7 @@ pub(super) fn scene(
     }
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
         read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
+        read_colmap(&mut inputs, seen, &capture.value.pose);
     }
     for edges in cubes().filter_map(|cube| cube.value.edges_file.as_ref()) {
         read_numbers(&mut inputs, seen, &edges.value);
@@ -278,6 +279,25 @@ fn read_pose(
             eye: camera.eye,
             axes: camera.axes,
             gltf_fov: Some((camera.horizontal_fov, camera.vertical_fov)),
+        })
+    });
+    inputs.add_pose(name, pose);
+}
+
+/// Reads the pose of an image of a reconstruction, where one is named.
+fn read_colmap(inputs: &mut Inputs, seen: &Seen, pose: &Option<At<file::GivenPose>>) {
+    let pose = pose.as_ref().map(|at| (&at.value.colmap, &at.value.image));
+    let Some((Some(name), Some(image))) = pose else {
+        return;
+    };
+    let path = inputs.base.join(&name.value);
+    let pose = seen.pose(&path, Some(&image.value), || {
+        let found = colmap::pose(&path, &image.value)?;
+        let [horizontal, vertical] = found.fov;
+        Ok(Pose {
+            eye: found.eye,
+            axes: found.axes,
+            gltf_fov: Some((Some(horizontal), vertical)),
         })
     });
     inputs.add_pose(name, pose);

@@ -234,7 +234,7 @@ pub struct CubeSource {
     pub values: BinValues,
     /// Reconstruction along time.
     pub filter: TimeFilter,
-    /// Reconstruction across the picture, of captures.
+    /// Reconstruction across the picture.
     pub reconstruction: Reconstruction,
     /// Factor on all values.
     pub scale: f64,
@@ -482,7 +482,7 @@ pub enum TimeFilter {
     CubicMeans,
 }
 
-/// Reconstruction across the picture of a capture.
+/// Reconstruction across the picture of a cube.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -494,6 +494,9 @@ pub enum Reconstruction {
     /// less error on all frames of an independent renderer, more of the data's noise, and up to 80 samples in time where
     /// bilinear reads 4.
     Sharp,
+    /// Bilinear, as the mean over what each sample of the picture stands for on the surface, where that is wider than a
+    /// texel: up to 64 × 64 lookups, each at its own place and time.
+    Footprint,
 }
 
 /// A spherical pulse from a point at rest in the world, falling on diffuse surfaces.

@@ -5,6 +5,9 @@ mod common {
     pub mod png;
 }
 
+#[cfg(all(feature = "hdf5", feature = "zarr"))]
+mod chunks;
+mod colmap;
 mod cubes;
 mod gltf;
 #[cfg(feature = "hdf5")]

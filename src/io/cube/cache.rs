@@ -65,7 +65,7 @@ impl<V: Clone> Cache<V> {
         Locked {
             cache: self,
             number,
-            shard: shard.lock().unwrap_or_else(PoisonError::into_inner),
+            shard: locked(shard),
         }
     }
 }
@@ -133,6 +133,11 @@ impl<V> Shard<V> {
         }
         self.hand += 1;
     }
+}
+
+/// Locks; what a thread that panicked has left is as good as any.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@ mod absent;
 mod axes;
 mod bricks;
 mod cache;
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+mod chunks;
 mod convert;
 mod cube_store;
 mod format;
@@ -15,6 +17,7 @@ mod hdf5;
 mod layout;
 mod npy;
 mod number;
+mod pages;
 mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
@@ -32,10 +35,11 @@ use absent::hdf5;
 use absent::zarr;
 
 pub use axes::{Axes, Axis};
-pub use bricks::{BRICK, Bricks, BytesRead, Held, LEAST_ROOM};
+pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
+pub use pages::BRICK;
 pub use samples::{Cube, CubeError, Samples};
 pub use sequence::{is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};

@@ -1,7 +1,8 @@
 //! Arrays on disk with other axes than a cube's: entries along an axis are added up or one is chosen, points in a list are
 //! laid out in rows and columns, channels beyond red, green and blue are left out.
 //!
-//! They are read in slabs: ranges of the slowest axis that stays, so that memory is bounded whatever their size.
+//! They are read in windows, or whole in slabs: ranges of the slowest axis that stays, so that memory is bounded whatever
+//! their size.
 
 use std::io::Write;
 use std::ops::Range;
@@ -32,6 +33,24 @@ pub(super) trait Windows {
     fn together(&self) -> Vec<usize>;
 }
 
+/// Opens the array once more, so that threads need not share one.
+pub(super) type Open = Box<dyn Fn() -> Result<Box<dyn Windows + Send>> + Send + Sync>;
+
+/// What of a cube the entries along an axis of the array are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lies {
+    Row,
+    Column,
+    /// Pixels in a list, row after row.
+    Listed {
+        columns: usize,
+    },
+    Time,
+    Channel,
+    /// An axis of one entry.
+    Nothing,
+}
+
 /// What becomes of an axis of the array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
@@ -47,6 +66,8 @@ enum Role {
 #[derive(Debug, Clone)]
 pub(super) struct Selection {
     roles: Vec<Role>,
+    /// Of the axes that stay: which they are, and what lies along them.
+    lies: Vec<(usize, Lies)>,
     /// Sizes and axes of what is taken, the slowest first.
     pub sizes: Vec<usize>,
     pub axes: Axes,
@@ -91,9 +112,9 @@ impl Selection {
             return Err((what, "check the file".into()));
         }
         let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
-        let (mut roles, mut kept) = (Vec::new(), Vec::new());
+        let (mut roles, mut kept, mut lies) = (Vec::new(), Vec::new(), Vec::new());
         let mut choices = taken.choices.iter();
-        for (&axis, &size) in taken.axes.iter().zip(&sizes) {
+        for (number, (&axis, &size)) in taken.axes.iter().zip(&sizes).enumerate() {
             let role = match axis {
                 Axis::Sum => Role::Summed(size),
                 Axis::Choice => Role::Chosen(chosen(choices.next(), size)?),
@@ -101,6 +122,9 @@ impl Selection {
                 _ => Role::Kept(size),
             };
             roles.push(role);
+            if let Role::Kept(_) = role {
+                lies.push((number, Lies::of(axis, taken.columns)));
+            }
             match (role, axis, taken.columns) {
                 (Role::Kept(size), Axis::Column, Some(columns)) => {
                     kept.extend([(Axis::Row, size / columns), (Axis::Column, columns)]);
@@ -113,10 +137,11 @@ impl Selection {
             let what = "the name of the array chooses more entries than it has axes named L";
             return Err((what.into(), NAME_AXES.into()));
         }
-        let (axes, sizes): (Vec<_>, Vec<_>) = kept.into_iter().unzip();
+        let (axes, kept): (Vec<_>, Vec<_>) = kept.into_iter().unzip();
         let selection = Selection {
             roles,
-            sizes,
+            lies,
+            sizes: kept,
             axes: Axes::of(axes),
             // Sums of half precision leave its range.
             dtype: match dtype {
@@ -199,17 +224,45 @@ impl Selection {
         })
     }
 
-    fn arrangement(&self, path: &Path) -> Result<Arrangement> {
+    /// How many entries are taken along each axis of the array, 1 of those that are added up.
+    pub fn kept_sizes(&self) -> Vec<usize> {
+        (0..self.roles.len()).map(|axis| self.kept(axis)).collect()
+    }
+
+    /// Of the axes of the array that stay: which they are, and what lies along them.
+    pub fn lies(&self) -> &[(usize, Lies)] {
+        &self.lies
+    }
+
+    /// A sample that is no number, by its place in the cube.
+    pub fn not_finite(path: &Path, [i, j, k, l]: [usize; 4]) -> Error {
+        Error::invalid(
+            path,
+            format!("sample [{i}, {j}, {k}, {l}]"),
+            "the sample is not a finite number",
+            "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+        )
+    }
+
+    pub fn arrangement(&self, path: &Path) -> Result<Arrangement> {
         Arrangement::of(&self.sizes, &self.axes, false)
             .map_err(|what| Error::invalid(path, "", what, NAME_AXES))
     }
 
     /// The type in memory, as samples of which a temporary file has it.
-    fn number(&self) -> Number {
+    pub fn number(&self) -> Number {
         match self.dtype {
             Dtype::F16 => Number::F16,
             Dtype::F64 => Number::F64,
             _ => Number::F32,
+        }
+    }
+
+    /// Entries along an axis of the array that stay.
+    fn kept(&self, axis: usize) -> usize {
+        match self.roles[axis] {
+            Role::Kept(size) => size,
+            Role::Summed(_) | Role::Chosen(_) => 1,
         }
     }
 
@@ -260,44 +313,43 @@ impl Selection {
             whole => whole * together,
         };
         let arrangement = self.arrangement(path)?;
-        let (mut slab, mut part) = (Vec::new(), Vec::new());
+        let mut slab = Vec::new();
         for begin in (0..length).step_by(thickness) {
             let range = begin..(begin + thickness).min(length);
-            self.slab(from, (slowest, range), &mut slab, &mut part)?;
+            let mut ranges: Vec<Range<usize>> = (self.lies.iter())
+                .map(|(axis, _)| 0..self.kept(*axis))
+                .collect();
+            ranges[0] = range;
+            self.window(from, &ranges, &mut slab)?;
             let first = begin * each;
             if let Some(bad) = slab.iter().position(|sample| !sample.is_finite()) {
-                let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
-                return Err(Error::invalid(
-                    path,
-                    format!("sample [{i}, {j}, {k}, {l}]"),
-                    "the sample is not a finite number",
-                    "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
-                ));
+                let place = place_of(arrangement.place(first + bad), arrangement.shape);
+                return Err(Selection::not_finite(path, place));
             }
             take(first, &slab)?;
         }
         Ok(())
     }
 
-    /// One slab: the window once for every combination of entries that are added up.
-    fn slab(
+    /// The samples of a window, a range per axis that stays, in place of what is in `to`: once for every combination of
+    /// entries that are added up.
+    pub fn window(
         &self,
         from: &mut dyn Windows,
-        (slowest, range): (usize, Range<usize>),
-        slab: &mut Vec<f64>,
-        part: &mut Vec<f64>,
+        ranges: &[Range<usize>],
+        to: &mut Vec<f64>,
     ) -> Result<()> {
         let summed = |role: &Role| match role {
             Role::Summed(size) => *size,
             _ => 1,
         };
         let combinations: usize = self.roles.iter().map(summed).product();
+        let mut part = Vec::new();
         for number in 0..combinations {
-            let mut rest = number;
-            let window: Vec<Range<usize>> = (self.roles.iter().enumerate())
-                .map(|(axis, role)| match *role {
-                    Role::Kept(_) if axis == slowest => range.clone(),
-                    Role::Kept(size) => 0..size,
+            let (mut rest, mut kept) = (number, ranges.iter());
+            let window: Vec<Range<usize>> = (self.roles.iter())
+                .map(|role| match *role {
+                    Role::Kept(size) => kept.next().cloned().unwrap_or(0..size),
                     Role::Chosen(entry) => entry..entry + 1,
                     Role::Summed(size) => {
                         let entry = rest % size;
@@ -307,16 +359,30 @@ impl Selection {
                 })
                 .collect();
             match number {
-                0 => from.read(&window, slab)?,
+                0 => from.read(&window, to)?,
                 _ => {
-                    from.read(&window, part)?;
-                    for (sum, sample) in slab.iter_mut().zip(part.iter()) {
+                    from.read(&window, &mut part)?;
+                    for (sum, sample) in to.iter_mut().zip(part.iter()) {
                         *sum += sample;
                     }
                 }
             }
         }
         Ok(())
+    }
+}
+
+impl Lies {
+    /// Of an axis that stays.
+    fn of(axis: Axis, columns: Option<usize>) -> Lies {
+        match (axis, columns) {
+            (Axis::Row, _) => Lies::Row,
+            (Axis::Column, Some(columns)) => Lies::Listed { columns },
+            (Axis::Time, _) => Lies::Time,
+            (Axis::Channel, _) => Lies::Channel,
+            (Axis::Column, None) => Lies::Column,
+            (Axis::Single | Axis::Sum | Axis::Choice, _) => Lies::Nothing,
+        }
     }
 }
 

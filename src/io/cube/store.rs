@@ -1,7 +1,8 @@
 //! Cubes on disk, read part by part: what is too large for memory, or is only passed on.
 //!
 //! Arrays of `.npy` and `.ti` files are read where they lie. Members of archives and pictures of sequences, in which
-//! nothing can be found without reading all before it, are written out to a temporary file first.
+//! nothing can be found without reading all before it, are written out to a temporary file first, and so are arrays in chunks
+//! of which all is wanted in another order.
 
 use std::fs::File;
 use std::io::{BufWriter, SeekFrom, Write};
@@ -11,6 +12,8 @@ use std::path::{Path, PathBuf};
 use super::axes::Arrangement;
 use super::format::Wanted;
 use super::layout::{StoredLayout, strides};
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+use super::selection::{Open, Selection};
 use super::{hdf5, npy, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
@@ -70,6 +73,22 @@ impl Store {
             return Ok(None);
         };
         Ok(Some((Located::InPlace(reader), layout)))
+    }
+
+    /// What is taken of an array in chunks, and how that is opened, time and again; none where it is in no chunks.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    pub fn windows(path: &Path, wanted: Wanted) -> Result<Option<(Selection, Open)>> {
+        if sequence::is_sequence(path) {
+            return Ok(None);
+        }
+        if sequence::is_zarr(path) {
+            return zarr::windows(path, wanted).map(Some);
+        }
+        let (mut reader, _) = crate::io::open::open_regular(path)?;
+        match hdf5::FORMAT.is(&mut reader, path)? {
+            true => hdf5::windows(path, wanted).map(Some),
+            false => Ok(None),
+        }
     }
 
     fn new(path: &Path, reader: Reader, layout: StoredLayout) -> Result<Store> {

@@ -7,12 +7,12 @@
 use super::axis::{Reading, Timeline};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::gather::{Reads, read};
-use super::lookups::bytes_of;
+use super::lookups::{FromDisk, bytes_of};
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, integer};
 use super::texture::{Located, TimeTexture};
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 use crate::camera::{AnyProjection, Projection};
-use crate::io::cube::Samples;
+use crate::io::cube::{CubeStore, Samples};
 use crate::scene::model::TimeFilter;
 
 /// A batch of lookups: the taps and times that are asked and, after [`TimeTexture::sample_taps`], the answers.
@@ -31,6 +31,7 @@ pub struct CaptureLookups {
     /// Whether the data hold all of it.
     plain: [bool; BATCH],
     radiance: [[f64; 4]; BATCH],
+    from_disk: FromDisk,
 }
 
 impl Default for CaptureLookups {
@@ -45,6 +46,7 @@ impl Default for CaptureLookups {
             bins: [[[0.0; BATCH]; MOST_BINS]; 4],
             plain: [false; BATCH],
             radiance: [[0.0; 4]; BATCH],
+            from_disk: FromDisk::default(),
         }
     }
 }
@@ -259,16 +261,33 @@ impl<'a, F, const N: usize> Plan<'a, F, N> {
 impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
     #[inline(always)]
     fn run(self) {
-        let Some(cube) = self.texture.cube().in_memory() else {
-            // Of cubes on disk, points are looked up one by one.
-            return self.lookups.plain.fill(false);
-        };
-        place::<F, N>(cube.shape, self.timeline, self.lookups);
-        let lookups = &*self.lookups;
-        let (count, factor) = (lookups.count, self.texture.factor());
+        let store = self.texture.cube();
+        place::<F, N>(store.shape(), self.timeline, self.lookups);
+        let (count, factor) = (self.lookups.count, self.texture.factor());
         // Where the samples go, apart from what they are read by.
         let mut radiance = [[0.0; 4]; BATCH];
         let to = &mut radiance;
+        let cube = match store {
+            CubeStore::Memory(cube) => cube,
+            CubeStore::Disk(bricks) => {
+                let CaptureLookups {
+                    from_disk,
+                    origins,
+                    plain,
+                    ..
+                } = &mut *self.lookups;
+                from_disk.bring_together::<N>(bricks, (origins, plain), count);
+                let lookups = &*self.lookups;
+                let values = &lookups.from_disk.values[..];
+                match bricks.shape()[3] {
+                    3 => read::<_, _, 3, N>(values, lookups, count, factor, to),
+                    _ => read::<_, _, 1, N>(values, lookups, count, factor, to),
+                }
+                self.lookups.radiance = radiance;
+                return;
+            }
+        };
+        let lookups = &*self.lookups;
         match (&cube.samples, cube.shape[3]) {
             (Samples::F16(s), 3) => read::<_, _, 3, N>(s, lookups, count, factor, to),
             (Samples::F16(s), _) => read::<_, _, 1, N>(s, lookups, count, factor, to),

@@ -34,11 +34,11 @@ pub struct Lookups {
 
 /// What lookups from bricks need.
 #[derive(Debug, Default)]
-struct FromDisk {
+pub(super) struct FromDisk {
     held: Held,
     wanted: Vec<u64>,
     /// The samples of all taps, brought together.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
 }
 
 impl Default for Lookups {
@@ -164,7 +164,8 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
         let cube = match self.texture.cube() {
             CubeStore::Memory(cube) => cube,
             CubeStore::Disk(bricks) => {
-                from_disk.bring_together::<N>(bricks, places, self.count);
+                let Places { origins, plain, .. } = &mut *places;
+                from_disk.bring_together::<N>(bricks, (origins, plain), self.count);
                 let values = &from_disk.values[..];
                 return match bricks.shape()[3] {
                     3 => read::<_, _, 3, N>(values, places, self.count, factor, radiance),
@@ -184,23 +185,23 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
 }
 
 impl FromDisk {
-    /// Reads the bricks of the first `count` lookups, each once; brings their samples together, and has the places tell
-    /// where they are now.
-    fn bring_together<const N: usize>(
+    /// Reads the bricks of those of the first `count` lookups that are plain, each once; brings their samples together, and
+    /// has the origins of their taps tell where they are now.
+    pub fn bring_together<const N: usize>(
         &mut self,
         bricks: &Bricks,
-        places: &mut Places,
+        (origins, plain): (&mut [[u64; BATCH]; 4], &[bool; BATCH]),
         count: usize,
     ) {
         let [_, _, bins, channels] = bricks.shape();
-        let plain = || (0..count).filter(|at| places.plain[*at]);
+        let plain = || (0..count).filter(|at| plain[*at]);
         let place = |origin: u64| {
             let bin = origin as usize / channels;
             (bin / bins, bin % bins)
         };
         for at in plain() {
             for tap in 0..4 {
-                let (pixel, bin) = place(places.origins[tap][at]);
+                let (pixel, bin) = place(origins[tap][at]);
                 bricks.want(&self.held, pixel, bin, N, &mut self.wanted);
             }
         }
@@ -209,14 +210,14 @@ impl FromDisk {
         self.values.resize(count * 4 * each, 0.0);
         for at in plain() {
             for tap in 0..4 {
-                let (pixel, bin) = place(places.origins[tap][at]);
+                let (pixel, bin) = place(origins[tap][at]);
                 let values = &mut self.values[(at * 4 + tap) * each..][..each];
                 bricks.samples(&mut self.held, pixel, bin, values);
             }
         }
         for at in 0..count {
             for tap in 0..4 {
-                places.origins[tap][at] = ((at * 4 + tap) * each) as u64;
+                origins[tap][at] = ((at * 4 + tap) * each) as u64;
             }
         }
     }

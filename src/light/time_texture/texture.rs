@@ -143,6 +143,11 @@ impl TimeTexture {
         }
     }
 
+    /// How places between texels are read.
+    pub fn reconstruction(&self) -> Reconstruction {
+        self.reconstruction
+    }
+
     /// The same with prefix sums, by which means over spans of many bins are found without reading them all; of cubes on
     /// disk there are none. They take [`TimeTexture::bytes_of_sums`].
     #[must_use]
@@ -324,7 +329,9 @@ impl TimeTexture {
         };
         let taps = self.taps_where(place, |pixel| capture.saw(pixel, &aim));
         Located(match (taps, self.reconstruction) {
-            (Some((taps, part)), Reconstruction::Bilinear) => Spot::Seen(place, taps, part),
+            (Some((taps, part)), Reconstruction::Bilinear | Reconstruction::Footprint) => {
+                Spot::Seen(place, taps, part)
+            }
             (Some((taps, part)), Reconstruction::Sharp) => {
                 Spot::Sharp(place, taps, part, self.is_sharp_at(capture, place, &aim))
             }

@@ -64,6 +64,14 @@ impl Light {
         }
     }
 
+    /// Whether lookups of some data are means over what samples stand for.
+    pub(crate) fn has_footprints(&self) -> bool {
+        let cubes = self.time_resolved().map_or(&[][..], |light| &light.cubes);
+        cubes
+            .iter()
+            .any(|cube| cube.reconstruction() == Reconstruction::Footprint)
+    }
+
     /// Whether data could not be read while lookups asked for them.
     pub(crate) fn has_failed(&self) -> bool {
         let mut on_disk = self.time_resolved().into_iter().flat_map(|l| l.on_disk());
@@ -507,7 +515,7 @@ impl Stores {
                 let trace = |origin, direction| place.seen(origin, direction);
                 let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);
                 let capture = match cube.reconstruction {
-                    Reconstruction::Bilinear => capture,
+                    Reconstruction::Bilinear | Reconstruction::Footprint => capture,
                     Reconstruction::Sharp => capture.with_neighbours(),
                 };
                 self.warn(scene, source, survey::of_capture(&texture, &capture));
@@ -551,7 +559,7 @@ impl Stores {
 impl Stores {
     fn bricks(&self, file: &CubeFile, room: u64) -> Result<Bricks> {
         if self.counts_only
-            && let Some(bricks) = Bricks::counting(&file.path, file.wanted())?
+            && let Some(bricks) = Bricks::counting(&file.path, file.wanted(), room)?
         {
             return Ok(bricks);
         }

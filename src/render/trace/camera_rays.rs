@@ -54,6 +54,8 @@ pub struct Samples<'a> {
     pub depth: u32,
     /// The parts of an exposure that they stand for, where data are integrated over these.
     pub exposure: Option<Exposure<'a>>,
+    /// What they stand for, where lookups are means over that.
+    pub cells: Option<Cells<'a>>,
 }
 
 /// An exposure whose samples each stand for an equal part of it.
@@ -77,6 +79,20 @@ impl Exposure<'_> {
         [part, part + 1.0].map(|end| (end / count - moment) * self.duration)
     }
 }
+
+/// The cells that the rays of a batch stand for.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells<'a> {
+    /// The rays.
+    pub(crate) rays: &'a CameraRays,
+    /// Those beside each of them along x, and along y.
+    pub(crate) beside: &'a [CameraRays; 2],
+    /// Width and height of a cell, pixels.
+    pub(crate) size: [f64; 2],
+}
+
+/// How far a ray is from one beside it, pixels: little enough for a derivative, and much more than rounding.
+const BESIDE: f64 = 1.0 / 1024.0;
 
 /// Most pairs of numbers that are drawn at one surface of a path.
 const DRAWN_AT_A_SURFACE: u32 = 8;
@@ -146,8 +162,14 @@ impl CameraRays {
                 in_pixel: self.in_pixel,
                 depth: 0,
                 exposure: None,
+                cells: None,
             },
         }
+    }
+
+    /// Where ray `ray` leaves.
+    pub(super) fn origin(&self, ray: usize) -> RayOrigin {
+        self.origins.get(ray).copied().unwrap_or(RayOrigin::AT_SHOT)
     }
 
     /// The rays of `view` at the offsets and moments that are known. The projection is matched here, and not at each ray.
@@ -193,6 +215,9 @@ pub trait RayGenerator: Sync {
     /// Generates the rays of sample `index` of every pixel of `tile`.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32);
 
+    /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels.
+    fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize);
+
     /// Generates the rays through these points of the film, pixels, half way through the exposure.
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]);
 }
@@ -208,6 +233,19 @@ impl RayGenerator for AnyView {
             AnyView::Turning(view) => view.generate(rays, sampler, tile, index),
             AnyView::Stereo(view) => view.generate(rays, sampler, tile, index),
             AnyView::Paper(view) => view.generate(rays, sampler, tile, index),
+        }
+    }
+
+    fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize) {
+        match self {
+            AnyView::Still(view) => view.beside(rays, of, axis),
+            AnyView::Moving(view) => view.beside(rays, of, axis),
+            AnyView::Unaberrated(view) => view.beside(rays, of, axis),
+            AnyView::Inertial(view) => view.beside(rays, of, axis),
+            AnyView::Accelerated(view) => view.as_ref().beside(rays, of, axis),
+            AnyView::Turning(view) => view.beside(rays, of, axis),
+            AnyView::Stereo(view) => view.beside(rays, of, axis),
+            AnyView::Paper(view) => view.beside(rays, of, axis),
         }
     }
 
@@ -246,6 +284,18 @@ impl<V: View> RayGenerator for V {
         if V::USES_TIME {
             rays.moments.resize(tile.pixels(), 0.0);
             sampler.moments(&rays.keys, within, &mut rays.moments);
+        }
+        rays.look_through(self);
+    }
+
+    fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize) {
+        rays.resize::<V>(of.pixels.len());
+        rays.index = of.index;
+        rays.pixels.clone_from(&of.pixels);
+        rays.moments.clone_from(&of.moments);
+        rays.offsets.clone_from(&of.offsets);
+        for offset in &mut rays.offsets[axis] {
+            *offset += if *offset < 0.5 { BESIDE } else { -BESIDE };
         }
         rays.look_through(self);
     }

@@ -18,6 +18,7 @@
 
 use super::blend::Blend;
 use super::emitted::{Emission, Emitted};
+use super::footprint::Recorded;
 use super::occlusion::{any_hit, shadow_ray};
 use super::point::SurfacePoint;
 use super::run::Run;
@@ -67,13 +68,17 @@ impl TimeResolved {
                 let (located, view) = (&emitted.located[at], &emitted.capture_views[at]);
                 let blocked = located.is_seen() && answers.next() == Some(&true);
                 let time = emitted.times[at];
-                let sampled = match means {
-                    true => {
-                        let span = emitted.spans[at].map(|after| time + after);
-                        texture.mean_located(capture, located, span, blocked)
-                    }
-                    false => texture.sample_located(capture, located, time, blocked),
+                let recorded = Recorded {
+                    texture,
+                    capture,
+                    clock: captured.clock,
+                    point: emitted.points.captured(at),
+                    located,
+                    time,
+                    span: means.then(|| emitted.spans[at]),
+                    blocked,
                 };
+                let sampled = recorded.look_up(run, at);
                 let weight = weight(texture, located, *view, blocked);
                 blend.add(self.choice, index, sampled, weight);
             }

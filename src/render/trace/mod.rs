@@ -20,6 +20,7 @@ mod channels;
 mod cone;
 mod emitted;
 mod falling;
+mod footprint;
 mod hits;
 mod lamps;
 mod lights;
@@ -39,7 +40,7 @@ mod timed_paths;
 mod tubes;
 
 pub use base_colours::{BaseColour, BaseColours, Finish, Glass, Gloss, TextureLookup};
-pub(crate) use camera_rays::{CameraRays, RayGenerator, Rays};
+pub(crate) use camera_rays::{CameraRays, Cells, RayGenerator, Rays};
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};

@@ -309,6 +309,7 @@ impl PathTraced {
                 in_pixel: before.rays.samples.in_pixel,
                 depth: *depth,
                 exposure: None,
+                cells: None,
             },
         };
         before.surfaces.nearest(&rays, hits, meter);

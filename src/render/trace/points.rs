@@ -6,6 +6,7 @@ use super::run::{Run, TracedRays};
 use crate::accel::unit_normal;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load};
 use crate::light::lamp::{EventColumns, PointsOnRays};
+use crate::light::time_texture::SurfacePoint as CapturePoint;
 use crate::spacetime::{Displacement, Event, World};
 
 /// The points of a run, by member.
@@ -35,6 +36,14 @@ pub(super) struct Points {
 }
 
 impl Points {
+    /// Point `k` as its capture cameras look at it.
+    pub(super) fn captured(&self, k: usize) -> CapturePoint {
+        CapturePoint {
+            position: self.positions.get(k),
+            normal: self.normals.get(k),
+        }
+    }
+
     /// Takes over the points of `run`.
     pub(super) fn fill(&mut self, run: &Run) {
         let count = run.count();

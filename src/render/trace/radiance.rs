@@ -6,6 +6,7 @@ use std::fmt::Debug;
 use super::base_colours::{BaseColours, Finish};
 use super::captures::captured_point;
 use super::emitted::{Detail, Emission, Emitted};
+use super::footprint::{self, Recorded};
 use super::lamps;
 use super::occlusion::{any_hit, shadow_ray};
 use super::point::{EmissionClock, SurfacePoint};
@@ -111,6 +112,9 @@ fn look_up(
     emitted: &mut Emitted,
     meter: &mut Meter,
 ) {
+    if run.filters(texture) {
+        return footprint::look_up(texture, set, clock, run, emitted);
+    }
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
         run.times(clock, 0, &mut emitted.times);
@@ -199,9 +203,9 @@ fn project(
     drop(answers);
     emitted.blocked = blocked;
 
-    // Points all of whose taps hold data together, the others one by one, and so means and what is read from disk.
+    // Points all of whose taps hold data together, the others one by one, and so means.
     let means = run.spans(clock, &mut emitted.spans);
-    let singly = means || texture.cube().on_disk().is_some();
+    let singly = means || run.filters(texture);
     let Emitted {
         captured,
         located,
@@ -247,14 +251,17 @@ fn project(
                 ..Sampled::default()
             },
             None => {
-                let (located, time) = (&emitted.located[at], emitted.times[at]);
-                match means {
-                    true => {
-                        let span = emitted.spans[at].map(|after| time + after);
-                        texture.mean_located(capture, located, span, emitted.blocked[at])
-                    }
-                    false => texture.sample_located(capture, located, time, emitted.blocked[at]),
-                }
+                let recorded = Recorded {
+                    texture,
+                    capture,
+                    clock,
+                    point: emitted.points.captured(at),
+                    located: &emitted.located[at],
+                    time: emitted.times[at],
+                    span: means.then(|| emitted.spans[at]),
+                    blocked: emitted.blocked[at],
+                };
+                recorded.look_up(run, at)
             }
         };
         emitted.push(Emission::stored(sampled));

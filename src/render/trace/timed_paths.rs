@@ -116,6 +116,7 @@ impl TimedPaths<'_> {
                 in_pixel: 1,
                 depth,
                 exposure: None,
+                cells: None,
             };
             let Some(drawn) = vertex.reflection.sample(samples.on_path(0, ONWARD)) else {
                 return;

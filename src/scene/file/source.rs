@@ -76,8 +76,9 @@ pub(in crate::scene) struct Cube {
     /// Reconstruction along time: "nearest", "linear", "cubic", or "cubic_means"
     /// (cubic, with each value taken as its bin's mean and not as the value at its centre). Default: "cubic_means".
     pub filter: Option<At<TimeFilter>>,
-    /// Reconstruction across the picture of a `capture`: "bilinear", or "sharp" (cubic, with each pixel taken as the mean
-    /// over its square: less error, more of the data's noise). Default: "bilinear".
+    /// Reconstruction across the picture of the cube: "bilinear"; "sharp" (of a `capture`: cubic, with each pixel taken as the
+    /// mean over its square: less error, more of the data's noise); or "footprint" (bilinear, as the mean over what each sample
+    /// stands for on the surface: no aliasing where the picture shows several texels in a pixel). Default: "bilinear".
     pub reconstruction: Option<At<Reconstruction>>,
     /// Factor on all values. Default: 1.
     #[serde(default = "Cube::scale")]
@@ -165,8 +166,13 @@ pub(in crate::scene) struct GivenPose {
     pub quaternion: Option<[f64; 4]>,
     /// The translation of `quaternion`, metres.
     pub translation: Option<[f64; 3]>,
-    /// What the pose means.
-    pub convention: PoseConvention,
+    /// What the matrix, or quaternion and translation, mean.
+    pub convention: Option<PoseConvention>,
+    /// The folder of a reconstruction by COLMAP (images.bin and cameras.bin, or .txt), relative to the scene file, in place of
+    /// the other keys; with `image`. It gives the field of view too, unless `hfov` or `fov` is there.
+    pub colmap: Option<At<String>>,
+    /// The name of the image of that reconstruction whose camera it is.
+    pub image: Option<At<String>>,
 }
 
 /// Between which coordinates a pose goes, and where the axes of a camera point.

@@ -275,6 +275,11 @@ impl Context {
     /// The pose of the camera in a glTF file.
     pub(in crate::scene) fn gltf_pose(&self, file: &At<String>) -> Result<Pose> {
         self.path(file, GLTF)?;
+        self.pose_of(file)
+    }
+
+    /// The pose that was read of the file or folder named at `file`.
+    pub(in crate::scene) fn pose_of(&self, file: &At<String>) -> Result<Pose> {
         let missing = || Err(self.refuse(file, "the camera of this file was not read", ""));
         self.inputs.pose(file).unwrap_or_else(missing)
     }

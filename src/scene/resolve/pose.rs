@@ -80,13 +80,20 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
                 .refuse_two(&at.span, (other, "and here"), what, help));
         }
     }
+    if let Some(colmap) = &at.value.colmap {
+        return of_colmap(cx, at, colmap);
+    }
     let (rotation, translation) = rotation_and_translation(cx, at)?;
-    let (rotation, eye) = match at.value.convention {
+    let Some(convention) = at.value.convention else {
+        let help = "add convention = \"opengl\", \"opencv\", \"mitsuba\" or \"colmap\"";
+        return Err(cx.refuse(at, "what the pose means is not said", help));
+    };
+    let (rotation, eye) = match convention {
         PoseConvention::Colmap => (rotation.transpose(), -(rotation.transpose() * translation)),
         _ => (rotation, translation),
     };
     let (y, z) = (rotation.y_axis, rotation.z_axis);
-    let (up, forward) = match at.value.convention {
+    let (up, forward) = match convention {
         PoseConvention::OpenGl => (y, -z),
         PoseConvention::OpenCv | PoseConvention::Colmap => (-y, z),
         PoseConvention::Mitsuba => (y, z),
@@ -99,6 +106,29 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
         axes,
         gltf_fov: None,
     })
+}
+
+/// The pose of an image of a reconstruction.
+fn of_colmap(cx: &Context, at: &At<GivenPose>, colmap: &At<String>) -> Result<Pose> {
+    let GivenPose {
+        matrix,
+        quaternion,
+        translation,
+        convention,
+        image,
+        ..
+    } = &at.value;
+    let is_more = matrix.is_some() || quaternion.is_some() || translation.is_some();
+    if is_more || convention.is_some() {
+        let help = "keep `colmap` and `image`, or the other keys";
+        return Err(cx.refuse(at, "the pose is given twice", help));
+    }
+    let Some(image) = image else {
+        let help = "add image = \"…\", the name of one of its images";
+        return Err(cx.refuse(colmap, "which image of it is meant is not said", help));
+    };
+    cx.optional_text(&Some(image.clone()), "the name of the image")?;
+    cx.pose_of(colmap)
 }
 
 const NO_ROTATION: &str = "the upper left 3 × 3 of a pose is a rotation: columns of length 1, at right angles, right-handed; the last row is [0, 0, 0, 1]";

@@ -292,7 +292,8 @@ pub struct CubeEntry {
     pub scale: f64,
     /// Reconstruction along time from the centres of bins.
     pub filter: TimeFilter,
-    /// Reconstruction across the picture of a capture: "bilinear", or "sharp": cubic, of pixels as means over their squares.
+    /// Reconstruction across the picture: "bilinear"; "sharp": cubic, of pixels as means over their squares; "footprint":
+    /// bilinear, as means over what samples of the picture stand for.
     pub reconstruction: Reconstruction,
     /// The clock of the time axis: "world" and "object" are times of emission; "capture" is arrival at the
     /// capture camera, the time of emission in its frame plus η times the distance to its pinhole.

@@ -18,8 +18,8 @@ use crate::error::{Error, Result};
 use crate::io::files::Reader;
 use crate::io::npy::{Dtype, Header};
 
-/// Bytes of decoded chunks that are kept.
-const CACHE: usize = 256 << 20;
+/// Samples that are read in one go where there are no chunks.
+const TOGETHER: usize = 1024;
 /// The largest chunk, and the most that is read in one go, bytes.
 const LARGEST: usize = 1 << 30;
 /// Numbers of a small array, like places of points.
@@ -35,7 +35,8 @@ pub(super) struct File {
 }
 
 impl File {
-    pub fn open(mut reader: Reader, path: &Path) -> Result<File> {
+    /// With `cache` bytes of decoded chunks that are kept.
+    pub fn open(mut reader: Reader, path: &Path, cache: usize) -> Result<File> {
         let failed = || Error::io(path, "cannot read");
         let length = reader.seek(SeekFrom::End(0)).map_err(failed())?;
         let reader = Mutex::new(reader);
@@ -51,7 +52,7 @@ impl File {
         filters.register(lzf::FILTER, Box::new(lzf::decompress));
         let options = OpenOptions {
             filter_registry: Some(filters),
-            chunk_cache_bytes: CACHE,
+            chunk_cache_bytes: cache,
             max_chunk_bytes: LARGEST,
             max_read_bytes: LARGEST,
             ..OpenOptions::default()
@@ -261,8 +262,20 @@ impl Windows for Array {
     }
 
     fn together(&self) -> Vec<usize> {
-        let chunks = self.dataset.chunks().unwrap_or_default();
-        chunks.into_iter().map(|n| n as usize).collect()
+        if let Some(chunks) = self.dataset.chunks() {
+            return chunks.into_iter().map(|n| n as usize).collect();
+        }
+        // Runs along the last axes.
+        let mut left = TOGETHER;
+        let mut together: Vec<usize> = (self.sizes().iter().rev())
+            .map(|size| {
+                let run = (*size).clamp(1, left as u64) as usize;
+                left = if run as u64 == *size { left / run } else { 1 };
+                run
+            })
+            .collect();
+        together.reverse();
+        together
     }
 }
 

@@ -1,8 +1,7 @@
 //! HDF5 files: `.h5`, `.hdf5`, and `.mat` of version 7.3, which is HDF5 behind a block of its own.
 //!
 //! The file format is read by the crate `hdf5-reader`, which has bounds on everything that a file can ask for. Arrays whose
-//! samples lie together are not treated apart: what is read at random is first written out to a temporary file,
-//! each chunk decoded once.
+//! samples lie together are read as if they had small chunks.
 
 mod file;
 mod layouts;
@@ -18,11 +17,15 @@ pub(super) use self::write::write;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
 use super::layout::StoredLayout;
 use super::samples::Cube;
+use super::selection::{Open, Selection, Windows};
 use super::wall::Wall;
 use crate::error::Result;
 use crate::io::files::Reader;
 use crate::io::npy::Header;
 use crate::io::open::open_regular;
+
+/// Bytes of decoded chunks that are kept while all of an array is read.
+const CACHE: usize = 256 << 20;
 
 /// HDF5.
 pub(super) const FORMAT: CubeFormat = CubeFormat {
@@ -37,7 +40,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
 };
 
 fn inspect(reader: Reader, path: &Path, wanted: Wanted) -> Result<CubeInfo> {
-    let known = known(&File::open(reader, path)?, wanted)?;
+    let known = known(&File::open(reader, path, CACHE)?, wanted)?;
     let info = known.selection.info(path, known.assumed, known.notes)?;
     Ok(CubeInfo {
         array: Some(known.array.name().into()),
@@ -46,12 +49,12 @@ fn inspect(reader: Reader, path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 }
 
 fn load(reader: Reader, path: &Path, wanted: Wanted) -> Result<Cube> {
-    let mut known = known(&File::open(reader, path)?, wanted)?;
+    let mut known = known(&File::open(reader, path, CACHE)?, wanted)?;
     known.selection.load(&mut known.array, path)
 }
 
 fn times(reader: Reader, path: &Path) -> Result<Option<FileTimes>> {
-    let file = File::open(reader, path)?;
+    let file = File::open(reader, path, CACHE)?;
     // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
     Ok(known(&file, Wanted::default())
         .ok()
@@ -59,7 +62,7 @@ fn times(reader: Reader, path: &Path) -> Result<Option<FileTimes>> {
 }
 
 fn arrays(path: &Path) -> Result<Vec<Header>> {
-    File::open(open_regular(path)?.0, path)?.arrays()
+    File::open(open_regular(path)?.0, path, 0)?.arrays()
 }
 
 /// Writes the samples that are `wanted` to `to`.
@@ -69,11 +72,31 @@ pub(super) fn write_out(
     wanted: Wanted,
     to: &mut dyn Write,
 ) -> Result<StoredLayout> {
-    let mut known = known(&File::open(reader, path)?, wanted)?;
+    let mut known = known(&File::open(reader, path, CACHE)?, wanted)?;
     known.selection.write_out(&mut known.array, path, to)
+}
+
+/// What is taken of the array, and how it is opened where its chunks are kept elsewhere.
+pub(super) fn windows(path: &Path, wanted: Wanted) -> Result<(Selection, Open)> {
+    let opened = |wanted: Wanted, path: &Path| {
+        let file = File::open(open_regular(path)?.0, path, 0)?;
+        known(&file, wanted)
+    };
+    let selection = opened(wanted, path)?.selection;
+    let (path, array) = (path.to_path_buf(), wanted.array.map(String::from));
+    let axes = wanted.axes.cloned();
+    let open = move || {
+        let wanted = Wanted {
+            array: array.as_deref(),
+            axes: axes.as_ref(),
+            ..Wanted::default()
+        };
+        Ok(Box::new(opened(wanted, &path)?.array) as Box<dyn Windows + Send>)
+    };
+    Ok((selection, Box::new(open)))
 }
 
 /// The points of a surface that the pixels are.
 pub(super) fn wall(reader: Reader, path: &Path, wanted: Wanted) -> Result<Option<Wall>> {
-    Ok(known(&File::open(reader, path)?, wanted)?.wall)
+    Ok(known(&File::open(reader, path, CACHE)?, wanted)?.wall)
 }

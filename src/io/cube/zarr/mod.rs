@@ -23,12 +23,12 @@ use super::axes::Axes;
 use super::format::{CubeInfo, FileTimes, Wanted};
 use super::layout::StoredLayout;
 use super::samples::Cube;
-use super::selection::{NAME_AXES, Selection, Taken, Windows, name_and_choices};
+use super::selection::{NAME_AXES, Open, Selection, Taken, Windows, name_and_choices};
 use crate::error::{Error, Result};
 use crate::io::npy::{Dtype, Header};
 use crate::io::open::open_regular;
 
-/// Decoded chunks that are kept, bytes.
+/// Decoded chunks that are kept while all of an array is read, bytes.
 const CACHE: usize = 256 << 20;
 /// Chunks whose files are looked for when they are counted.
 const MOST_COUNTED: usize = 1 << 16;
@@ -57,13 +57,20 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 /// The cube.
 pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     let (metadata, selection, _) = known(path, wanted)?;
-    selection.load(&mut Array::new(metadata), path)
+    selection.load(&mut Array::new(metadata, CACHE), path)
 }
 
 /// Writes the samples that are `wanted` to `to`.
 pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     let (metadata, selection, _) = known(path, wanted)?;
-    selection.write_out(&mut Array::new(metadata), path, to)
+    selection.write_out(&mut Array::new(metadata, CACHE), path, to)
+}
+
+/// What is taken of the array, and how it is opened where its chunks are kept elsewhere.
+pub(super) fn windows(path: &Path, wanted: Wanted) -> Result<(Selection, Open)> {
+    let (metadata, selection, _) = known(path, wanted)?;
+    let open = move || Ok(Box::new(Array::new(metadata.clone(), 0)) as Box<dyn Windows + Send>);
+    Ok((selection, Box::new(open)))
 }
 
 /// What the array says of its time axis.
@@ -256,12 +263,14 @@ struct Array {
     unit: Vec<usize>,
     /// By their places in units: the numbers, none where the chunk is missing. The last used one is the last.
     kept: VecDeque<(Vec<usize>, Option<Vec<f64>>)>,
+    /// Bytes of them, apart from the last.
+    room: usize,
     /// The index of the shard that was used last.
     index: Option<(Vec<usize>, codecs::Index)>,
 }
 
 impl Array {
-    fn new(metadata: Metadata) -> Array {
+    fn new(metadata: Metadata, room: usize) -> Array {
         let sharded = metadata.codecs.iter().find_map(|codec| match codec {
             Codec::Sharding { inner, .. } => Some(inner.clone()),
             _ => None,
@@ -270,6 +279,7 @@ impl Array {
             unit: sharded.unwrap_or_else(|| metadata.chunk.clone()),
             metadata,
             kept: VecDeque::new(),
+            room,
             index: None,
         }
     }
@@ -284,7 +294,7 @@ impl Array {
         }
         let numbers = self.read_unit(place)?;
         let each = 8 * self.unit.iter().product::<usize>();
-        while self.kept.len() * each >= CACHE.max(each) {
+        while self.kept.len() * each >= self.room.max(each) {
             self.kept.pop_front();
         }
         self.kept.push_back((place.to_vec(), numbers));

@@ -1,0 +1,279 @@
+//! Arrays in chunks that are compressed or lie apart, in bricks of a chunk each.
+//!
+//! A sample (h, w, t, c) of the cube has an index along each axis of the array, which is one of h, w, t and c, or, where the
+//! axis is a list of points, h · columns + w. Along an axis with chunks of n entries index i lies in chunk ⌊i/n⌋, at i mod n
+//! there; so brick and place in it are sums over the axes, and each axis has its own terms. Entries that are added up are
+//! added when a brick is read. At the ends of the array chunks are filled up with zeros.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use super::cache::locked;
+use super::samples::place_of;
+use super::selection::{Lies, Open, Selection, Windows};
+use crate::error::Result;
+use crate::io::npy::Dtype;
+
+/// An array in chunks.
+pub(super) struct Chunks {
+    path: PathBuf,
+    selection: Selection,
+    /// What is taken of the array, and sizes of a chunk, along each of its axes.
+    sizes: Vec<usize>,
+    chunk: Vec<usize>,
+    /// Chunks along each axis that stays.
+    counts: Vec<usize>,
+    shape: [usize; 4],
+    axes: Vec<KeptAxis>,
+    per_brick: usize,
+    open: Open,
+    /// Open ones that nobody uses.
+    idle: Mutex<Vec<Box<dyn Windows + Send>>>,
+}
+
+/// An axis of the array that stays.
+#[derive(Debug, Clone, Copy)]
+struct KeptAxis {
+    lies: Lies,
+    /// Which of the array's it is.
+    axis: usize,
+    /// Entries in a chunk.
+    chunk: usize,
+    /// How far apart chunks are in numbers of bricks, and entries in a brick.
+    between: u64,
+    stride: usize,
+}
+
+impl KeptAxis {
+    #[inline(always)]
+    fn place(&self, index: usize) -> (u64, usize) {
+        let (chunk, entry) = (index / self.chunk, index % self.chunk);
+        (chunk as u64 * self.between, entry * self.stride)
+    }
+}
+
+impl std::fmt::Debug for Chunks {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Chunks")
+            .field("path", &self.path)
+            .field("axes", &self.axes)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Chunks {
+    /// What `selection` takes of the array at `path`; none where `room` bytes are too few for its chunks.
+    pub fn open(
+        path: &Path,
+        selection: Selection,
+        open: Open,
+        room: u64,
+    ) -> Result<Option<Chunks>> {
+        let first = open()?;
+        let chunks = Chunks::new(path, selection, first, open)?;
+        let threads = rayon::current_num_threads().max(1) as u64;
+        let each = chunks.per_brick() * chunks.dtype().1;
+        // Every thread decodes one, has two at hand, and as many are kept.
+        let least = threads * (chunks.decoding() + 5 * each);
+        Ok((least <= room).then_some(chunks))
+    }
+
+    fn new(
+        path: &Path,
+        selection: Selection,
+        first: Box<dyn Windows + Send>,
+        open: Open,
+    ) -> Result<Chunks> {
+        let sizes = selection.kept_sizes();
+        let chunk = first.together();
+        let lies = selection.lies();
+        let count = |axis: usize| sizes[axis].div_ceil(chunk[axis].max(1));
+        // The last axis is the fastest, of bricks and in them.
+        let (mut between, mut stride) = (1, 1);
+        let mut axes = Vec::new();
+        for &(axis, lies) in lies.iter().rev() {
+            axes.push(KeptAxis {
+                lies,
+                axis,
+                chunk: chunk[axis].clamp(1, sizes[axis]),
+                between,
+                stride,
+            });
+            between *= count(axis) as u64;
+            stride *= chunk[axis].clamp(1, sizes[axis]);
+        }
+        axes.reverse();
+        Ok(Chunks {
+            path: path.to_path_buf(),
+            counts: axes.iter().map(|kept| count(kept.axis)).collect(),
+            shape: selection.arrangement(path)?.shape,
+            per_brick: stride,
+            selection,
+            sizes,
+            chunk,
+            axes,
+            open,
+            idle: Mutex::new(vec![first]),
+        })
+    }
+
+    pub fn shape(&self) -> [usize; 4] {
+        self.shape
+    }
+
+    pub fn dtype(&self) -> (Dtype, u64) {
+        let dtype = self.selection.dtype.clone();
+        let bytes = self.selection.number().stored();
+        (dtype, bytes)
+    }
+
+    pub fn per_brick(&self) -> u64 {
+        self.per_brick as u64
+    }
+
+    pub fn bricks(&self) -> u64 {
+        self.counts.iter().map(|n| *n as u64).product()
+    }
+
+    /// Bytes that a thread takes at most while it decodes a brick: the samples as they are stored, compressed and not, and as
+    /// numbers of the array and of the brick.
+    pub fn decoding(&self) -> u64 {
+        let whole: usize = self.chunk.iter().product();
+        32 * whole as u64 + 16 * self.per_brick()
+    }
+
+    /// The window of a brick, a range per axis that stays.
+    fn window(&self, brick: u64) -> Vec<std::ops::Range<usize>> {
+        let along = |(kept, count): (&KeptAxis, &usize)| {
+            let number = (brick / kept.between) as usize % count;
+            let begin = number * kept.chunk;
+            begin..(begin + kept.chunk).min(self.sizes[kept.axis])
+        };
+        self.axes.iter().zip(&self.counts).map(along).collect()
+    }
+
+    /// Bytes of the samples of a brick.
+    pub fn bytes(&self, brick: u64) -> u64 {
+        let samples: usize = self
+            .window(brick)
+            .iter()
+            .map(ExactSizeIterator::len)
+            .product();
+        samples as u64 * self.dtype().1
+    }
+
+    /// Gives to `each` where the samples of a pixel lie, from `bin` on, bin by bin: in which brick, from where on in that,
+    /// and how many.
+    #[inline]
+    pub fn runs(
+        &self,
+        pixel: usize,
+        bin: usize,
+        bins: usize,
+        mut each: impl FnMut(u64, usize, usize),
+    ) {
+        let [_, width, _, channels] = self.shape;
+        let (row, column) = (pixel / width, pixel % width);
+        let (mut brick, mut from) = (0, 0);
+        let (mut time, mut colour) = (None, None);
+        for kept in &self.axes {
+            let index = match kept.lies {
+                Lies::Row => row,
+                Lies::Column => column,
+                Lies::Listed { columns } => row * columns + column,
+                Lies::Nothing => 0,
+                Lies::Time => {
+                    time = Some(kept);
+                    continue;
+                }
+                Lies::Channel => {
+                    colour = Some(kept);
+                    continue;
+                }
+            };
+            let (chunk, entry) = kept.place(index);
+            brick += chunk;
+            from += entry;
+        }
+        let place = |axis: Option<&KeptAxis>, index| axis.map_or((0, 0), |axis| axis.place(index));
+        // Samples that follow each other in a brick are given together.
+        let mut run: Option<(u64, usize, usize)> = None;
+        for bin in bin..bin + bins {
+            let (chunk, entry) = place(time, bin);
+            for channel in 0..channels {
+                let (other, further) = place(colour, channel);
+                let at = (brick + chunk + other, from + entry + further);
+                match &mut run {
+                    Some((brick, from, count)) if (*brick, *from + *count) == at => *count += 1,
+                    _ => {
+                        if let Some((brick, from, count)) = run.replace((at.0, at.1, 1)) {
+                            each(brick, from, count);
+                        }
+                    }
+                }
+            }
+        }
+        if let Some((brick, from, count)) = run {
+            each(brick, from, count);
+        }
+    }
+
+    /// The numbers of `count` bricks from the `first` on.
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+        let idle = locked(&self.idle).pop();
+        let mut array = match idle {
+            Some(array) => array,
+            None => (self.open)()?,
+        };
+        let mut numbers = Vec::with_capacity(count as usize * self.per_brick);
+        let mut window = Vec::new();
+        for brick in first..first + count {
+            let ranges = self.window(brick);
+            self.selection.window(&mut *array, &ranges, &mut window)?;
+            self.check(&ranges, &window)?;
+            self.put(&ranges, &window, &mut numbers);
+        }
+        locked(&self.idle).push(array);
+        Ok(numbers)
+    }
+
+    /// Refuses samples that are not finite.
+    fn check(&self, ranges: &[std::ops::Range<usize>], window: &[f64]) -> Result<()> {
+        let Some(bad) = window.iter().position(|number| !number.is_finite()) else {
+            return Ok(());
+        };
+        let (mut rest, mut place) = (bad, 0);
+        let mut strides = vec![1; ranges.len()];
+        for axis in (1..ranges.len()).rev() {
+            strides[axis - 1] = strides[axis] * self.sizes[self.axes[axis].axis];
+        }
+        for ((range, kept), stride) in ranges.iter().zip(&self.axes).zip(&strides).rev() {
+            let index = range.start + rest % range.len();
+            rest /= range.len();
+            debug_assert!(index < self.sizes[kept.axis]);
+            place += index * stride;
+        }
+        let arrangement = self.selection.arrangement(&self.path)?;
+        let place = place_of(arrangement.place(place), self.shape);
+        Err(Selection::not_finite(&self.path, place))
+    }
+
+    /// Adds a window to the numbers, filled up to a chunk.
+    fn put(&self, ranges: &[std::ops::Range<usize>], window: &[f64], numbers: &mut Vec<f64>) {
+        if window.len() == self.per_brick {
+            return numbers.extend_from_slice(window);
+        }
+        let begin = numbers.len();
+        numbers.resize(begin + self.per_brick, 0.0);
+        let brick = &mut numbers[begin..];
+        let run = ranges.last().map_or(1, ExactSizeIterator::len);
+        for (number, samples) in window.chunks(run).enumerate() {
+            let (mut rest, mut at) = (number, 0);
+            for (range, kept) in ranges.iter().zip(&self.axes).rev().skip(1) {
+                at += rest % range.len() * kept.stride;
+                rest /= range.len();
+            }
+            brick[at..at + run].copy_from_slice(samples);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Arrays whose samples have a place in their file, in bricks of a page each.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use super::cache::locked;
+use super::layout::{StoredLayout, strides};
+use super::store::{Located, Store};
+use crate::error::{Error, Result};
+use crate::io::files::Reader;
+
+/// Bytes of the file in a brick, where that has samples in places of their own.
+pub const BRICK: u64 = 4096;
+
+/// An array that is read at positions.
+#[derive(Debug)]
+pub(super) struct Pages {
+    path: PathBuf,
+    file: Positioned,
+    layout: StoredLayout,
+    shape: [usize; 4],
+    /// How far apart in the file entries along H, W, T and C are.
+    strides: [u64; 4],
+    /// Samples in the file.
+    count: u64,
+    /// Samples in a brick, and how many of the first brick's lie before the file's first sample: so that bricks begin
+    /// where pages do.
+    per_brick: u64,
+    skew: u64,
+}
+
+/// A file that is read at positions.
+#[derive(Debug)]
+enum Positioned {
+    #[cfg(unix)]
+    File(File),
+    Reader(Mutex<ReaderOf>),
+}
+
+struct ReaderOf(Reader);
+
+impl std::fmt::Debug for ReaderOf {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("Reader")
+    }
+}
+
+impl Positioned {
+    fn new(located: Located, path: &Path) -> Result<Positioned> {
+        #[cfg(unix)]
+        match located {
+            Located::Spooled(file) => return Ok(Positioned::File(file)),
+            Located::InPlace(_) if crate::io::files::is_on_disk(path) => {
+                let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
+                return Ok(Positioned::File(file));
+            }
+            Located::InPlace(_) => {}
+        }
+        let _ = path;
+        Ok(Positioned::Reader(Mutex::new(ReaderOf(
+            located.into_reader(),
+        ))))
+    }
+
+    fn read(&self, bytes: &mut [u8], position: u64) -> io::Result<()> {
+        match self {
+            #[cfg(unix)]
+            Positioned::File(file) => {
+                std::os::unix::fs::FileExt::read_exact_at(file, bytes, position)
+            }
+            Positioned::Reader(reader) => {
+                let mut reader = locked(reader);
+                reader.0.seek(io::SeekFrom::Start(position))?;
+                reader.0.read_exact(bytes)
+            }
+        }
+    }
+}
+
+impl Pages {
+    pub fn new(path: &Path, located: Located, layout: StoredLayout) -> Result<Pages> {
+        let size = layout.number.stored();
+        let per_brick = BRICK / size;
+        let mut along = [0; 4];
+        for (slot, stride) in layout.axes.slots().into_iter().zip(strides(&layout.sizes)) {
+            if let Some(slot) = slot {
+                along[slot] = stride as u64;
+            }
+        }
+        Ok(Pages {
+            path: path.to_path_buf(),
+            file: Positioned::new(located, path)?,
+            shape: layout.shape(path)?,
+            strides: along,
+            count: layout.sizes.iter().product::<usize>() as u64,
+            per_brick,
+            skew: match layout.start % size {
+                0 => layout.start / size % per_brick,
+                _ => 0,
+            },
+            layout,
+        })
+    }
+
+    pub fn shape(&self) -> [usize; 4] {
+        self.shape
+    }
+
+    pub fn layout(&self) -> &StoredLayout {
+        &self.layout
+    }
+
+    pub fn per_brick(&self) -> u64 {
+        self.per_brick
+    }
+
+    pub fn bricks(&self) -> u64 {
+        (self.count + self.skew).div_ceil(self.per_brick)
+    }
+
+    /// Bytes of a brick in the file.
+    pub fn bytes(&self, brick: u64) -> u64 {
+        let [begin, end] = self.range(brick, brick + 1);
+        (end - begin) * self.layout.number.stored()
+    }
+
+    /// The samples of bricks `first` to `end`.
+    fn range(&self, first: u64, end: u64) -> [u64; 2] {
+        [first, end].map(|brick| {
+            let sample = (brick * self.per_brick).saturating_sub(self.skew);
+            sample.min(self.count)
+        })
+    }
+
+    /// Gives to `each` where the samples of a pixel lie, from `bin` on, bin by bin: in which brick, from where on in that,
+    /// and how many.
+    #[inline(always)]
+    pub fn runs(
+        &self,
+        pixel: usize,
+        bin: usize,
+        bins: usize,
+        mut each: impl FnMut(u64, usize, usize),
+    ) {
+        let [row, column, between, channel] = self.strides;
+        let [_, width, _, channels] = self.shape;
+        let first = (pixel / width) as u64 * row
+            + (pixel % width) as u64 * column
+            + bin as u64 * between
+            + self.skew;
+        // Samples that lie together, brick by brick.
+        let mut run = |mut at: u64, mut count: usize| {
+            while count > 0 {
+                let (brick, from) = (at / self.per_brick, (at % self.per_brick) as usize);
+                let now = count.min(self.per_brick as usize - from);
+                each(brick, from, now);
+                at += now as u64;
+                count -= now;
+            }
+        };
+        let is_together = channels == 1 || channel == 1;
+        if is_together && between == channels as u64 {
+            return run(first, bins * channels);
+        }
+        for bin in 0..bins as u64 {
+            match is_together {
+                true => run(first + bin * between, channels),
+                false => {
+                    for c in 0..channels as u64 {
+                        run(first + bin * between + c * channel, 1);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The numbers of `count` bricks from the `first` on, read in one go.
+    pub fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+        let size = self.layout.number.stored();
+        let [begin, end] = self.range(first, first + count);
+        let mut bytes = vec![0; ((end - begin) * size) as usize];
+        let position = self.layout.start + begin * size;
+        (self.file.read(&mut bytes, position))
+            .map_err(|error| Store::unreadable(&self.path, error))?;
+        let mut numbers = Vec::with_capacity((end - begin + self.skew) as usize);
+        let before = if first == 0 { self.skew } else { 0 };
+        numbers.resize(before as usize, 0.0);
+        self.layout
+            .number
+            .decode(&bytes, self.layout.big_endian, &mut numbers);
+        match numbers.iter().position(|number| !number.is_finite()) {
+            None => Ok(numbers),
+            Some(bad) => Err(Store::not_finite(&self.path, begin + bad as u64 - before)),
+        }
+    }
+}

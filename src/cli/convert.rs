@@ -21,6 +21,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         array: arguments.array.as_deref(),
         axes: arguments.axes.as_ref(),
         transfer: arguments.transfer.map(Into::into),
+        dead_bins: &arguments.dead_bins,
     };
     let info = cube::inspect(&arguments.input, wanted)?;
     if !arguments.quiet.on {

@@ -5,6 +5,9 @@
 //! in one [`Error`](crate::Error) that names the file, the place in it and what would be right.
 //! Each reader has an `inspect` that reads headers only, for planning.
 
+#[doc = include_str!("guide.md")]
+pub mod guide {}
+
 pub mod budget;
 pub mod colmap;
 pub mod cube;

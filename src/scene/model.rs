@@ -312,6 +312,8 @@ pub struct CubeFile {
     pub axes: Option<Axes>,
     /// How codes of PNG pictures stand for radiance.
     pub transfer: Option<Transfer>,
+    /// Bins in which the sensor counted nothing.
+    pub dead_bins: Vec<usize>,
 }
 
 impl CubeFile {
@@ -321,6 +323,7 @@ impl CubeFile {
             array: self.array.as_deref(),
             axes: self.axes.as_ref(),
             transfer: self.transfer,
+            dead_bins: &self.dead_bins,
         }
     }
 }

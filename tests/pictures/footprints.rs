@@ -10,8 +10,8 @@ use nullray::scene::{Overrides, parse};
 use tempfile::TempDir;
 
 /// Texels along each side, and bins.
-const SIDE: usize = 160;
-const BINS: usize = 24;
+const SIDE: usize = 640;
+const BINS: usize = 5;
 
 /// Noise from texel to texel that rises in time: nothing is as hard to show in few pixels.
 fn cube(folder: &TempDir) {
@@ -22,7 +22,7 @@ fn cube(folder: &TempDir) {
     for texel in 0..(SIDE * SIDE) as u64 {
         let noise = texel.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23) % 1000;
         for bin in 0..BINS {
-            let sample = noise as f32 * (1.0 + bin as f32 / 8.0);
+            let sample = noise as f32 * (1.0 + bin as f32);
             bytes.extend(sample.to_le_bytes());
         }
     }
@@ -41,7 +41,7 @@ fn picture(
         "[camera]\neye = [0.2, 3, 0.1]\nlook_at = [0, 0, -3]\nhfov = \"50 deg\"\nsize = {size:?}\nvelocity = {{ beta = [0.1, 0, -0.5] }}\n\
          time = \"10 m\"\n[display]\nsamples_per_pixel = {samples}\n\
          [[object]]\nname = \"floor\"\nshape = {{ plane = {{ size = [40, 40] }} }}\n{object}\n\
-         [[source]]\n[source.cube]\nfile = \"cube.npy\"\nstart = \"-10 m\"\nbin_width = \"1 m\"\n{mapping}\n"
+         [[source]]\n[source.cube]\nfile = \"cube.npy\"\nstart = \"-10 m\"\nbin_width = \"5 m\"\n{mapping}\n"
     );
     let scene = parse(&text, "footprints", folder.path(), &Overrides::default())
         .unwrap_or_else(|e| panic!("{e} {}", e.help()));
@@ -95,10 +95,10 @@ fn one_filtered_sample_is_nearly_as_good_as_a_thousand() {
 fn where_a_pixel_is_within_a_texel_nothing_changes() {
     let folder = tempfile::tempdir().unwrap();
     cube(&folder);
-    let object = "transform = { scale = 40 }";
+    let object = "transform = { scale = 400 }";
     for mapping in [
         "uv = 0",
-        "capture = { eye = [0, 400, -4], look_at = [0, 0, -4], up = [0, 0, -1], hfov = \"100 deg\" }",
+        "capture = { eye = [0, 4000, -4], look_at = [0, 0, -4], up = [0, 0, -1], hfov = \"100 deg\" }",
     ] {
         let filtered = format!("reconstruction = \"footprint\"\n{mapping}");
         let [plain, filtered] =

@@ -29,6 +29,7 @@ mod raster;
 mod scenes;
 mod spans;
 mod survey;
+mod suspicious;
 mod textures;
 mod time_texture;
 mod transient;

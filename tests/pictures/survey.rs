@@ -26,13 +26,16 @@ fn crossing(order: [usize; 3]) -> Cube {
 
 #[test]
 fn another_order_of_axes_is_doubted_and_the_right_one_is_not() {
-    assert_eq!(of_samples(&crossing([0, 1, 2]), Order::Array), [""; 0]);
+    assert_eq!(
+        of_samples(&crossing([0, 1, 2]).into(), Order::Array),
+        [""; 0]
+    );
     for (order, named) in [([2, 0, 1], "T H W"), ([0, 2, 1], "H T W")] {
         let doubt = format!("axes = \"{named}\"");
-        let found = of_samples(&crossing(order), Order::Array);
+        let found = of_samples(&crossing(order).into(), Order::Array);
         assert!(found.iter().any(|r| r.contains(&doubt)), "{found:?}");
         // Who says the order is believed.
-        let found = of_samples(&crossing(order), Order::Stated);
+        let found = of_samples(&crossing(order).into(), Order::Stated);
         assert!(!found.iter().any(|r| r.contains("axes")), "{found:?}");
     }
 }
@@ -40,19 +43,25 @@ fn another_order_of_axes_is_doubted_and_the_right_one_is_not() {
 #[test]
 fn streaks_that_are_taken_for_frames_are_doubted() {
     // Files, rows and columns are the camera's rows, its columns and time, and are taken for time, rows and columns.
-    let found = of_samples(&crossing([1, 2, 0]), Order::Pictures);
+    let found = of_samples(&crossing([1, 2, 0]).into(), Order::Pictures);
     assert!(
         found.iter().any(|r| r.contains("axes = \"H W T\"")),
         "{found:?}"
     );
-    assert_eq!(of_samples(&crossing([0, 1, 2]), Order::Pictures), [""; 0]);
+    assert_eq!(
+        of_samples(&crossing([0, 1, 2]).into(), Order::Pictures),
+        [""; 0]
+    );
 }
 
 #[test]
 fn light_that_is_cut_off_is_remarked_on() {
     let found = |f: fn(usize) -> f32| {
         let samples = Samples::F32((0..20).map(f).collect());
-        of_samples(&Cube::new([1, 1, 20, 1], samples).unwrap(), Order::Array)
+        of_samples(
+            &Cube::new([1, 1, 20, 1], samples).unwrap().into(),
+            Order::Array,
+        )
     };
     let cut = found(|n| (n + 1) as f32);
     assert!(
@@ -69,11 +78,13 @@ fn samples_below_zero_and_data_without_light_are_remarked_on() {
         .map(|n| if n % 8 == 3 { 1.0 } else { -0.1 })
         .collect();
     let found = of_samples(
-        &Cube::new([2, 4, 8, 1], Samples::F32(samples)).unwrap(),
+        &Cube::new([2, 4, 8, 1], Samples::F32(samples))
+            .unwrap()
+            .into(),
         Order::Stated,
     );
     // Seven samples of -0.1 beside one of 1: 0.7 / 1.7 = 41.2 %.
     assert!(found[0].contains("41.2 %"), "{found:?}");
     let dark = Cube::new([1, 1, 2, 1], Samples::F32(vec![0.0; 2])).unwrap();
-    assert!(of_samples(&dark, Order::Stated)[0].contains("is 0"));
+    assert!(of_samples(&dark.into(), Order::Stated)[0].contains("is 0"));
 }

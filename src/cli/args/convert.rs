@@ -28,6 +28,9 @@ pub struct ConvertArguments {
     /// How codes of PNG and TIFF pictures stand for radiance.
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,
+    /// Bins in which the sensor counted nothing, counted from 0: they are filled from their neighbours in time.
+    #[arg(long, value_name = "BINS", value_delimiter = ',')]
+    pub dead_bins: Vec<usize>,
     /// The order of the output's axes, H or T first. Default: "H W T C".
     #[arg(long, value_name = "AXES")]
     pub to_axes: Option<Axes>,

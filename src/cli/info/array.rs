@@ -1,8 +1,9 @@
 //! What a file of arrays holds, from its headers, and whether it can be used as a cube; or that it is a picture.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use nullray::io::cube::{self, CubeFormat, CubeInfo, Transfer, Wanted};
+use nullray::io::cube::{self, Bricks, CubeFormat, CubeInfo, Transfer, Wanted};
 use nullray::io::npy::{Dtype, Header};
 use nullray::light::time_texture::survey::{self, Order};
 use nullray::render::aov;
@@ -66,10 +67,10 @@ pub fn sequence(path: &Path) -> Result<Info> {
     let cube = cube::inspect(path, wanted)?;
     let remarks = match cube.bytes > MOST_READ {
         true => None,
-        false => Some(survey::of_samples(
-            &cube::load(path, wanted)?,
-            Order::Pictures,
-        )),
+        false => {
+            let cube = cube::load(path, wanted)?.into();
+            Some(survey::of_samples(&cube, Order::Pictures))
+        }
     };
     let cube = (remarks, cube);
     as_cube(&mut info, &cube);
@@ -96,17 +97,31 @@ fn inspected(path: &Path, header: &Header) -> Cube {
 /// Samples that take more memory than this are not read, bytes.
 const MOST_READ: u64 = 1 << 30;
 
+/// Memory for parts of larger ones.
+const ROOM: u64 = 256 << 20;
+
 /// Reads the samples, which tells whether all are finite, and looks at them.
 fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<String>>> {
-    if info.bytes > MOST_READ {
-        return Ok(None);
-    }
-    let cube = cube::load(path, wanted)?;
     let order = match info.assumed {
         true => Order::Array,
         false => Order::Stated,
     };
-    Ok(Some(survey::of_samples(&cube, order)))
+    if info.bytes <= MOST_READ {
+        let cube = cube::load(path, wanted)?.into();
+        return Ok(Some(survey::of_samples(&cube, order)));
+    }
+    // Of larger ones a part, unless they would have to be unpacked.
+    if Bricks::counting(path, wanted, ROOM)?.is_none() {
+        return Ok(None);
+    }
+    let bricks = Arc::new(Bricks::open(path, wanted, ROOM)?);
+    let mut remarks = survey::of_samples(&bricks.clone().into(), order);
+    bricks.check()?;
+    remarks.push(format!(
+        "a part of the samples was looked at: there are more than {}",
+        bytes(MOST_READ)
+    ));
+    Ok(Some(remarks))
 }
 
 /// Whether these are the arrays of a picture: channels with a text of metadata, as `render` writes them, or channels

@@ -10,6 +10,7 @@
 //! order and the number of threads. A file is not mapped, so that one which shrinks meanwhile is an error and no signal.
 //! Lookups cannot fail: the first failure is kept, zeros stand in, and [`Bricks::check`] tells.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -19,6 +20,7 @@ use half::f16;
 use super::cache::{Cache, locked};
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use super::chunks::Chunks;
+use super::dead::DeadBins;
 use super::format::Wanted;
 use super::pages::Pages;
 use super::samples::Samples;
@@ -57,6 +59,7 @@ pub struct Bricks {
     /// Whether bricks are only counted, and nothing is read.
     counts_only: bool,
     zeros: Arc<Samples>,
+    dead: DeadBins,
     read: AtomicU64,
     read_again: AtomicU64,
     failed: AtomicBool,
@@ -97,6 +100,10 @@ pub struct BytesRead {
 #[derive(Debug, Default)]
 pub struct Held(Vec<Option<(u64, u64, Arc<Samples>)>>);
 
+/// Bricks that were looked at apart from those of lookups.
+#[derive(Debug, Default)]
+pub struct Peeked(HashMap<u64, Vec<f64>>);
+
 impl Form {
     fn bricks(&self) -> u64 {
         with_form!(self, of => of.bricks())
@@ -104,6 +111,10 @@ impl Form {
 
     fn per_brick(&self) -> u64 {
         with_form!(self, of => of.per_brick())
+    }
+
+    fn load(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+        with_form!(self, of => of.load(first, count))
     }
 
     /// Bricks with the same number share a lock.
@@ -127,14 +138,11 @@ impl Bricks {
     pub fn open(path: &Path, wanted: Wanted, room: u64) -> Result<Bricks> {
         #[cfg(any(feature = "hdf5", feature = "zarr"))]
         if let Some(chunks) = Bricks::chunks(path, wanted, room)? {
-            return Ok(Bricks::of_chunks(chunks, room, false));
+            return Bricks::of_chunks(chunks, room, false).mended(path, wanted);
         }
         let (located, layout) = Store::locate(path, wanted)?;
-        Ok(Bricks::of_pages(
-            Pages::new(path, located, layout)?,
-            room,
-            false,
-        ))
+        let pages = Pages::new(path, located, layout)?;
+        Bricks::of_pages(pages, room, false).mended(path, wanted)
     }
 
     /// The same to count bricks that would be read; nothing is, and all samples are 0. None for what is written to a
@@ -145,14 +153,24 @@ impl Bricks {
     pub fn counting(path: &Path, wanted: Wanted, room: u64) -> Result<Option<Bricks>> {
         #[cfg(any(feature = "hdf5", feature = "zarr"))]
         if let Some(chunks) = Bricks::chunks(path, wanted, room)? {
-            return Ok(Some(Bricks::of_chunks(chunks, 0, true)));
+            return Bricks::of_chunks(chunks, 0, true)
+                .mended(path, wanted)
+                .map(Some);
         }
         let _ = room;
         let Some((located, layout)) = Store::locate_in_place(path, wanted)? else {
             return Ok(None);
         };
         let pages = Pages::new(path, located, layout)?;
-        Ok(Some(Bricks::of_pages(pages, 0, true)))
+        Bricks::of_pages(pages, 0, true)
+            .mended(path, wanted)
+            .map(Some)
+    }
+
+    /// The same without its dead bins.
+    fn mended(self, path: &Path, wanted: Wanted) -> Result<Bricks> {
+        let dead = DeadBins::new(path, wanted.dead_bins, self.shape[2])?;
+        Ok(Bricks { dead, ..self })
     }
 
     /// The array in chunks at `path`; none where it is no such array, or where `room` bytes are too few for its chunks.
@@ -213,6 +231,7 @@ impl Bricks {
             zeros: Arc::new(zeros(&dtype, form.per_brick() as usize)),
             dtype,
             form,
+            dead: DeadBins::default(),
             read: AtomicU64::new(0),
             read_again: AtomicU64::new(0),
             failed: AtomicBool::new(false),
@@ -262,12 +281,68 @@ impl Bricks {
 
     /// Fills `to` with the samples of bins `bin` and on of a pixel, as many as it has room for, bin by bin.
     pub fn samples(&self, held: &mut Held, pixel: usize, bin: usize, to: &mut [f64]) {
+        self.stored(held, pixel, bin, to);
+        if !self.dead.is_empty() {
+            let bins = bin..bin + to.len() / self.shape[3];
+            let read = |bin: usize, to: &mut [f64]| self.stored(held, pixel, bin, to);
+            self.dead.mend(bins, &self.dtype, to, read);
+        }
+    }
+
+    /// The same as they are stored.
+    #[inline]
+    fn stored(&self, held: &mut Held, pixel: usize, bin: usize, to: &mut [f64]) {
         let mut at = 0;
         let bins = to.len() / self.shape[3];
         self.runs(pixel, bin, bins, |brick, from, count| {
             self.copy(held, brick, from, &mut to[at..at + count]);
             at += count;
         });
+    }
+
+    /// The same, apart from lookups: what is read for it is neither kept for them nor counted as theirs. It is kept in `near`, as
+    /// far as that is little.
+    pub fn peek(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
+        self.peek_stored(near, pixel, bin, to);
+        let bins = bin..bin + to.len() / self.shape[3];
+        let read = |bin: usize, to: &mut [f64]| self.peek_stored(near, pixel, bin, to);
+        self.dead.mend(bins, &self.dtype, to, read);
+    }
+
+    fn peek_stored(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
+        /// The most numbers that are kept.
+        const MOST: u64 = 1 << 21;
+        let mut at = 0;
+        let bins = to.len() / self.shape[3];
+        self.runs(pixel, bin, bins, |brick, from, count| {
+            if near.0.len() as u64 * self.form.per_brick() > MOST {
+                near.0.clear();
+            }
+            let numbers = near.0.entry(brick).or_insert_with(|| {
+                let loaded = self.form.load(brick, 1);
+                loaded.unwrap_or_else(|error| {
+                    self.fail(error);
+                    Vec::new()
+                })
+            });
+            let numbers = numbers.get(from..from + count).unwrap_or_default();
+            for (to, number) in to[at..at + count].iter_mut().zip(numbers) {
+                *to = *number;
+            }
+            at += count;
+        });
+    }
+
+    /// Bytes that are read for a pixel's line of bins.
+    pub fn bytes_of_line(&self) -> u64 {
+        let mut bricks = Vec::new();
+        self.runs(0, 0, self.shape[2], |brick, _, _| bricks.push(brick));
+        bricks.sort_unstable();
+        bricks.dedup();
+        bricks
+            .iter()
+            .map(|brick| with_form!(&self.form, of => of.bytes(*brick)))
+            .sum()
     }
 
     /// One sample.
@@ -280,7 +355,11 @@ impl Bricks {
 
     /// Notes the bricks of `bins` bins of a pixel that are not at hand.
     pub fn want(&self, held: &Held, pixel: usize, bin: usize, bins: usize, wanted: &mut Vec<u64>) {
-        self.runs(pixel, bin, bins, |brick, _, _| {
+        let reach = match self.dead.is_empty() {
+            true => bin..bin + bins,
+            false => self.dead.reach(bin..bin + bins),
+        };
+        self.runs(pixel, reach.start, reach.len(), |brick, _, _| {
             if held.get(self, brick).is_none() {
                 wanted.push(brick);
             }
@@ -343,12 +422,7 @@ impl Bricks {
     /// else reads them.
     fn load(&self, first: u64, count: u64) -> Vec<Arc<Samples>> {
         (first..first + count).for_each(|brick| self.note(brick));
-        let loaded = match &self.form {
-            Form::Pages(pages) => pages.load(first, count),
-            #[cfg(any(feature = "hdf5", feature = "zarr"))]
-            Form::Chunks(chunks) => chunks.load(first, count),
-        };
-        match loaded {
+        match self.form.load(first, count) {
             Ok(numbers) => {
                 let each = numbers.chunks(self.form.per_brick() as usize);
                 each.map(|numbers| Arc::new(narrow(&self.dtype, numbers)))

@@ -67,6 +67,8 @@ pub struct Wanted<'a> {
     pub axes: Option<&'a Axes>,
     /// How codes of PNG pictures stand for radiance.
     pub transfer: Option<Transfer>,
+    /// Bins in which the sensor counted nothing; they are mended from their neighbours in time.
+    pub dead_bins: &'a [usize],
 }
 
 impl<'a> Wanted<'a> {

@@ -11,6 +11,7 @@ mod cache;
 mod chunks;
 mod convert;
 mod cube_store;
+mod dead;
 mod format;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -35,7 +36,7 @@ use absent::hdf5;
 use absent::zarr;
 
 pub use axes::{Axes, Axis};
-pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM};
+pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};

@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::axes::Arrangement;
+use super::dead::DeadBins;
 use super::format::Wanted;
 use super::layout::{StoredLayout, strides};
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
@@ -26,6 +27,7 @@ pub(super) struct Store {
     layout: StoredLayout,
     /// H, W, T, C.
     pub shape: [usize; 4],
+    dead: DeadBins,
     /// A run of samples, as it is stored and as numbers.
     bytes: Vec<u8>,
     run: Vec<f64>,
@@ -35,7 +37,9 @@ impl Store {
     /// The cube at `path` that is `wanted` of it, by the checks of loading it.
     pub fn open(path: &Path, wanted: Wanted) -> Result<Store> {
         let (located, layout) = Store::locate(path, wanted)?;
-        Store::new(path, located.into_reader(), layout)
+        let store = Store::new(path, located.into_reader(), layout)?;
+        let dead = DeadBins::new(path, wanted.dead_bins, store.shape[2])?;
+        Ok(Store { dead, ..store })
     }
 
     /// Where the samples of the cube lie.
@@ -96,6 +100,7 @@ impl Store {
             reader,
             path: path.to_path_buf(),
             shape: layout.shape(path)?,
+            dead: DeadBins::default(),
             layout,
             bytes: Vec::new(),
             run: Vec::new(),
@@ -112,6 +117,35 @@ impl Store {
     /// # Errors
     /// The file cannot be read, or a sample is not finite.
     pub fn read(
+        &mut self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        bins: Range<usize>,
+        to: &mut Vec<f64>,
+    ) -> Result<()> {
+        let reach = self.dead.reach(bins.clone());
+        self.read_stored(rows, columns, reach.clone(), to)?;
+        if self.dead.is_empty() || bins.is_empty() {
+            return Ok(());
+        }
+        let (dtype, channels) = (self.dtype(), self.shape[3]);
+        let mut mended = Vec::with_capacity(to.len());
+        let within = (bins.start - reach.start) * channels..(bins.end - reach.start) * channels;
+        for stored in to.chunks(reach.len() * channels) {
+            let begin = mended.len();
+            mended.extend_from_slice(&stored[within.clone()]);
+            let read = |bin: usize, end: &mut [f64]| {
+                let at = (bin - reach.start) * channels;
+                end.copy_from_slice(&stored[at..at + channels]);
+            };
+            self.dead
+                .mend(bins.clone(), &dtype, &mut mended[begin..], read);
+        }
+        *to = mended;
+        Ok(())
+    }
+
+    fn read_stored(
         &mut self,
         rows: Range<usize>,
         columns: Range<usize>,

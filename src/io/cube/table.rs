@@ -3,6 +3,7 @@
 use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
+use super::dead::DeadBins;
 use super::format::{CubeFormat, CubeInfo, FileTimes, Wanted};
 use super::samples::Cube;
 use super::wall::Wall;
@@ -47,8 +48,18 @@ pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 ///
 /// # Errors
 /// The file cannot be read; it is truncated or longer than its header says; the array has not
-/// the axes that are wanted, or other than 1 or 3 channels; it does not hold numbers; a sample is not finite.
+/// the axes that are wanted, or other than 1 or 3 channels; it does not hold numbers; a sample is not finite; a dead bin
+/// that there is not.
 pub fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
+    mended(read(path, wanted)?, path, wanted)
+}
+
+fn mended(mut cube: Cube, path: &Path, wanted: Wanted) -> Result<Cube> {
+    DeadBins::new(path, wanted.dead_bins, cube.shape[2])?.mend_cube(&mut cube);
+    Ok(cube)
+}
+
+fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
     if sequence::is_sequence(path) {
         return sequence::load(path, wanted);
     }
@@ -105,7 +116,7 @@ pub fn arrays(path: &Path) -> Result<Vec<Header>> {
 pub fn load_bytes(bytes: &[u8], name: &str, wanted: Wanted) -> Result<Cube> {
     let (mut reader, name) = (Cursor::new(bytes.to_vec()), Path::new(name));
     let format = told_apart(&mut reader, name)?;
-    (format.load)(Box::new(reader), name, wanted)
+    mended((format.load)(Box::new(reader), name, wanted)?, name, wanted)
 }
 
 /// The file, and its format.

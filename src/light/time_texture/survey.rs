@@ -1,6 +1,7 @@
 //! What looks wrong about data, before anything is rendered from them.
 //!
-//! All of it is judged by a part of the pixels and lines, evenly spread, so that it costs little for any size.
+//! All of it is judged by a part of the pixels and lines, evenly spread, so that it costs little for any size. Of cubes on
+//! disk that part is smaller, in groups of neighbours, which share what is read together.
 //!
 //! - Order of axes: of the samples along a line, how large a part holds 90 % of the line's light? In time that is
 //!   small (a pulse and its tail), across a picture it is large (most of what is seen is lit at some time). Of the
@@ -14,12 +15,22 @@ use std::collections::BTreeMap;
 
 use super::capture::Capture;
 use super::texture::TimeTexture;
-use crate::io::cube::Cube;
+use crate::io::cube::{CubeStore, Peeked};
 
 /// Pixels that are looked at.
 const PIXELS: usize = 4096;
 /// Lines along each axis that are looked at.
 const LINES: usize = 512;
+/// Of cubes on disk: lines, and neighbours in a row that are looked at together.
+const LINES_ON_DISK: usize = 12;
+const TOGETHER: usize = 16;
+/// The part of a cube on disk that is read, and bounds on it, bytes.
+const PART_ON_DISK: u64 = 256;
+const READ_ON_DISK: [u64; 2] = [8 << 20, 64 << 20];
+/// Pixels that are enough to judge a picture by.
+const ENOUGH: usize = 256;
+/// Dark bins in a row, and no more, may be dead ones.
+const DEAD: usize = 2;
 /// Fewer entries along an axis tell nothing about it.
 const FEWEST: usize = 8;
 /// The part of all light that may be where none should be.
@@ -36,12 +47,83 @@ pub enum Order {
     Pictures,
 }
 
-/// What looks wrong about the samples of `cube` by themselves.
-pub fn of_samples(cube: &Cube, order: Order) -> Vec<String> {
-    let light = Light::of(cube);
+/// Lines of samples along time, from memory or from disk.
+struct Lines<'a> {
+    store: &'a CubeStore,
+    near: Peeked,
+    samples: Vec<f64>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(store: &'a CubeStore) -> Lines<'a> {
+        Lines {
+            store,
+            near: Peeked::default(),
+            samples: Vec::new(),
+        }
+    }
+
+    /// The sums over the channels of bins `bin` and on of a pixel, as many as `to` has room for.
+    fn read(&mut self, pixel: usize, bin: usize, to: &mut [f64]) {
+        match self.store {
+            CubeStore::Memory(cube) => {
+                for (bin, to) in (bin..).zip(to) {
+                    *to = cube.total(pixel, bin);
+                }
+            }
+            CubeStore::Disk(bricks) => {
+                let channels = self.store.shape()[3];
+                self.samples.clear();
+                self.samples.resize(to.len() * channels, 0.0);
+                bricks.peek(&mut self.near, pixel, bin, &mut self.samples);
+                for (to, samples) in to.iter_mut().zip(self.samples.chunks(channels)) {
+                    *to = samples.iter().sum();
+                }
+            }
+        }
+    }
+
+    /// The pixels that are looked at.
+    fn pixels(&self) -> Vec<usize> {
+        let [h, w, ..] = self.store.shape();
+        let Some(bricks) = self.store.on_disk() else {
+            return spread(h * w, PIXELS).collect();
+        };
+        let samples: usize = self.store.shape().iter().product();
+        let [least, most] = READ_ON_DISK;
+        let all = samples as u64 * self.store.sample_bytes() as u64;
+        let budget = (all / PART_ON_DISK).clamp(least, most);
+        let groups = (budget / bricks.bytes_of_line().max(1)).clamp(1, (PIXELS / TOGETHER) as u64);
+        // Each begins in the middle of its part of the picture.
+        let begin = |group: u64| ((2 * group + 1) as usize * h * w) / (2 * groups as usize);
+        let mut pixels: Vec<usize> = (0..groups)
+            .flat_map(|group| begin(group)..(begin(group) + TOGETHER).min(h * w))
+            .collect();
+        pixels.dedup();
+        pixels
+    }
+
+    /// How many lines along each axis are looked at.
+    fn lines(&self) -> usize {
+        match self.store.on_disk() {
+            None => LINES,
+            Some(_) => LINES_ON_DISK,
+        }
+    }
+}
+
+/// What looks wrong about the samples of a cube by themselves. Of one whose bricks are only counted nothing is looked at.
+pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
+    if cube.on_disk().is_some_and(|bricks| bricks.counts_only()) {
+        return Vec::new();
+    }
+    let mut lines = Lines::new(cube);
+    let light = Light::of(&mut lines);
     let mut remarks = Vec::new();
     if light.total == 0.0 {
-        return vec!["every sample that was looked at is 0".into()];
+        // A small part of the picture may well be dark.
+        let is_all = cube.on_disk().is_none();
+        return Vec::from_iter(is_all.then(|| "every sample that was looked at is 0".into()));
     }
     if light.negative > TOLERATED * light.total {
         remarks.push(format!(
@@ -50,19 +132,22 @@ pub fn of_samples(cube: &Cube, order: Order) -> Vec<String> {
         ));
     }
     remarks.extend(ends(&light.per_bin));
+    remarks.extend(dead(&light.per_bin));
     if order != Order::Stated {
-        remarks.extend(self::order(cube, order == Order::Pictures));
+        remarks.extend(self::order(&mut lines, order == Order::Pictures));
     }
     remarks
 }
 
-/// What looks wrong about how data lie in the image of the camera that captured them, and in time. Of cubes that are
-/// read from disk nothing is looked at.
+/// What looks wrong about how data lie in the image of the camera that captured them, and in time.
 pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
-    let Some(cube) = texture.cube().in_memory() else {
+    let store = texture.cube();
+    if store.on_disk().is_some_and(|bricks| bricks.counts_only()) {
         return Vec::new();
-    };
-    let [h, w, bins, _] = cube.shape;
+    }
+    let mut lines = Lines::new(store);
+    let (bins, pixels) = (store.shape()[2], lines.pixels());
+    let mut line = vec![0.0; bins];
     let [start, end] = texture.span();
     let axis = texture.axis();
     let (mut total, mut unseen, mut early) = (0.0, 0.0, 0.0);
@@ -70,7 +155,8 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
     let mut per_bin = vec![0.0; bins];
     // By how many bins it is too early.
     let mut by_lack: BTreeMap<u64, f64> = BTreeMap::new();
-    for pixel in spread(h * w, PIXELS) {
+    for &pixel in &pixels {
+        lines.read(pixel, 0, &mut line);
         let seen = capture.distance(pixel);
         let delay = capture.delay_of(pixel);
         if let Some(distance) = seen {
@@ -78,7 +164,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
             farthest = farthest.max(distance);
         }
         for (bin, sum) in per_bin.iter_mut().enumerate() {
-            let value = cube.total(pixel, bin).abs();
+            let value = line[bin].abs();
             let left = axis.end(bin + 1) - delay;
             total += value;
             unseen += if seen.is_none() { value } else { 0.0 };
@@ -91,7 +177,8 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
         }
     }
     let mut remarks = Vec::new();
-    if unseen > TOLERATED * total {
+    let is_enough = store.on_disk().is_none() || pixels.len() >= ENOUGH;
+    if is_enough && unseen > TOLERATED * total {
         remarks.push(format!(
             "{} of the recorded light is in pixels through whose centres the capture camera sees no object: check \
              its pose, field of view and crop, and whether all objects are there",
@@ -195,16 +282,17 @@ struct Light {
 }
 
 impl Light {
-    fn of(cube: &Cube) -> Light {
-        let [h, w, bins, _] = cube.shape;
+    fn of(lines: &mut Lines) -> Light {
+        let bins = lines.store.shape()[2];
+        let mut line = vec![0.0; bins];
         let mut light = Light {
             per_bin: vec![0.0; bins],
             total: 0.0,
             negative: 0.0,
         };
-        for pixel in spread(h * w, PIXELS) {
-            for (bin, sum) in light.per_bin.iter_mut().enumerate() {
-                let value = cube.total(pixel, bin);
+        for pixel in lines.pixels() {
+            lines.read(pixel, 0, &mut line);
+            for (sum, &value) in light.per_bin.iter_mut().zip(&line) {
                 *sum += value.abs();
                 light.total += value.abs();
                 light.negative += (-value).max(0.0);
@@ -234,13 +322,42 @@ fn ends(per_bin: &[f64]) -> Option<String> {
     ))
 }
 
+/// Bins without any light among lit ones.
+fn dead(per_bin: &[f64]) -> Option<String> {
+    let brightest = per_bin.iter().copied().fold(0.0, f64::max);
+    let is_lit = |bin: usize| {
+        per_bin
+            .get(bin)
+            .is_some_and(|light| *light > TOLERATED * brightest)
+    };
+    let mut dead: Vec<String> = Vec::new();
+    let mut begin = 1;
+    for run in per_bin[1..].chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
+        let end = begin + run.len();
+        if run[0] == 0.0 && run.len() <= DEAD && is_lit(begin - 1) && is_lit(end) {
+            dead.extend((begin..end).map(|bin| bin.to_string()));
+        }
+        begin = end;
+    }
+    let shown = dead[..dead.len().min(8)].join(", ");
+    (!dead.is_empty()).then(|| {
+        format!(
+            "{} of {} bins are 0 in all pixels that were looked at, among lit ones: {shown}{}; if the sensor's bins are dead there, \
+             say so: dead_bins = [{shown}]",
+            dead.len(),
+            per_bin.len(),
+            if dead.len() > 8 { ", …" } else { "" }
+        )
+    })
+}
+
 /// Whether another axis looks more like time than that which is taken for it.
-fn order(cube: &Cube, pictures: bool) -> Option<String> {
-    let [h, w, t, _] = cube.shape;
+fn order(lines: &mut Lines, pictures: bool) -> Option<String> {
+    let [h, w, t, _] = lines.store.shape();
     if h.min(w).min(t) < FEWEST {
         return None;
     }
-    let [rows, columns, time] = [0, 1, 2].map(|axis| lit_part(cube, axis));
+    let [rows, columns, time] = [0, 1, 2].map(|axis| lit_part(lines, axis));
     let (least, order) = match rows < columns {
         true => (rows, "T H W"),
         false => (columns, "H T W"),
@@ -267,23 +384,33 @@ fn order(cube: &Cube, pictures: bool) -> Option<String> {
 }
 
 /// The part of a line along `axis` that holds 90 % of its light: the mean over lines that are not dark.
-fn lit_part(cube: &Cube, axis: usize) -> f64 {
-    let [h, w, t, _] = cube.shape;
+fn lit_part(from: &mut Lines, axis: usize) -> f64 {
+    let [h, w, t, _] = from.store.shape();
     // The sizes of the two other axes and of this one, and how to get from them to a pixel and a bin.
     let (others, length): (_, usize) = match axis {
         0 => ([w, t], h),
         1 => ([h, t], w),
         _ => ([h, w], t),
     };
-    let value = |a: usize, b: usize, n: usize| match axis {
-        0 => cube.total(n * w + a, b),
-        1 => cube.total(a * w + n, b),
-        _ => cube.total(a * w + b, n),
+    let place = |a: usize, b: usize, n: usize| match axis {
+        0 => (n * w + a, b),
+        1 => (a * w + n, b),
+        _ => (a * w + b, n),
     };
     let mut lines = Vec::new();
-    for line in spread(others[0] * others[1], LINES) {
+    for line in spread(others[0] * others[1], from.lines()) {
         let (a, b) = (line / others[1], line % others[1]);
-        let mut values: Vec<f64> = (0..length).map(|n| value(a, b, n).abs()).collect();
+        let mut values = vec![0.0; length];
+        match axis {
+            2 => from.read(a * w + b, 0, &mut values),
+            _ => {
+                for (n, value) in values.iter_mut().enumerate() {
+                    let (pixel, bin) = place(a, b, n);
+                    from.read(pixel, bin, std::slice::from_mut(value));
+                }
+            }
+        }
+        values.iter_mut().for_each(|value| *value = value.abs());
         values.sort_by(|a, b| b.total_cmp(a));
         let total: f64 = values.iter().sum();
         let mut left = 0.9 * total;

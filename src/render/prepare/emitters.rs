@@ -494,9 +494,7 @@ impl Stores {
             };
             self.warn(scene, source, info.remarks);
         }
-        if let Some(cube) = texture.cube().in_memory() {
-            self.warn(scene, source, survey::of_samples(cube, assumed));
-        }
+        self.warn(scene, source, survey::of_samples(texture.cube(), assumed));
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         let index = self.cubes.len();

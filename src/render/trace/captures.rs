@@ -42,6 +42,7 @@ impl TimeResolved {
         let mut blends = std::mem::take(&mut emitted.blends);
         blends.clear();
         blends.resize(run.count(), Blend::default());
+        emitted.points.fill(run);
         for (index, captured) in captures.iter().enumerate() {
             let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
             emitted.located.clear();

@@ -66,6 +66,9 @@ pub(in crate::scene) struct Cube {
     pub edges: Option<At<Vec<At<Time>>>>,
     /// The same from a file.
     pub edges_file: Option<At<EdgesFile>>,
+    /// Bins in which the sensor counted nothing, counted from 0: each takes what a straight line between its nearest live
+    /// neighbours in time has there.
+    pub dead_bins: Option<Vec<usize>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
     /// pinhole). Default: "world".

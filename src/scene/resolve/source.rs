@@ -317,6 +317,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         array,
         axes,
         transfer: cube.transfer.as_ref().map(|at| at.value),
+        dead_bins: cube.dead_bins.clone().unwrap_or_default(),
     }))
 }
 

@@ -59,7 +59,17 @@ pub struct ChannelErrors {
     pub errors: Option<Errors>,
 }
 
-/// Compares a candidate with its reference.
+/// The comparison of a picture that is grey with one in colours.
+fn of_grey(name: &str, comparison: Result<Comparison>) -> Result<Comparison> {
+    let mut comparison = comparison?;
+    let note =
+        format!("{name} is grey: its one channel is compared with red, with green and with blue");
+    comparison.notes.push(note);
+    Ok(comparison)
+}
+
+/// Compares a candidate with its reference. Where one of them has red, green and blue and the other a single channel that is
+/// not auxiliary, that one stands for all three.
 ///
 /// # Errors
 /// Pictures that do not belong together: other sizes, channels, encodings, quantities; swapped ones;
@@ -69,6 +79,12 @@ pub fn compare(
     candidate: &Picture,
     options: &CompareOptions,
 ) -> Result<Comparison> {
+    if let Some(colours) = reference.in_colours(candidate) {
+        return of_grey(&reference.name, compare(&colours, candidate, options));
+    }
+    if let Some(colours) = candidate.in_colours(reference) {
+        return of_grey(&candidate.name, compare(reference, &colours, options));
+    }
     let matched = matching::matched(reference, candidate, options)?;
     let [r, c] = matched.layers();
     let size = [r.width as usize, r.height as usize];

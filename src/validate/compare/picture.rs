@@ -89,6 +89,41 @@ impl Picture {
         self.encoding == Encoding::Linear && !self.ends_at_one
     }
 
+    /// The picture in colours, where it has a single channel beside auxiliary ones and `other` has red, green and blue:
+    /// grey stands for equal parts of them, as of a cube with one channel.
+    pub(super) fn in_colours(&self, other: &Picture) -> Option<Picture> {
+        let is_plain = |channel: &&Channel| !is_auxiliary(&channel.name) && channel.name != "A";
+        let mut plain = self.layers.channels.iter().filter(is_plain);
+        let (Some(grey), None) = (plain.next(), plain.next()) else {
+            return None;
+        };
+        if !RADIANCE
+            .iter()
+            .all(|name| other.layers.channel(name).is_some())
+        {
+            return None;
+        }
+        let mut picture = self.clone();
+        picture.layers.channels = RADIANCE
+            .map(|name| Channel {
+                name: name.into(),
+                samples: grey.samples.clone(),
+            })
+            .into_iter()
+            .chain(
+                self.layers
+                    .channels
+                    .iter()
+                    .filter(|c| !is_plain(c))
+                    .cloned(),
+            )
+            .collect();
+        if picture.half.contains(&grey.name) {
+            picture.half.extend(RADIANCE.map(String::from));
+        }
+        Some(picture)
+    }
+
     /// The value of a metadata entry.
     pub fn metadata(&self, key: &str) -> Option<&str> {
         let mut entries = self.layers.metadata.iter();

@@ -1,0 +1,245 @@
+//! Data that are used wrongly, from scene to remark: each is warned of before anything is rendered, with the numbers that
+//! would be right. The recording of `scenes/capture.toml` begins at 7 m, has bins of 0.1 m, and no remarks.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nullray::io::cube::{self, Bricks, Cube, CubeStore, Samples, Wanted};
+use nullray::light::time_texture::survey::{Order, of_samples};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::survey::{meeting_times, seen_times};
+use nullray::scene::model::Scene;
+use nullray::scene::{Overrides, parse};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn recording() -> Cube {
+    let path = Path::new(ROOT).join("scenes/corner/capture_rgb.npz");
+    cube::load(&path, Wanted::default()).unwrap()
+}
+
+fn scene(change: impl Fn(String) -> String) -> Scene {
+    let folder = Path::new(ROOT).join("scenes");
+    let text = std::fs::read_to_string(folder.join("capture.toml")).unwrap();
+    let text = change(text.replace("size = [640, 480]", "size = [64, 48]"));
+    parse(&text, "capture", &folder, &Overrides::default())
+        .unwrap_or_else(|e| panic!("{e} {}", e.help()))
+}
+
+fn prepared(scene: &Scene) -> Result<Prepared, nullray::Error> {
+    let plan = Plan::new(scene, &Request::default())?;
+    Prepared::new(scene, &plan, &Silent)
+}
+
+fn remarks(from: &str, to: &str) -> String {
+    let scene = scene(|text| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    prepared(&scene).unwrap().warnings.join("\n")
+}
+
+#[test]
+fn nothing_is_said_of_data_that_are_used_rightly() {
+    assert_eq!(remarks("start = \"7 m\"", "start = \"7 m\""), "");
+}
+
+#[test]
+fn light_before_it_can_arrive_is_said_with_a_start_that_would_fit() {
+    let said = remarks("start = \"7 m\"", "start = \"0 m\"");
+    assert!(
+        said.contains("before time 0") && said.contains("start (now 0 m)"),
+        "{said}"
+    );
+    // The start that it names leaves little of it.
+    let fit = said.split("from start = \"").nth(1).unwrap();
+    let fit = fit.split('"').next().unwrap();
+    let better = remarks("start = \"7 m\"", &format!("start = \"{fit}\""));
+    assert!(!better.contains("before time 0"), "{fit}: {better}");
+}
+
+#[test]
+fn units_off_by_powers_of_ten_are_said_with_those_that_would_fit() {
+    for power in [-6, -3, 3, 6] {
+        let [start, width] = [7.0, 0.1].map(|length| length * 10f64.powi(power));
+        let keys = "start = \"7 m\"\nbin_width = \"0.1 m\"";
+        let said = remarks(
+            keys,
+            &format!("start = \"{start} m\"\nbin_width = \"{width} m\""),
+        );
+        assert!(said.contains("would fit: start = "), "{power}: {said}");
+        let number = said.split("would fit: start = \"").nth(1).unwrap();
+        let number: f64 = number.split(' ').next().unwrap().parse().unwrap();
+        // Within a power of ten: neighbouring ones may fit, too.
+        assert!((0.69..70.1).contains(&number), "{power}: {said}");
+    }
+}
+
+#[test]
+fn a_pose_that_is_not_the_capture_s_is_said() {
+    let said = remarks(
+        "look_at = [-0.4, 1.0, -0.6], hfov",
+        "look_at = [9.4, 1.0, 9.6], hfov",
+    );
+    assert!(
+        said.contains("sees no object") && said.contains("pose"),
+        "{said}"
+    );
+}
+
+/// With the cube of the recording, changed.
+fn with_cube(shape: [usize; 4], samples: Vec<f32>, axes: &str) -> Result<Prepared, nullray::Error> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("changed.npy");
+    let cube = Cube {
+        shape,
+        samples: Samples::F32(samples),
+    };
+    nullray::io::image::npz::write_cube(&path, &cube).unwrap();
+    let file = format!("file = {:?}\n{axes}", path.display().to_string());
+    prepared(&scene(|text| {
+        text.replace("file = \"corner/capture_rgb.npz\"", &file)
+    }))
+}
+
+fn samples(cube: &Cube) -> Vec<f32> {
+    let all = 0..cube.samples.len();
+    all.filter_map(|n| Some(cube.samples.get(n)? as f32))
+        .collect()
+}
+
+#[test]
+fn energy_that_is_cut_at_the_window_s_ends_is_said() {
+    let cube = recording();
+    let [h, w, t, c] = cube.shape;
+    for (bins, end) in [(0..30, "last bin is"), (30..t, "first bin is")] {
+        let part = samples(&cube);
+        let part = part.chunks(t * c);
+        let part = part.flat_map(|line| line[bins.start * c..bins.end * c].to_vec());
+        let said = with_cube([h, w, bins.len(), c], part.collect(), "").unwrap();
+        let said = said.warnings.join("\n");
+        assert!(said.contains("cut off") && said.contains(end), "{said}");
+    }
+}
+
+#[test]
+fn an_order_of_axes_in_which_time_is_not_like_time_is_said() {
+    let cube = recording();
+    let [h, w, t, c] = cube.shape;
+    let all = samples(&cube);
+    let mut turned = Vec::with_capacity(all.len());
+    for (bin, pixel) in (0..t).flat_map(|bin| (0..h * w).map(move |pixel| (bin, pixel))) {
+        let at = (pixel * t + bin) * c;
+        turned.extend_from_slice(&all[at..at + c]);
+    }
+    let shape = [t, h, w, c];
+    let said = with_cube(shape, turned.clone(), "")
+        .unwrap()
+        .warnings
+        .join("\n");
+    assert!(said.contains("axes = \"T H W\""), "{said}");
+    let said = with_cube(shape, turned, "axes = \"T H W C\"").unwrap();
+    assert_eq!(said.warnings, [""; 0]);
+}
+
+#[test]
+fn a_sample_that_is_no_number_is_refused_by_its_place() {
+    let cube = recording();
+    let mut all = samples(&cube);
+    let [_, w, t, c] = cube.shape;
+    all[((3 * w + 5) * t + 7) * c + 2] = f32::NAN;
+    let error = with_cube(cube.shape, all, "").unwrap_err();
+    let said = format!("{error} {}", error.help());
+    assert!(
+        said.contains("[3, 5, 7, 2]") && said.contains("nan_to_num"),
+        "{said}"
+    );
+}
+
+#[test]
+fn times_that_do_not_reach_the_light_in_view_are_told_with_those_that_would() {
+    let scene = scene(|text| text.replace("time = \"0 m\"", "time = \"-60 m\""));
+    let mut prepared = prepared(&scene).unwrap();
+    let seen = seen_times(&prepared);
+    assert!(!seen[0].meets() && seen[0].data == [7.0, 16.5], "{seen:?}");
+    let [from, to] = meeting_times(&scene, &mut prepared, &seen[0]).unwrap();
+    assert!(-60.0 < from && from < 0.0 && 0.0 < to, "{from} {to}");
+}
+
+#[test]
+fn dead_bins_are_said_and_no_longer_once_they_are_declared() {
+    let cube = recording();
+    let [_, _, t, c] = cube.shape;
+    let mut all = samples(&cube);
+    for line in all.chunks_mut(t * c) {
+        line[40 * c..41 * c].fill(0.0);
+    }
+    let said = with_cube(cube.shape, all.clone(), "")
+        .unwrap()
+        .warnings
+        .join("\n");
+    assert!(said.contains("dead_bins = [40]"), "{said}");
+    let mended = with_cube(cube.shape, all, "dead_bins = [40]").unwrap();
+    assert_eq!(mended.warnings, [""; 0]);
+    let all = samples(&cube);
+    let error = with_cube(cube.shape, all, "dead_bins = [95]").unwrap_err();
+    assert!(error.to_string().contains("no bin 95"), "{error}");
+}
+
+/// The same of cubes that are read from disk, of which a small part is looked at; dead bins are mended alike.
+#[test]
+fn cubes_on_disk_are_looked_at_and_mended_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = recording();
+    let [h, w, t, c] = cube.shape;
+    let mut all = samples(&cube);
+    for line in all.chunks_mut(t * c) {
+        line[40 * c..42 * c].fill(0.0);
+    }
+    let path = folder.path().join("a.npy");
+    let written = Cube::new(cube.shape, Samples::F32(all)).unwrap();
+    nullray::io::image::npz::write_cube(&path, &written).unwrap();
+    let store = |wanted: Wanted| -> CubeStore {
+        Arc::new(Bricks::open(&path, wanted, 9 << 20).unwrap()).into()
+    };
+    let said = of_samples(&store(Wanted::default()), Order::Array).join("\n");
+    assert!(
+        said.contains("dead_bins = [40, 41]") && !said.contains("axes"),
+        "{said}"
+    );
+    let wanted = Wanted {
+        dead_bins: &[0, 40, 41],
+        ..Wanted::default()
+    };
+    assert_eq!(of_samples(&store(wanted), Order::Array), [""; 0]);
+    let whole = cube::load(&path, wanted).unwrap();
+    let on_disk = Bricks::open(&path, wanted, 9 << 20).unwrap();
+    let mut line = vec![0.0; t * c];
+    for pixel in 0..h * w {
+        on_disk.samples(&mut Default::default(), pixel, 0, &mut line);
+        for (k, sample) in line.iter().enumerate() {
+            assert_eq!(
+                Some(*sample),
+                whole.samples.get(pixel * t * c + k),
+                "{pixel} {k}"
+            );
+        }
+    }
+    // Bin 41 lies two thirds of the way from 39 to 42; bin 0 has what bin 1 has.
+    let at = |bin: usize| whole.samples.get((2000 * t + bin) * c).unwrap();
+    assert!((at(41) - (at(39) + 2.0 * at(42)) / 3.0).abs() <= 1e-6 * at(41).abs());
+    assert_eq!(at(0), at(1));
+
+    let order = [t, h, w, c];
+    let mut turned = Vec::new();
+    for (bin, pixel) in (0..t).flat_map(|bin| (0..h * w).map(move |pixel| (bin, pixel))) {
+        let at = (pixel * t + bin) * c;
+        turned.extend((at..at + c).map(|n| written.samples.get(n).unwrap() as f32));
+    }
+    let turned = Cube::new(order, Samples::F32(turned)).unwrap();
+    nullray::io::image::npz::write_cube(&path, &turned).unwrap();
+    let said = of_samples(&store(Wanted::default()), Order::Array).join("\n");
+    assert!(said.contains("axes = \"T H W\""), "{said}");
+}

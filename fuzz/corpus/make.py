@@ -121,3 +121,12 @@ TEXTS = ["event,normal,uv.u", "all", "outlines,beta", "radiance.rmse=0.1", "psnr
          "x_{1}^{2} *ct* \u03b3\u2032", "_{_{_{", "1e400 m", "-0 s", "\u22125 ps"]
 for index, text in enumerate(TEXTS):
     save(f"texts/{index:02}.txt", text)
+
+# A reconstruction by COLMAP, as binary files and as texts: two images, a pinhole.
+images = struct.pack("<Q", 2)
+for number, pose, camera, name, points in [(1, [1, 0, 0, 0, 0, 0, 0], 1, b"b", 2), (7, [.5, .5, .5, -.5, -2, 5, 1], 1, b"a", 0)]:
+    images += struct.pack("<I7dI", number, *pose, camera) + name + b"\0" + struct.pack("<Q", points) + b"\x09" * (24 * points)
+save("colmap/images.bin", images)
+save("colmap/cameras.bin", struct.pack("<QIIQQ4d", 1, 1, 1, 640, 480, 320, 320, 320, 240))
+save("colmap/images.txt.bin", "# list\n1 0.5 0.5 0.5 -0.5 -2 5 1 1 a\n1 2 3\n")
+save("colmap/cameras.txt.bin", "1 SIMPLE_PINHOLE 640 480 320 320 240\n")

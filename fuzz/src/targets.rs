@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use nullray::figures::diagram;
 use nullray::figures::text::RichText;
 use nullray::io::budget::Budget;
-use nullray::io::cube::{self, Wanted};
+use nullray::io::cube::{self, Bricks, Held, Wanted};
 use nullray::io::gltf::{self, Want};
 use nullray::io::image::{Texture, exr, hdr, png};
-use nullray::io::{npy, spectrum};
+use nullray::io::{colmap, npy, spectrum};
 use nullray::render::aov;
 use nullray::scene::model::BadVertices;
 use nullray::scene::{self, Overrides};
@@ -23,7 +23,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 17] = [
+pub const TARGETS: [Target; 18] = [
     Target {
         name: "cube_npy",
         extension: "npy",
@@ -48,6 +48,11 @@ pub const TARGETS: [Target; 17] = [
         name: "cube_zarr",
         extension: "chunk",
         run: cube_zarr,
+    },
+    Target {
+        name: "colmap",
+        extension: "bin",
+        run: pose_of_colmap,
     },
     Target {
         name: "frame_tiff",
@@ -131,6 +136,18 @@ fn cube_ti(bytes: &[u8]) {
 fn load_small(path: &Path, wanted: Wanted) {
     if cube::inspect(path, wanted).is_ok_and(|info| info.bytes < MEMORY) {
         let _ = cube::load(path, wanted);
+        // Part by part, where it has places to be read at.
+        const ROOM: u64 = 64 << 20;
+        if let Ok(Some(_)) = Bricks::counting(path, wanted, ROOM)
+            && let Ok(bricks) = Bricks::open(path, wanted, ROOM)
+        {
+            let [h, w, bins, channels] = bricks.shape();
+            let mut line = vec![0.0; bins.min(1000) * channels];
+            for pixel in [0, h * w / 2, h * w - 1] {
+                bricks.samples(&mut Held::default(), pixel, 0, &mut line);
+            }
+            let _ = bricks.check();
+        }
     }
 }
 
@@ -157,6 +174,26 @@ fn cube_zarr(bytes: &[u8]) {
     load_small(&folder, Wanted::default());
     write("zarr.json", bytes);
     load_small(&folder, Wanted::default());
+}
+
+/// Images and cameras of a reconstruction, as binary files and as texts.
+fn pose_of_colmap(bytes: &[u8]) {
+    const CAMERA: &[u8] = b"1 PINHOLE 640 480 320 320 320 240\n";
+    const IMAGE: &[u8] = b"1 1 0 0 0 0 0 0 1 a\n\n";
+    let Ok(folder) = tempfile::tempdir() else {
+        return;
+    };
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).is_ok();
+    for [images, cameras] in [[bytes, CAMERA], [IMAGE, bytes]] {
+        if write("images.txt", images) && write("cameras.txt", cameras) {
+            let _ = colmap::pose(folder.path(), "a");
+        }
+    }
+    for name in ["cameras.bin", "images.bin"] {
+        if write(name, bytes) {
+            let _ = colmap::pose(folder.path(), "a");
+        }
+    }
 }
 
 fn frame_tiff(bytes: &[u8]) {

@@ -228,3 +228,48 @@ fn broken_transient_images_are_refused() {
     assert!(changed(28 + 96, 7u32.to_le_bytes()).contains("grid of 7 columns"));
     assert!(changed(28 + 96, u32::MAX.to_le_bytes()).contains("grid"));
 }
+
+/// Dead bins are filled alike where a cube is loaded and where it goes part by part to another file.
+#[test]
+fn dead_bins_are_filled_on_the_way_to_another_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b] = ["a.npy", "b.npy"].map(|name| folder.path().join(name));
+    let samples = (0..2 * 3 * 8).map(|n| (n * n) as f32).collect();
+    let cube = Cube::new([2, 3, 8, 1], Samples::F32(samples)).unwrap();
+    nullray::io::image::npz::write_cube(&a, &cube).unwrap();
+    let wanted = Wanted {
+        dead_bins: &[0, 3, 4, 7],
+        ..Wanted::default()
+    };
+    let loaded = cube::load(&a, wanted).unwrap();
+    let line = |pixel: usize| &single(&loaded)[8 * pixel..8 * pixel + 8];
+    // Of n²: bin 1 in place of 0, the line from 4 to 25 in place of 9 and 16, bin 6 in place of 7.
+    assert_eq!(line(0), [1.0, 1.0, 4.0, 11.0, 18.0, 25.0, 36.0, 36.0]);
+    for axes in ["H W T C", "T H W"] {
+        let axes: Axes = axes.parse().unwrap();
+        let changes = cube::Changes {
+            axes: Some(axes.clone()),
+            ..cube::Changes::default()
+        };
+        cube::convert((&a, wanted), &b, &changes, &mut |_, _| true).unwrap();
+        let written = Wanted {
+            axes: Some(&axes),
+            ..Wanted::default()
+        };
+        assert_eq!(cube::load(&b, written).unwrap(), loaded, "{axes}");
+    }
+    let part = cube::Changes {
+        bins: Some(3..4),
+        ..cube::Changes::default()
+    };
+    cube::convert((&a, wanted), &b, &part, &mut |_, _| true).unwrap();
+    assert_eq!(single(&cube::load(&b, Wanted::default()).unwrap())[0], 11.0);
+    for (dead, wrong) in [(&[8][..], "no bin 8"), (&[0, 1, 2, 3, 4, 5, 6, 7], "alive")] {
+        let wanted = Wanted {
+            dead_bins: dead,
+            ..Wanted::default()
+        };
+        let error = cube::load(&a, wanted).unwrap_err().to_string();
+        assert!(error.contains(wrong), "{error}");
+    }
+}

@@ -86,6 +86,30 @@ fn a_warped_capture_with_its_near_plane_gives_the_picture_of_the_unwarped_one() 
     }
 }
 
+/// Near planes from Mitsuba's default to three metres, each with the time at which its bins begin: all give one picture.
+#[test]
+fn captures_with_several_near_planes_give_one_picture() {
+    let (truth, _) = picture(UNWARPED, FILM);
+    for (name, start, near) in [
+        ("near_clip_default", 6, "0.01"),
+        ("near_clip", 4, "2"),
+        ("near_clip_3", 3, "3"),
+    ] {
+        let cube = format!(
+            "file = \"tests/data/mitransient/{name}.npz\"\nstart = \"{start} m\"\nclock = \"capture\""
+        );
+        let (got, remarks) = picture(&cube, &format!("{FILM}\nnear_clip = {near}"));
+        let apart = score(&got, &truth);
+        assert!(apart < 0.05, "{name}: relRMSE {apart}");
+        assert_eq!(remarks, [""; 0], "{name}");
+        let plain = score(&picture(&cube, FILM).0, &truth);
+        assert!(
+            near == "0.01" || plain > 0.2,
+            "{name}: relRMSE {plain} without its near plane"
+        );
+    }
+}
+
 #[test]
 fn light_that_left_before_its_lamp_flashed_is_remarked_on() {
     // Times of the world declared as those of the capture camera, 4.4 m or more later.

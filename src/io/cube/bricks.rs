@@ -104,6 +104,36 @@ pub struct Held(Vec<Option<(u64, u64, Arc<Samples>)>>);
 #[derive(Debug, Default)]
 pub struct Peeked(HashMap<u64, Vec<f64>>);
 
+/// What becomes of the memory for bricks.
+struct Room {
+    /// Bricks that the cache keeps, and its locks.
+    kept: usize,
+    shards: usize,
+    /// Bricks that a thread has at hand: those may have left the cache.
+    at_hand: usize,
+}
+
+impl Room {
+    /// So many bytes for chunks that take `each`. Every thread may have bricks at hand for lookups of two kinds.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    fn new(bytes: u64, each: u64) -> Room {
+        let bricks = bytes / each;
+        let at_hand = (bricks / 8 / threads()).clamp(1, AT_HAND as u64);
+        let shards = (bricks / 16).clamp(1, SHARDS as u64);
+        let kept = bricks.saturating_sub(2 * at_hand * threads() + shards);
+        Room {
+            kept: kept as usize,
+            shards: shards as usize,
+            at_hand: at_hand as usize,
+        }
+    }
+}
+
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+fn threads() -> u64 {
+    rayon::current_num_threads().max(1) as u64
+}
+
 impl Form {
     fn bricks(&self) -> u64 {
         with_form!(self, of => of.bricks())
@@ -183,39 +213,34 @@ impl Bricks {
     }
 
     fn of_pages(pages: Pages, room: u64, counts_only: bool) -> Bricks {
-        let (dtype, loaded) = pages.layout().number.loaded();
-        let each = pages.per_brick() * loaded + BESIDE;
-        let cache = Cache::new((room / each) as usize, SHARDS);
+        let loaded = pages.layout().number.loaded();
+        let room = Room {
+            kept: (room / (pages.per_brick() * loaded.1 + BESIDE)) as usize,
+            shards: SHARDS,
+            at_hand: AT_HAND,
+        };
         let (shape, form) = (pages.shape(), Form::Pages(pages));
-        Bricks::new(form, shape, (dtype, loaded), (cache, AT_HAND), counts_only)
+        Bricks::new(form, shape, loaded, room, counts_only)
     }
 
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn of_chunks(chunks: Chunks, room: u64, counts_only: bool) -> Bricks {
-        let (dtype, loaded) = chunks.dtype();
-        let each = chunks.per_brick() * loaded + BESIDE;
-        let threads = rayon::current_num_threads().max(1) as u64;
-        // What is left while every thread decodes a chunk: most of it for the cache, the rest at hand.
-        let bricks = room.saturating_sub(threads * chunks.decoding()) / each;
-        let at_hand = (bricks / 8 / threads).clamp(1, AT_HAND as u64);
-        let shards = (bricks / 16).clamp(1, SHARDS as u64);
-        let kept = bricks.saturating_sub(2 * at_hand * threads + shards);
-        let cache = Cache::new(kept as usize, shards as usize);
+        let loaded = chunks.dtype();
+        // What is left while every thread decodes a chunk.
+        let decoding = threads() * chunks.decoding();
+        let room = Room::new(
+            room.saturating_sub(decoding),
+            chunks.per_brick() * loaded.1 + BESIDE,
+        );
         let (shape, form) = (chunks.shape(), Form::Chunks(chunks));
-        Bricks::new(
-            form,
-            shape,
-            (dtype, loaded),
-            (cache, at_hand as usize),
-            counts_only,
-        )
+        Bricks::new(form, shape, loaded, room, counts_only)
     }
 
     fn new(
         form: Form,
         shape: [usize; 4],
         (dtype, sample_bytes): (Dtype, u64),
-        (cache, at_hand): (Cache<Arc<Samples>>, usize),
+        room: Room,
         counts_only: bool,
     ) -> Bricks {
         static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -225,8 +250,8 @@ impl Bricks {
             shape,
             sample_bytes,
             seen: (0..words).map(|_| AtomicU64::new(0)).collect(),
-            cache,
-            at_hand,
+            cache: Cache::new(room.kept, room.shards),
+            at_hand: room.at_hand,
             counts_only,
             zeros: Arc::new(zeros(&dtype, form.per_brick() as usize)),
             dtype,
@@ -301,7 +326,7 @@ impl Bricks {
     }
 
     /// The same, apart from lookups: what is read for it is neither kept for them nor counted as theirs. It is kept in `near`, as
-    /// far as that is little.
+    /// far as that is little. What cannot be read is 0 here: lookups that meet it tell.
     pub fn peek(&self, near: &mut Peeked, pixel: usize, bin: usize, to: &mut [f64]) {
         self.peek_stored(near, pixel, bin, to);
         let bins = bin..bin + to.len() / self.shape[3];
@@ -318,13 +343,8 @@ impl Bricks {
             if near.0.len() as u64 * self.form.per_brick() > MOST {
                 near.0.clear();
             }
-            let numbers = near.0.entry(brick).or_insert_with(|| {
-                let loaded = self.form.load(brick, 1);
-                loaded.unwrap_or_else(|error| {
-                    self.fail(error);
-                    Vec::new()
-                })
-            });
+            let numbers = near.0.entry(brick);
+            let numbers = numbers.or_insert_with(|| self.form.load(brick, 1).unwrap_or_default());
             let numbers = numbers.get(from..from + count).unwrap_or_default();
             for (to, number) in to[at..at + count].iter_mut().zip(numbers) {
                 *to = *number;

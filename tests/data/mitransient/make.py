@@ -60,7 +60,8 @@ def capture(near, unwarp, start, bins):
 
 
 world = capture(0.01, True, 1.0, 80)
-near = capture(2.0, False, 4.0, 90)
-print(world.shape, world.sum(), near.shape, near.sum(), world.sum((0, 1, 3))[[0, -1]], near.sum((0, 1, 3))[[0, -1]])
 np.savez_compressed("unwarped.npz", data=world.astype(np.float16))
-np.savez_compressed("near_clip.npz", data=near.astype(np.float16))
+for name, plane, start in [("near_clip.npz", 2.0, 4.0), ("near_clip_default.npz", 0.01, 6.0), ("near_clip_3.npz", 3.0, 3.0)]:
+    near = capture(plane, False, start, 90)
+    print(name, near.shape, near.sum(), near.sum((0, 1, 3))[[0, -1]])
+    np.savez_compressed(name, data=near.astype(np.float16))

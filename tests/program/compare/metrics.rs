@@ -264,3 +264,46 @@ fn mrse_is_finite_where_the_reference_is_near_0_or_below() {
     let found = compare(&one(-0.01), &one(0.01), &CompareOptions::default()).unwrap();
     assert!((found.metric("v:mrse").unwrap() - 1.0).abs() < 1e-12);
 }
+
+/// Grey is the mean of nothing: its one channel stands for red, green and blue, so that a colour picture of equal channels
+/// differs in nothing, and one that is 3 too bright in blue by 3 in a third of its samples.
+#[test]
+fn a_grey_picture_is_compared_with_one_in_colours() {
+    use nullray::io::image::{Channel, Layers, Samples};
+    let values: Vec<f64> = (0..12).map(f64::from).collect();
+    let channel = |name: &str, more: f64| Channel {
+        name: name.into(),
+        samples: Samples::F64(values.iter().map(|value| value + more).collect()),
+    };
+    let picture = |name: &str, channels: Vec<Channel>| {
+        Picture::linear(name, Layers::new(4, 3, channels, Vec::new()).unwrap())
+    };
+    let colours = |blue: f64| {
+        let channels = [
+            ("radiance.R", 0.0),
+            ("radiance.G", 0.0),
+            ("radiance.B", blue),
+        ];
+        picture(
+            "colours",
+            channels.map(|(name, more)| channel(name, more)).into(),
+        )
+    };
+    let options = CompareOptions::default();
+    for name in ["Y", "value"] {
+        let grey = picture("grey", vec![channel(name, 0.0)]);
+        for [reference, candidate] in [[&grey, &colours(0.0)], [&colours(0.0), &grey]] {
+            let compared = compare(reference, candidate, &options).unwrap();
+            assert_eq!(compared.radiance.unwrap().mae, 0.0);
+            let said =
+                |note: &String| note.contains("grey is grey: its one channel is compared with red");
+            assert!(compared.notes.iter().any(said), "{:?}", compared.notes);
+        }
+        let compared = compare(&grey, &colours(3.0), &options).unwrap();
+        assert!((compared.radiance.unwrap().mae - 1.0).abs() < 1e-12);
+    }
+    // Two grey ones are compared as they are.
+    let grey = || picture("grey", vec![channel("Y", 0.0)]);
+    let compared = compare(&grey(), &grey(), &options).unwrap();
+    assert!(compared.radiance.is_none() && compared.channels.len() == 1);
+}

@@ -226,7 +226,8 @@ fn field_of_view(
         return refuse(format!("a camera of the model {name} distorts"), UNDISTORT);
     }
     let f = lengths[0];
-    if !(f > 0.0) || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
+    let is_positive = f > 0.0;
+    if !is_positive || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
         return refuse(
             format!("focal lengths of {lengths:?} pixels are no square ones"),
             UNDISTORT,

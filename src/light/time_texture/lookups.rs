@@ -200,8 +200,8 @@ impl FromDisk {
             (bin / bins, bin % bins)
         };
         for at in plain() {
-            for tap in 0..4 {
-                let (pixel, bin) = place(origins[tap][at]);
+            for tap in origins.iter() {
+                let (pixel, bin) = place(tap[at]);
                 bricks.want(&self.held, pixel, bin, N, &mut self.wanted);
             }
         }
@@ -209,15 +209,15 @@ impl FromDisk {
         let each = N * channels;
         self.values.resize(count * 4 * each, 0.0);
         for at in plain() {
-            for tap in 0..4 {
-                let (pixel, bin) = place(origins[tap][at]);
+            for (tap, origins) in origins.iter().enumerate() {
+                let (pixel, bin) = place(origins[at]);
                 let values = &mut self.values[(at * 4 + tap) * each..][..each];
                 bricks.samples(&mut self.held, pixel, bin, values);
             }
         }
-        for at in 0..count {
-            for tap in 0..4 {
-                origins[tap][at] = ((at * 4 + tap) * each) as u64;
+        for (tap, origins) in origins.iter_mut().enumerate() {
+            for (at, origin) in origins[..count].iter_mut().enumerate() {
+                *origin = ((at * 4 + tap) * each) as u64;
             }
         }
     }

@@ -18,7 +18,7 @@ fn cube(folder: &TempDir) {
     let header =
         format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({SIDE}, {SIDE}, {BINS}), }}");
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
-    write!(bytes, "{header:<117}\n").unwrap();
+    writeln!(bytes, "{header:<117}").unwrap();
     for texel in 0..(SIDE * SIDE) as u64 {
         let noise = texel.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23) % 1000;
         for bin in 0..BINS {

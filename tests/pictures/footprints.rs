@@ -67,7 +67,7 @@ capture = { eye = [1, 9, -9], look_at = [1, 0, -9], up = [0, 0, -1], hfov = \"10
 const RESTS: &str = "";
 
 #[test]
-fn one_filtered_sample_is_nearly_as_good_as_a_thousand() {
+fn one_filtered_sample_is_as_good_as_dozens_of_plain_ones() {
     let folder = tempfile::tempdir().unwrap();
     cube(&folder);
     for (mapping, object, least) in [("uv = 0", RESTS, 6.0), (CAPTURE, RESTS, 6.0)] {

@@ -3,7 +3,7 @@
 //! A cube holds for each pixel of a camera, or each texel of a surface, the energy of its radiance in each bin of time: the integral of
 //! L over the bin, mean over pixel or texel. Paths come from `TimedPaths`; the light of one path goes into all bins in which its lamps' emission
 //! arrives, so that the cost is that of the paths, whatever the number of bins. Pixels and texels are each summed by one thread,
-//! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`] as they are
+//! sample by sample: the bits do not depend on the threads. Tiles of pixels and rows of texels are kept in a [`Journal`](crate::render::journal::Journal) as they are
 //! done, where one is given.
 //!
 //! # The standard error

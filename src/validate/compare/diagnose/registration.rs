@@ -315,14 +315,14 @@ impl Levels {
             finest = halved(&finest);
             scale *= 2.0;
         }
-        let mut pairs = vec![finest];
-        loop {
-            let last = pairs.last().expect("the finest is there");
-            if last[0].width.min(last[0].height) < COARSE {
-                return Levels { pairs, scale };
-            }
-            pairs.push(halved(last));
+        let mut pairs = Vec::new();
+        let mut last = finest;
+        while last[0].width.min(last[0].height) >= COARSE {
+            let next = halved(&last);
+            pairs.push(std::mem::replace(&mut last, next));
         }
+        pairs.push(last);
+        Levels { pairs, scale }
     }
 }
 

@@ -104,6 +104,27 @@ fn pictures_and_labels_lie_within_their_cells_and_labels_beneath_pictures() {
 }
 
 #[test]
+fn rows_are_as_high_as_their_own_pictures_and_labels() {
+    let mut panels = panels(2);
+    panels.push(panel(300, 90, "low"));
+    panels.push(panel(300, 60, "lower"));
+    let options = SheetOptions {
+        title: None,
+        columns: Some(2),
+    };
+    let cells = laid_out(&panels, &options).cells;
+    let heights = cells.iter().map(|cell| cell.frame.height);
+    let heights: Vec<u32> = heights.collect();
+    assert_eq!(heights[0], heights[1]);
+    assert_eq!(heights[2], heights[3]);
+    assert_eq!(heights[0] - heights[2], 200 - 90);
+    // Pictures of a row stand on one line.
+    let bottom = |i: usize| cells[i].picture.top + cells[i].picture.height;
+    assert_eq!(bottom(2), bottom(3));
+    assert!(cells[2].frame.top > cells[0].frame.top + heights[0]);
+}
+
+#[test]
 fn the_title_is_above_the_cells_and_within_the_page() {
     let options = SheetOptions {
         title: Some(

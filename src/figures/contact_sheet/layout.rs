@@ -33,7 +33,7 @@ pub struct Layout {
 /// The place of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// All of it; cells are of one size and do not overlap.
+    /// All of it; cells of a row are of one size, and none overlap.
     pub frame: Rect,
     /// The picture, within the frame.
     pub picture: Rect,
@@ -85,58 +85,84 @@ impl Layout {
         if width.max(height) > MAX_SIDE {
             return Err(too_large(width, height));
         }
-        let draft = Draft::new(panels, [width * scale, height * scale], options)?;
-        draft.place(panels, options, scale)
+        let draft = Draft::new(panels, width * scale, scale, options)?;
+        draft.place(panels, options)
     }
 }
 
 /// Sizes, with nothing placed yet.
 struct Draft {
     em: f64,
+    /// Pixels of the page per pixel of a picture.
+    scale: u32,
     columns: u32,
     /// Row and column of each panel.
     slots: Vec<[u32; 2]>,
+    rows: Vec<Row>,
     /// Between cells, and around them.
     space: u32,
-    /// The largest picture.
-    picture: [u32; 2],
-    cell: [u32; 2],
+    /// The width of all cells.
+    width: u32,
     labels: Vec<Vec<Measured>>,
 }
 
+/// A row of cells, as high as its own pictures and labels need.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    /// Its first row of pixels, from that of the first row on.
+    top: u64,
+    /// The height of its highest picture.
+    picture: u32,
+    /// The height of its longest label.
+    label: u32,
+}
+
+impl Row {
+    fn height(self) -> u32 {
+        self.picture + self.label
+    }
+}
+
 impl Draft {
-    fn new(panels: &[Panel], picture: [u32; 2], options: &SheetOptions) -> Result<Draft> {
+    /// For pictures of which the widest takes `widest` pixels of the page.
+    fn new(panels: &[Panel], widest: u32, scale: u32, options: &SheetOptions) -> Result<Draft> {
         let (part, least, most) = EM;
-        let em = (part * f64::from(picture[0])).clamp(least, most);
+        let em = (part * f64::from(widest)).clamp(least, most);
         let count = panels.len() as u32;
         let nearly_square = || (1..count).find(|n| n * n >= count).unwrap_or(count);
         let columns = options.columns.unwrap_or_else(nearly_square);
         let columns = columns.clamp(1, count);
-        let (labels, width) = labels(panels, picture[0], em)?;
-        let most_lines = labels.iter().map(Vec::len).max().unwrap_or(0);
-        let beneath = height_of(most_lines, em);
+        let (labels, width) = labels(panels, widest, em)?;
+        let slots = slots(panels, columns);
+        let space = (SPACE * em).round() as u32;
+        let heights = panels.iter().zip(&labels).zip(&slots);
+        let heights = heights.map(|((panel, label), [row, _])| {
+            let label = height_of(label.len(), em);
+            (*row as usize, [panel.picture.height * scale, label])
+        });
         Ok(Draft {
             em,
+            scale,
             columns,
-            slots: slots(panels, columns),
-            space: (SPACE * em).round() as u32,
-            picture,
-            cell: [width, picture[1] + beneath],
+            rows: rows(heights, space),
+            slots,
+            space,
+            width,
             labels,
         })
     }
 
     /// Columns and rows of pixels that all cells take.
     fn extent(&self) -> [u64; 2] {
-        let side = |count: u32, cell: u32| {
-            let (count, cell, space) = (u64::from(count), u64::from(cell), u64::from(self.space));
-            count * cell + (count - 1) * space
-        };
-        let rows = self.slots.last().map_or(1, |[row, _]| row + 1);
-        [side(self.columns, self.cell[0]), side(rows, self.cell[1])]
+        let [columns, width, space] = [self.columns, self.width, self.space].map(u64::from);
+        let last = self.rows.last().copied().unwrap_or_default();
+        [
+            columns * width + (columns - 1) * space,
+            last.top + u64::from(last.height()),
+        ]
     }
 
-    fn place(self, panels: &[Panel], options: &SheetOptions, scale: u32) -> Result<Layout> {
+    fn place(self, panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
         let [across, down] = self.extent();
         let size = TITLE * self.em;
         let title = options.title.as_deref().unwrap_or("");
@@ -151,13 +177,13 @@ impl Draft {
         let corner = [((width - across) / 2) as u32, (margin + above) as u32];
         let placed = panels.iter().zip(&self.labels).zip(&self.slots);
         let cells = placed
-            .map(|((panel, label), slot)| self.cell(panel, label, *slot, corner, scale))
+            .map(|((panel, label), slot)| self.cell(panel, label, *slot, corner))
             .collect();
         Ok(Layout {
             size: [width as u32, height as u32],
             title: lines(title, [width as f64 / 2.0, margin as f64], size),
             cells,
-            scale,
+            scale: self.scale,
         })
     }
 
@@ -167,30 +193,45 @@ impl Draft {
         label: &[Measured],
         [row, column]: [u32; 2],
         [left, top]: [u32; 2],
-        scale: u32,
     ) -> Cell {
-        let [cell_width, cell_height] = self.cell;
+        let row = self.rows[row as usize];
         let frame = Rect {
-            left: left + column * (cell_width + self.space),
-            top: top + row * (cell_height + self.space),
-            width: cell_width,
-            height: cell_height,
+            left: left + column * (self.width + self.space),
+            top: top + row.top as u32,
+            width: self.width,
+            height: row.height(),
         };
-        let [width, height] = [panel.picture.width, panel.picture.height].map(|n| n * scale);
+        let [width, height] = [panel.picture.width, panel.picture.height].map(|n| n * self.scale);
         let picture = Rect {
-            left: frame.left + (cell_width - width) / 2,
-            top: frame.top + self.picture[1] - height,
+            left: frame.left + (self.width - width) / 2,
+            top: frame.top + row.picture - height,
             width,
             height,
         };
-        let middle = f64::from(frame.left) + f64::from(cell_width) / 2.0;
-        let beneath = f64::from(frame.top + self.picture[1]) + 0.4 * self.em;
+        let middle = f64::from(frame.left) + f64::from(self.width) / 2.0;
+        let beneath = f64::from(frame.top + row.picture) + 0.4 * self.em;
         Cell {
             frame,
             picture,
             label: lines(label.to_vec(), [middle, beneath], self.em),
         }
     }
+}
+
+/// The rows of a page, by the row of each panel and the heights of its picture and its label.
+fn rows(panels: impl Iterator<Item = (usize, [u32; 2])>, space: u32) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for (index, [picture, label]) in panels {
+        rows.resize(rows.len().max(index + 1), Row::default());
+        rows[index].picture = rows[index].picture.max(picture);
+        rows[index].label = rows[index].label.max(label);
+    }
+    let mut top = 0;
+    for row in &mut rows {
+        row.top = top;
+        top += u64::from(row.height()) + u64::from(space);
+    }
+    rows
 }
 
 /// Row and column of each panel: rows of `columns`, or shorter where a panel begins one.

@@ -21,7 +21,11 @@ pub(super) fn moved(rect: Rect, by: [f64; 2]) -> Rect {
 /// The distance of two rectangles; 0 where they overlap.
 pub(super) fn distance(a: Rect, b: Rect) -> f64 {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]).max(0.0);
-    gap(0).hypot(gap(1))
+    match [gap(0), gap(1)] {
+        [x, 0.0] => x,
+        [0.0, y] => y,
+        [x, y] => x.hypot(y),
+    }
 }
 
 /// Whether two rectangles overlap or touch.
@@ -72,12 +76,16 @@ pub(super) fn is_inside([x, y]: [f64; 2], edge: &[[f64; 2]]) -> bool {
 pub(super) struct Grid {
     /// The side of a cell, points.
     side: f64,
+    /// Indices by cell, in their order and each once.
     cells: HashMap<[i32; 2], Vec<u32>>,
 }
 
 impl Grid {
     /// What is farther out, in cells, counts as if it were here: pages are smaller.
     const FARTHEST: i32 = 2048;
+    /// The most entries that a search looks at. A place with that many neighbours is as bad as any, and thousands of
+    /// labels on a page then take time in proportion to their number rather than to its square.
+    const MOST_FOUND: usize = 96;
 
     /// An empty one of cells with this side, points.
     pub fn new(side: f64) -> Self {
@@ -101,8 +109,7 @@ impl Grid {
                 let to = at(f64::from(row + 1) * self.side + MORE).unwrap_or(bx);
                 let columns = self.cell(from.min(to) - MORE)..=self.cell(from.max(to) + MORE);
                 for column in columns {
-                    let held = self.cells.entry([column, row]).or_default();
-                    held.push(index as u32);
+                    self.hold([column, row], index as u32);
                 }
             }
         }
@@ -111,28 +118,40 @@ impl Grid {
     /// Puts rectangle `index` in.
     pub fn insert(&mut self, index: usize, rect: Rect) {
         for cell in self.cells(rect) {
-            self.cells.entry(cell).or_default().push(index as u32);
+            self.hold(cell, index as u32);
+        }
+    }
+
+    fn hold(&mut self, cell: [i32; 2], index: u32) {
+        let held = self.cells.entry(cell).or_default();
+        if let Err(place) = held.binary_search(&index) {
+            held.insert(place, index);
         }
     }
 
     /// Takes rectangle `index` out.
     pub fn remove(&mut self, index: usize, rect: Rect) {
         for cell in self.cells(rect) {
-            if let Some(held) = self.cells.get_mut(&cell) {
-                held.retain(|other| *other != index as u32);
+            if let Some(held) = self.cells.get_mut(&cell)
+                && let Ok(place) = held.binary_search(&(index as u32))
+            {
+                held.remove(place);
             }
         }
     }
 
-    /// The indices of all rectangles and lines that may touch `rect`, each once, in their order.
+    /// The indices of rectangles and lines that may touch `rect`, each once, in their order: all of them, but for
+    /// crowded places, where the first few of each cell stand for the rest.
     pub fn near(&self, rect: Rect) -> Vec<usize> {
+        let count = self.cells(rect).count().max(1);
+        let share = (Self::MOST_FOUND / count).max(8);
         let held = self.cells(rect).filter_map(|cell| self.cells.get(&cell));
-        let mut found: Vec<usize> = held.flatten().map(|index| *index as usize).collect();
+        let held = held.flat_map(|held| held.iter().take(share));
+        let mut found: Vec<usize> = held.map(|index| *index as usize).collect();
         found.sort_unstable();
         found.dedup();
         found
     }
-
     /// The column or row of cells of a place.
     fn cell(&self, x: f64) -> i32 {
         let far = f64::from(Self::FARTHEST);
@@ -164,6 +183,20 @@ mod tests {
         assert_eq!(grid.near(at(1e299, -1e301)), [3]);
         grid.remove(1, at(31.5, 0.0));
         assert_eq!(grid.near(widened(UNIT, 40.0)), [0]);
+    }
+
+    #[test]
+    fn a_search_of_a_crowded_place_looks_at_a_bounded_number() {
+        let mut grid = Grid::new(32.0);
+        (0..5000).for_each(|index| grid.insert(index, moved(UNIT, [index as f64 * 1e-3, 0.0])));
+        let found = grid.near(widened(UNIT, 20.0));
+        assert!(
+            (8..=Grid::MOST_FOUND).contains(&found.len()),
+            "{}",
+            found.len()
+        );
+        (0..5000).for_each(|index| grid.remove(index, moved(UNIT, [index as f64 * 1e-3, 0.0])));
+        assert!(grid.near(widened(UNIT, 20.0)).is_empty());
     }
 
     #[test]

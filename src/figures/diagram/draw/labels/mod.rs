@@ -179,8 +179,8 @@ fn choose(labels: &mut [Label], i: usize, grid: &Grid, ground: &Ground) -> Optio
         if best.is_some_and(|(cost, _)| candidate.preference >= cost) {
             break;
         }
-        let cost = candidate.cost(labels, grid, ground);
-        if best.is_none_or(|(least, _)| cost < least) {
+        let least = best.map_or(f64::INFINITY, |(least, _)| least);
+        if let Some(cost) = candidate.cost_below(least, labels, grid, ground) {
             best = Some((cost, k));
         }
     }
@@ -197,11 +197,11 @@ fn leave_out(labels: &mut [Label], grid: &mut Grid, ground: &Ground) {
         grid.remove(i, rect);
         let mut candidates = std::mem::take(&mut labels[i].candidates);
         let candidate = labels[i].chosen.and_then(|k| candidates.get_mut(k));
-        let cost = candidate.map(|candidate| candidate.cost(labels, grid, ground));
+        let cost = candidate.and_then(|it| it.cost_below(TOO_MUCH, labels, grid, ground));
         labels[i].candidates = candidates;
-        match cost.is_some_and(|cost| cost >= TOO_MUCH) {
-            true => labels[i].chosen = None,
-            false => grid.insert(i, rect),
+        match cost {
+            None => labels[i].chosen = None,
+            Some(_) => grid.insert(i, rect),
         }
     }
 }
@@ -209,39 +209,55 @@ fn leave_out(labels: &mut [Label], grid: &mut Grid, ground: &Ground) {
 /// Takes away what has another label on its way over it and may be left out, as may what a clock reads for a moment.
 fn give_way(labels: &mut [Label]) {
     let places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
+    let mut grid = Grid::new(CELL);
+    for (i, place) in places.iter().enumerate() {
+        place.iter().for_each(|rect| grid.insert(i, *rect));
+    }
     for (i, label) in labels.iter_mut().enumerate() {
         let may = label.request.optional || label.request.key.is_some();
         let Some(own) = places[i].filter(|_| may) else {
             continue;
         };
-        let others = places.iter().enumerate().filter(|(k, _)| *k != i);
-        let mut others = others.filter_map(|(_, rect)| *rect);
-        if others.any(|other| distance(widened(own, AIR), other) == 0.0) {
+        let airy = widened(own, AIR);
+        let others = grid.near(airy).into_iter().filter(|k| *k != i);
+        let mut others = others.filter_map(|k| places[k]);
+        if others.any(|other| distance(airy, other) == 0.0) {
             label.chosen = None;
         }
     }
 }
 
 impl Candidate {
-    /// What it costs beside those of `labels` that are in `grid`.
-    fn cost(&mut self, all: &[Label], grid: &Grid, ground: &Ground) -> f64 {
+    /// What it costs beside those of `labels` that are in `grid`; none if that is `least` or more.
+    fn cost_below(
+        &mut self,
+        least: f64,
+        labels: &[Label],
+        grid: &Grid,
+        ground: &Ground,
+    ) -> Option<f64> {
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
             .get_or_insert_with(|| ground.cost(self.rect, airy));
+        let mut cost = self.preference + under + self.leader_cost(labels, grid);
+        if cost >= least {
+            return None;
+        }
         // What is farther than CLEAR costs nothing.
         let near = grid.near(widened(airy, CLEAR)).into_iter();
-        let near = near.filter_map(|k| all.get(k)?.rect());
-        let labels = near.map(|other| match distance(airy, other) {
-            0.0 => ON_LABEL,
-            apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
-        });
-        let beside = labels.sum::<f64>();
-        self.preference + under + beside + self.leader_cost(all, grid)
+        for other in near.filter_map(|k| labels.get(k)?.rect()) {
+            cost += match distance(airy, other) {
+                0.0 => ON_LABEL,
+                apart => NEAR_LABEL * (1.0 - apart / CLEAR).max(0.0),
+            };
+            if cost >= least {
+                return None;
+            }
+        }
+        Some(cost)
     }
-}
 
-impl Candidate {
     /// What its leader costs, which is not to cross other labels.
     fn leader_cost(&self, all: &[Label], grid: &Grid) -> f64 {
         if self.distance < LEADER {

@@ -136,7 +136,8 @@ fn write(
         let geometric = geometric
             .map(|errors| report::ErrorMap::new("geometric error (pixels)", comparison, errors));
         let mut maps = vec![map];
-        maps.extend(geometric.filter(|geometric| *geometric != maps[0]));
+        // Maps hold NaN, which equals nothing.
+        maps.extend(geometric.filter(|geometric| geometric.title != maps[0].title));
         let pair = [reference, candidate];
         drawing::save(path, report::page(comparison, breaches, pair, &maps)?)?;
     }

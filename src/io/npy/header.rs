@@ -25,6 +25,16 @@ pub enum Dtype {
 }
 
 impl Dtype {
+    /// Whether samples are real numbers, or booleans, of at most 64 bits.
+    pub fn is_number(&self) -> bool {
+        let Dtype::Other(descr) = self else {
+            return true;
+        };
+        let kind = descr.trim_start_matches(['<', '>', '|', '=']);
+        let kinds = ["b1", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8"];
+        kinds.contains(&kind)
+    }
+
     /// The largest number of an unsigned type, as it is read: `u8` in the range of `u4`.
     pub fn largest_unsigned(&self) -> Option<f64> {
         let Dtype::Other(descr) = self else {

@@ -5,12 +5,13 @@
 //! known becomes a note.
 
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::options::{CompareOptions, NotFinite, Region};
 use super::picture::{Alpha, Encoding, Picture, Plane, is_auxiliary, is_identity};
-use super::points::{OBJECT_POINT, WORLD_POINT};
+use super::points::{OBJECT_POINT, Points, WORLD_POINT};
 use crate::error::{Error, Result};
 use crate::io::image::{Channel, Layers, Samples};
 use crate::render::aov::Aov;
@@ -78,7 +79,10 @@ pub(super) fn matched<'a>(
         .check(reference.layers.width, reference.layers.height)?;
     encodings(pair)?;
     swapped(pair, options)?;
+    whole(pair)?;
     let mut notes = metadata(pair)?;
+    notes.extend(unread(pair));
+    notes.extend(no_hit(pair, options));
     // Then channel by channel: asked for, there, and on both sides.
     demanded(pair, &options.channels)?;
     let chosen = pair.map(|picture| chosen(picture, &options.channels));
@@ -168,6 +172,91 @@ fn swapped([r, c]: [&Picture; 2], options: &CompareOptions) -> Result<()> {
         what,
         "the reference comes first; --allow-swapped compares them as they are given",
     )
+}
+
+/// Refuses identities that are no whole numbers.
+fn whole(pair: [&Picture; 2]) -> Result<()> {
+    for picture in pair {
+        let width = picture.layers.width as usize;
+        for aov in [Aov::Object, Aov::Primitive] {
+            let Some(plane) = Plane::aov(&picture.layers, aov) else {
+                continue;
+            };
+            let is_part = |i: &usize| plane.at(*i).is_finite() && plane.at(*i).fract() != 0.0;
+            if let Some(i) = (0..width * picture.layers.height as usize).find(is_part) {
+                let what = format!(
+                    "it holds {} at column {}, row {}, and indices are whole numbers",
+                    plane.at(i),
+                    i % width,
+                    i / width
+                );
+                let place = format!("channel {}", aov.name());
+                let help = "indices of one sample of each pixel: means of indices name nothing";
+                return refuse(picture, &place, what, help);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What is said of arrays that are no channels.
+fn unread(pair: [&Picture; 2]) -> Vec<String> {
+    let some = pair
+        .into_iter()
+        .filter(|picture| !picture.unread.is_empty());
+    some.map(|picture| {
+        let names: Vec<&str> = picture.unread.iter().map(String::as_str).collect();
+        format!(
+            "not read of {}, as they are no channels of a picture: {}",
+            picture.name,
+            list(&names)
+        )
+    })
+    .collect()
+}
+
+/// The part of the reference's pixels without a surface at which one number in a candidate says that nothing is met, and
+/// the part of the others at which it may stand.
+const SAYS_NOTHING: f64 = 0.95;
+const STANDS_ELSEWHERE: f64 = 0.05;
+
+/// What is said of a number that stands for no object in the candidate, other than those that are known to.
+fn no_hit([r, c]: [&Picture; 2], options: &CompareOptions) -> Option<String> {
+    let points = [r, c].map(|picture| Points::new(&picture.layers));
+    let theirs = points[1].object?;
+    let (mut empty, mut counts) = (0usize, BTreeMap::<i64, [usize; 2]>::new());
+    let (mut full, mut known) = (0usize, BTreeSet::new());
+    for i in options.region.pixels(points[0].size()) {
+        let object = points[0].object_at(i)?;
+        let id = match points[1].object_at(i)? {
+            id if id < 0.0 => theirs.at(i),
+            id => id,
+        };
+        let count = counts.entry(id as i64).or_default();
+        match object < 0.0 {
+            true => {
+                empty += 1;
+                count[0] += usize::from(!id.is_nan());
+            }
+            false => {
+                full += 1;
+                count[1] += usize::from(!id.is_nan());
+                known.insert(object as i64);
+            }
+        }
+    }
+    let (id, [at_empty, at_full]) = counts
+        .into_iter()
+        .max_by_key(|(_, [at_empty, _])| *at_empty)?;
+    let is_known = known.contains(&id) || id == -1 || id >= u32::MAX.into();
+    let says_nothing = at_empty > 0 && at_empty as f64 >= SAYS_NOTHING * empty as f64;
+    let is_object = at_full as f64 > STANDS_ELSEWHERE * full as f64;
+    (says_nothing && !is_known && !is_object).then(|| {
+        format!(
+            "{id} stands in {} where nothing is met: --no-hit {id} says so",
+            c.name
+        )
+    })
 }
 
 /// Refuses metadata that contradict each other; notes on those that say that two shots are not the same.

@@ -12,6 +12,7 @@ use super::matching::Uncompared;
 use super::picture::is_light;
 use super::surface::{Distribution, SurfaceErrors, Unmeasured};
 use crate::error::{Error, Result};
+use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
 /// A metric, or for values of many pixels a family of them (`geometric.mean`, `geometric.p99`): a row of [`METRICS`].
@@ -499,6 +500,9 @@ impl std::fmt::Display for Breach {
         };
         match &self.found {
             Found::Value(found) => {
+                // The digits of the table, unless these do not tell it from its limit.
+                let digits = Some(number(*found)).filter(|digits| *digits != number(*value));
+                let found = digits.unwrap_or_else(|| found.to_string());
                 write!(f, "{metric} is {found}, and may be at {limit} {value}")
             }
             Found::Nothing(why) => {
@@ -659,6 +663,12 @@ impl Comparison {
             .rsplit_once(':')
             .filter(|_| Name::of(metric).is_some())
         {
+            let is_identity = Aov::named(channel).is_some_and(Aov::is_identity);
+            if is_identity {
+                let what = format!("{channel} holds indices, whose differences mean nothing");
+                let help = "wrong_objects counts the pixels at which objects differ: --tolerance wrong_objects=0";
+                return Error::invalid("command line", place, what, help);
+            }
             let what = format!("neither picture has a channel {channel} with numbers");
             let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
             let help = format!("compared are {}", names.join(", "));

@@ -13,6 +13,9 @@ use crate::render::aov::{self, Aov};
 /// The channels of light, in this order.
 pub(super) const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
+/// Names of a channel of grey light.
+const GREY: [&str; 5] = ["radiance", "value", "arr_0", "Y", "luminance"];
+
 /// Whether the channel is one of the light's.
 pub(super) fn is_light(name: &str) -> bool {
     name.starts_with("radiance.")
@@ -53,6 +56,8 @@ pub struct Picture {
     pub alpha: Alpha,
     /// Whether its values end at 1, as those of a `.png` do.
     pub ends_at_one: bool,
+    /// Arrays of its file that are no channels: a camera's matrix, a frame rate, motion vectors.
+    pub unread: Vec<String>,
 }
 
 /// Whether light is multiplied by alpha.
@@ -81,6 +86,7 @@ impl Picture {
             half: Vec::new(),
             alpha: Alpha::Unknown,
             ends_at_one: false,
+            unread: Vec::new(),
         }
     }
 
@@ -89,18 +95,20 @@ impl Picture {
         self.encoding == Encoding::Linear && !self.ends_at_one
     }
 
-    /// The picture in colours, where it has a single channel beside auxiliary ones and `other` has red, green and blue:
-    /// grey stands for equal parts of them, as of a cube with one channel.
+    /// The picture in colours, where it is grey and `other` has red, green and blue: grey stands for equal parts of them, as of a
+    /// cube with one channel. Grey is a channel that is named like light, or the only one.
     pub(super) fn in_colours(&self, other: &Picture) -> Option<Picture> {
-        let is_plain = |channel: &&Channel| !is_auxiliary(&channel.name) && channel.name != "A";
-        let mut plain = self.layers.channels.iter().filter(is_plain);
-        let (Some(grey), None) = (plain.next(), plain.next()) else {
-            return None;
+        let channels = &self.layers.channels;
+        let is_named = |channel: &&Channel| GREY.contains(&channel.name.as_str());
+        let mut named = channels.iter().filter(is_named);
+        let grey = match (named.next(), named.next(), channels.as_slice()) {
+            (Some(grey), None, _) => grey,
+            (None, _, [only]) if !is_auxiliary(&only.name) && only.name != "A" => only,
+            _ => return None,
         };
-        if !RADIANCE
-            .iter()
-            .all(|name| other.layers.channel(name).is_some())
-        {
+        let has_colours = channels.iter().any(|channel| is_light(&channel.name));
+        let is_coloured = |name: &&str| other.layers.channel(name).is_some();
+        if has_colours || !RADIANCE.iter().all(|name| is_coloured(&name)) {
             return None;
         }
         let mut picture = self.clone();
@@ -114,7 +122,7 @@ impl Picture {
                 self.layers
                     .channels
                     .iter()
-                    .filter(|c| !is_plain(c))
+                    .filter(|c| c.name != grey.name)
                     .cloned(),
             )
             .collect();
@@ -247,7 +255,8 @@ impl Picture {
     /// Arrays have the shape (H, W), or (H, W, n). One of n = 3 or 4 named `radiance`, or alone in its file, is
     /// `radiance.R`, `.G`, `.B` and `A`; one named like a group of auxiliary channels is these, in their order (`event` of
     /// shape (H, W, 4) is `event.ct`, `.x`, `.y`, `.z`); one of n = 1 counts as (H, W), and is a channel of its own
-    /// name, `value` in a `.npy` file. Of channels of identities in unsigned integers, the largest number of
+    /// name, `value` in a `.npy` file. What else an archive holds beside channels (a camera's matrix, a frame rate, texts, motion
+    /// vectors) is not read, and its names are kept in [`Picture::unread`]. Of channels of identities in unsigned integers, the largest number of
     /// the type means that nothing is met (255 in uint8), like −1 in others.
     ///
     /// # Errors
@@ -269,7 +278,13 @@ impl Picture {
                 ends_at_one: true,
                 ..Picture::linear(name, png::read(path, budget)?)
             },
-            Some("npz" | "npy") => Picture::linear(name, arrays(path, budget)?),
+            Some("npz" | "npy") => {
+                let (layers, unread) = arrays(path, budget)?;
+                Picture {
+                    unread,
+                    ..Picture::linear(name, layers)
+                }
+            }
             _ => {
                 return Err(Error::unsupported(
                     path,
@@ -296,20 +311,31 @@ fn where_nothing_is_met(samples: &Samples, no_hit: f64) -> Samples {
     Samples::F64(samples.to_f64().into_iter().map(id).collect())
 }
 
-fn arrays(path: &Path, budget: &Budget) -> Result<Layers> {
-    let headers = npy::inspect(path, None)?;
-    let mut metadata = Vec::new();
+/// The channels that the arrays of a file are, and the names of those that are none.
+fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
+    let mut headers = npy::inspect(path, None)?;
+    let is_metadata = |header: &Header| header.name.as_deref() == Some("metadata");
+    let metadata = match headers.iter().any(is_metadata) {
+        true => entries(&npy::load_text(path, "metadata", budget)?),
+        false => Vec::new(),
+    };
+    headers.retain(|header| !is_metadata(header));
+    // What is ours has to be right; of the rest, what is no channel of a picture of this size is left out.
+    let is_alone = headers.len() == 1;
+    let ours = |header: &Header| is_alone || is_ours(header.name.as_deref());
+    let size = headers.iter().find(|header| ours(header));
+    let size = size.and_then(|header| pixels(&header.shape));
+    let is_channel = |header: &Header| {
+        let is_plane = matches!(*header.shape.as_slice(), [_, _] | [_, _, 1]);
+        is_plane && header.dtype.is_number() && pixels(&header.shape) == size
+    };
+    let any = headers.iter().any(&ours);
+    let (read, unread): (Vec<Header>, Vec<Header>) =
+        (headers.into_iter()).partition(|header| !any || ours(header) || is_channel(header));
     let mut parts: Vec<([usize; 2], Vec<Channel>)> = Vec::new();
-    for header in &headers {
-        let name = header.name.as_deref();
-        match name {
-            Some("metadata") => metadata = entries(&npy::load_text(path, "metadata", budget)?),
-            _ => parts.push(channels(
-                path,
-                header,
-                npy::load_plain(path, name, budget)?,
-            )?),
-        }
+    for header in &read {
+        let array = npy::load_plain(path, header.name.as_deref(), budget)?;
+        parts.push(channels(path, header, is_alone, array)?);
     }
     let Some([height, width]) = parts.first().map(|part| part.0) else {
         return Err(Error::invalid(
@@ -333,7 +359,26 @@ fn arrays(path: &Path, budget: &Budget) -> Result<Layers> {
     }
     let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let channels = parts.into_iter().flat_map(|part| part.1).collect();
-    Layers::new(side(width), side(height), channels, metadata)
+    let layers = Layers::new(side(width), side(height), channels, metadata)?;
+    let unread = unread.into_iter().filter_map(|header| header.name);
+    Ok((layers, unread.collect()))
+}
+
+/// Whether an array of this name is light, or a channel or a group of auxiliary ones.
+fn is_ours(name: Option<&str>) -> bool {
+    let Some(name) = name else {
+        return true;
+    };
+    let is_light_or_alpha = is_light(name) || GREY.contains(&name) || name == "A";
+    is_light_or_alpha || is_auxiliary(name) || !aov::group_of(name).is_empty()
+}
+
+/// Rows and columns of an array of one number, or several, per pixel.
+fn pixels(shape: &[usize]) -> Option<[usize; 2]> {
+    match *shape {
+        [height, width] | [height, width, _] => Some([height, width]),
+        _ => None,
+    }
 }
 
 /// Keys and values of the metadata's JSON.
@@ -347,8 +392,13 @@ fn entries(json: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// The channels that an array is, with its rows and columns.
-fn channels(path: &Path, header: &Header, array: Plain) -> Result<([usize; 2], Vec<Channel>)> {
+/// The channels that an array, maybe the only one of its file, is, with its rows and columns.
+fn channels(
+    path: &Path,
+    header: &Header,
+    is_alone: bool,
+    array: Plain,
+) -> Result<([usize; 2], Vec<Channel>)> {
     let name = header.name.as_deref();
     let samples = match array.samples {
         Numbers::F32(v) => Samples::F32(v),
@@ -361,7 +411,7 @@ fn channels(path: &Path, header: &Header, array: Plain) -> Result<([usize; 2], V
         [height, width, depth] => ([height, width], depth),
         _ => return Err(no_picture(path, name, &array.shape)),
     };
-    let names = names(name, depth).ok_or_else(|| no_picture(path, name, &array.shape))?;
+    let names = names(name, depth, is_alone).ok_or_else(|| no_picture(path, name, &array.shape))?;
     let channel = |(k, name): (usize, String)| {
         let mut channel = Channel {
             name,
@@ -377,9 +427,9 @@ fn channels(path: &Path, header: &Header, array: Plain) -> Result<([usize; 2], V
 }
 
 /// The names of the channels that the array `name` of so many numbers per pixel holds.
-fn names(name: Option<&str>, depth: usize) -> Option<Vec<String>> {
-    let light = matches!(name, None | Some("radiance" | "arr_0"));
+fn names(name: Option<&str>, depth: usize, is_alone: bool) -> Option<Vec<String>> {
     let group = aov::group_of(name.unwrap_or(""));
+    let light = matches!(name, None | Some("radiance" | "arr_0")) || (is_alone && group.is_empty());
     match depth {
         1 => Some(vec![name.unwrap_or("value").to_string()]),
         3 | 4 if light => {

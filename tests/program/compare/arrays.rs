@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nullray::io::image::Layers;
-use nullray::validate::compare::{Encoding, Picture};
+use nullray::io::image::{Layers, Samples};
+use nullray::validate::compare::{CompareOptions, Encoding, Picture, compare};
 
 /// A `.npy` file of these bytes after a header that says so, read as a picture.
 fn read(descr: &str, order: &str, shape: &str, samples: &[u8]) -> Result<Picture, String> {
@@ -40,13 +40,29 @@ fn read_as(
 
 /// An archive of one array whose name is that of the file.
 fn archive(path: &Path, array: &[u8]) {
+    let name = path.file_stem().unwrap().to_str().unwrap();
+    archive_of(path, &[(name, array.to_vec())]);
+}
+
+fn archive_of(path: &Path, arrays: &[(&str, Vec<u8>)]) {
     use std::io::Write;
     let mut archive = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
-    let name = path.file_stem().unwrap().to_str().unwrap();
     let options = zip::write::SimpleFileOptions::default();
-    archive.start_file(format!("{name}.npy"), options).unwrap();
-    archive.write_all(array).unwrap();
+    for (name, array) in arrays {
+        archive.start_file(format!("{name}.npy"), options).unwrap();
+        archive.write_all(array).unwrap();
+    }
     archive.finish().unwrap();
+}
+
+/// A `.npy` of this type and shape, of zeros.
+fn zeros(descr: &str, shape: &str, bytes: usize) -> Vec<u8> {
+    let header = header(descr, "False", shape);
+    let mut array = b"\x93NUMPY\x01\x00".to_vec();
+    array.extend((header.len() as u16).to_le_bytes());
+    array.extend(header.bytes());
+    array.resize(array.len() + bytes, 0);
+    array
 }
 
 fn values(layers: &Layers, name: &str) -> Vec<f64> {
@@ -161,4 +177,131 @@ fn what_is_no_picture_is_refused_with_what_it_is() {
             .unwrap_err()
             .contains("2^53")
     );
+}
+
+/// An archive of light, of objects, and of these arrays.
+fn with_others(others: &[(&str, Vec<u8>)]) -> Result<Picture, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.npz");
+    let mut arrays = others.to_vec();
+    arrays.push(("object", zeros("<i4", "(8, 9)", 4 * 72)));
+    arrays.push(("radiance", zeros("<f4", "(8, 9, 3)", 12 * 72)));
+    archive_of(&path, &arrays);
+    Picture::read(&path, Encoding::Srgb, &Default::default()).map_err(|error| error.to_string())
+}
+
+#[test]
+fn arrays_that_are_no_channels_are_noted_and_the_others_compared() {
+    let others = [
+        ("camera", zeros("<f8", "(4, 4)", 128)),
+        ("fps", zeros("<f8", "()", 8)),
+        ("title", zeros("<U4", "()", 16)),
+        ("motion", zeros("<f4", "(8, 9, 2)", 8 * 72)),
+        ("normals", zeros("<f4", "(8, 9, 3)", 12 * 72)),
+        ("field", zeros("<c16", "(8, 9)", 16 * 72)),
+        ("triangles", zeros("<i4", "(10, 3)", 120)),
+        ("mask", zeros("|b1", "(8, 9)", 72)),
+    ];
+    let picture = with_others(&others).unwrap();
+    let all = [
+        "camera",
+        "fps",
+        "title",
+        "motion",
+        "normals",
+        "field",
+        "triangles",
+    ];
+    assert_eq!(picture.unread, all);
+    assert!(picture.layers.channel("mask").is_some());
+    let plain = with_others(&[]).unwrap();
+    let options = CompareOptions::default();
+    let compared = compare(&plain, &picture, &options).unwrap();
+    let is_told = |note: &String| note.contains("not read of") && note.contains(": camera, fps");
+    assert_eq!(compared.notes.iter().filter(|n| is_told(n)).count(), 1);
+    assert_eq!(compared.uncompared.only_candidate, ["mask"]);
+    // What is named like channels of ours has to be like them.
+    for (name, array, words) in [
+        (
+            "event",
+            zeros("<f4", "(8, 9, 3)", 12 * 72),
+            "array \"event\"",
+        ),
+        (
+            "direction",
+            zeros("<c16", "(8, 9, 3)", 48 * 72),
+            "direction",
+        ),
+        ("distance", zeros("<f4", "(7, 9)", 4 * 63), "9 × 7"),
+    ] {
+        let message = with_others(&[(name, array)]).unwrap_err();
+        assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn a_plane_beside_others_is_no_grey_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mask.npz");
+    let grey = |arrays: &[(&str, Vec<u8>)]| {
+        archive_of(&path, arrays);
+        let candidate = Picture::read(&path, Encoding::Srgb, &Default::default()).unwrap();
+        let reference = with_others(&[]).unwrap();
+        let compared = compare(&reference, &candidate, &CompareOptions::default()).unwrap();
+        compared.radiance.is_some()
+    };
+    let object = || ("object", zeros("<i4", "(8, 9)", 4 * 72));
+    assert!(!grey(&[("mask", zeros("|b1", "(8, 9)", 72)), object()]));
+    assert!(grey(&[
+        ("radiance", zeros("<f4", "(8, 9)", 4 * 72)),
+        object()
+    ]));
+    assert!(grey(&[("image", zeros("<f4", "(8, 9)", 4 * 72))]));
+}
+
+/// Objects as numbers of one byte, a picture of 8 × 9 pixels without a surface in the upper half.
+fn objects(nothing: i8) -> Picture {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("objects.npz");
+    let mut array = zeros("|i1", "(8, 9)", 0);
+    array.extend((0..72).map(|i| if i < 36 { nothing as u8 } else { i as u8 % 2 }));
+    archive_of(&path, &[("object", array)]);
+    Picture::read(&path, Encoding::Srgb, &Default::default()).unwrap()
+}
+
+#[test]
+fn a_number_that_stands_where_nothing_is_met_is_named() {
+    let notes = |nothing: i8| {
+        let options = CompareOptions::default();
+        compare(&objects(-1), &objects(nothing), &options)
+            .unwrap()
+            .notes
+    };
+    for nothing in [99, -2] {
+        let words = format!("--no-hit {nothing} says so");
+        assert!(
+            notes(nothing).iter().any(|n| n.contains(&words)),
+            "{:?}",
+            notes(nothing)
+        );
+    }
+    for nothing in [-1, 0] {
+        assert_eq!(notes(nothing), Vec::<String>::new(), "{nothing}");
+    }
+    let mut said = objects(99);
+    said.set_no_hit(99);
+    let compared = compare(&objects(-1), &said, &CompareOptions::default()).unwrap();
+    assert_eq!(compared.notes, Vec::<String>::new());
+    assert_eq!(compared.surface.unwrap().wrong_objects.unwrap().pixels, 0);
+}
+
+#[test]
+fn indices_that_are_no_whole_numbers_are_refused() {
+    let mut wrong = objects(-1);
+    let mut ids = wrong.layers.channels[0].samples.to_f64();
+    ids[40] = 0.5;
+    wrong.layers.channels[0].samples = Samples::F64(ids);
+    let error = compare(&objects(-1), &wrong, &CompareOptions::default()).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("0.5 at column 4, row 4"), "{message}");
 }

@@ -269,3 +269,37 @@ fn one_object_that_moves_alone_is_no_film_that_moves() {
     let still = shot(&parsed(SCENE));
     assert_eq!(diagnosed(&bare(&exact()), &bare(&still)), []);
 }
+
+#[test]
+fn half_a_pixel_of_means_is_no_mistake_of_the_light() {
+    // Means of 4 × 4: at edges before the dark sky a few pixels are nearly black.
+    for floor in ["[0.2, 0.5, 0.8]", "[0.002, 0.005, 0.008]"] {
+        let text = SCENE.replace("[0.2, 0.5, 0.8]", floor);
+        let exact = shot(&parsed(&text));
+        let whole = shot(&parsed(&text.replace("[96, 72]", "[384, 288]")));
+        let [reference, candidate] = [[0, 0], [2, 2]].map(|first| boxes(&whole, &exact, 4, first));
+        for reference in [reference.clone(), unknown(&reference)] {
+            let found = diagnosed(&reference, &candidate);
+            named(Kind::FilmShifted, &["by half a pixel"], &found);
+        }
+    }
+}
+
+/// Means of squares of n × n pixels of a picture that is n times as large, the first at `first`.
+fn boxes(whole: &Picture, like: &Picture, n: usize, first: [usize; 2]) -> Picture {
+    let [w, h] = [like.layers.width, like.layers.height].map(|n| n as usize);
+    let mut picture = light(like);
+    for channel in &mut picture.layers.channels {
+        let values = values(whole, &channel.name);
+        let mean = |i: usize| {
+            let pixels = (0..n * n).map(|k| {
+                let x = (n * (i % w) + first[0] + k % n).min(n * w - 1);
+                let y = (n * (i / w) + first[1] + k / n).min(n * h - 1);
+                values[y * n * w + x]
+            });
+            pixels.sum::<f64>() / (n * n) as f64
+        };
+        channel.samples = Samples::F64((0..w * h).map(mean).collect());
+    }
+    picture
+}

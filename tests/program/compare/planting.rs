@@ -37,13 +37,18 @@ pub fn parsed(text: &str) -> Scene {
     scene::parse(text, "test scene", ".".as_ref(), &Overrides::default()).unwrap()
 }
 
-/// What `scene` looks like, with all channels and metadata.
+/// What `scene` looks like at the centres of pixels, with all channels and metadata.
 pub fn shot(scene: &Scene) -> Picture {
+    taken(scene, true)
+}
+
+/// What `scene` looks like, at the centres of pixels or with samples all over them.
+pub fn taken(scene: &Scene, pixel_centers: bool) -> Picture {
     let mut aovs = aov::parse("all").unwrap();
     aovs.retain(|aov| *aov != Aov::StandardError);
     let request = Request {
         aovs: aovs.clone(),
-        pixel_centers: true,
+        pixel_centers,
         ..Request::default()
     };
     let plan = Plan::new(scene, &request).unwrap();

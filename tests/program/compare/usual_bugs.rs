@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nullray::io::image::Samples;
-use nullray::scene::model::SourceKind;
+use nullray::scene::model::{Scene, SourceKind};
 use nullray::scene::{self, Overrides};
 use nullray::validate::compare::{
     Breach, CompareOptions, Encoding, Kind, Picture, Tolerance, compare,
@@ -12,7 +12,7 @@ use nullray::validate::compare::{
 
 use crate::compare::planting::{
     LIGHT, SCENE, changed, diagnosed, diagnosed_with, evidence, exact, map, named, only, parsed,
-    rasterized, rearranged, shot, unknown, values, with,
+    rasterized, rearranged, shot, taken, unknown, values, with,
 };
 
 #[test]
@@ -597,4 +597,132 @@ fn an_object_off_its_surface_is_named_where_nothing_explains_it() {
     });
     let found = diagnosed(&exact, &wrong);
     named(Kind::ObjectElsewhere, &["object 1 is elsewhere"], &found);
+}
+
+/// A shipped scene of 160 × 120 pixels.
+fn shipped(name: &str) -> Scene {
+    let overrides = Overrides {
+        size: Some([160, 120]),
+        ..Overrides::default()
+    };
+    scene::load(format!("scenes/{name}.toml").as_ref(), &overrides).unwrap()
+}
+
+#[test]
+fn of_right_pictures_with_other_samples_nothing_is_named() {
+    for name in [
+        "several-velocities",
+        "lamps",
+        "dice",
+        "cube/receding-0.9",
+        "gallery/street",
+    ] {
+        let mut scene = shipped(name);
+        let mut of = |samples: u32| {
+            scene.samples_per_pixel = samples;
+            taken(&scene, false)
+        };
+        let [one, many] = [1, 64].map(&mut of);
+        let centres = shot(&scene);
+        let pairs = [
+            ("1 for 64", &many, &one),
+            ("64 for 1", &one, &many),
+            ("64 for centres", &centres, &many),
+        ];
+        for (samples, reference, candidate) in pairs {
+            let candidate = only(candidate, &["object", "event"]);
+            for reference in [reference.clone(), unknown(reference)] {
+                let found = diagnosed(&reference, &candidate);
+                assert_eq!(found, [], "{name}, {samples}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wall_behind_a_box_that_is_elsewhere_is_not_named() {
+    let text = |place: &str| {
+        format!(
+            r#"
+            camera = {{ eye = [0, 0, 5], forward = [0, 0, -1], hfov = "60 deg", size = [96, 72] }}
+            [[object]]
+            name = "wall"
+            shape = {{ box = {{ size = [20, 20, 0.1] }} }}
+            [[object]]
+            name = "near"
+            shape = {{ box = {{ size = [2, 2, 0.1] }} }}
+            origin = {{ position = [{place}, 1], time = "0 m" }}
+        "#
+        )
+    };
+    let [right, moved, nearer] =
+        ["0, 0", "1.2, 0.6", "0.2, 0.1"].map(|place| shot(&parsed(&text(place))));
+    let candidate = |picture: &Picture| only(picture, &["object", "event"]);
+    for reference in [right.clone(), unknown(&right)] {
+        let found = diagnosed(&reference, &candidate(&moved));
+        named(Kind::ObjectElsewhere, &["object 1 is elsewhere"], &found);
+        let found = diagnosed(&reference, &candidate(&nearer));
+        assert!(
+            found.iter().all(|d| !d.what.contains("object 0")),
+            "{found:?}"
+        );
+        assert_eq!(diagnosed(&reference, &candidate(&right)), []);
+    }
+}
+
+#[test]
+fn wrong_times_of_several_moving_objects_are_named_by_events_alone() {
+    let scene = shipped("several-velocities");
+    let exact = shot(&scene);
+    let groups = ["object", "event"];
+    let mut instant = scene.clone();
+    instant.effects.retardation = false;
+    let found = diagnosed(&exact, &only(&shot(&instant), &groups));
+    named(
+        Kind::RetardationMissing,
+        &["retardation is missing"],
+        &found,
+    );
+    let mut late = only(&exact, &groups);
+    map(&mut late, "event.ct", |_, t| t + 0.025);
+    let found = diagnosed(&exact, &late);
+    named(Kind::TimeShifted, &["too late by half a bin"], &found);
+}
+
+#[test]
+fn exchanged_indices_of_an_object_that_fills_the_picture_are_no_indices_from_1() {
+    let exact = mostly_floor();
+    let mut swapped = exact.clone();
+    // Nearly all pixels show object 0, which is then 1 as it would be if indices counted from 1.
+    map(&mut swapped, "object", |_, id| match id {
+        0.0 => 1.0,
+        1.0 => 0.0,
+        id => id,
+    });
+    let share = values(&exact, "object")
+        .iter()
+        .filter(|id| **id == 0.0)
+        .count();
+    assert!(share > 0, "{share}");
+    let words = ["1 for 0, 0 for 1"];
+    named(
+        Kind::IdentitiesSwapped,
+        &words,
+        &diagnosed(&exact, &swapped),
+    );
+}
+
+#[test]
+fn light_in_whole_numbers_is_named_as_codes() {
+    let exact = exact();
+    for encode in [|v: f64| v, nullray::colour::srgb_encode] {
+        let mut codes = exact.clone();
+        for name in LIGHT {
+            map(&mut codes, name, |_, v| {
+                (255.0 * encode(v.min(1.0))).round()
+            });
+        }
+        let found = diagnosed(&exact, &codes);
+        named(Kind::Gamma, &["whole numbers", "codes of 8 bits"], &found);
+    }
 }

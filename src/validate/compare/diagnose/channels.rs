@@ -51,20 +51,6 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
     if total < super::FEWEST as u64 || right >= ALMOST_ALL {
         return None;
     }
-    let one_based = count(&|r| r + 1);
-    if one_based >= ALMOST_ALL {
-        let zero = nothing.is_some_and(|c| c.contains_key(&0));
-        let at = if zero {
-            ", and 0 stands where nothing is met"
-        } else {
-            ""
-        };
-        return Some(Diagnosis {
-            kind: Kind::IdentitiesOneBased,
-            what: format!("indices of {name} count from 1 and should from 0{at}"),
-            evidence: vec![("part of the pixels with surfaces", one_based)],
-        });
-    }
     // Each name stands for one other, and no two for the same.
     let most = |c: &BTreeMap<i64, u64>| c.iter().max_by_key(|(_, n)| **n).map(|(id, _)| *id);
     let map: BTreeMap<i64, i64> = names
@@ -85,15 +71,32 @@ fn renamed(case: &Case, name: &'static str, [r, c]: [Option<Plane>; 2]) -> Optio
         names[r][c] as f64 >= ALMOST_ALL * all as f64
     };
     let unique = targets.len() == map.len() && !targets.contains(&-1);
-    let is_exchange = unique && changes.len() > 1 && changes.iter().all(agrees);
+    let is_exchange =
+        name == "objects" && unique && changes.len() > 1 && changes.iter().all(agrees);
+    let one_based = count(&|r| r + 1);
+    let exchanged = count(&|r| map[&r]);
+    // Of an object that fills the picture, both explain almost all.
+    if one_based >= ALMOST_ALL && !(is_exchange && exchanged > one_based) {
+        let zero = nothing.is_some_and(|c| c.contains_key(&0));
+        let at = if zero {
+            ", and 0 stands where nothing is met"
+        } else {
+            ""
+        };
+        return Some(Diagnosis {
+            kind: Kind::IdentitiesOneBased,
+            what: format!("indices of {name} count from 1 and should from 0{at}"),
+            evidence: vec![("part of the pixels with surfaces", one_based)],
+        });
+    }
     let words = changes.iter().take(6).map(|(r, c)| format!("{c} for {r}"));
-    (is_exchange && name == "objects").then(|| Diagnosis {
+    is_exchange.then(|| Diagnosis {
         kind: Kind::IdentitiesSwapped,
         what: format!(
             "indices of {name} are exchanged: {}",
             words.collect::<Vec<_>>().join(", ")
         ),
-        evidence: vec![("part of the pixels with surfaces", count(&|r| map[&r]))],
+        evidence: vec![("part of the pixels with surfaces", exchanged)],
     })
 }
 

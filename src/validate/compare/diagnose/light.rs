@@ -2,7 +2,8 @@
 //!
 //! Pixels that the candidate clips at 1 say nothing. Of the hypotheses that explain the error the first is named:
 //! exchanged colours and gamma have no free number; an exponent explains how the light's logarithm varies, an exposure
-//! that it does not. The exponent is the slope k of
+//! that it does not. Light that is as good as black counts as a hundredth of its median, and what is wrong at edges alone is no
+//! mistake of the light. The exponent is the slope k of
 //!
 //! ```text
 //! ln(c/r) = a + k ln W,
@@ -18,13 +19,13 @@ use crate::render::aov::Aov;
 /// The light of a pixel in the reference and in the candidate.
 pub(super) type Lit = (usize, [[f64; 3]; 2]);
 
-/// What asks one question of the light.
-type Hypothesis = fn(&Case, &[Lit]) -> Option<Diagnosis>;
+/// What asks one question of the light; with the part of the squared error that it leaves.
+type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
 
-/// What is wrong with the light.
-pub(super) fn light(case: &Case) -> Option<Diagnosis> {
+/// What is wrong with the light, and the part of its squared error that this leaves.
+pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = lit(case)?;
-    let named: [Hypothesis; 4] = [colours, gamma, exponent, exposure];
+    let named: [Hypothesis; 5] = [codes, colours, gamma, exponent, exposure];
     named.iter().find_map(|hypothesis| hypothesis(case, &lit))
 }
 
@@ -55,12 +56,83 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     square.sqrt()
 }
 
+/// Light below this part of its median is as good as black: half a unit of an 8-bit picture's darkest codes.
+const BLACK: f64 = 0.01;
+/// The part of the lit pixels at which something has to be wrong: fewer are edges.
+const FEWEST_WRONG: f64 = 0.1;
+/// What a hypothesis may leave of the squared error of all lit pixels, of compressed light.
+const LEFT: f64 = 0.5;
+
+/// The median of the reference's light.
+fn middle(lit: &[Lit]) -> f64 {
+    let sizes = lit.iter().map(|(_, [r, _])| distance(*r, [0.0; 3]));
+    median(sizes.collect()).unwrap_or(0.0)
+}
+
+/// What a hypothesis says of the light.
+pub(super) struct Told {
+    pub tally: Tally,
+    /// Of how many pixels with light.
+    pixels: usize,
+    /// What it leaves of the squared error, of light v compressed to v/(v + median): neither lamps nor what is nearly black
+    /// decide alone.
+    pub left: f64,
+}
+
+impl Told {
+    /// Whether it explains most of an error that is not one of edges alone.
+    pub fn explains(&self) -> bool {
+        let enough = self.tally.distances.len() as f64 >= FEWEST_WRONG * self.pixels as f64;
+        enough && self.left <= LEFT && self.tally.explains(NOTABLE)
+    }
+}
+
 /// |c − r| and |c − h(r)| in parts of the reference's light, so that bright pixels do not decide alone.
-pub(super) fn tally(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Tally {
-    Tally::of(lit.iter().map(|&(i, [r, c])| {
-        let size = distance(r, [0.0; 3]);
+pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told {
+    let middle = middle(lit);
+    let tally = Tally::of(lit.iter().map(|&(i, [r, c])| {
+        let size = distance(r, [0.0; 3]).max(BLACK * middle);
         [distance(c, r) / size, distance(c, h(i, r)) / size]
-    }))
+    }));
+    let compressed = |light: [f64; 3]| light.map(|v| v / (v.abs() + middle));
+    let square = |a, b| {
+        let d = distance(compressed(a), compressed(b));
+        d * d
+    };
+    let [mut is, mut was] = [0.0; 2];
+    for &(i, [r, c]) in lit {
+        was += square(c, r);
+        is += square(c, h(i, r));
+    }
+    Told {
+        tally,
+        pixels: lit.len(),
+        left: is / was,
+    }
+}
+
+/// The largest codes of 8 and of 16 bits.
+const LARGEST_CODES: [f64; 2] = [255.0, 65535.0];
+
+/// Light that is codes: whole numbers.
+fn codes(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+    let are_whole = |which: usize| {
+        let mut values = lit.iter().flat_map(|(_, pair)| pair[which]);
+        values.all(|v| v.fract() == 0.0)
+    };
+    let largest = lit.iter().flat_map(|(_, [_, c])| *c).fold(0.0, f64::max);
+    let bound = LARGEST_CODES.into_iter().find(|bound| largest <= *bound)?;
+    (largest > 1.0 && are_whole(1) && !are_whole(0)).then_some(())?;
+    let found = told(lit, |_, r| r);
+    (found.tally.error() > NOTABLE).then(|| {
+        let what = format!(
+            "light is in whole numbers up to {largest}: codes of {} bits, and not linear light. Divide by {bound}, and decode what is encoded for a display",
+            if bound > 255.0 { 16 } else { 8 }
+        );
+        let evidence = vec![("largest code", largest)];
+        let kind = Kind::Gamma;
+        (Diagnosis { kind, what, evidence }, 0.0)
+    })
 }
 
 /// Errors of light, in parts of it, that are notable.
@@ -73,7 +145,7 @@ pub(super) fn evidence(tally: &Tally) -> Vec<(&'static str, f64)> {
     ]
 }
 
-fn colours(_: &Case, lit: &[Lit]) -> Option<Diagnosis> {
+fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let orders = [
         ([2, 1, 0], "BGR"),
         ([0, 2, 1], "RBG"),
@@ -82,25 +154,26 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<Diagnosis> {
         ([2, 0, 1], "BRG"),
     ];
     // Where most of the light is grey, or nearly, other orders explain it too, but not all of it.
-    let mut best: Option<(&str, Tally)> = None;
+    let mut best: Option<(&str, Told)> = None;
     for (order, name) in orders {
-        let tally = tally(lit, |_, r| order.map(|k: usize| r[k]));
+        let told = told(lit, |_, r| order.map(|k: usize| r[k]));
         let better = best
             .as_ref()
-            .is_none_or(|(_, found)| tally.is_better_than(found));
-        if tally.explains(NOTABLE) && better {
-            best = Some((name, tally));
+            .is_none_or(|(_, found)| told.tally.is_better_than(&found.tally));
+        if told.explains() && better {
+            best = Some((name, told));
         }
     }
-    let (name, tally) = best?;
-    Some(Diagnosis {
+    let (name, told) = best?;
+    let diagnosis = Diagnosis {
         kind: Kind::ColoursExchanged,
         what: format!("colours are exchanged: the channels R, G, B hold {name}"),
-        evidence: evidence(&tally),
-    })
+        evidence: evidence(&told.tally),
+    };
+    Some((diagnosis, told.left))
 }
 
-fn gamma(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
+fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let is_linear = case.pair[0].encoding == Encoding::Linear;
     let [once_more, once_less] = match is_linear {
         true => [
@@ -119,33 +192,36 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
         (once_less, srgb_decode),
         (once_less, |v| libm::pow(v, 2.2)),
     ];
-    let tallies = curves.map(|(words, curve)| (words, tally(lit, |_, r| r.map(curve))));
-    let explaining = tallies
-        .into_iter()
-        .filter(|(_, tally)| tally.explains(NOTABLE));
-    let (words, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
-    Some(Diagnosis {
+    let found = curves.map(|(words, curve)| (words, told(lit, |_, r| r.map(curve))));
+    let explaining = found.into_iter().filter(|(_, told)| told.explains());
+    let rest = |told: &Told| told.tally.rest();
+    let (words, told) = explaining.min_by(|a, b| rest(&a.1).total_cmp(&rest(&b.1)))?;
+    let diagnosis = Diagnosis {
         kind: Kind::Gamma,
         what: words.into(),
-        evidence: evidence(&tally),
-    })
+        evidence: evidence(&told.tally),
+    };
+    Some((diagnosis, told.left))
 }
 
-fn exposure(_: &Case, lit: &[Lit]) -> Option<Diagnosis> {
+fn exposure(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
     let factor = median(lit.iter().map(|(_, [r, c])| sum(c) / sum(r)).collect())?;
-    let tally = tally(lit, |_, r| r.map(|v| factor * v));
+    let told = told(lit, |_, r| r.map(|v| factor * v));
     let is_notable = factor > 0.0 && libm::log(factor).abs() > NOTABLE;
-    (is_notable && tally.explains(NOTABLE)).then(|| Diagnosis {
-        kind: Kind::Exposure,
-        what: format!(
-            "light is {factor:.4} times what it should be, everywhere alike ({:+.2} stops)",
-            libm::log2(factor)
-        ),
-        evidence: [("factor", factor)]
-            .into_iter()
-            .chain(evidence(&tally))
-            .collect(),
+    (is_notable && told.explains()).then(|| {
+        let diagnosis = Diagnosis {
+            kind: Kind::Exposure,
+            what: format!(
+                "light is {factor:.4} times what it should be, everywhere alike ({:+.2} stops)",
+                libm::log2(factor)
+            ),
+            evidence: [("factor", factor)]
+                .into_iter()
+                .chain(evidence(&told.tally))
+                .collect(),
+        };
+        (diagnosis, told.left)
     })
 }
 
@@ -155,7 +231,7 @@ const NOTABLE_EXPONENT: f64 = 0.2;
 const SPREAD: f64 = 0.01;
 const W_IS_RIGHT: f64 = 1e-3;
 
-fn exponent(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
+fn exponent(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let [w_r, w_c] = case
         .pair
         .map(|p| Plane::aov(&p.layers, Aov::WavelengthRatio));
@@ -184,13 +260,25 @@ fn exponent(case: &Case, lit: &[Lit]) -> Option<Diagnosis> {
     let explained = xy * xy / (xx * yy);
     let spread = (xx / n as f64).sqrt();
     let explains = slope.abs() >= NOTABLE_EXPONENT && explained >= MOST;
-    (spread >= SPREAD && explains)
-        .then(|| describe_exponent(slope, libm::exp(y0 - slope * x0), explained, n))
+    let factor = libm::exp(y0 - slope * x0);
+    // With two free numbers, a line goes through much that is none.
+    let is_plain = is_whole(slope) || (factor - 1.0).abs() <= NOTABLE;
+    (spread >= SPREAD && explains && is_plain).then(|| {
+        let diagnosis = describe_exponent(slope, factor, explained, n);
+        (diagnosis, 1.0 - explained)
+    })
+}
+
+/// Exponents nearer to a whole number than this are that number.
+const WHOLE: f64 = 0.1;
+
+fn is_whole(slope: f64) -> bool {
+    (slope - slope.round()).abs() < WHOLE && slope.round() != 0.0
 }
 
 fn describe_exponent(slope: f64, factor: f64, explained: f64, count: usize) -> Diagnosis {
     let whole = slope.round();
-    let amount = match (slope - whole).abs() < 0.1 && whole != 0.0 {
+    let amount = match is_whole(slope) {
         true => format!("{whole:+}"),
         false => format!("{slope:+.2}"),
     };

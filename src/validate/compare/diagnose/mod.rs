@@ -23,11 +23,12 @@
 //! | time lookup shifted | the light is that of the scene with its cubes half a bin, or one, earlier or later; needs the scene |
 //! | colours exchanged | R, G, B are others of these |
 //! | gamma | light is encoded once more than it should be, or once less |
-//! | exponent of W wrong | ln(c/r) = a + k ln W |
+//! | exponent of W wrong | ln(c/r) = a + k ln W, with a = 0 or k a whole number |
+//! | codes for light | the candidate's light is whole numbers |
 //! | exposure | light is multiplied by one factor |
 //! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
-//! | object elsewhere | by their events, points of an object are not on its surface; or they are in the frame of another velocity |
+//! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity |
 //! | object missing | the reference shows it, the candidate nowhere |
 //! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //!
@@ -198,15 +199,25 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     // Another velocity changes light much as another exponent does, and the scene tells them apart.
     let is_settled = by_light
         .as_ref()
-        .is_some_and(|d| d.kind != Kind::ExponentWrong);
+        .is_some_and(|(d, _)| d.kind != Kind::ExponentWrong);
     let by_scene = if is_settled {
         None
     } else {
         rendered::changes(case)
     };
-    found.extend(by_scene.or(by_light));
-    if found.is_empty() && !case.has_places() {
-        found.extend(registration::found(case));
+    match (by_scene, by_light) {
+        (Some(by_scene), _) => found.push(by_scene),
+        (None, Some((by_light, left))) => {
+            // Another film changes light, too, at edges.
+            let may_be_film = left > NEAR && found.is_empty() && !case.has_places();
+            let by_film = may_be_film.then(|| registration::found(case)).flatten();
+            let by_film = by_film.filter(|(_, of_film)| *of_film < left);
+            found.push(by_film.map_or(by_light, |(by_film, _)| by_film));
+        }
+        (None, None) if found.is_empty() && !case.has_places() => {
+            found.extend(registration::found(case).map(|(by_film, _)| by_film));
+        }
+        (None, None) => {}
     }
     if found.is_empty() {
         found.extend(part::displaced(case));

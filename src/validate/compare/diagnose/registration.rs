@@ -57,8 +57,9 @@ const STARTS: [f64; 5] = [0.75, 0.87, 1.0, 1.15, 1.33];
 /// Steps on each level.
 const STEPS: usize = 10;
 
-/// A candidate whose film is moved or scaled, or whose light has the aberration of another velocity.
-pub(super) fn found(case: &Case) -> Option<Diagnosis> {
+/// A candidate whose film is moved or scaled, or whose light has the aberration of another velocity, and what this leaves of the
+/// squared error.
+pub(super) fn found(case: &Case) -> Option<(Diagnosis, f64)> {
     if !case.region.is_all() {
         return None;
     }
@@ -76,7 +77,8 @@ pub(super) fn found(case: &Case) -> Option<Diagnosis> {
     fits.extend(films.into_iter().flatten());
     let least = fits.iter().map(|fit| fit.left).reduce(f64::min)?;
     let best = fits.into_iter().find(|fit| fit.left <= SIMPLER * least)?;
-    Some(best.or_boost(case, &levels).describe(case))
+    let left = best.left;
+    Some((best.or_boost(case, &levels).describe(case), left))
 }
 
 /// Velocities that the camera may have taken.
@@ -142,7 +144,7 @@ impl Fit {
             ),
         ];
         match &self.cause {
-            Cause::Boost(change) => describe_aberration_by_light(*change, evidence),
+            Cause::Boost(change) => describe_aberration_by_light(case, *change, evidence),
             Cause::Film(film) => film::describe(case, film, film::BY_LIGHT, evidence),
         }
     }

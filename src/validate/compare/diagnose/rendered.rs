@@ -2,7 +2,7 @@
 //! missing, motions and retardation. They need the scene itself.
 
 use super::super::known::Change;
-use super::light::{Lit, NOTABLE, evidence, lit, tally};
+use super::light::{Lit, NOTABLE, evidence, lit, told};
 use super::time::words_for_bins;
 use super::{Case, Diagnosis, Kind, Tally};
 use crate::render::plan::{Plan, Request};
@@ -31,7 +31,7 @@ struct Mistake {
 pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
     let scene = case.scene?;
     let lit = lit(case)?;
-    if tally(&lit, |_, r| r).error() <= NOTABLE {
+    if told(&lit, |_, r| r).tally.error() <= NOTABLE {
         return None;
     }
     let mut mistakes = lookups(scene);
@@ -63,7 +63,7 @@ fn of_scene(case: &Case, scene: &Scene, lit: &[Lit]) -> Option<Tally> {
     let light = film.radiance();
     let [width, height] = case.points[0].size();
     (light.len() == width * height).then_some(())?;
-    Some(tally(lit, |i, _| light[i]))
+    Some(told(lit, |i, _| light[i]).tally)
 }
 
 /// The scene with its cubes at shifted times.

@@ -114,7 +114,8 @@ fn figure(html: &mut String, caption: &str, image: &RgbImage, below: &str) -> Re
     let caption = escaped(caption);
     let _ = write!(
         html,
-        "<figure><div class=\"view\"><img alt=\"{caption}\" src=\""
+        "<figure><div class=\"view\" style=\"aspect-ratio: {} / {}\"><img alt=\"{caption}\" src=\"",
+        image.width, image.height
     );
     push_image(html, image)?;
     let _ = writeln!(

@@ -107,8 +107,8 @@ impl Picture {
             _ => return None,
         };
         let has_colours = channels.iter().any(|channel| is_light(&channel.name));
-        let is_coloured = |name: &&str| other.layers.channel(name).is_some();
-        if has_colours || !RADIANCE.iter().all(|name| is_coloured(&name)) {
+        let mut colours = RADIANCE.iter();
+        if has_colours || !colours.all(|name| other.layers.channel(name).is_some()) {
             return None;
         }
         let mut picture = self.clone();

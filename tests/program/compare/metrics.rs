@@ -307,3 +307,30 @@ fn a_grey_picture_is_compared_with_one_in_colours() {
     let compared = compare(&grey(), &grey(), &options).unwrap();
     assert!(compared.radiance.is_none() && compared.channels.len() == 1);
 }
+
+#[test]
+fn exceeded_limits_have_the_digits_of_the_table() {
+    let [r, c] = light(8, 8);
+    let found = compare(&r, &c, &CompareOptions::default()).unwrap();
+    let is = found.metric("rmse").unwrap();
+    let words = |limit: f64| {
+        let limit = format!("rmse={limit}").parse().unwrap();
+        found.breaches(&[limit]).unwrap()[0].to_string()
+    };
+    let told = words(0.5 * is);
+    let digits = told.strip_prefix("rmse is ").unwrap();
+    let digits = digits.split(',').next().unwrap();
+    assert!(digits.len() <= 7, "{told}");
+    // Where these are those of the limit, there are more.
+    let told = words(is * (1.0 - 1e-9));
+    assert!(told.starts_with(&format!("rmse is {is}, ")), "{told}");
+}
+
+#[test]
+fn limits_on_indices_are_refused_with_what_counts_them() {
+    let [r, c] = light(8, 8);
+    let found = compare(&r, &c, &CompareOptions::default()).unwrap();
+    let limit = "object:max=0".parse().unwrap();
+    let error = found.breaches(&[limit]).unwrap_err();
+    assert!(error.help().contains("wrong_objects"), "{error}");
+}

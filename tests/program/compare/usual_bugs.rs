@@ -699,11 +699,9 @@ fn exchanged_indices_of_an_object_that_fills_the_picture_are_no_indices_from_1()
         1.0 => 0.0,
         id => id,
     });
-    let share = values(&exact, "object")
-        .iter()
-        .filter(|id| **id == 0.0)
-        .count();
-    assert!(share > 0, "{share}");
+    let ids = values(&exact, "object");
+    let count = |is: fn(f64) -> bool| ids.iter().filter(|id| is(**id)).count() as f64;
+    assert!(count(|id| id == 0.0) >= 0.95 * count(|id| id >= 0.0));
     let words = ["1 for 0, 0 for 1"];
     named(
         Kind::IdentitiesSwapped,

@@ -47,7 +47,8 @@ pub fn open_model_with(
     };
     let text = scene::model_scene(path, &view)? + more;
     let name = path.display().to_string();
-    Ok(SceneFile::of_text(&text, &name, Path::new("")))
+    let own = path.parent().unwrap_or(Path::new(""));
+    Ok(SceneFile::of_text(&text, &name, Path::new("")).reaching(own))
 }
 
 /// The space-time diagram of a command: of the file that was named, or of the built-in scene.

@@ -77,6 +77,23 @@ fn bug(what: &str) -> String {
     )
 }
 
+/// The longest line that is said of a command line, characters.
+const LONGEST_LINE: usize = 400;
+
+/// Reports what is wrong with the command line, its lines cut: whoever gives a long value knows it.
+pub fn of_command_line(said: &clap::Error) -> ExitCode {
+    let styled = said.render().ansi().to_string();
+    let lines = styled
+        .lines()
+        .map(|line| match line.char_indices().nth(LONGEST_LINE) {
+            // Styles that were begun end with the line.
+            Some((end, _)) => format!("{}…\u{1b}[0m\n", &line[..end]),
+            None => format!("{line}\n"),
+        });
+    complain_styled(&lines.collect::<String>());
+    ExitCode::from(FAILED)
+}
+
 /// A problem with an option of the command line.
 pub fn refused(option: impl Into<String>, what: impl Into<String>, help: &str) -> Error {
     Error::invalid("command line", option, what, help)

@@ -57,7 +57,7 @@ pictures of a film are kept in FILE.frames until it is complete: to resume after
 All pictures have one exposure, but those of --speeds, which each have their own; --white sets it, and \
 --set \"display.logarithmic=[1e-6,1e4]\" has room for any speeds on one scale.
 
---time gives the moment that --flyby is centred on, and at which the others begin, as world time after camera.clock_zero.";
+--time gives the moment at which --flyby passes the camera's position, and at which the others begin, as world time after camera.clock_zero.";
 
 pub const PAGE: &str = "\
 Examples:

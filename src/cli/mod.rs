@@ -53,7 +53,12 @@ use failure::Done;
 
 /// Parses the command line, carries it out, reports what went wrong.
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        // Help and version are no errors, and as long as they are.
+        Err(said) if !said.use_stderr() => said.exit(),
+        Err(said) => return failure::of_command_line(&said),
+    };
     interrupt::install();
     failure::outcome(|| carry_out(arguments.command))
 }
@@ -99,6 +104,17 @@ fn harmless(text: &str) -> Cow<'_, str> {
         }
     }
     out.into()
+}
+
+/// `text` with lines of a bounded length.
+fn with_short_lines(text: &str) -> String {
+    const LONGEST: usize = 2000;
+    let lines = text.split_inclusive('\n');
+    let lines = lines.map(|line| match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…\n", &line[..end]),
+        None => line.to_string(),
+    });
+    lines.collect()
 }
 
 /// Prints `text` on standard output. A closed pipe ("nullray info … | head") is not an

@@ -4,13 +4,18 @@
 //! the scene's pinhole at P when its clock shows 0 (world time t₀), n the direction of motion and s the distance:
 //!
 //! ```text
-//! fly-by:        P + n x,  x from −s/2 to s/2,  at t₀ + x/β
+//! fly-by:        P + n x,  x from m − s/2 to m + s/2,  at t₀ + x/β;  m = d (c + γ (β − c))
 //! acceleration:  β(τ) = tanh aτ,  x = (cosh aτ − 1)/a,  t = t₀ + sinh(aτ)/a,  a = (γ − 1)/s,  until β, γ are reached
 //! speeds:        P at t₀;  β = tanh(k φ/(N − 1)),  tanh φ the greatest, so that each step is the same boost
 //! light:         the scene's own camera, at times of its own clock
 //! ```
 //!
-//! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7.)
+//! A passing camera sees what it looks at long after it has passed: it is d away from P at an angle to n with the cosine c. At P + n m its
+//! direction has the cosine (c − β)/(1 − βc), which aberration makes c again, so that it is where it is at rest: in the middle of the
+//! picture, and of the film. Its light then left it at t₀ (for c = 0: m = γβd, the time is t₀ + γd, and the way of the light is γd).
+//! Pictures of what goes from edge to edge at rest take γ times the distance.
+//!
+//! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7; aberration: 4.3.)
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -112,10 +117,12 @@ fn motion(motion: &MotionArguments, scene: &Scene, pictures: u32) -> Result<Opti
     let [right, _, forward] = scene.camera.axes;
     if let Some(beta) = motion.flyby {
         let n = heading(motion.direction, right)?;
-        let distance = distance(motion, scene)?;
         let velocity = velocity("--flyby", beta, n)?;
+        let distance = distance(motion, scene, velocity.gamma())?;
+        let way = looked_at(&scene.text).map(|point| point - scene.camera.origin.x);
+        let middle = way.map_or(0.0, |way| straight_ahead(way, n, velocity));
         let shot = |k| {
-            let x = (part(k) - 0.5) * distance;
+            let x = middle + (part(k) - 0.5) * distance;
             Ok(shot(scene, x / beta, x * n, velocity))
         };
         return (0..pictures).map(shot).collect::<Result<_>>().map(Some);
@@ -123,7 +130,7 @@ fn motion(motion: &MotionArguments, scene: &Scene, pictures: u32) -> Result<Opti
     if let Some(beta) = motion.accelerate {
         let n = heading(motion.direction, forward)?;
         let greatest = velocity("--accelerate", beta, n)?;
-        let a = (greatest.gamma() - 1.0) / distance(motion, scene)?;
+        let a = (greatest.gamma() - 1.0) / distance(motion, scene, 1.0)?;
         let rapidity = greatest.rapidity().length();
         let shot = |k| {
             let w = part(k) * rapidity;
@@ -203,8 +210,15 @@ fn heading(direction: Option<Heading>, default: DVec3) -> Result<DVec3> {
     }
 }
 
-/// How far the camera goes, metres: what is said, or twice the distance from its eye to the point that it looks at.
-fn distance(motion: &MotionArguments, scene: &Scene) -> Result<f64> {
+/// How far along `n` a camera has to move for a point that was at `way` from it, metres, to be seen in the same direction again, by
+/// aberration (m in the head of the module), metres.
+fn straight_ahead(way: DVec3, n: DVec3, velocity: Velocity) -> f64 {
+    let (along, beta) = (way.dot(n), velocity.beta().length());
+    along + velocity.gamma() * (beta * way.length() - along)
+}
+
+/// How far the camera goes, metres: what is said, or `stretch` times twice the distance from its eye to the point that it looks at.
+fn distance(motion: &MotionArguments, scene: &Scene, stretch: f64) -> Result<f64> {
     if let Some(distance) = motion.distance {
         let metres = distance.metres(scene.speed_of_light);
         return match metres > 0.0 {
@@ -217,7 +231,7 @@ fn distance(motion: &MotionArguments, scene: &Scene) -> Result<f64> {
         };
     }
     let look_at = looked_at(&scene.text);
-    look_at.map(|point| 2.0 * point.distance(scene.camera.origin.x)).ok_or_else(|| {
+    look_at.map(|point| 2.0 * stretch * point.distance(scene.camera.origin.x)).ok_or_else(|| {
         let what = "the scene does not say what its camera looks at (camera.look_at), and so not how far to go";
         refused("--distance", what, "give the length of the way, like --distance \"6 m\"")
     })
@@ -419,4 +433,31 @@ pub fn boosts(
         let what = "the diagram of this scene cannot be boosted";
         Error::invalid("diagram", "", what, "leave out --beside diagram")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_passing_camera_looks_at_is_in_the_middle_of_its_film() {
+        for (way, n) in [
+            (DVec3::new(0.0, -0.5, -4.0), DVec3::X),
+            (DVec3::new(1.0, -0.5, -4.0), DVec3::X),
+            (DVec3::new(-3.0, 2.0, 1.0), DVec3::new(0.6, 0.0, 0.8)),
+        ] {
+            for beta in [0.1, 0.6, 0.99] {
+                let velocity = Velocity::from_beta(n * beta).unwrap();
+                let x = straight_ahead(way, n, velocity);
+                let to = way - n * x;
+                let cos = to.normalize().dot(n);
+                let seen = (cos + beta) / (1.0 + beta * cos);
+                assert!((seen - way.normalize().dot(n)).abs() < 1e-12, "{beta} {n}");
+                // Its light left when the camera's clock showed 0 in P, where it is at a right angle to the motion.
+                if way.dot(n) == 0.0 {
+                    assert!((x / beta - to.length()).abs() < 1e-9, "{beta} {n}");
+                }
+            }
+        }
+    }
 }

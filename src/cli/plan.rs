@@ -7,7 +7,7 @@ use nullray::render::plan::Request;
 
 use super::args::PlanArguments;
 use super::progress::Bar;
-use super::{print, print_json};
+use super::{print, print_json, with_short_lines};
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
@@ -28,6 +28,6 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     drop(bar);
     match arguments.json.on {
         true => print_json(&plan),
-        false => print(&plan.to_string()),
+        false => print(&with_short_lines(&plan.to_string())),
     }
 }

@@ -3,10 +3,11 @@
 //! Paths that begin with [`BUILT_IN`] name compiled-in files, so that the built-in scene goes the same
 //! way through the program as any other.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, Cursor, Read, Seek};
 use std::path::Path;
 use std::sync::LazyLock;
+use std::time::SystemTime;
 
 use super::packed;
 
@@ -65,6 +66,42 @@ pub fn open(path: &Path) -> io::Result<(Reader, u64)> {
         None => Box::new(File::open(path)?),
     };
     Ok((reader, length))
+}
+
+/// What tells whether the content of an open file was changed, also by who gives it back its time of change.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    /// When anything of it was changed, and how many names it has: a name that another file takes over changes both.
+    #[cfg(unix)]
+    any_change: [i64; 2],
+    #[cfg(unix)]
+    names: u64,
+}
+
+impl Stamp {
+    pub fn of(metadata: &Metadata) -> Stamp {
+        #[cfg(unix)]
+        use std::os::unix::fs::MetadataExt;
+        Stamp {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+            #[cfg(unix)]
+            any_change: [metadata.ctime(), metadata.ctime_nsec()],
+            #[cfg(unix)]
+            names: metadata.nlink(),
+        }
+    }
+
+    /// Whether the content of the file is still what it was when this was made.
+    pub fn holds(&self, now: &Metadata) -> bool {
+        let now = Stamp::of(now);
+        let same = self.length == now.length && self.modified == now.modified;
+        #[cfg(unix)]
+        let same = same && (self.any_change == now.any_change || self.names != now.names);
+        same
+    }
 }
 
 /// Whether the file at `path` is one of the operating system's.

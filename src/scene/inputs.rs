@@ -127,8 +127,8 @@ fn once<K: Hash + Eq, V: Clone>(
 pub(super) struct Inputs {
     /// The folder against which relative paths resolve.
     pub base: PathBuf,
-    /// Whether files may refer to others outside of it.
-    pub allow_outside: bool,
+    /// The folder within which glTF files may refer to others, besides their own; none for anywhere.
+    pub reach: Option<PathBuf>,
     /// Meshes and cubes in memory.
     pub memory: Memory,
     /// By place in the text: why the file that is named there cannot be used.
@@ -149,6 +149,7 @@ impl Inputs {
     /// Nothing yet.
     pub fn new(base: PathBuf, memory: Memory) -> Self {
         Inputs {
+            reach: Some(base.clone()),
             base,
             memory,
             ..Inputs::default()

@@ -32,6 +32,8 @@ pub struct SceneFile {
     pub(super) name: String,
     pub(super) text: String,
     pub(super) base: PathBuf,
+    /// The folder within which glTF files may refer to others, besides their own.
+    pub(super) reach: PathBuf,
     /// Meshes and cubes of a program.
     pub(super) memory: Memory,
     pub(super) seen: Seen,
@@ -53,9 +55,17 @@ impl SceneFile {
             name: name.to_string(),
             text: text.to_string(),
             base: base.to_path_buf(),
+            reach: base.to_path_buf(),
             memory: Memory::default(),
             seen: Seen::default(),
         }
+    }
+
+    /// The same scene, whose glTF files may refer to other files within `folder` and their own folders, and not within the one against
+    /// which paths resolve: a model without a scene must not read what lies beside it by chance.
+    pub fn reaching(mut self, folder: &Path) -> SceneFile {
+        self.reach = folder.to_path_buf();
+        self
     }
 
     /// The scene, with what `overrides` change of it.
@@ -104,13 +114,17 @@ pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Resu
 pub(super) fn scene(
     report: Report,
     SceneFile {
-        base, memory, seen, ..
+        base,
+        reach,
+        memory,
+        seen,
+        ..
     }: &SceneFile,
     allow_outside: bool,
 ) -> Result<Scene> {
     let file: file::Scene = report.read()?;
     let mut inputs = Inputs::new(base.clone(), memory.clone());
-    inputs.allow_outside = allow_outside;
+    inputs.reach = (!allow_outside).then(|| reach.clone());
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());
     let cubes = || file.source.iter().filter_map(|at| at.value.cube.as_ref());
     for name in meshes {

@@ -96,6 +96,30 @@ fn names_in_files_do_not_steer_the_terminal() {
 }
 
 #[test]
+fn no_line_that_is_said_is_longer_than_a_screen_or_two() {
+    let folder = Folder::new();
+    let long = "9".repeat(100_000);
+    folder.write("a.toml", format!("{SCENE}name = \"{long}\"\n"));
+    for arguments in [
+        &["plan", "a.toml"][..],
+        &["info", "a.toml"],
+        &["render", "a.toml", "--size", &long],
+        &["render", "a.toml", "--aovs", &long],
+        &["render", "a.toml", "--frames", &long],
+        &["render", "a.toml", "--set", &long],
+        &["render", "a.toml", "--max-memory", &long],
+    ] {
+        let text = said(&folder.run(arguments));
+        let longest = text.lines().map(|line| line.chars().count()).max();
+        assert!(
+            longest.unwrap() <= 2100,
+            "{:?}: {longest:?}",
+            &arguments[..2]
+        );
+    }
+}
+
+#[test]
 fn no_pipe_is_waited_for() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
@@ -184,6 +208,22 @@ fn gltf_files_reach_no_file_outside_unless_that_is_allowed() {
         );
         folder.succeed(&[&render[..], &["--allow-outside"]].concat());
     }
+    // A model without a scene has no folder but its own, wherever the program is called.
+    let model = [
+        "render",
+        "scene/models/a.gltf",
+        "--size",
+        "8x6",
+        "-o",
+        "a.png",
+    ];
+    for uri in ["../a.bin", "link.bin"] {
+        folder.write("scene/models/a.gltf", triangle(uri));
+        assert!(folder.fail(&model).contains("outside its folder"), "{uri}");
+        folder.succeed(&[&model[..], &["--allow-outside"]].concat());
+    }
+    folder.write("scene/models/a.gltf", triangle("a.bin"));
+    folder.succeed(&model);
     // A scene that names a model elsewhere has its files, too.
     std::fs::write(folder.path("outside/b.gltf"), triangle("a.bin")).unwrap();
     folder.write(

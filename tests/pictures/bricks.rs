@@ -276,3 +276,46 @@ fn a_file_that_shrinks_and_samples_that_are_no_numbers_are_errors() {
     // The next picture tries again, and says so again.
     assert!(render(&prepared, &Silent).is_err());
 }
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_is_overwritten_while_it_is_read_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    plain(&folder);
+    let path = folder.path().join("cube.npy");
+    let scene = scene(&folder, "HWT", "cubic_means", UV);
+    let plan = plan(&scene, Some(SMALL));
+    let modified = || std::fs::metadata(&path).unwrap().modified().unwrap();
+    // The first sample, with the time of the last change as it was.
+    let overwrite = |value: f32| {
+        let then = modified();
+        let mut file = OpenOptions::new().write(true).open(&path).unwrap();
+        file.seek(SeekFrom::Start(128)).unwrap();
+        file.write_all(&value.to_le_bytes()).unwrap();
+        file.set_modified(then).unwrap();
+    };
+    for value in [0.5, 0.25] {
+        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        render(&prepared, &Silent).unwrap();
+        // Times of files go in steps of the system's clock.
+        std::thread::sleep(std::time::Duration::from_millis(30));
+        overwrite(value);
+        let error = render(&prepared, &Silent).err().unwrap().to_string();
+        let is_told = error.contains("cube.npy") && error.contains("changed while it was read");
+        assert!(is_told, "{error}");
+    }
+    // Another file under its name changes nothing of it.
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let before = render(&prepared, &Silent).unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(30));
+    std::fs::write(folder.path().join("other"), [0; 4096]).unwrap();
+    std::fs::rename(folder.path().join("other"), &path).unwrap();
+    let after = render(&prepared, &Silent).unwrap();
+    let bits = |film: &Film| {
+        film.radiance()
+            .iter()
+            .map(|r| r.map(f64::to_bits))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&before), bits(&after));
+}

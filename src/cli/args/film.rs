@@ -45,7 +45,8 @@ pub struct FilmArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motions")]
 pub struct MotionArguments {
-    /// Pass the scene's camera position at this speed v/c, which is reached in the middle of the film.
+    /// Pass the scene's camera position at this speed v/c. In the middle of the film, what the camera looks at is seen in the middle of
+    /// the picture: by aberration, that is long after it was passed.
     #[arg(
         long,
         value_name = "BETA",
@@ -75,7 +76,7 @@ pub struct MotionArguments {
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true, conflicts_with = "light")]
     pub direction: Option<Heading>,
-    /// How far the camera goes, with its unit: "6 m". Default: twice the distance to the point that it looks at.
+    /// How far the camera goes, with its unit: "6 m". Default: twice the distance to the point that it looks at, times γ for --flyby.
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["light", "speeds"])]
     pub distance: Option<Time>,
     /// The camera's time of the first picture of --light. Default: when light comes into view.

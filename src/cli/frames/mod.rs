@@ -288,8 +288,8 @@ fn flicker(scene: &Scene, outputs: &Outputs) -> String {
     let shown = shown || !outputs.overlays.is_empty();
     match scene.exposure {
         Exposure::Percentile(_) if shown => {
-            "warning: brightness is scaled for each frame separately and may flicker: set --white RADIANCE, or \
-             display.white in the scene, to avoid this\n"
+            "warning: brightness is scaled for each frame separately and may flicker: give them one exposure \
+             (--same-exposure), or set --white RADIANCE or display.white in the scene\n"
                 .into()
         }
         _ => String::new(),

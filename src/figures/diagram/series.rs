@@ -1,7 +1,7 @@
 //! A series of pictures of one diagram, all with the same limits, their labels staying where they can.
 
 use super::draw::{Habits, draw_next};
-use super::layout::{Limits, layout, limits};
+use super::layout::{Limits, Panel, around, layout, limits};
 use crate::error::Result;
 use crate::figures::diagram::model::{Animation, Diagram, Spot};
 use crate::figures::drawing::Drawing;
@@ -16,6 +16,8 @@ pub struct Series {
     /// With limits that hold what every picture shows.
     diagram: Diagram,
     animation: Animation,
+    /// What the pages of all pictures show, by panel.
+    pages: Vec<[[f64; 2]; 2]>,
     habits: Habits,
     next: u32,
 }
@@ -29,6 +31,7 @@ impl Series {
             fix_limits(&mut diagram, animation.frames);
         }
         Some(Series {
+            pages: pages(&diagram, animation.frames),
             diagram,
             animation,
             habits: Habits::default(),
@@ -49,10 +52,31 @@ impl Iterator for Series {
         if self.next >= self.animation.frames {
             return None;
         }
-        let layout = layout(&self.diagram.picture(self.next));
+        let mut layout = layout(&self.diagram.picture(self.next));
+        for (panel, page) in layout.panels.iter_mut().zip(&self.pages) {
+            panel.held = Some(*page);
+        }
         self.next += 1;
         Some(draw_next(&layout, &self.diagram.style, &mut self.habits))
     }
+}
+
+/// What pages hold, by panel, of pictures all along the way.
+fn pages(diagram: &Diagram, frames: u32) -> Vec<[[f64; 2]; 2]> {
+    let last = frames.saturating_sub(1);
+    let mut pages: Vec<[[f64; 2]; 2]> = Vec::new();
+    for k in (0..=LOOKED_AT).map(|i| last * i / LOOKED_AT) {
+        let shown = layout(&diagram.picture(k)).panels;
+        let shown: Vec<_> = shown.iter().map(Panel::page).collect();
+        match pages.is_empty() {
+            true => pages = shown,
+            false => {
+                let both = pages.iter_mut().zip(shown);
+                both.for_each(|(page, shown)| *page = around(*page, shown));
+            }
+        }
+    }
+    pages
 }
 
 /// Limits that hold those of pictures all along the way, where none are given.

@@ -292,13 +292,17 @@ impl Bricks {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Whether all that was asked for could be read.
+    /// Whether all that was asked for could be read, and of files that nobody changed meanwhile.
     ///
     /// # Errors
     /// The first failure; whoever asks again is told that the work was given up.
     pub fn check(&self) -> Result<()> {
         if !self.has_failed() {
-            return Ok(());
+            return match &self.form {
+                Form::Pages(pages) => pages.check(),
+                #[cfg(any(feature = "hdf5", feature = "zarr"))]
+                Form::Chunks(chunks) => chunks.check(),
+            };
         }
         let first = locked(&self.failure).take();
         Err(first.unwrap_or(Error::Cancelled))

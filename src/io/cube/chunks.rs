@@ -9,9 +9,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::cache::locked;
+use super::pages::changed;
 use super::samples::place_of;
 use super::selection::{Lies, Open, Selection, Windows};
 use crate::error::Result;
+use crate::io::files::Stamp;
 use crate::io::npy::Dtype;
 
 /// An array in chunks.
@@ -29,6 +31,8 @@ pub(super) struct Chunks {
     open: Open,
     /// Open ones that nobody uses.
     idle: Mutex<Vec<Box<dyn Windows + Send>>>,
+    /// Of the file, where chunks lie in one.
+    stamp: Option<Stamp>,
 }
 
 /// An axis of the array that stays.
@@ -62,6 +66,18 @@ impl std::fmt::Debug for Chunks {
 }
 
 impl Chunks {
+    /// Whether the file, where chunks lie in one, holds what it held when it was opened.
+    ///
+    /// # Errors
+    /// The file has been changed since.
+    pub fn check(&self) -> Result<()> {
+        let now = || std::fs::metadata(&self.path);
+        match &self.stamp {
+            Some(stamp) if !now().is_ok_and(|now| stamp.holds(&now)) => Err(changed(&self.path)),
+            _ => Ok(()),
+        }
+    }
+
     /// What `selection` takes of the array at `path`; none where `room` bytes are too few for its chunks.
     pub fn open(
         path: &Path,
@@ -103,7 +119,10 @@ impl Chunks {
             stride *= chunk[axis].clamp(1, sizes[axis]);
         }
         axes.reverse();
+        let metadata = std::fs::metadata(path).ok();
+        let file = metadata.filter(std::fs::Metadata::is_file);
         Ok(Chunks {
+            stamp: file.as_ref().map(Stamp::of),
             path: path.to_path_buf(),
             counts: axes.iter().map(|kept| count(kept.axis)).collect(),
             shape: selection.arrangement(path)?.shape,

@@ -9,7 +9,7 @@ use super::cache::locked;
 use super::layout::{StoredLayout, strides};
 use super::store::{Located, Store};
 use crate::error::{Error, Result};
-use crate::io::files::Reader;
+use crate::io::files::{Reader, Stamp};
 
 /// Bytes of the file in a brick, where that has samples in places of their own.
 pub const BRICK: u64 = 4096;
@@ -35,7 +35,7 @@ pub(super) struct Pages {
 #[derive(Debug)]
 enum Positioned {
     #[cfg(unix)]
-    File(File),
+    File(File, Stamp),
     Reader(Mutex<ReaderOf>),
 }
 
@@ -51,10 +51,10 @@ impl Positioned {
     fn new(located: Located, path: &Path) -> Result<Positioned> {
         #[cfg(unix)]
         match located {
-            Located::Spooled(file) => return Ok(Positioned::File(file)),
+            Located::Spooled(file) => return Positioned::of(file, path),
             Located::InPlace(_) if crate::io::files::is_on_disk(path) => {
                 let file = File::open(path).map_err(Error::io(path, "cannot read"))?;
-                return Ok(Positioned::File(file));
+                return Positioned::of(file, path);
             }
             Located::InPlace(_) => {}
         }
@@ -64,10 +64,25 @@ impl Positioned {
         ))))
     }
 
+    #[cfg(unix)]
+    fn of(file: File, path: &Path) -> Result<Positioned> {
+        let metadata = file.metadata().map_err(Error::io(path, "cannot read"))?;
+        Ok(Positioned::File(file, Stamp::of(&metadata)))
+    }
+
+    /// Whether the file holds what it held when it was opened, as far as the operating system tells.
+    fn is_unchanged(&self) -> bool {
+        match self {
+            #[cfg(unix)]
+            Positioned::File(file, stamp) => file.metadata().is_ok_and(|now| stamp.holds(&now)),
+            Positioned::Reader(_) => true,
+        }
+    }
+
     fn read(&self, bytes: &mut [u8], position: u64) -> io::Result<()> {
         match self {
             #[cfg(unix)]
-            Positioned::File(file) => {
+            Positioned::File(file, _) => {
                 std::os::unix::fs::FileExt::read_exact_at(file, bytes, position)
             }
             Positioned::Reader(reader) => {
@@ -77,6 +92,12 @@ impl Positioned {
             }
         }
     }
+}
+
+/// The refusal of a file that changes under our hands.
+pub(super) fn changed(path: &Path) -> Error {
+    let what = "the file was changed while it was read";
+    Error::invalid(path, "", what, "run the command again when it is complete")
 }
 
 impl Pages {
@@ -106,6 +127,17 @@ impl Pages {
 
     pub fn shape(&self) -> [usize; 4] {
         self.shape
+    }
+
+    /// Whether everything that was read of the file was what it held when it was opened.
+    ///
+    /// # Errors
+    /// The file has been changed since.
+    pub fn check(&self) -> Result<()> {
+        match self.file.is_unchanged() {
+            true => Ok(()),
+            false => Err(changed(&self.path)),
+        }
     }
 
     pub fn layout(&self) -> &StoredLayout {

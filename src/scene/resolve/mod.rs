@@ -91,7 +91,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         sheet: panel::sheet(&cx, &file.sheet)?,
         text: cx.report.text.to_string(),
         name: cx.report.name.clone(),
-        folder: (!cx.inputs.allow_outside).then(|| cx.inputs.base.clone()),
+        folder: cx.inputs.reach.clone(),
     };
     refuse_two_backgrounds(&cx, file)?;
     sky::check(&cx, file, &scene)?;

@@ -123,10 +123,12 @@ fn the_pictures_of_a_fly_by_are_those_of_a_camera_that_passes() {
     folder.ok(&film);
     let film = apng(&folder.read("scene.apng"));
     assert_eq!(film.len(), 5);
-    // Picture 3 is 0.75 m on, 0.75/0.6 = 1.25 m of time later.
-    for (k, eye, time) in [(2, "[0,1,4]", "0 m"), (3, "[0.75,1,4]", "1.25 m")] {
-        let eye = format!("camera.eye={eye}");
-        let time = format!("camera.clock_zero={time}");
+    // What it looks at is √(4² + 0.5²) m away, and ahead γβ = 0.75 times as far on. Picture 3 is 0.75 m on, 0.75/0.6 = 1.25 m of time
+    // later.
+    let middle = 0.75 * 16.25_f64.sqrt();
+    for (k, x) in [(2, middle), (3, middle + 0.75)] {
+        let eye = format!("camera.eye=[{x:?},1,4]");
+        let time = format!("camera.clock_zero={:?} m", x / 0.6);
         // The same forward axis as that of the scene.
         let mut arguments = vec![
             "render",
@@ -140,14 +142,10 @@ fn the_pictures_of_a_fly_by_are_those_of_a_camera_that_passes() {
             "--set",
             &time,
         ];
-        let look_at = if k == 2 {
-            "camera.look_at=[0,0.5,0]"
-        } else {
-            "camera.look_at=[0.75,0.5,0]"
-        };
+        let look_at = format!("camera.look_at=[{x:?},0.5,0]");
         arguments.extend([
             "--set",
-            look_at,
+            &look_at,
             "--set",
             "camera.velocity={beta=[0.6,0,0]}",
         ]);

@@ -10,11 +10,11 @@ mod view;
 
 use crate::figures::diagram::model::{Diagram, Segment, SliceKind, Spot};
 pub(crate) use axes::tick_step;
-pub(crate) use types::number;
 pub use types::{
     Area, Axes, Axis, Bead, Cone, Curve, GridLine, Hyperbola, Interval, Kind, Layout, Limits,
     Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine,
 };
+pub(crate) use types::{around, number};
 use view::View;
 
 /// Lays a diagram out, one panel for each of its views.
@@ -39,6 +39,7 @@ fn panel(diagram: &Diagram, index: usize) -> Panel {
     let spots = |all: &[Spot]| all.iter().map(|s| s.map(|e| view.point(e))).collect();
     let world_lines = curves::world_lines(&view, &limits);
     Panel {
+        held: None,
         solid: solid::of(&view, &limits, &world_lines, step),
         frame: view.reference.name.clone(),
         grid: axes::grid(&view, &limits),

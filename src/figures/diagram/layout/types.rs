@@ -60,6 +60,9 @@ pub struct Panel {
     pub limits: Limits,
     /// What 2+1 dimensions have besides: the floor, and what is below things on it.
     pub solid: Option<Solid>,
+    /// What the page of a series has room for besides this picture, as [`page`](Panel::page) has it: nothing then moves on the page
+    /// from picture to picture but what moves in the diagram.
+    pub held: Option<[[f64; 2]; 2]>,
     /// Axes of frames; the first are the view's own.
     pub axes: Vec<Axes>,
     /// Lines of equal time and place.
@@ -468,8 +471,17 @@ impl Panel {
         }
         // Room for the width of lines.
         let air = 0.01 * (sides[0][1] - sides[0][0] + sides[1][1] - sides[1][0]);
-        sides.map(|[from, to]| [from - air, to + air])
+        let own = sides.map(|[from, to]| [from - air, to + air]);
+        match self.held {
+            Some(held) => around(own, held),
+            None => own,
+        }
     }
+}
+
+/// The rectangle around two.
+pub(crate) fn around(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [0, 1].map(|i| [a[i][0].min(b[i][0]), a[i][1].max(b[i][1])])
 }
 
 impl Nappe {

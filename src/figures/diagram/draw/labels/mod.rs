@@ -34,8 +34,10 @@ const NEXT_DIRECTION: f64 = 0.6;
 const FARTHER: f64 = 0.45;
 /// By how much the place of the frame before is better in a series of frames.
 const HABIT: f64 = 20.0;
-/// The most that a label moves from frame to frame of a series, points.
+/// The most that a label moves from frame to frame of a series, points; with a point that moves faster it goes along.
 const MOST_STEP: f64 = 6.0;
+/// The least that it may move beside a point that moves fast, so that it comes to its place.
+const LEAST_STEP: f64 = 1.0;
 /// From which cost on a label that may be left out is: it is on a line.
 const TOO_MUCH: f64 = 24.0;
 /// Of a leader that goes under another label.
@@ -92,6 +94,39 @@ struct Habit {
     index: usize,
     /// The middle of its ink.
     middle: [f64; 2],
+    /// What it names, where that is one point.
+    named: Option<[f64; 2]>,
+}
+
+impl Habit {
+    /// Where the middle of the ink is now, if the label has gone along with the point that it names, and how much farther it may go.
+    fn carried(&self, request: &Request) -> Carried {
+        let way = match (self.named, named(request)) {
+            (Some(then), Some(now)) => [0, 1].map(|i| now[i] - then[i]),
+            _ => [0.0; 2],
+        };
+        Carried {
+            middle: [0, 1].map(|i| self.middle[i] + way[i]),
+            step: (MOST_STEP - way[0].hypot(way[1])).max(LEAST_STEP),
+        }
+    }
+}
+
+/// Where a label of the picture before has come to.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    /// Of its ink.
+    middle: [f64; 2],
+    /// How far it may go from there, points.
+    step: f64,
+}
+
+/// The point that a label names, where there is but one.
+fn named(request: &Request) -> Option<[f64; 2]> {
+    match request.anchors[..] {
+        [only] => Some(only),
+        _ => None,
+    }
 }
 
 /// A place that a label may have.
@@ -115,8 +150,8 @@ struct Label<'a> {
     /// By preference.
     candidates: Vec<Candidate>,
     chosen: Option<usize>,
-    /// Where the middle of its ink was in the frame before.
-    before: Option<[f64; 2]>,
+    /// Where the middle of its ink was in the frame before, gone along with the point that it names.
+    before: Option<Carried>,
     /// By how much it is not yet there.
     late: [f64; 2],
 }
@@ -161,6 +196,7 @@ pub(super) fn place(
         let habit = Habit {
             index: candidate.index,
             middle: middle(moved(candidate.rect, label.late)),
+            named: named(label.request),
         };
         Some((label.key.clone(), habit))
     });
@@ -286,7 +322,7 @@ impl<'a> Label<'a> {
             key,
             candidates,
             chosen: None,
-            before: habit.map(|habit| habit.middle),
+            before: habit.map(|habit| habit.carried(request)),
             late: [0.0; 2],
         })
     }
@@ -302,10 +338,10 @@ impl<'a> Label<'a> {
             return;
         };
         let there = middle(rect);
-        let way = [0, 1].map(|i| there[i] - before[i]);
+        let way = [0, 1].map(|i| there[i] - before.middle[i]);
         let length = way[0].hypot(way[1]);
-        if length > MOST_STEP {
-            self.late = way.map(|part| part * (MOST_STEP / length - 1.0));
+        if length > before.step {
+            self.late = way.map(|part| part * (before.step / length - 1.0));
         }
     }
 

@@ -7,6 +7,7 @@ use nullray::figures::overlay::centred;
 use nullray::render::film::Film;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
+use nullray::render::survey;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result, render};
 
@@ -114,7 +115,10 @@ pub fn film(
     let bar = Bar::new(plan.rays.camera, quiet);
     let start = Instant::now();
     let mut prepared = Prepared::new(scene, plan, &bar)?;
+    let misfits = survey::misfits(scene, &mut prepared);
+    prepared.warnings.extend(misfits);
     let prepared_in = start.elapsed().as_secs_f64();
+    warn(quiet, &std::mem::take(&mut prepared.warnings))?;
     bar.start();
     if let Some(account) = account.as_deref_mut() {
         account.prepared(Preparation {

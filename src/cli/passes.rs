@@ -9,6 +9,7 @@ use std::time::Instant;
 use nullray::render::passes::{self, Passes};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
+use nullray::render::survey;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result};
 
@@ -17,7 +18,7 @@ use super::check::{check_all, check_beside};
 use super::film::{Rendered, times};
 use super::output::{Identity, Inputs, Outputs};
 use super::progress::Bar;
-use super::{inputs, interrupt, overlay, say};
+use super::{inputs, interrupt, overlay, say, warn};
 
 /// Files are written anew after this many times as long as writing them takes, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;
@@ -47,6 +48,9 @@ pub fn one(
     let mut prepared = Prepared::new(scene, &plan, &bar)?;
     drop(bar);
     let prepared_in = began.elapsed().as_secs_f64();
+    let misfits = survey::misfits(scene, &mut prepared);
+    prepared.warnings.extend(misfits);
+    warn(quiet, &std::mem::take(&mut prepared.warnings))?;
     let mut work = Work {
         passes: Passes::new(&prepared, wanted.error),
         scene,

@@ -4,10 +4,14 @@ use nullray::Result;
 use nullray::figures::overlay;
 use nullray::render;
 use nullray::render::plan::Request;
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::survey;
+use nullray::scene::model::SourceKind;
 
 use super::args::PlanArguments;
 use super::progress::Bar;
-use super::{print, print_json, with_short_lines};
+use super::{print, print_json, warn, with_short_lines};
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
@@ -26,6 +30,15 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let bar = Bar::new(plan.rays.camera, arguments.json.on).named("what will be read".into());
     render::foretell(&scene, &mut plan, &bar)?;
     drop(bar);
+    if scene
+        .sources
+        .iter()
+        .any(|source| matches!(source.kind, SourceKind::Cube(_)))
+    {
+        let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
+        let misfits = survey::misfits(&scene, &mut prepared);
+        warn(false, prepared.warnings.iter().chain(&misfits))?;
+    }
     match arguments.json.on {
         true => print_json(&plan),
         false => print(&with_short_lines(&plan.to_string())),

@@ -6,7 +6,7 @@ use nullray::render::film::Film;
 use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
 use nullray::render::survey;
-use nullray::scene::model::Scene;
+use nullray::scene::model::{Scene, SourceKind};
 use nullray::spacetime::Quantity;
 
 /// Rays and times.
@@ -37,12 +37,14 @@ pub fn blackness(film: &Film) -> String {
     format!("the picture is black: {why}\n")
 }
 
-/// When the light in view left and when there are data, for each source of which nothing is in view at its time; and
+/// When the light in view left and when there are data, for each pulse of which nothing is in view at its time; and
 /// the camera times that would show some of it.
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
     let mut text = String::new();
     for times in survey::seen_times(prepared) {
-        if times.meets() {
+        // What does not fit of cubes is said before rendering.
+        let is_cube = matches!(scene.sources[times.source].kind, SourceKind::Cube(_));
+        if is_cube || times.meets() {
             continue;
         }
         let ([a, b], [c, d]) = (times.seen.map(short), times.data.map(short));

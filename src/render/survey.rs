@@ -14,6 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::light::lamp::Lamp;
+use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
@@ -21,7 +22,7 @@ use crate::render::trace::{
     CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
     TimeResolved, TracedRays,
 };
-use crate::scene::model::{Beam, LightKind, Scene, SourceKind};
+use crate::scene::model::{Beam, Clock, LightKind, Mapping, Scene, SourceKind, TimeBins};
 use crate::spacetime::{Event, World};
 
 /// How many standard deviations of a pulse count as its duration, on either side.
@@ -85,6 +86,93 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
     tiles
         .filter_map(range)
         .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
+/// Cubes of which the light in view has no part, or none but where they are dark: both spans, and the start or the unit that
+/// would fit, which may also be camera times that would.
+pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for times in seen_times(prepared) {
+        let SourceKind::Cube(_) = scene.sources[times.source].kind else {
+            continue;
+        };
+        let lit = lit(prepared, times.source);
+        let there = SeenTimes {
+            data: lit.unwrap_or(times.data),
+            ..times
+        };
+        if there.meets() {
+            continue;
+        }
+        let [[a, b], [c, d], [e, f]] =
+            [times.seen, times.data, there.data].map(|span| span.map(rounded));
+        let mut text = format!(
+            "source \"{}\": light in view left (on a capture's clock: arrived) between ct = {a} m and {b} m; its data span \
+             {c} m to {d} m",
+            scene.sources[times.source].name
+        );
+        if lit.is_some() {
+            text += &format!(", and are lit from {e} m to {f} m");
+        }
+        text += &there.other_times(scene);
+        if let SourceKind::Cube(cube) = &scene.sources[times.source].kind
+            && matches!(cube.mapping, Mapping::Capture(_))
+            && cube.clock != Clock::Capture
+        {
+            text += "; or with clock = \"capture\", if times are those of arrival";
+        }
+        if let Some([from, to]) = meeting_times(scene, prepared, &there) {
+            let [from, to] = [from, to].map(rounded);
+            text += &format!("; or camera times from \"{from} m\" to \"{to} m\"");
+        }
+        remarks.push(text);
+    }
+    remarks
+}
+
+impl SeenTimes {
+    /// The unit or the start of data lit in `self.data` that would have them meet what is seen.
+    fn other_times(&self, scene: &Scene) -> String {
+        let SourceKind::Cube(cube) = &scene.sources[self.source].kind else {
+            return String::new();
+        };
+        let TimeBins::Uniform { start, width } = cube.bins else {
+            return String::new();
+        };
+        let at = |power: i32| SeenTimes {
+            data: self.data.map(|time| time * 10f64.powi(power)),
+            ..*self
+        };
+        // As long as what is seen, to a power of ten, or longer.
+        let is_long = |power: i32| {
+            let [data, seen] = [at(power).data, self.seen].map(|[from, to]| to - from);
+            data > 0.3 * seen && data < 30.0 * seen
+        };
+        let mut powers = (1..=15).flat_map(|power| [-power, power]);
+        let fitting = powers.find(|power| start != 0.0 && at(*power).meets() && is_long(*power));
+        if let Some(power) = fitting {
+            let [start, width] = [start, width].map(|time| rounded(time * 10f64.powi(power)));
+            return format!(
+                "; in a unit 10^{power} times as long they would fit: start = \"{start} m\", bin_width = \"{width} m\""
+            );
+        }
+        let [from, to] = [
+            start + self.seen[0] - self.data[1],
+            start + self.seen[1] - self.data[0],
+        ];
+        let [from, to, now] = [from, to, start].map(rounded);
+        format!("; they would fit with a start (now {now} m) between {from} m and {to} m")
+    }
+}
+
+/// Between which times a cube is lit.
+fn lit(prepared: &Prepared, source: usize) -> Option<[f64; 2]> {
+    let light = prepared.light.time_resolved()?;
+    let cube = light
+        .cube_sources
+        .iter()
+        .position(|known| *known == source)?;
+    lit_span(&light.cubes[cube])
 }
 
 /// Camera times, in metres, between which `before`, seen at the camera's time of `scene`, comes to meet its data; none

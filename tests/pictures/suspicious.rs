@@ -9,7 +9,7 @@ use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
-use nullray::render::survey::{meeting_times, seen_times};
+use nullray::render::survey::{meeting_times, misfits, seen_times};
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, parse};
 
@@ -38,7 +38,10 @@ fn remarks(from: &str, to: &str) -> String {
         assert!(text.contains(from), "{from}");
         text.replace(from, to)
     });
-    prepared(&scene).unwrap().warnings.join("\n")
+    let mut prepared = prepared(&scene).unwrap();
+    let misfits = misfits(&scene, &mut prepared);
+    prepared.warnings.extend(misfits);
+    prepared.warnings.join("\n")
 }
 
 #[test]
@@ -53,11 +56,15 @@ fn light_before_it_can_arrive_is_said_with_a_start_that_would_fit() {
         said.contains("before time 0") && said.contains("start (now 0 m)"),
         "{said}"
     );
+    // The recording begins at 7 m, and first light is known to two bins of 0.1 m and a half.
+    let start = said.split("; start = \"").nth(1).expect(&said);
+    let start: f64 = start.split(' ').next().unwrap().parse().unwrap();
+    assert!((6.75..=7.25).contains(&start), "{said}");
 }
 
 #[test]
 fn units_off_by_powers_of_ten_are_said_with_those_that_would_fit() {
-    for power in [-6, -3, 3, 6] {
+    for power in [-6, -3, -2, -1, 1, 2, 3, 6] {
         let [start, width] = [7.0, 0.1].map(|length| length * 10f64.powi(power));
         let keys = "start = \"7 m\"\nbin_width = \"0.1 m\"";
         let said = remarks(
@@ -69,6 +76,59 @@ fn units_off_by_powers_of_ten_are_said_with_those_that_would_fit() {
         let number: f64 = number.split(' ').next().unwrap().parse().unwrap();
         // Within a power of ten: neighbouring ones may fit, too.
         assert!((0.69..70.1).contains(&number), "{power}: {said}");
+    }
+}
+
+#[test]
+fn a_width_or_a_start_that_is_wrong_by_itself_is_said() {
+    for width in ["10 m", "1 m", "0.01 m", "0.001 m", "0.1 ns"] {
+        let said = remarks("bin_width = \"0.1 m\"", &format!("bin_width = \"{width}\""));
+        assert_eq!(
+            said.contains("bin_width = \"0.1 m\""),
+            width.len() < 5,
+            "{width}: {said}"
+        );
+        assert!(!said.is_empty(), "{width}");
+    }
+    for start in ["70 m", "20 m", "0.7 m"] {
+        let said = remarks("start = \"7 m\"", &format!("start = \"{start}\""));
+        let [from, to] = ["between ", "m and "].map(|word| {
+            let number = said
+                .split("with a start")
+                .nth(1)
+                .and_then(|text| text.split(word).nth(1));
+            let number = number.and_then(|text| text.split(' ').next()).expect(&said);
+            number.parse::<f64>().expect(&said)
+        });
+        assert!(from < 7.0 && 7.0 < to, "{start}: {said}");
+    }
+    let said = remarks("clock = \"capture\"", "clock = \"world\"");
+    assert!(said.contains("with clock = \"capture\""), "{said}");
+}
+
+#[test]
+fn a_picture_in_colours_is_not_taken_for_a_cube_in_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (64, 64, 3), }";
+    let header = format!("{header:<117}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(header.bytes());
+    bytes.resize(bytes.len() + 64 * 64 * 3 * 4, 0);
+    std::fs::write(&path, bytes).unwrap();
+    let refused = cube::inspect(&path, Wanted::default()).unwrap_err();
+    let said = format!("{refused} {}", refused.help());
+    assert!(
+        said.contains("picture in colours") && said.contains("H W C"),
+        "{said}"
+    );
+    for (axes, shape) in [("H W C", [64, 64, 1, 3]), ("H W T", [64, 64, 3, 1])] {
+        let axes = axes.parse().unwrap();
+        let wanted = Wanted {
+            axes: Some(&axes),
+            ..Wanted::default()
+        };
+        assert_eq!(cube::inspect(&path, wanted).unwrap().shape, shape);
     }
 }
 

@@ -11,6 +11,7 @@ use nullray::render::film::Film;
 use nullray::render::plan;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
+use nullray::render::survey;
 use nullray::scene::SceneFile;
 use nullray::scene::model::{Exposure, Scene};
 use nullray::{Error, Result};
@@ -239,7 +240,11 @@ impl Sequence<'_> {
         if !remark.is_empty() {
             self.done.black += 1;
             if self.done.remark.is_empty() {
-                let times = self.prepared.as_mut().map(|p| remarks::times(scene, p));
+                let times = self.prepared.as_mut().map(|p| {
+                    let misfits = survey::misfits(scene, p).into_iter();
+                    let line = |text: String| format!("{}\n", super::info::escaped(&text));
+                    remarks::times(scene, p) + &misfits.map(line).collect::<String>()
+                });
                 self.done.remark = format!("frame {number}: {remark}{}", times.unwrap_or_default());
             }
         }

@@ -249,6 +249,7 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
     let usual = || Axes::usual(header.shape.len()).ok_or_else(|| not_a_cube(&header, place));
     let named = match axes {
         Some(axes) => axes.clone(),
+        None if is_like_picture(&header.shape) => return Err(like_picture(&header, place)),
         None => usual()?,
     };
     let arrangement = Arrangement::of(&header.shape, &named, header.fortran_order)
@@ -300,6 +301,22 @@ fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<Strin
         ),
         _ => None,
     }
+}
+
+/// Whether an array is as likely a picture in colours as it is a cube.
+fn is_like_picture(sizes: &[usize]) -> bool {
+    matches!(sizes, [h, w, 3 | 4] if *h.min(w) >= 8)
+}
+
+fn like_picture(header: &Header, place: &Place) -> crate::Error {
+    place.invalid(
+        "header",
+        format!(
+            "an array of shape {:?} is probably a picture in colours, and may be a cube of {} time bins",
+            header.shape, header.shape[2]
+        ),
+        "say which in the source's `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time",
+    )
 }
 
 /// What to do about an order of axes.

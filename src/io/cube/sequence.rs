@@ -207,12 +207,10 @@ fn in_folder(path: &Path) -> Result<Vec<(u64, PathBuf)>> {
         };
         match &found {
             Some(found) if *found != pattern => {
-                let [one, other] = [found, &pattern].map(|p| format!("{}#{}", p.before, p.after));
-                let what = format!(
-                    "the folder holds several sequences: {} and {}",
-                    one.min(other.clone()),
-                    other
-                );
+                let mut both = [found, &pattern].map(|p| format!("{}#{}", p.before, p.after));
+                both.sort();
+                let [one, other] = both;
+                let what = format!("the folder holds several sequences: {one} and {other}");
                 return Err(Error::invalid(path, "", what, NAME_IT));
             }
             _ => found = Some(pattern),

@@ -177,7 +177,7 @@ impl Capture {
     }
 
     /// What a pixel saw, to be compared with what others saw.
-    fn aim_of(&self, pixel: usize) -> Option<Aim> {
+    pub(super) fn aim_of(&self, pixel: usize) -> Option<Aim> {
         let seen = self.seen.get(pixel).filter(|seen| seen.distance > 0.0)?;
         let position = Vec3::from_array(seen.position).as_dvec3();
         Some(Aim {

@@ -13,9 +13,12 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
 use super::capture::Capture;
 use super::texture::TimeTexture;
 use crate::io::cube::{CubeStore, Peeked};
+use crate::scene::model::TimeBins;
 
 /// Pixels that are looked at.
 const PIXELS: usize = 4096;
@@ -140,7 +143,8 @@ pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
 }
 
 /// What looks wrong about how data lie in the image of the camera that captured them, and in time.
-pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
+/// `index` is η of the medium.
+pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<String> {
     let store = texture.cube();
     if store.on_disk().is_some_and(|bricks| bricks.counts_only()) {
         return Vec::new();
@@ -155,6 +159,7 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
     let mut per_bin = vec![0.0; bins];
     // By how many bins it is too early.
     let mut by_lack: BTreeMap<u64, f64> = BTreeMap::new();
+    let mut onsets = Onsets::default();
     for &pixel in &pixels {
         lines.read(pixel, 0, &mut line);
         let seen = capture.distance(pixel);
@@ -162,6 +167,9 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
         if let Some(distance) = seen {
             nearest = nearest.min(distance);
             farthest = farthest.max(distance);
+        }
+        if let Some(aim) = capture.aim_of(pixel) {
+            onsets.note(&line, aim.position, index * seen.unwrap_or_default());
         }
         for (bin, sum) in per_bin.iter_mut().enumerate() {
             let value = line[bin].abs();
@@ -185,37 +193,61 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
             percent(unseen / total)
         ));
     }
-    if !capture.is_warped() || farthest == 0.0 {
+    // Of steady data there is no time, and of short ones no order in time.
+    if bins == 1 || farthest == 0.0 {
         return remarks;
     }
     let width = axis.bins.width();
     let lit = lit_bins(&per_bin).map(|[first, last]| [axis.end(first), axis.end(last + 1)]);
+    let uneven = bins >= FEWEST && is_enough && matches!(axis.bins, TimeBins::Uniform { .. });
+    if let Some(remark) = onsets
+        .remark(width, index, capture.is_warped())
+        .filter(|_| uneven)
+    {
+        remarks.push(remark);
+    }
+    if !capture.is_warped() {
+        return remarks;
+    }
     let fit = lit.and_then(|lit| other_unit(lit, [nearest, farthest]));
     let fit = fit.map(|power| {
-        let times = [start, width].map(|time| time * 10f64.powi(power));
+        let [start, width] = [start, width].map(|time| rounded(time * 10f64.powi(power)));
         format!(
-            "; in a unit 10^{power} times as long they would fit: start = \"{} m\", bin_width = \"{} m\"",
-            times[0], times[1]
+            "; in a unit 10^{power} times as long they would fit: start = \"{start} m\", bin_width = \"{width} m\""
         )
     });
+    let [now_start, now_width] = [start, width].map(rounded);
     if early > TOLERATED * total {
-        let later = start + lack(&by_lack, TOLERATED * total) as f64 * width;
-        let fit = fit.clone().unwrap_or_else(|| {
-            format!(
-                "; from start = \"{later:.6} m\" on, {} would not be early",
-                percent(1.0 - TOLERATED)
-            )
-        });
+        let lack = lack(&by_lack, TOLERATED * total) as f64 * width;
+        let later = rounded(start + lack);
+        // Light that takes as long as the way across the scene needs no other unit, and no unit moves a start at 0.
+        let is_long = lit.is_some_and(|[first, last]| last - first >= 0.5 * (farthest - nearest));
+        let fit = fit
+            .clone()
+            .filter(|_| !is_long && start != 0.0)
+            .unwrap_or_else(
+                || match onsets.start_of_flash(width, index).filter(|_| uneven) {
+                    Some(fitting) => format!(
+                        "; start = \"{} m\" would fit a flash at time 0",
+                        nearest_step(fitting, width)
+                    ),
+                    None => format!(
+                        "; from start = \"{later} m\" on, {} would not be early",
+                        percent(1.0 - TOLERATED)
+                    ),
+                },
+            );
         remarks.push(format!(
-            "{} of the recorded light would have left its surface before time 0: check start (now {start} m), \
-             bin_width (now {width} m) and their units, capture.near_clip, and whether the clock is the capture \
+            "{} of the recorded light would have left its surface before time 0: check start (now {now_start} m), \
+             bin_width (now {now_width} m) and their units, capture.near_clip, and whether the clock is the capture \
              camera's; objects are {nearest:.4} to {farthest:.4} m from it{fit}",
             percent(early / total)
         ));
     } else if let Some([first, _]) = lit.filter(|[first, _]| *first > LATE * farthest) {
         remarks.push(format!(
-            "the first light arrives after {first} m, and objects are {nearest:.4} to {farthest:.4} m from the capture \
-             camera: check start (now {start} m), bin_width (now {width} m) and their units{}",
+            "the first light arrives after {} m, and objects are {nearest:.4} to {farthest:.4} m from the capture \
+             camera: check start (now {now_start} m), bin_width (now {now_width} m) and their units{}",
+            rounded(first),
             fit.clone().unwrap_or_default()
         ));
     }
@@ -228,6 +260,186 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture) -> Vec<String> {
         ));
     }
     remarks
+}
+
+/// The times between which most bins are lit; none of dark data, and of data on disk, which are not read for it.
+pub fn lit_span(texture: &TimeTexture) -> Option<[f64; 2]> {
+    let store = texture.cube();
+    if store.on_disk().is_some() {
+        return None;
+    }
+    let light = Light::of(&mut Lines::new(store));
+    let [first, last] = lit_bins(&light.per_bin)?;
+    Some([texture.axis().end(first), texture.axis().end(last + 1)])
+}
+
+/// When light first came from points, by which the width of bins and the clock can be told from wrong ones: the time at which
+/// light first reaches a point differs between two points by no more than the way of light from one to the other takes.
+#[derive(Default)]
+struct Onsets(Vec<Onset>);
+
+struct Onset {
+    /// Bins from the start of the data.
+    bin: f64,
+    /// The bin at which first light is brightest: the middle of a flash.
+    peak: f64,
+    /// The most light of a bin.
+    brightest: f64,
+    position: DVec3,
+    /// From there to the camera, metres of light path.
+    delay: f64,
+}
+
+impl Onsets {
+    fn note(&mut self, line: &[f64], position: DVec3, delay: f64) {
+        let brightest = line.iter().copied().fold(0.0, f64::max);
+        let first = line.iter().position(|value| *value > 0.25 * brightest);
+        let climb = |first: usize| {
+            let pairs = line[first..]
+                .windows(2)
+                .take_while(|pair| pair[1] > pair[0]);
+            first + pairs.count()
+        };
+        self.0.extend(first.map(|bin| Onset {
+            bin: bin as f64,
+            peak: climb(bin) as f64,
+            brightest,
+            position,
+            delay,
+        }));
+    }
+
+    /// The part of pairs of points between which first light would have been faster than light, by bins of `width`, where
+    /// times are those of arrival at the camera (`warped`) or not.
+    fn too_fast(&self, width: f64, index: f64, warped: bool) -> f64 {
+        let some = self.bright();
+        let left = |onset: &Onset| onset.bin * width - if warped { onset.delay } else { 0.0 };
+        let (mut pairs, mut fast) = (0usize, 0usize);
+        for (n, one) in some.iter().enumerate() {
+            for other in &some[..n] {
+                let way = index * (one.position - other.position).length();
+                pairs += 1;
+                fast += usize::from((left(one) - left(other)).abs() > way + ROUGH * width);
+            }
+        }
+        fast as f64 / pairs.max(1) as f64
+    }
+
+    /// The start by which first light is that of one flash at time 0, metres; none where no point is its place.
+    ///
+    /// Of light that arrives t + o later than at 0, t in metres from the start of the data and o the start, d of which are the
+    /// way from a point x to the camera: t + o − d = η|s − x| for a flash at s. With e = (t − d)/η and p = o/η its square is
+    /// linear in p, s and p² − s²: 2 e p + 2 s·x + (p² − s²) = x² − e². Points in shadow do not obey; the half that fits best
+    /// is taken again.
+    fn start_of_flash(&self, width: f64, index: f64) -> Option<f64> {
+        let rows: Vec<[f64; 6]> = (self.bright().into_iter())
+            .map(|onset| {
+                let (x, e) = (
+                    onset.position,
+                    ((onset.peak + 0.5) * width - onset.delay) / index,
+                );
+                let right = x.length_squared() - e * e;
+                [2.0 * e, 2.0 * x.x, 2.0 * x.y, 2.0 * x.z, 1.0, right]
+            })
+            .collect();
+        let mut kept: Vec<&[f64; 6]> = rows.iter().collect();
+        let mut found = None;
+        for _ in 0..8 {
+            let solved = least_squares(&kept)?;
+            let [p, x, y, z, _] = solved;
+            // By how many metres a point is off: the row is the difference of two squares.
+            let off = |row: &[f64; 6]| {
+                let at = DVec3::new(row[1], row[2], row[3]) * 0.5;
+                ((0.5 * row[0] + p) - at.distance(DVec3::new(x, y, z))).abs()
+            };
+            let mut by_error: Vec<_> = rows.iter().map(|row| (off(row), row)).collect();
+            by_error.sort_by(|a, b| a.0.total_cmp(&b.0));
+            by_error.truncate(rows.len() / 2);
+            let worst = by_error.last()?.0;
+            found = (worst * index < ROUGH * width).then_some(p * index);
+            kept = by_error.into_iter().map(|(_, row)| row).collect();
+        }
+        found
+    }
+
+    /// Points whose light is well above nothing, spread evenly.
+    fn bright(&self) -> Vec<&Onset> {
+        let brightest = (self.0.iter()).fold(0.0, |most: f64, onset| most.max(onset.brightest));
+        let bright: Vec<_> = (self.0.iter())
+            .filter(|onset| onset.brightest > TOLERATED * brightest)
+            .collect();
+        spread(bright.len(), ENOUGH).map(|at| bright[at]).collect()
+    }
+
+    fn remark(&self, width: f64, index: f64, warped: bool) -> Option<String> {
+        let now = self.too_fast(width, index, warped);
+        if self.0.len() < FEWEST || now < FAST {
+            return None;
+        }
+        let what = format!(
+            "between {} of the points, light would have been faster than light by when it first came",
+            percent(now)
+        );
+        let power = (1..=15)
+            .find(|power| self.too_fast(width * 10f64.powi(-power), index, warped) < FAST / 4.0);
+        let fit = power.map(|power| {
+            let width = rounded(width * 10f64.powi(-power));
+            format!("; in a unit 10^-{power} times as long it would fit: bin_width = \"{width} m\"")
+        });
+        Some(format!(
+            "{what}: check bin_width (now {} m){}",
+            rounded(width),
+            fit.unwrap_or_default()
+        ))
+    }
+}
+
+/// The unknowns a of rows a·row = right, the last entry, by normal equations; none where they do not follow.
+fn least_squares(rows: &[&[f64; 6]]) -> Option<[f64; 5]> {
+    let mut m = [[0.0; 6]; 5];
+    for row in rows {
+        for (i, line) in m.iter_mut().enumerate() {
+            for (k, sum) in line.iter_mut().enumerate() {
+                *sum += row[i] * row[k];
+            }
+        }
+    }
+    let scale = m
+        .iter()
+        .flatten()
+        .fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    for i in 0..5 {
+        let pivot = (i..5).max_by(|a, b| m[*a][i].abs().total_cmp(&m[*b][i].abs()))?;
+        m.swap(i, pivot);
+        let line = m[i];
+        if line[i].abs() <= 1e-12 * scale {
+            return None;
+        }
+        for (_, other) in m.iter_mut().enumerate().filter(|(k, _)| *k != i) {
+            let part = other[i] / line[i];
+            other
+                .iter_mut()
+                .zip(line)
+                .for_each(|(entry, by)| *entry -= part * by);
+        }
+    }
+    Some(std::array::from_fn(|i| m[i][5] / m[i][i]))
+}
+
+/// Times of first light are known to so many bins.
+const ROUGH: f64 = 4.0;
+/// The part of pairs that may be too fast: first light in shadow comes from elsewhere, and is faint.
+const FAST: f64 = 0.2;
+
+/// The multiple of the width of a bin, to which times of first light are known, that is nearest.
+fn nearest_step(time: f64, width: f64) -> f64 {
+    rounded((time / width).round() * width)
+}
+
+/// A number of six digits, for people.
+pub(crate) fn rounded(value: f64) -> f64 {
+    // Adding 0 makes 0 of −0.
+    format!("{value:.5e}").parse().unwrap_or(value) + 0.0
 }
 
 /// Light that first arrives after so many times the way to the farthest object comes from nothing in the scene.

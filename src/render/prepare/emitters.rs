@@ -516,7 +516,11 @@ impl Stores {
                     Reconstruction::Bilinear | Reconstruction::Footprint => capture,
                     Reconstruction::Sharp => capture.with_neighbours(),
                 };
-                self.warn(scene, source, survey::of_capture(&texture, &capture));
+                self.warn(
+                    scene,
+                    source,
+                    survey::of_capture(&texture, &capture, scene.medium_index),
+                );
                 self.captures.push(capture);
                 Emitter::Captured(vec![CapturedCube {
                     cube: index,

@@ -6,12 +6,14 @@ use crate::error::Result;
 use crate::figures::diagram::model::{Animation, Diagram, Spot};
 use crate::figures::drawing::Drawing;
 
+/// Fewer pictures than these are steps and no motion: labels are then placed anew in each, rather than on their way.
+const MOTION: u32 = 24;
 /// Pictures whose automatic limits make those of all.
 const LOOKED_AT: u32 = 16;
 
 /// The pictures of a diagram's animation, one after the other from the first.
 ///
-/// A label goes on where it is as long as it can, so that a picture depends on those before.
+/// A label goes on where it is as long as it can, so that a picture of many depends on those before.
 pub struct Series {
     /// With limits that hold what every picture shows.
     diagram: Diagram,
@@ -57,6 +59,9 @@ impl Iterator for Series {
             panel.held = Some(*page);
         }
         self.next += 1;
+        if self.animation.frames < MOTION {
+            self.habits = Habits::default();
+        }
         Some(draw_next(&layout, &self.diagram.style, &mut self.habits))
     }
 }

@@ -298,11 +298,7 @@ impl Bricks {
     /// The first failure; whoever asks again is told that the work was given up.
     pub fn check(&self) -> Result<()> {
         if !self.has_failed() {
-            return match &self.form {
-                Form::Pages(pages) => pages.check(),
-                #[cfg(any(feature = "hdf5", feature = "zarr"))]
-                Form::Chunks(chunks) => chunks.check(),
-            };
+            return with_form!(&self.form, file => file.check_unchanged());
         }
         let first = locked(&self.failure).take();
         Err(first.unwrap_or(Error::Cancelled))

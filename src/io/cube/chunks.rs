@@ -70,7 +70,7 @@ impl Chunks {
     ///
     /// # Errors
     /// The file has been changed since.
-    pub fn check(&self) -> Result<()> {
+    pub fn check_unchanged(&self) -> Result<()> {
         let now = || std::fs::metadata(&self.path);
         match &self.stamp {
             Some(stamp) if !now().is_ok_and(|now| stamp.holds(&now)) => Err(changed(&self.path)),

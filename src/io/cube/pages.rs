@@ -133,7 +133,7 @@ impl Pages {
     ///
     /// # Errors
     /// The file has been changed since.
-    pub fn check(&self) -> Result<()> {
+    pub fn check_unchanged(&self) -> Result<()> {
         match self.file.is_unchanged() {
             true => Ok(()),
             false => Err(changed(&self.path)),

@@ -244,6 +244,14 @@ pub struct CubeSource {
     pub assumed: Vec<String>,
 }
 
+impl CubeSource {
+    /// Whether lookups may be means over spans of time, through `camera`: over parts of an exposure, or over what samples
+    /// stand for.
+    pub fn is_read_over_spans(&self, camera: &CameraModel) -> bool {
+        camera.integrated_exposure().is_some() || self.reconstruction == Reconstruction::Footprint
+    }
+}
+
 /// Where the bins of a time axis lie, metres of ct.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TimeBins {
@@ -498,7 +506,7 @@ pub enum Reconstruction {
     /// bilinear reads 4.
     Sharp,
     /// Bilinear, as the mean over what each sample of the picture stands for on the surface, where that is wider than a
-    /// texel: up to 64 × 64 lookups, each at its own place and time.
+    /// texel or takes longer than a bin: up to 64 × 64 lookups, each at its own place and time, or over its own span of it.
     Footprint,
 }
 

@@ -1,4 +1,4 @@
-//! Means over spans of time: what an exposure that takes a while records.
+//! Means over spans of time: what an exposure that takes a while records, and what a part of a tilted surface shows.
 //!
 //! What a filter makes of the bins is L(t) = Σ_k a_k φ(b − ½ − k) with b = (t − start)/w, so that over [b₀, b₁] its mean is
 //!
@@ -18,6 +18,8 @@
 //! bins are added one by one: the same, more slowly.
 //!
 //! Times beyond the data are what the policy says, by the part of the span that lies there.
+
+use rayon::prelude::*;
 
 use super::axis::{Phase, Reading, Timeline};
 use crate::io::cube::{Cube, CubeStore};
@@ -65,20 +67,21 @@ impl PrefixSums {
     pub fn new(cube: &Cube) -> PrefixSums {
         let [h, w, bins, channels] = cube.shape;
         let blocks = bins / BLOCK + 1;
-        let mut sums = Vec::with_capacity(h * w * blocks * channels);
-        let mut running = vec![[0.0; 2]; channels];
-        for texel in 0..h * w {
-            running.fill([0.0; 2]);
-            for block in 0..blocks {
-                sums.extend_from_slice(&running);
-                for bin in block * BLOCK..((block + 1) * BLOCK).min(bins) {
-                    for (channel, sum) in running.iter_mut().enumerate() {
-                        let sample = cube.samples.get((texel * bins + bin) * channels + channel);
-                        add(sum, sample.unwrap_or(0.0));
+        let mut sums = vec![[0.0; 2]; h * w * blocks * channels];
+        let texels = sums.par_chunks_exact_mut(blocks * channels);
+        texels.enumerate().for_each(|(texel, sums)| {
+            let first = texel * bins * channels;
+            for channel in 0..channels {
+                let mut running = [0.0; 2];
+                for block in 0..blocks {
+                    sums[block * channels + channel] = running;
+                    for bin in block * BLOCK..((block + 1) * BLOCK).min(bins) {
+                        let sample = cube.samples.get(first + bin * channels + channel);
+                        add(&mut running, sample.unwrap_or(0.0));
                     }
                 }
             }
-        }
+        });
         PrefixSums {
             sums,
             blocks,

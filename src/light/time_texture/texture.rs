@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use crate::scene::model::{Fill, Outside, Reconstruction};
 
 use super::axis::TimeAxis;
-use super::axis::{Moment, Phase, Timeline};
+use super::axis::{Moment, Phase, Reading, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
@@ -188,6 +188,16 @@ impl TimeTexture {
     pub fn size(&self) -> [usize; 2] {
         let [height, width, ..] = self.cube.shape();
         [width, height]
+    }
+
+    /// How many bins that much time is; mean ones, where they differ.
+    pub fn bins_in(&self, time: f64) -> f64 {
+        time * self.timeline.bins_per_metre
+    }
+
+    /// Whether means over spans of time are those of all their bins: bins are of one width.
+    pub fn reads_spans(&self) -> bool {
+        matches!(self.timeline.reading, Reading::Uniform(_))
     }
 
     /// The times between which it holds data, metres of ct on its own clock.

@@ -244,9 +244,9 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
                 shape,
                 bytes,
                 capture_rays: if projected { (h * w) as u64 } else { 0 },
-                sums: match scene.camera.integrated_exposure() {
-                    Some(_) => TimeTexture::bytes_of_sums(shape),
-                    None => 0,
+                sums: match cube.is_read_over_spans(&scene.camera) {
+                    true => TimeTexture::bytes_of_sums(shape),
+                    false => 0,
                 },
                 held: None,
                 read: None,

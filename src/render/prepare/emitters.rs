@@ -479,9 +479,9 @@ impl Stores {
         let texture = TimeTexture::new(self.load(cube, held)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?
             .with_reconstruction(cube.reconstruction);
-        let texture = match scene.camera.integrated_exposure() {
-            Some(_) => texture.with_sums(),
-            None => texture,
+        let texture = match cube.is_read_over_spans(&scene.camera) {
+            true => texture.with_sums(),
+            false => texture,
         };
         let size = texture.size();
         let mut assumed = Order::Stated;

@@ -44,17 +44,36 @@ pub(crate) type Block = [f64; BLOCK];
 /// The numbers of `from` from `begin` on, and zeros after the last.
 #[inline(always)]
 pub(crate) fn load(from: &[f64], begin: usize) -> Block {
+    // Whole blocks, which are almost all, are copied in registers, without a call.
+    match from.get(begin..).and_then(<[f64]>::first_chunk) {
+        Some(block) => *block,
+        None => load_last(from, begin),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn load_last(from: &[f64], begin: usize) -> Block {
     let mut to = [0.0; BLOCK];
-    let count = from.len().saturating_sub(begin).min(BLOCK);
-    to[..count].copy_from_slice(&from[begin..begin + count]);
+    let rest = from.get(begin..).unwrap_or_default();
+    to[..rest.len()].copy_from_slice(rest);
     to
 }
 
 /// Puts `from` into the numbers of `to` from `begin` on, as many as there are.
 #[inline(always)]
 pub(crate) fn store(from: &Block, to: &mut [f64], begin: usize) {
-    let count = to.len().saturating_sub(begin).min(BLOCK);
-    to[begin..begin + count].copy_from_slice(&from[..count]);
+    match to.get_mut(begin..).and_then(<[f64]>::first_chunk_mut) {
+        Some(block) => *block = *from,
+        None => store_last(from, to, begin),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn store_last(from: &Block, to: &mut [f64], begin: usize) {
+    let rest = to.get_mut(begin..).unwrap_or_default();
+    rest.copy_from_slice(&from[..rest.len()]);
 }
 
 /// Vectors by component, for loops over many of them.

@@ -20,9 +20,10 @@ use glam::DVec3;
 use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
 use super::projection::Projection;
-use super::{CameraRay, RayOrigin, Shot, View};
+use super::rays::SimpleRays;
+use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::scene::model::{Assembly, CameraModel, Sensor};
-use crate::spacetime::worldline::{State, Vicinity, WorldLine};
+use crate::spacetime::worldline::{Anchor, State, Stretch, Vicinity, WorldLine};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, Frame, World};
 
 /// A camera on a world line, with a sensor, a shutter, or both.
@@ -36,6 +37,8 @@ pub struct Accelerated {
     event: Event<World>,
     /// The camera at that time, where there is no exposure.
     instant: Option<Placed>,
+    /// The line during the exposure of a camera without a sensor, where its acceleration is constant then.
+    stretch: Option<Stretch>,
     exposure: ExposureTime,
     aberration: bool,
 }
@@ -73,11 +76,15 @@ impl Accelerated {
             time: model.time,
             event: shot.event,
             instant: None,
+            stretch: None,
             exposure,
             aberration,
         };
         if exposure.duration == 0.0 {
             camera.instant = camera.placed(0.0);
+        } else if camera.sensor.is_none() {
+            let times = [camera.time, camera.time + exposure.duration];
+            camera.stretch = camera.line.stretch(times, camera.event);
         }
         camera
     }
@@ -110,115 +117,175 @@ impl Accelerated {
     }
 
     /// What a camera without a sensor sees: its velocity and place at the moment are all that counts.
-    #[inline]
     fn ray_from_point<P: Projection>(
         &self,
         film: &P,
-        [x, y]: [f64; 2],
+        at: [f64; 2],
         moment: f64,
     ) -> Option<CameraRay> {
-        let time = self.time + moment * self.exposure.duration;
-        let (event, velocity) = self.line.place(time)?;
-        let seen = film.direction(x, y);
+        if let Some(stretch) = &self.stretch {
+            return Some(self.stretch_ray(stretch, film, at, moment));
+        }
+        let (event, velocity) = self.line.place(self.moment(moment))?;
+        let seen = film.direction(at[0], at[1]);
         let (d, ratio) = Boost::<World, Camera>::new(velocity).direction(seen);
-        Some(CameraRay {
+        Some(self.point_ray(film, at, (seen, d, ratio, event - self.event)))
+    }
+
+    /// The same, where the acceleration is constant during the exposure.
+    #[inline(always)]
+    fn stretch_ray<P: Projection>(
+        &self,
+        stretch: &Stretch,
+        film: &P,
+        at: [f64; 2],
+        moment: f64,
+    ) -> CameraRay {
+        let seen = film.direction(at[0], at[1]);
+        let (moved, d, ratio) = stretch.look(self.moment(moment), seen);
+        self.point_ray(film, at, (seen, d, ratio, moved))
+    }
+
+    /// Camera time at a moment of the exposure.
+    #[inline(always)]
+    fn moment(&self, moment: f64) -> f64 {
+        self.time + moment * self.exposure.duration
+    }
+
+    /// The ray of a camera without a sensor that has `moved` since the shot, by its look direction there and in the world.
+    #[inline(always)]
+    fn point_ray<P: Projection>(
+        &self,
+        film: &P,
+        [x, y]: [f64; 2],
+        (seen, d, ratio, moved): (
+            Direction<Camera>,
+            Direction<World>,
+            f64,
+            Displacement<World>,
+        ),
+    ) -> CameraRay {
+        CameraRay {
             d: match self.aberration {
                 true => d,
                 false => Direction::from_unit(seen.unit()),
             },
             ratio,
             origin: RayOrigin {
-                displacement: event - self.event,
+                displacement: moved,
                 delay: 1.0,
                 weight: self.exposure.weight_at(film, x, y),
             },
-        })
+        }
+    }
+
+    /// The ray of an element of the sensor of `camera`.
+    #[inline(always)]
+    fn camera_ray(&self, camera: &Placed, ray: ElementRay) -> CameraRay {
+        CameraRay {
+            d: match self.aberration {
+                true => ray.d,
+                false => Direction::from_unit(ray.seen.unit()),
+            },
+            ratio: ray.ratio,
+            origin: RayOrigin {
+                displacement: camera.moved + ray.from,
+                delay: 1.0,
+                weight: self.exposure.weight,
+            },
+        }
     }
 
     /// What the element at film point `(x, y)` sees.
-    #[inline]
     fn element_ray<P: Projection>(
         &self,
         camera: &Placed,
         film: &P,
-        [x, y]: [f64; 2],
+        at: [f64; 2],
     ) -> Option<ElementRay> {
-        let Some(sensor) = self.sensor else {
-            let seen = film.direction(x, y);
+        let Some(sensor) = &self.sensor else {
+            let seen = film.direction(at[0], at[1]);
             return Some(camera.element_ray(seen, Displacement::new(0.0, DVec3::ZERO)));
         };
-        let element = film.vector(x, y) * -sensor.focal_length;
+        let near = camera.vicinity.as_ref().and_then(|vicinity| {
+            let (ray, is_seen) = match sensor.assembly {
+                Assembly::Bell => camera.nearby_ship(vicinity, element(film, sensor, at)),
+                Assembly::Rigid | Assembly::WorldLength => {
+                    camera.nearby_on_body(vicinity, camera.on_body(film, sensor, at))
+                }
+            };
+            is_seen.then_some(ray)
+        });
+        near.or_else(|| self.element_ray_anywhere(camera, film, sensor, at))
+    }
+
+    /// The same where the acceleration is not constant, or changes while the light is under way.
+    #[inline(never)]
+    fn element_ray_anywhere<P: Projection>(
+        &self,
+        camera: &Placed,
+        film: &P,
+        sensor: &Sensor,
+        at: [f64; 2],
+    ) -> Option<ElementRay> {
+        let passage = |offset| {
+            let crossing = self.line.on_past_light_cone(&camera.state, offset)?;
+            Some(crossing.displacement)
+        };
         match sensor.assembly {
-            Assembly::Bell => self.ships(camera, element),
-            // The focal length is stretched, the sensor is not.
+            Assembly::Bell => {
+                let element = element(film, sensor, at);
+                let from = passage(Displacement::new(0.0, element))?;
+                Some(camera.ray_of_ship(along(from.x - element)?, from))
+            }
             Assembly::Rigid | Assembly::WorldLength => {
-                self.rigid(camera, element - film.forward() * camera.stretch)
+                let element = camera.on_body(film, sensor, at);
+                let offset = Displacement::new(0.0, element);
+                let from = passage(camera.world_from_camera.displacement(offset))?;
+                let own = camera.state.frame().frame_from_world().displacement(from);
+                Some(camera.element_ray(along(own.x - element)?, from))
             }
         }
     }
-
-    /// The element at `element` from the pinhole on a rigid body, in its frame.
-    #[inline]
-    fn rigid(&self, camera: &Placed, element: DVec3) -> Option<ElementRay> {
-        let apex = Displacement::new(0.0, element);
-        let crossing = |v: &Vicinity| {
-            let own = v.crossing(apex, element.length_squared())?;
-            Some((own, v.in_world(own)))
-        };
-        let near = camera.vicinity.as_ref().and_then(crossing);
-        let (own, from) = near.or_else(|| self.rigid_anywhere(camera, apex))?;
-        Some(camera.element_ray(along(own.x - element)?, from))
-    }
-
-    /// Where light left the pinhole for a place on its body, in its frame and the world, where the
-    /// acceleration is not constant, or changes while the light is under way.
-    #[inline(never)]
-    fn rigid_anywhere(&self, camera: &Placed, apex: Displacement<Camera>) -> Option<Passage> {
-        let at = camera.world_from_camera.displacement(apex);
-        let from = self
-            .line
-            .on_past_light_cone(&camera.state, at)?
-            .displacement;
-        let camera_from_world = camera.state.frame().frame_from_world();
-        Some((camera_from_world.displacement(from), from))
-    }
-
-    /// The element at `element` from the pinhole, as the world measures, on a ship of its own.
-    #[inline]
-    fn ships(&self, camera: &Placed, element: DVec3) -> Option<ElementRay> {
-        let camera_from_world = camera.state.frame().frame_from_world();
-        let at = Displacement::new(0.0, element);
-        let crossing = |v: &Vicinity| {
-            let apex = camera_from_world.displacement(at);
-            Some(v.in_world(v.crossing(apex, element.length_squared())?))
-        };
-        let near = camera.vicinity.as_ref().and_then(crossing);
-        let anywhere = || {
-            Some(
-                self.line
-                    .on_past_light_cone(&camera.state, at)?
-                    .displacement,
-            )
-        };
-        let from = near.or_else(anywhere)?;
-        let d = along(from.x - element)?;
-        let (seen, ratio) = camera_from_world.direction(d);
-        Some(ElementRay {
-            d,
-            seen,
-            ratio: 1.0 / ratio,
-            from,
-        })
-    }
 }
 
-/// From the pinhole's event at the time of exposure to that at which the light passed: in the comoving
-/// frame and in the world.
-type Passage = (Displacement<Camera>, Displacement<World>);
+/// The element at film point `(x, y)`, from the pinhole: in the camera's frame, or, of ships, in the world.
+#[inline(always)]
+fn element<P: Projection>(film: &P, sensor: &Sensor, [x, y]: [f64; 2]) -> DVec3 {
+    film.vector(x, y) * -sensor.focal_length
+}
 
 impl Placed {
+    /// The element at film point `(x, y)` of a rigid sensor, from the pinhole, in the camera's frame.
+    #[inline(always)]
+    fn on_body<P: Projection>(&self, film: &P, sensor: &Sensor, at: [f64; 2]) -> DVec3 {
+        // The focal length is stretched, the sensor is not.
+        element(film, sensor, at) - film.forward() * self.stretch
+    }
+
+    /// What `element` of a rigid sensor sees of light that passed the pinhole in `vicinity`, and whether there is any.
+    #[inline(always)]
+    fn nearby_on_body(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
+        let apex = Displacement::new(0.0, element);
+        let (own, crosses) = vicinity.crossing(apex, element.length_squared());
+        let (seen, is_usual) = along_usual(own.x - element);
+        let ray = self.element_ray(seen, vicinity.in_world(own));
+        (ray, crosses & is_usual)
+    }
+
+    /// The same of an element that is a ship of its own.
+    #[inline(always)]
+    fn nearby_ship(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
+        let apex = Displacement::new(0.0, element);
+        let apex = self.state.frame().frame_from_world().displacement(apex);
+        let (own, crosses) = vicinity.crossing(apex, element.length_squared());
+        let from = vicinity.in_world(own);
+        let (d, is_usual) = along_usual(from.x - element);
+        (self.ray_of_ship(d, from), crosses & is_usual)
+    }
+
     /// What is seen along `seen` of the comoving frame by a ray that leaves at `from`.
-    #[inline]
+    #[inline(always)]
     fn element_ray(&self, seen: Direction<Camera>, from: Displacement<World>) -> ElementRay {
         let (d, ratio) = self.world_from_camera.direction(seen);
         ElementRay {
@@ -228,16 +295,35 @@ impl Placed {
             from,
         }
     }
+
+    /// What is seen along `d` of the world by a ray that leaves at `from`.
+    #[inline(always)]
+    fn ray_of_ship(&self, d: Direction<World>, from: Displacement<World>) -> ElementRay {
+        let (seen, ratio) = self.state.frame().frame_from_world().direction(d);
+        ElementRay {
+            d,
+            seen,
+            ratio: 1.0 / ratio,
+            from,
+        }
+    }
 }
 
-/// The direction of `way`, whose squares are in the usual range unless the camera's sizes are not.
-#[inline]
+/// The direction of `way`.
 fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
-    let square = way.length_squared();
-    if (1e-200..1e200).contains(&square) {
-        return Some(Direction::from_unit(way * (1.0 / square.sqrt())));
+    match along_usual(way) {
+        (direction, true) => Some(direction),
+        _ => Direction::new(way),
     }
-    Direction::new(way)
+}
+
+/// The direction of `way`, and whether its squares are in the range where that is right, as they are unless the camera's
+/// sizes are unusual.
+#[inline(always)]
+fn along_usual<F: Frame>(way: DVec3) -> (Direction<F>, bool) {
+    let square = way.length_squared();
+    let direction = Direction::from_unit(way * (1.0 / square.sqrt()));
+    (direction, (square >= 1e-200) & (square < 1e200))
 }
 
 /// What an element sees whose light never passed the pinhole.
@@ -279,21 +365,100 @@ impl View for Accelerated {
                 &later
             }
         };
-        let Some(ray) = self.element_ray(camera, film, [x, y]) else {
-            return nothing();
-        };
-        CameraRay {
-            d: if self.aberration {
-                ray.d
-            } else {
-                Direction::from_unit(ray.seen.unit())
-            },
-            ratio: ray.ratio,
-            origin: RayOrigin {
-                displacement: camera.moved + ray.from,
-                delay: 1.0,
-                weight: self.exposure.weight,
-            },
+        match self.element_ray(camera, film, [x, y]) {
+            Some(ray) => self.camera_ray(camera, ray),
+            None => nothing(),
         }
+    }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        if let Some(anchor) = self.stretch.as_ref().and_then(Stretch::only) {
+            let moments = Moments {
+                camera: self,
+                anchor,
+            };
+            return rays.fill_by(&moments, self, film, points);
+        }
+        let placed = self.instant.as_ref();
+        let vicinity = placed.and_then(|placed| placed.vicinity.as_ref());
+        let (Some(sensor), Some(placed), Some(vicinity)) = (&self.sensor, placed, vicinity) else {
+            return rays.fill(self, film, points);
+        };
+        let (camera, sensor) = (self, *sensor);
+        match sensor.assembly {
+            Assembly::Bell => {
+                let ships = Ships {
+                    camera,
+                    placed,
+                    vicinity,
+                    sensor,
+                };
+                rays.fill_by(&ships, self, film, points);
+            }
+            Assembly::Rigid | Assembly::WorldLength => {
+                let body = Body {
+                    camera,
+                    placed,
+                    vicinity,
+                    sensor,
+                };
+                rays.fill_by(&body, self, film, points);
+            }
+        }
+    }
+}
+
+/// Moments of an exposure near one of them.
+struct Moments<'a> {
+    camera: &'a Accelerated,
+    anchor: &'a Anchor,
+}
+
+impl SimpleRays for Moments<'_> {
+    #[inline(always)]
+    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], moment: f64) -> (CameraRay, bool) {
+        let seen = film.direction(at[0], at[1]);
+        let (moved, d, ratio) = self.anchor.look(self.camera.moment(moment), seen);
+        (
+            self.camera.point_ray(film, at, (seen, d, ratio, moved)),
+            true,
+        )
+    }
+}
+
+/// Elements of a rigid sensor, where the acceleration is constant.
+struct Body<'a> {
+    camera: &'a Accelerated,
+    placed: &'a Placed,
+    vicinity: &'a Vicinity,
+    sensor: Sensor,
+}
+
+impl SimpleRays for Body<'_> {
+    #[inline(always)]
+    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], _: f64) -> (CameraRay, bool) {
+        let (ray, is_seen) = self
+            .placed
+            .nearby_on_body(self.vicinity, self.placed.on_body(film, &self.sensor, at));
+        (self.camera.camera_ray(self.placed, ray), is_seen)
+    }
+}
+
+/// Elements of a sensor that are ships of their own, where the acceleration is constant.
+struct Ships<'a> {
+    camera: &'a Accelerated,
+    placed: &'a Placed,
+    vicinity: &'a Vicinity,
+    sensor: Sensor,
+}
+
+impl SimpleRays for Ships<'_> {
+    #[inline(always)]
+    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], _: f64) -> (CameraRay, bool) {
+        let (ray, is_seen) = self
+            .placed
+            .nearby_ship(self.vicinity, element(film, &self.sensor, at));
+        (self.camera.camera_ray(self.placed, ray), is_seen)
     }
 }

@@ -37,6 +37,7 @@ mod origin;
 mod paper;
 mod point;
 mod projection;
+mod rays;
 mod shot;
 mod stereo;
 mod turning;
@@ -51,6 +52,7 @@ pub use paper::Paper;
 pub use point::{Moving, Point, Still, Unaberrated};
 pub(crate) use projection::rotation_matrix;
 pub use projection::{Linear, Perspective, Projection};
+pub use rays::{FilmPoints, RaySlices};
 pub use shot::Shot;
 pub use stereo::Stereo;
 pub use turning::Turning;
@@ -82,6 +84,15 @@ pub trait View: Sync {
     /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1, for the
     /// projection `film`, which is [`View::film`]'s: loops over many rays match it once.
     fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay;
+
+    /// The rays of many film points: a plain loop, to be compiled for wide vectors.
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices)
+    where
+        Self: Sized,
+    {
+        rays.fill(self, film, points);
+    }
 
     /// The ray of film point `(x, y)`, pixels, at the moment `moment` of the exposure, 0 to 1.
     #[inline]

@@ -41,7 +41,8 @@ use glam::{DMat3, DVec3};
 use super::any_projection::AnyProjection;
 use super::inertial::ExposureTime;
 use super::projection::{Projection, rotation_matrix};
-use super::{CameraRay, RayOrigin, Shot, View};
+use super::rays::SimpleRays;
+use super::{CameraRay, FilmPoints, RayOrigin, RaySlices, Shot, View};
 use crate::scene::model::{CameraModel, Elements, Equations, Pivot, Rotation};
 use crate::spacetime::{Boost, Camera, Direction, Displacement, World, paper2015};
 
@@ -112,45 +113,36 @@ impl Turning {
         }
     }
 
-    /// The turn at camera time `t` after the shot.
-    #[inline]
-    fn turn(&self, t: f64) -> DMat3 {
-        self.instant
-            .unwrap_or_else(|| rotation_matrix(self.axis, self.rate * (self.time + t)))
+    /// Where the element of film vector `film` is on the turned sensor, and its velocity.
+    #[inline(always)]
+    fn place(&self, film: DVec3, turn: &DMat3) -> (DVec3, DVec3) {
+        // r = c + R (q − c) and v = Ω × (r − c).
+        let arm = *turn * (film * -self.focal_length - self.centre);
+        (self.centre + arm, (self.axis * self.rate).cross(arm))
     }
 
     /// The element of film vector `film`, at camera time `t` after the shot.
     #[inline]
-    fn element(&self, film: DVec3, t: f64) -> Element {
-        let turn = self.turn(t);
-        // r = c + R (q − c) and v = Ω × (r − c).
-        let arm = turn * (film * -self.focal_length - self.centre);
-        let (r, v) = (self.centre + arm, (self.axis * self.rate).cross(arm));
+    fn element(&self, film: DVec3, turn: &DMat3, t: f64) -> Element {
+        let (r, v) = self.place(film, turn);
         match self.elements {
-            Elements::Comoving => comoving(r, v, (turn * film).normalize(), film, self, t),
+            Elements::Comoving => comoving(r, v, (*turn * film).normalize(), film, self, t),
             Elements::Exact | Elements::Aberrated => {
                 // A point camera has no |r| to divide by.
-                let l = if self.focal_length > 0.0 {
+                let towards = if self.focal_length > 0.0 {
                     -r
                 } else {
-                    turn * film
-                }
-                .normalize();
-                Element {
-                    v,
-                    l,
-                    ratio: 1.0 / (gamma(v) * (1.0 + v.dot(l))),
-                    from: Displacement::new(t - r.length(), DVec3::ZERO),
-                }
+                    *turn * film
+                };
+                exact(r, v, towards, t)
             }
         }
     }
 
     /// Whether the sensor hides the pinhole from `element`.
-    fn covered(&self, element: &Element, t: f64) -> bool {
-        let turn = self.turn(t);
-        let n = turn * self.film.forward();
-        let foot = self.centre + turn * (self.film.forward() * -self.focal_length - self.centre);
+    fn covered(&self, element: &Element, turn: &DMat3) -> bool {
+        let n = *turn * self.film.forward();
+        let foot = self.centre + *turn * (self.film.forward() * -self.focal_length - self.centre);
         // V of an element next to this one, and of that at the foot of the perpendicular: the highest of them.
         let speed = |r: DVec3| (self.axis * self.rate).cross(r - self.centre).dot(n);
         let own = element.v.dot(n);
@@ -169,8 +161,8 @@ impl Turning {
 
     /// Where the ray of `element` leaves, relative to the shot, and what it weighs.
     #[inline]
-    fn origin(&self, element: &Element, t: f64) -> RayOrigin {
-        let covered = self.elements == Elements::Aberrated && self.covered(element, t);
+    fn origin(&self, element: &Element, turn: &DMat3, t: f64) -> RayOrigin {
+        let covered = self.elements == Elements::Aberrated && self.covered(element, turn);
         let weight = if covered { 0.0 } else { self.exposure.weight };
         let displacement = self.world_from_camera.displacement(element.from);
         match self.equations {
@@ -195,6 +187,18 @@ impl Turning {
     }
 }
 
+/// An element at r whose look direction is `towards`, of any length, at camera time `t` after the shot.
+#[inline(always)]
+fn exact(r: DVec3, v: DVec3, towards: DVec3, t: f64) -> Element {
+    let l = towards.normalize();
+    Element {
+        v,
+        l,
+        ratio: 1.0 / (gamma(v) * (1.0 + v.dot(l))),
+        from: Displacement::new(t - r.length(), DVec3::ZERO),
+    }
+}
+
 /// An element with a pinhole of its own, which moves along.
 #[inline]
 fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f64) -> Element {
@@ -212,9 +216,59 @@ fn comoving(r: DVec3, v: DVec3, seen: DVec3, film: DVec3, camera: &Turning, t: f
     }
 }
 
+#[inline(always)]
 fn gamma(v: DVec3) -> f64 {
     let speed = v.length();
     1.0 / ((1.0 - speed) * (1.0 + speed)).sqrt()
+}
+
+impl Turning {
+    /// What [`View::ray_through`] says, of a turn that is known.
+    fn ray_of<P: Projection>(&self, film: &P, [x, y]: [f64; 2], turn: &DMat3, t: f64) -> CameraRay {
+        let element = self.element(film.vector(x, y), turn, t);
+        let mut origin = self.origin(&element, turn, t);
+        if !film.sees(x, y) {
+            origin.weight = 0.0;
+        }
+        self.camera_ray(&element, origin)
+    }
+
+    /// What `element` sees in the world, by a ray that leaves at `origin`.
+    #[inline(always)]
+    fn camera_ray(&self, element: &Element, origin: RayOrigin) -> CameraRay {
+        let l = Direction::from_unit(element.l);
+        let (d, ratio) = self.world_from_camera.direction(l);
+        CameraRay {
+            d: if self.aberration {
+                d
+            } else {
+                Direction::from_unit(element.l)
+            },
+            ratio: ratio * element.ratio,
+            origin,
+        }
+    }
+}
+
+/// Exact elements of a sensor with a focal length, at one moment.
+struct Exact<'a> {
+    camera: &'a Turning,
+    turn: &'a DMat3,
+}
+
+impl SimpleRays for Exact<'_> {
+    #[inline(always)]
+    fn ray<P: Projection>(&self, film: &P, [x, y]: [f64; 2], _: f64) -> (CameraRay, bool) {
+        let Exact { camera, turn } = self;
+        let (r, v) = camera.place(film.vector(x, y), turn);
+        let element = exact(r, v, -r, 0.0);
+        let origin = RayOrigin {
+            displacement: camera.world_from_camera.displacement(element.from),
+            delay: 1.0,
+            weight: camera.exposure.weight,
+        };
+        (camera.camera_ray(&element, origin), film.sees(x, y))
+    }
 }
 
 impl View for Turning {
@@ -229,21 +283,24 @@ impl View for Turning {
     #[inline]
     fn ray_through<P: Projection>(&self, film: &P, x: f64, y: f64, moment: f64) -> CameraRay {
         let t = moment * self.exposure.duration;
-        let element = self.element(film.vector(x, y), t);
-        let l = Direction::from_unit(element.l);
-        let (d, ratio) = self.world_from_camera.direction(l);
-        let mut origin = self.origin(&element, t);
-        if !film.sees(x, y) {
-            origin.weight = 0.0;
+        match &self.instant {
+            Some(turn) => self.ray_of(film, [x, y], turn, t),
+            None => {
+                let turn = rotation_matrix(self.axis, self.rate * (self.time + t));
+                self.ray_of(film, [x, y], &turn, t)
+            }
         }
-        CameraRay {
-            d: if self.aberration {
-                d
-            } else {
-                Direction::from_unit(element.l)
-            },
-            ratio: ratio * element.ratio,
-            origin,
+    }
+
+    #[inline(always)]
+    fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        let kind = (&self.elements, &self.equations, &self.instant);
+        match kind {
+            (Elements::Exact, Equations::Exact, Some(turn)) if self.focal_length > 0.0 => {
+                let exact = Exact { camera: self, turn };
+                rays.fill_by(&exact, self, film, points);
+            }
+            _ => rays.fill(self, film, points),
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::camera::{AnyProjection, AnyView, Projection, RayOrigin, View};
+use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
 use crate::render::film::Tile;
 use crate::render::sampler::{Sampler, pixel_key, sobol, sobol_among};
 
@@ -334,11 +334,17 @@ impl<V: View, P: Projection> VectorLoop for Generate<'_, V, P> {
     fn run(self) {
         let [in_x, in_y] = self.offsets;
         film_points(self.pixels, in_x, in_y, self.x, self.y);
-        let (film, outputs) = (
-            [&*self.x, &*self.y],
-            (self.directions, self.ratios, self.origins),
-        );
-        camera_rays((self.view, self.film), film, self.moments, outputs);
+        let points = FilmPoints {
+            x: self.x,
+            y: self.y,
+            moments: self.moments,
+        };
+        let rays = RaySlices {
+            directions: self.directions,
+            ratios: self.ratios,
+            origins: self.origins,
+        };
+        self.view.rays(self.film, &points, rays);
     }
 }
 
@@ -351,28 +357,5 @@ fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mu
     for k in 0..count {
         x[k] = f64::from(pixels[k] as u32) + in_x[k];
         y[k] = f64::from((pixels[k] >> 32) as u32) + in_y[k];
-    }
-}
-
-/// The view's ray at each film point.
-#[inline(always)]
-fn camera_rays<V: View, P: Projection>(
-    (view, film): (&V, &P),
-    [x, y]: [&[f64]; 2],
-    moments: &[f64],
-    (directions, ratios, origins): (&mut [DVec3], &mut [f64], &mut [RayOrigin]),
-) {
-    // Slices of known length leave no bounds checks in the loop.
-    let count = x.len();
-    let (y, directions) = (&y[..count], &mut directions[..count]);
-    let ratios = &mut ratios[..count];
-    for k in 0..count {
-        let moment = if V::USES_TIME { moments[k] } else { 0.0 };
-        let ray = view.ray_through(film, x[k], y[k], moment);
-        directions[k] = ray.d.unit();
-        ratios[k] = ray.ratio;
-        if !V::SHARED_ORIGIN {
-            origins[k] = ray.origin;
-        }
     }
 }

@@ -12,6 +12,7 @@ use super::cone::past_cone;
 use super::error::{MAX_ACCELERATION, MAX_ENTRIES, WorldLineError};
 use super::hyperbola;
 use super::state::{Crossing, State};
+use super::stretch::Stretch;
 use super::taylor::combined;
 use super::vicinity::Vicinity;
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
@@ -145,6 +146,14 @@ impl Arcs {
             index => self.arcs[index].begin.proper_time - near.proper_time,
         };
         Vicinity::new(*near, since)
+    }
+
+    /// What there is between two proper times, within one arc; events count from `reference`.
+    pub fn stretch(&self, times: [f64; 2], reference: Event<World>) -> Option<Stretch> {
+        let [first, last] = times.map(|time| self.index(time));
+        let g = self.arcs[first].begin.thrust.g;
+        let stretch = || Stretch::new(times, g, reference, |time| self.state(time));
+        (first == last).then(stretch).flatten()
     }
 
     /// The crossing, its displacement counted from `near`, a state of this line.

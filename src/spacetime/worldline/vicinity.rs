@@ -48,28 +48,30 @@ impl Vicinity {
     }
 
     /// Where the line crosses the past light cone of the event at `apex` from the state in the comoving frame,
-    /// counted from the state; none beyond a horizon, or before the acceleration changed. `square` is
+    /// counted from the state, and whether it does: not beyond a horizon, or before the acceleration changed. `square` is
     /// r² = |x|² − t² > 0 of the apex, which other frames may know better.
     #[inline(always)]
     pub fn crossing(
         &self,
         apex: Displacement<Camera>,
         square: f64,
-    ) -> Option<Displacement<Camera>> {
+    ) -> (Displacement<Camera>, bool) {
         // a, X⊥², h, S and w of the head of this file.
         let along = self.n.dot(apex.x);
         let across = (apex.x - self.n * along).length_squared();
         let h = 0.5 * self.g * square;
         let s = (across + (along + h) * (along + h)).sqrt();
-        let w = match apex.ct >= 0.0 {
-            true => s + apex.ct,
-            false => (square + h * (2.0 * along + h)) / (s - apex.ct),
-        };
+        // Both of its forms, so that loops have no branch.
+        let (sum, quotient) = (
+            s + apex.ct,
+            (square + h * (2.0 * along + h)) / (s - apex.ct),
+        );
+        let w = if apex.ct >= 0.0 { sum } else { quotient };
         // t = −r² w/(w² − h²) and x∥ = r² h/(w² − h²).
         let scale = square / ((w - h) * (w + h));
         let (ct, ahead) = (-w * scale, h * scale);
-        (w > h && scale < f64::INFINITY && ct + ahead >= self.begin)
-            .then(|| Displacement::new(ct, self.n * ahead))
+        let crosses = (w > h) & (scale < f64::INFINITY) & (ct + ahead >= self.begin);
+        (Displacement::new(ct, self.n * ahead), crosses)
     }
 
     /// A displacement of the comoving frame by `ct` and `x` = n x∥, as [`Vicinity::crossing`] gives them, in

@@ -8,6 +8,7 @@ use super::error::WorldLineError;
 use super::keyframes::Keyframes;
 use super::profile::{Axes, Profile};
 use super::state::{Crossing, State};
+use super::stretch::Stretch;
 use super::vicinity::Vicinity;
 use crate::spacetime::{Camera, Displacement, Event, InertialFrame, Velocity, World};
 
@@ -158,6 +159,15 @@ impl WorldLine {
     pub fn vicinity(&self, near: &State) -> Option<Vicinity> {
         match &self.kind {
             Kind::Arcs(line) => Some(line.vicinity(near)),
+            _ => None,
+        }
+    }
+
+    /// What there is between two proper times, where the proper acceleration is constant from one to the other; its events
+    /// count from `reference`. None elsewhere, and where [`WorldLine::state`] has none.
+    pub fn stretch(&self, times: [f64; 2], reference: Event<World>) -> Option<Stretch> {
+        match &self.kind {
+            Kind::Arcs(line) => line.stretch(times, reference),
             _ => None,
         }
     }

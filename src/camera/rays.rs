@@ -1,0 +1,147 @@
+//! The rays of many film points, in arrays.
+
+use glam::DVec3;
+
+use super::{CameraRay, Projection, RayOrigin, View};
+use crate::accel::vectors::{BLOCK, Block, Vectors, load};
+use crate::spacetime::Displacement;
+
+/// Film points, pixels, and moments of the exposure, 0 to 1; no moments where a view does not use them.
+#[derive(Debug, Clone, Copy)]
+pub struct FilmPoints<'a> {
+    /// From the left edge.
+    pub x: &'a [f64],
+    /// From the top edge.
+    pub y: &'a [f64],
+    /// Moments.
+    pub moments: &'a [f64],
+}
+
+/// Where their rays are written: look directions in the world, W, and origins where they have their own.
+#[derive(Debug)]
+pub struct RaySlices<'a> {
+    /// Look directions, unit vectors.
+    pub directions: &'a mut [DVec3],
+    /// W for a source at rest in the world.
+    pub ratios: &'a mut [f64],
+    /// Where the rays leave.
+    pub origins: &'a mut [RayOrigin],
+}
+
+/// What a view does at almost all film points, without branches.
+pub(super) trait SimpleRays {
+    /// The ray of film point `(x, y)` at `moment`, and whether it is: false where [`View::ray_through`] has to find it.
+    fn ray<P: Projection>(&self, film: &P, at: [f64; 2], moment: f64) -> (CameraRay, bool);
+}
+
+impl FilmPoints<'_> {
+    #[inline(always)]
+    fn moment<V: View>(&self, k: usize) -> f64 {
+        if V::USES_TIME { self.moments[k] } else { 0.0 }
+    }
+}
+
+impl RaySlices<'_> {
+    /// The rays of `view`, one after the other.
+    #[inline(always)]
+    pub(super) fn fill<V: View, P: Projection>(&mut self, view: &V, film: &P, points: &FilmPoints) {
+        // Slices of known length leave no bounds checks in the loop.
+        let count = points.x.len();
+        let (x, y) = (points.x, &points.y[..count]);
+        let directions = &mut self.directions[..count];
+        let ratios = &mut self.ratios[..count];
+        for k in 0..count {
+            let ray = view.ray_through(film, x[k], y[k], points.moment::<V>(k));
+            directions[k] = ray.d.unit();
+            ratios[k] = ray.ratio;
+            if !V::SHARED_ORIGIN {
+                self.origins[k] = ray.origin;
+            }
+        }
+    }
+
+    /// The rays of `view`, block by block: those that `simple` finds, then the others.
+    #[inline(always)]
+    pub(super) fn fill_by<S: SimpleRays, V: View, P: Projection>(
+        &mut self,
+        simple: &S,
+        view: &V,
+        film: &P,
+        points: &FilmPoints,
+    ) {
+        let count = points.x.len();
+        let mut begin = 0;
+        while begin < count {
+            let (x, y) = (load(points.x, begin), load(points.y, begin));
+            let moments = match V::USES_TIME {
+                true => load(points.moments, begin),
+                false => [0.0; BLOCK],
+            };
+            let mut rays = RayBlock::EMPTY;
+            for k in 0..BLOCK {
+                let (ray, is_simple) = simple.ray(film, [x[k], y[k]], moments[k]);
+                rays.set(k, &ray, is_simple);
+            }
+            let end = (begin + BLOCK).min(count);
+            for k in begin..end {
+                self.directions[k] = rays.d.get(k - begin);
+                self.ratios[k] = rays.ratio[k - begin];
+                self.origins[k] = rays.origin(k - begin);
+            }
+            for k in begin..end {
+                if rays.is_simple[k - begin] == 0.0 {
+                    let ray =
+                        view.ray_through(film, x[k - begin], y[k - begin], moments[k - begin]);
+                    self.directions[k] = ray.d.unit();
+                    self.ratios[k] = ray.ratio;
+                    self.origins[k] = ray.origin;
+                }
+            }
+            begin = end;
+        }
+    }
+}
+
+/// Rays by component.
+struct RayBlock {
+    d: Vectors,
+    ratio: Block,
+    ct: Block,
+    x: Vectors,
+    weight: Block,
+    delay: Block,
+    /// 1 for those that are.
+    is_simple: Block,
+}
+
+impl RayBlock {
+    const EMPTY: RayBlock = RayBlock {
+        d: Vectors::ZERO,
+        ratio: [0.0; BLOCK],
+        ct: [0.0; BLOCK],
+        x: Vectors::ZERO,
+        weight: [0.0; BLOCK],
+        delay: [0.0; BLOCK],
+        is_simple: [0.0; BLOCK],
+    };
+
+    #[inline(always)]
+    fn set(&mut self, k: usize, ray: &CameraRay, is_simple: bool) {
+        self.d.set(k, ray.d.unit());
+        self.ratio[k] = ray.ratio;
+        self.ct[k] = ray.origin.displacement.ct;
+        self.x.set(k, ray.origin.displacement.x);
+        self.weight[k] = ray.origin.weight;
+        self.delay[k] = ray.origin.delay;
+        self.is_simple[k] = if is_simple { 1.0 } else { 0.0 };
+    }
+
+    #[inline(always)]
+    fn origin(&self, k: usize) -> RayOrigin {
+        RayOrigin {
+            displacement: Displacement::new(self.ct[k], self.x.get(k)),
+            delay: self.delay[k],
+            weight: self.weight[k],
+        }
+    }
+}

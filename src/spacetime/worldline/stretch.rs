@@ -1,0 +1,235 @@
+//! A stretch of constant proper acceleration, for very many of its moments.
+//!
+//! In the frame comoving at one moment of it, the anchor, the line is the hyperbola of [`super::thrust`]. After proper time σ
+//! more it moves there with the rapidity φ = gσ along n. Anchors lie so close that |φ| ≤ ¼, where with q = φ²
+//!
+//! ```text
+//! sinh φ       = φ (1 + q/6 (1 + q/20 (1 + q/42 (1 + q/72 (1 + q/110))))),
+//! cosh φ − 1   = ½ q (1 + q/12 (1 + q/30 (1 + q/56 (1 + q/90 (1 + q/132))))):
+//! ```
+//!
+//! the next terms, q⁶/13! and 2q⁶/14!, are below 10⁻¹⁷. From there on no function but the root and quotients is left.
+//!
+//! A direction c of the comoving frame's axes, which are the world's boosted without rotation, is first turned to those that
+//! were carried along from the anchor without rotation, by the inverse of [`super::hyperbola`]'s rotation: with
+//! t₀ = tanh(w₀/2) m of the anchor and t₁ = tanh(φ/2) n, where tanh(φ/2) = sinh φ/(cosh φ + 1), by the Gibbs vector
+//! b = t₀ × t₁/(1 + t₀·t₁). Then it is boosted twice: from the moment to the anchor, and from there to the world.
+
+use glam::DVec3;
+
+use super::state::State;
+use crate::spacetime::{Boost, Camera, Direction, Displacement, Event, World};
+
+/// The largest |φ| between an anchor and a moment, for which the series of the head of this file are exact to rounding.
+const REACH: f64 = 0.25;
+
+/// Most anchors of a stretch: more than [`crate::spacetime::MAX_RAPIDITY`] and back needs.
+const MOST_ANCHORS: f64 = 512.0;
+
+/// A stretch of a world line along which its proper acceleration is constant.
+#[derive(Debug, Clone)]
+pub struct Stretch {
+    /// Proper time where it begins.
+    begin: f64,
+    /// Anchors per metre of proper time.
+    density: f64,
+    anchors: Vec<Anchor>,
+}
+
+/// A moment of a stretch, for those around it.
+#[derive(Debug, Clone)]
+pub struct Anchor {
+    proper_time: f64,
+    /// The event, counted from the stretch's reference.
+    moved: Displacement<World>,
+    world_from_comoving: Boost<World, Camera>,
+    /// Magnitude of the proper acceleration, 1/m, and its direction.
+    g: f64,
+    n: DVec3,
+    /// The four-velocity, and (0, n) of the comoving frame in the world.
+    ahead: Displacement<World>,
+    aside: Displacement<World>,
+    /// t₀ × n and t₀·n.
+    turn: DVec3,
+    lean: f64,
+}
+
+impl Stretch {
+    /// The stretch between two proper times, whose states are those of `state`; events count from `reference`. `g` is
+    /// its proper acceleration. None where there is no state, or it goes on for too long.
+    pub(super) fn new(
+        [begin, end]: [f64; 2],
+        g: f64,
+        reference: Event<World>,
+        state: impl Fn(f64) -> Option<State>,
+    ) -> Option<Self> {
+        let duration = end - begin;
+        let count = (g * duration / (2.0 * REACH)).ceil().max(1.0);
+        let usable = duration > 0.0 && count <= MOST_ANCHORS;
+        if !usable {
+            return None;
+        }
+        let middles = (0..count as usize).map(|k| begin + duration * (k as f64 + 0.5) / count);
+        let anchors = middles.map(|middle| Some(Anchor::new(&state(middle)?, reference)));
+        Some(Stretch {
+            begin,
+            density: count / duration,
+            anchors: anchors.collect::<Option<_>>()?,
+        })
+    }
+
+    /// What is seen along `seen` of the comoving frame at a proper time of the stretch: from the reference to the
+    /// line's event then, the look direction in the world, and ω_world/ω_comoving of light from there.
+    #[inline(always)]
+    pub fn look(
+        &self,
+        proper_time: f64,
+        seen: Direction<Camera>,
+    ) -> (Displacement<World>, Direction<World>, f64) {
+        let nearest = ((proper_time - self.begin) * self.density) as usize;
+        let anchor = &self.anchors[nearest.min(self.anchors.len() - 1)];
+        anchor.look(proper_time, seen)
+    }
+
+    /// The anchor, where there is but one.
+    pub fn only(&self) -> Option<&Anchor> {
+        match self.anchors.as_slice() {
+            [anchor] => Some(anchor),
+            _ => None,
+        }
+    }
+}
+
+impl Anchor {
+    fn new(state: &State, reference: Event<World>) -> Self {
+        let (m, w) = state.velocity.split();
+        let first = m * libm::tanh(0.5 * w);
+        let (g, n) = (state.thrust.g, state.thrust.n);
+        Anchor {
+            proper_time: state.proper_time,
+            moved: state.event - reference,
+            world_from_comoving: *state.frame().world_from_frame(),
+            g,
+            n,
+            ahead: state.ahead,
+            aside: state.aside,
+            turn: first.cross(n),
+            lean: first.dot(n),
+        }
+    }
+
+    /// What [`Stretch::look`] says of a proper time near this one.
+    #[inline(always)]
+    pub fn look(
+        &self,
+        proper_time: f64,
+        seen: Direction<Camera>,
+    ) -> (Displacement<World>, Direction<World>, f64) {
+        let since = proper_time - self.proper_time;
+        // sinh φ/φ and 2 (cosh φ − 1)/φ².
+        let phi = self.g * since;
+        let q = phi * phi;
+        let odd = series(
+            q,
+            [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0],
+        );
+        let even = series(
+            q,
+            [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0],
+        );
+        let way = self.ahead * (since * odd) + self.aside * (0.5 * since * phi * even);
+
+        // To the axes that were carried along.
+        let (sinh, rise) = (phi * odd, 0.5 * q * even);
+        let tanh_of_half = sinh / (2.0 + rise);
+        let c = seen.unit();
+        let gibbs = self.turn * (tanh_of_half / (1.0 + self.lean * tanh_of_half));
+        let across = gibbs.cross(c);
+        let c = c + (across + gibbs.cross(across)) * (2.0 / (1.0 + gibbs.length_squared()));
+
+        // To the anchor's frame, by increments, as the rapidity is small, and on to the world.
+        let along = self.n.dot(c);
+        let ratio = (1.0 + rise) - sinh * along;
+        let d = (c + self.n * (rise * along - sinh)) * (1.0 / ratio);
+        let (d, onward) = self.world_from_comoving.direction(Direction::from_unit(d));
+        (self.moved + way, d, ratio * onward)
+    }
+}
+
+/// 1 + a₀ q (1 + a₁ q (1 + …)).
+#[inline(always)]
+fn series(q: f64, factors: [f64; 5]) -> f64 {
+    let mut sum = 1.0;
+    for factor in factors.into_iter().rev() {
+        sum = 1.0 + factor * q * sum;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::WorldLine;
+    use super::*;
+    use crate::spacetime::Velocity;
+
+    /// Places and look directions are those of the line's states, whichever way it accelerates.
+    #[test]
+    fn a_stretch_has_the_states_of_its_line() {
+        let velocities = [
+            DVec3::ZERO,
+            DVec3::new(0.3, -0.2, 2.0),
+            DVec3::new(0.0, 8.0, 0.0),
+        ];
+        let accelerations = [DVec3::ZERO, DVec3::Y * 0.1, DVec3::new(0.7, 0.1, -1.5)];
+        let seen = [DVec3::X, -DVec3::Y, DVec3::new(0.48, -0.6, 0.64)];
+        let zero = Event::new(0.5, DVec3::new(3.0, -1.0, 2.0));
+        for w in velocities {
+            let velocity = Velocity::from_rapidity(w).unwrap();
+            for acceleration in accelerations {
+                let line = WorldLine::hyperbolic(velocity, zero, acceleration).unwrap();
+                let span = [-0.4, 1.9];
+                let reference = line.state(-0.4).unwrap().event;
+                let stretch = line.stretch(span, reference).unwrap();
+                for k in 0..=40 {
+                    let t = span[0] + (span[1] - span[0]) * f64::from(k) / 40.0;
+                    let state = line.state(t).unwrap();
+                    let boost = state.frame().world_from_frame();
+                    // Rounding of states: eps times the largest coordinate, and times γ for directions.
+                    let gamma = state.velocity.gamma();
+                    for c in seen {
+                        let c = Direction::new(c).unwrap();
+                        let (d, ratio) = boost.direction(c);
+                        let (moved, own, own_ratio) = stretch.look(t, c);
+                        let away = moved - (state.event - reference);
+                        let size = 1.0 + state.event.ct.abs() + reference.ct.abs();
+                        assert!(
+                            away.ct.abs() + away.x.length() < 1e-14 * size,
+                            "{t}: {away:?}"
+                        );
+                        let magnified = 1e-15 * (10.0 + gamma / ratio + 1.0 / ratio);
+                        assert!(
+                            (own.unit() - d.unit()).length() < magnified,
+                            "{t}: {own:?} {d:?}"
+                        );
+                        assert!(
+                            (own_ratio / ratio - 1.0).abs() < 4.0 * magnified,
+                            "{t}: {ratio}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_stretch_ends_where_the_acceleration_changes() {
+        let segments = [(1.0, DVec3::X), (1.0, -DVec3::X)];
+        let segments = segments.map(|(duration, acceleration)| super::super::Segment {
+            duration,
+            acceleration,
+        });
+        let line = WorldLine::segments(Velocity::REST, Event::ORIGIN, &segments).unwrap();
+        assert!(line.stretch([0.1, 0.9], Event::ORIGIN).is_some());
+        assert!(line.stretch([0.1, 1.1], Event::ORIGIN).is_none());
+    }
+}

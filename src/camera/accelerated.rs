@@ -267,7 +267,7 @@ impl Placed {
     #[inline(always)]
     fn nearby_on_body(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
         let apex = Displacement::new(0.0, element);
-        let (own, crosses) = vicinity.crossing(apex, element.length_squared());
+        let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
         let (seen, is_usual) = along_usual(own.x - element);
         let ray = self.element_ray(seen, vicinity.in_world(own));
         (ray, crosses & is_usual)
@@ -278,7 +278,7 @@ impl Placed {
     fn nearby_ship(&self, vicinity: &Vicinity, element: DVec3) -> (ElementRay, bool) {
         let apex = Displacement::new(0.0, element);
         let apex = self.state.frame().frame_from_world().displacement(apex);
-        let (own, crosses) = vicinity.crossing(apex, element.length_squared());
+        let (own, crosses) = vicinity.crossing_or_not(apex, element.length_squared());
         let from = vicinity.in_world(own);
         let (d, is_usual) = along_usual(from.x - element);
         (self.ray_of_ship(d, from), crosses & is_usual)

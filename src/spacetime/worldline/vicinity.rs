@@ -48,10 +48,21 @@ impl Vicinity {
     }
 
     /// Where the line crosses the past light cone of the event at `apex` from the state in the comoving frame,
-    /// counted from the state, and whether it does: not beyond a horizon, or before the acceleration changed. `square` is
+    /// counted from the state; none beyond a horizon, or before the acceleration changed. `square` is
     /// r² = |x|² − t² > 0 of the apex, which other frames may know better.
     #[inline(always)]
     pub fn crossing(
+        &self,
+        apex: Displacement<Camera>,
+        square: f64,
+    ) -> Option<Displacement<Camera>> {
+        let (crossing, crosses) = self.crossing_or_not(apex, square);
+        crosses.then_some(crossing)
+    }
+
+    /// The same and whether it is there, without a branch, for loops.
+    #[inline(always)]
+    pub fn crossing_or_not(
         &self,
         apex: Displacement<Camera>,
         square: f64,

@@ -11,11 +11,15 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use nullray::approximate::raster::{self, Method};
+use nullray::io::image::{Channel, Layers, Samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Light, Prepared};
 use nullray::render::progress::Silent;
 use nullray::render::trace::RestFrame;
 use nullray::scene::{Overrides, parse};
+use nullray::validate::compare::{
+    CompareOptions, NotFinite, Picture, compare, report, working_memory,
+};
 
 #[global_allocator]
 static ALLOCATOR: counting::Counting = counting::Counting;
@@ -168,4 +172,124 @@ fn cut_triangles_stay_within_the_memory_limit_and_nearly_reach_it() {
         }
     }
     panic!("nothing is refused");
+}
+
+#[test]
+fn tessellations_beyond_the_limit_are_refused_before_they_fill_it() {
+    let _alone = ALONE.lock();
+    let scene = "[camera]\neye = [0, 0, 3]\nlook_at = [0, 0, 0]\nsize = [320, 240]\nvelocity = { beta = [0, 0, -0.5] }\n";
+    for shape in [
+        "{ sphere = { radius = 1, subdivisions = 1 } }",
+        "{ plane = { size = [2, 2] } }",
+    ] {
+        let text = scene.to_string() + &object(0, shape, 0.0);
+        let scene = parse(&text, "memory", Path::new(""), &Overrides::default()).unwrap();
+        // A limit for some 300,000 points.
+        let plain = Plan::new(&scene, &Request::default())
+            .unwrap()
+            .memory
+            .total();
+        let request = Request {
+            memory_limit: plain + (180 << 20),
+            ..Request::default()
+        };
+        let mut refused = 0;
+        for k in 0..12 {
+            // Each has twice as many points as the one before.
+            let pixels = 1e-4 / 2f64.powi(k);
+            let method: Method = format!("raster:adaptive={pixels}").parse().unwrap();
+            let plan = method.plan(&scene, &request).unwrap();
+            let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+            let mut failed = false;
+            let peak = counting::peak_of(|| {
+                failed = raster::render(&prepared, &method, &Silent).is_err();
+            });
+            assert!(peak < 180 << 20, "{shape}, {pixels}: {peak}");
+            refused += u64::from(failed);
+            // What is refused at first may be close to the limit, and be found too large only there.
+            assert!(
+                refused < 3 || peak < 90 << 20,
+                "{shape}, {pixels}: {peak} before it is refused"
+            );
+        }
+        assert!(refused > 4, "{shape}: {refused} are refused");
+    }
+}
+
+/// A picture of noise, shifted by some columns.
+fn noise(name: &str, side: usize, channels: &[&str], shift: usize) -> Picture {
+    let channel = |(k, name): (usize, &&str)| {
+        let sample = |at: usize| {
+            let (x, y) = ((at % side + shift) % side, at / side);
+            let bits = (x * 7919 + y * 104_729 + k * 1_299_709) as u64;
+            let sample = (bits.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f32 / 16_777_216.0;
+            // Indices are whole.
+            match name.contains(['.', '_']) {
+                true => sample,
+                false => (8.0 * sample).floor(),
+            }
+        };
+        Channel {
+            name: (*name).into(),
+            samples: Samples::F32((0..side * side).map(sample).collect()),
+        }
+    };
+    let channels = channels.iter().enumerate().map(channel).collect();
+    let side = side as u32;
+    Picture::linear(name, Layers::new(side, side, channels, vec![]).unwrap())
+}
+
+#[test]
+fn comparing_takes_what_is_foretold() {
+    let _alone = ALONE.lock();
+    const RGB: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
+    let all: Vec<&str> = nullray::render::aov::Aov::ALL
+        .iter()
+        .map(|aov| aov.name())
+        .collect();
+    let all: Vec<&str> = RGB.into_iter().chain(all).collect();
+    let refuse = CompareOptions::default();
+    let maps = CompareOptions {
+        maps: true,
+        ..CompareOptions::default()
+    };
+    let count = CompareOptions {
+        not_finite: NotFinite::CountAs(0.0),
+        ..CompareOptions::default()
+    };
+    let mut wrong = false;
+    for (what, side, reference, candidate, options) in [
+        ("light", 256, &RGB[..], &RGB[..], &refuse),
+        ("more light", 1400, &RGB, &RGB, &refuse),
+        ("light with maps", 1024, &RGB, &RGB, &maps),
+        ("grey", 1024, &["Y"], &RGB, &refuse),
+        ("all channels", 512, &all, &all, &refuse),
+        ("all channels with maps", 512, &all, &all, &maps),
+        ("what is not finite", 1024, &RGB, &RGB, &count),
+    ] {
+        let reference = noise("a", side, reference, 0);
+        let mut candidate = noise("b", side, candidate, 3);
+        if options.not_finite != NotFinite::Refuse
+            && let Samples::F32(samples) = &mut candidate.layers.channels[0].samples
+        {
+            samples[100] = f32::NAN;
+        }
+        let foretold = working_memory(&reference, &candidate, options);
+        let folder = tempfile::tempdir().unwrap();
+        let peak = counting::peak_of(|| {
+            let found = compare(&reference, &candidate, options).unwrap();
+            if options.maps {
+                let maps = report::maps(&found, &reference, &candidate).unwrap();
+                nullray::io::image::exr::write(&folder.path().join("a.exr"), &maps).unwrap();
+                drop(maps);
+                let map = report::error_map(&found, &reference, &candidate);
+                report::strip(&reference, &map, &candidate).unwrap();
+                report::page(&found, &[], [&reference, &candidate], &[map]).unwrap();
+            }
+        }) as u64;
+        let each = peak / (side * side) as u64;
+        println!("{what}, {side}: {each} per pixel, {peak} taken, {foretold} foretold");
+        wrong |= peak > foretold || foretold > 4 * peak;
+    }
+    assert!(!wrong);
 }

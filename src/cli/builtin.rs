@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nullray::figures::diagram::model::Diagram;
+use nullray::io::budget::Budget;
 use nullray::io::files;
 use nullray::scene::{ModelView, Overrides, SceneFile};
 use nullray::{Result, figures, scene};
@@ -13,9 +14,13 @@ const NAME: &str = "built-in scene";
 const FOLDER: &str = files::BUILT_IN;
 
 /// The scene file of a command, read once: the one that was named, or that which a named model stands for, or the built-in one.
-pub fn open(path: Option<&Path>, overrides: &Overrides) -> Result<SceneFile> {
+/// A model is loaded for it in `memory` bytes.
+pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<SceneFile> {
     match path {
-        Some(path) if is_model(path) => open_model(path, &ModelView::default(), overrides),
+        Some(path) if is_model(path) => {
+            let text = model_text(path, &ModelView::default(), overrides, memory)?;
+            Ok(of_model(path, &text))
+        }
         Some(path) => SceneFile::read(path),
         None => Ok(SceneFile::of_text(TEXT, NAME, Path::new(FOLDER))),
     }
@@ -29,26 +34,25 @@ pub fn is_model(path: &Path) -> bool {
         .any(|e| extension.eq_ignore_ascii_case(e))
 }
 
-/// The scene that a model stands for, seen as `view` says.
-pub fn open_model(path: &Path, view: &ModelView, overrides: &Overrides) -> Result<SceneFile> {
-    open_model_with(path, view, overrides, "")
-}
-
-/// The same, with further tables at its end.
-pub fn open_model_with(
+/// The text of the scene that a model stands for, seen as `view` says; `memory` bytes may be taken to load it.
+pub fn model_text(
     path: &Path,
     view: &ModelView,
     overrides: &Overrides,
-    more: &str,
-) -> Result<SceneFile> {
+    memory: u64,
+) -> Result<String> {
     let view = ModelView {
         size: overrides.size,
         ..view.clone()
     };
-    let text = scene::model_scene(path, &view)? + more;
+    scene::model_scene(path, &view, &Budget::new(memory))
+}
+
+/// The scene of this text, which stands for the model at `path`.
+pub fn of_model(path: &Path, text: &str) -> SceneFile {
     let name = path.display().to_string();
     let own = path.parent().unwrap_or(Path::new(""));
-    Ok(SceneFile::of_text(&text, &name, Path::new("")).reaching(own))
+    SceneFile::of_text(text, &name, Path::new("")).reaching(own)
 }
 
 /// The space-time diagram of a command: of the file that was named, or of the built-in scene.

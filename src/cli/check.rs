@@ -107,6 +107,7 @@ impl Names {
             let help = format!("give each{} a name of its own", self.thing);
             return Err(refused(option, "two outputs have this name", &help));
         }
+        refuse_dangling(option, path)?;
         if path.exists() && !path.is_file() {
             let what = "there is something of this name that is not a file";
             let help = "name a file that is new, or that may be replaced";
@@ -117,6 +118,18 @@ impl Names {
             takes_files(option, path, directory)?;
         }
         Ok(())
+    }
+}
+
+/// Refuses a link to nothing, which `option` names: what it leads to may be on a disk that is not there.
+pub fn refuse_dangling(option: &str, path: &Path) -> Result<()> {
+    match std::fs::read_link(path) {
+        Ok(link) if !path.exists() => {
+            let what = format!("this is a link to {}, which is not there", link.display());
+            let help = "remove the link, or make what it leads to";
+            Err(refused(option, what, help))
+        }
+        _ => Ok(()),
     }
 }
 

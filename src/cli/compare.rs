@@ -10,7 +10,8 @@ use nullray::io::image::{self, exr};
 use nullray::scene::Overrides;
 use nullray::scene::model::{SPEED_OF_LIGHT, Scene};
 use nullray::validate::compare::{
-    Breach, CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip, report,
+    Breach, CompareOptions, Comparison, Encoding, NotFinite, Picture, Region, compare, flip,
+    report, working_memory,
 };
 use serde::Serialize;
 
@@ -20,22 +21,19 @@ use super::failure::{Done, refused};
 use super::output::extension;
 use super::{interrupt, print, print_json};
 
-/// Bytes per pixel that comparing takes beside the pictures, with maps of errors and what is drawn of them.
-const COMPARED: u64 = 96;
-
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
     check_outputs(arguments)?;
     let budget = Budget::new(arguments.memory.bytes());
     let reference = picture(&arguments.reference, arguments, &budget)?;
     let candidate = picture(&arguments.candidate, arguments, &budget)?;
-    let pixels = u64::from(reference.layers.width) * u64::from(reference.layers.height);
-    budget.take(pixels.saturating_mul(COMPARED), &arguments.reference)?;
-    interrupt::check()?;
     let options = CompareOptions {
         scene: scene(arguments, &reference)?,
         ..options(arguments, &budget)?
     };
+    let taken = working_memory(&reference, &candidate, &options);
+    budget.take(taken, &arguments.reference)?;
+    interrupt::check()?;
     let comparison = compare(&reference, &candidate, &options)?;
     let breaches = comparison.breaches(&arguments.tolerance)?;
     match arguments.json.on {

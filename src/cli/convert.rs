@@ -14,7 +14,7 @@ use nullray::{Error, Result};
 use super::args::{ConvertArguments, SampleType};
 use super::failure::refused;
 use super::progress::Bar;
-use super::{inputs, memory, print, warn};
+use super::{inputs, print, warn};
 
 pub fn run(arguments: &ConvertArguments) -> Result<()> {
     let wanted = Wanted {
@@ -44,6 +44,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         }),
         axes: arguments.to_axes.clone(),
         times: times.known(arguments),
+        memory: arguments.memory.bytes(),
     };
     let bar = Bar::samples(
         info.shape.iter().map(|n| *n as u64).product(),
@@ -155,7 +156,7 @@ fn shift(
         return Err(refused(option, what, "add it, like --bin-width \"0.05 m\""));
     };
     let index = arguments.medium_index;
-    let distances = distances(file, size)?;
+    let distances = distances(file, size, arguments.memory.bytes())?;
     let shift = |distance: f64| match distance > 0.0 && distance.is_finite() {
         true => sign * index * distance / width,
         false => f64::NAN,
@@ -164,8 +165,8 @@ fn shift(
 }
 
 /// Distances per pixel, row by row.
-fn distances(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
-    let budget = Budget::new(memory::limit(None));
+fn distances(file: &Path, size: [usize; 2], memory: u64) -> Result<Vec<f64>> {
+    let budget = Budget::new(memory);
     let named = |known: &str| {
         file.extension()
             .is_some_and(|e| e.eq_ignore_ascii_case(known))

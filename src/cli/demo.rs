@@ -48,7 +48,7 @@ pub fn run() -> Result<()> {
 }
 
 fn one(overrides: &Overrides, outputs: Outputs) -> Result<()> {
-    let scene = builtin::open(None, overrides)?.scene(overrides)?;
+    let scene = builtin::open(None, overrides, 0)?.scene(overrides)?;
     let request = nullray::render::plan::Request {
         aovs: outputs.needs(&scene),
         ..Default::default()

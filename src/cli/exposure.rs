@@ -32,8 +32,14 @@ pub fn common(scenes: &[Scene], request: &Request) -> Result<Option<f64>> {
 
 /// The radiance that is white where surfaces of `scene` are exposed for, whatever the sky is like: the 99th percentile of
 /// their brightest channel in a small picture, to three digits; none where nothing is seen of them.
-pub fn of_surfaces(scene: &Scene) -> Result<Option<f64>> {
-    let film = preview(scene, &Request::default(), vec![Aov::Alpha])?;
+///
+/// Visibility is certified, whatever `request` says: fast pictures have the same exposure.
+pub fn of_surfaces(scene: &Scene, request: &Request) -> Result<Option<f64>> {
+    let request = Request {
+        memory_limit: request.memory_limit,
+        ..Request::default()
+    };
+    let film = preview(scene, &request, vec![Aov::Alpha])?;
     let alpha = film.aov(Aov::Alpha).unwrap_or_default();
     let pixels = film.radiance().iter().zip(alpha);
     let seen: Vec<[f64; 3]> = pixels.filter(|(_, a)| **a > 0.0).map(|(p, _)| *p).collect();

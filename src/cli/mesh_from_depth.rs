@@ -15,7 +15,7 @@ use super::args::{DepthKind, MeshFromDepthArguments};
 use super::failure::refused;
 use super::names::named_after;
 use super::output::extension;
-use super::{inputs, memory, print, warn};
+use super::{inputs, print, warn};
 
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     let output = match &arguments.output {
@@ -39,9 +39,10 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
         ));
     }
     let camera = camera(arguments)?;
+    let budget = Budget::new(arguments.memory.bytes());
     let (rays, distances) = match arguments.from {
-        DepthKind::FirstLight => by_first_light(arguments, &camera)?,
-        DepthKind::Distance | DepthKind::Depth => by_map(arguments, &camera)?,
+        DepthKind::FirstLight => by_first_light(arguments, &camera, &budget)?,
+        DepthKind::Distance | DepthKind::Depth => by_map(arguments, &camera, &budget)?,
     };
     let made = rays.mesh(&distances, arguments.tear);
     if made.mesh.triangles.is_empty() {
@@ -94,6 +95,7 @@ fn camera(arguments: &MeshFromDepthArguments) -> Result<CaptureCamera> {
 fn by_first_light(
     arguments: &MeshFromDepthArguments,
     camera: &CaptureCamera,
+    budget: &Budget,
 ) -> Result<(PixelRays, Vec<f64>)> {
     let Some(position) = arguments.lamp else {
         let what = "where the pulse of light was sent is not known";
@@ -121,9 +123,10 @@ fn by_first_light(
         ..Wanted::default()
     };
     let info = cube::inspect(&arguments.input, wanted)?;
-    Budget::new(memory::limit(None)).take(info.bytes, &arguments.input)?;
+    budget.take(info.bytes, &arguments.input)?;
+    let [h, w, ..] = info.shape;
+    take_mesh(budget, [h, w], &arguments.input)?;
     let cube = cube::load(&arguments.input, wanted)?;
-    let [h, w, ..] = cube.shape;
     let rays = PixelRays::new(camera, [w, h]);
     let first = FirstLight {
         rise: arguments.rise,
@@ -142,6 +145,7 @@ fn by_first_light(
 fn by_map(
     arguments: &MeshFromDepthArguments,
     camera: &CaptureCamera,
+    budget: &Budget,
 ) -> Result<(PixelRays, Vec<f64>)> {
     let file = &arguments.input;
     let is_archive = extension(file) == "npz";
@@ -150,19 +154,27 @@ fn by_map(
         _ => "distance",
     };
     let array = arguments.array.as_deref().or(is_archive.then_some(kind));
-    let budget = Budget::new(memory::limit(None));
-    let map = npy::load_plain(file, array, &budget)?;
+    let map = npy::load_plain(file, array, budget)?;
     let [h, w] = *map.shape.as_slice() else {
         let what = format!("an array of shape {:?} is not a map of {kind}s", map.shape);
         let help = format!("give an array (rows, columns) of metres, named {kind} in an .npz file");
         return Err(Error::invalid(file, "", what, help));
     };
+    take_mesh(budget, [h, w], file)?;
     let rays = PixelRays::new(camera, [w, h]);
     let distances = match arguments.from {
         DepthKind::Depth => rays.distances_of_depths(&map.samples.into_f64()),
         _ => map.samples.into_f64(),
     };
     Ok((rays, distances))
+}
+
+/// Bytes per pixel of rays, distances and mesh, and of the file that is made of it.
+const PIXEL: u64 = 200;
+
+/// Takes what the mesh of so many rows and columns needs.
+fn take_mesh(budget: &Budget, [h, w]: [usize; 2], file: &Path) -> Result<()> {
+    budget.take(PIXEL.saturating_mul(h as u64 * w as u64), file)
 }
 
 fn report(output: &Path, made: &DepthMesh, pixels: usize) -> Result<()> {

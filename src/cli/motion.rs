@@ -50,7 +50,11 @@ pub fn run(mut arguments: FilmArguments) -> Result<()> {
     }
     arguments.work.quiet.on |= arguments.output.iter().any(|path| reel::is_pipe(path));
     let overrides = arguments.changes.overrides();
-    let file = builtin::open(arguments.scene.path(), &overrides)?;
+    let file = builtin::open(
+        arguments.scene.path(),
+        &overrides,
+        arguments.changes.memory.bytes(),
+    )?;
     let scene = file.scene(&overrides)?;
     let plan = Plan::new(&scene, &arguments.changes.request())?;
     reel::check(&arguments.output, &inputs::of(&scene, &plan))?;

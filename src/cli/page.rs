@@ -14,7 +14,7 @@ use nullray::scene::{Overrides, SceneFile};
 use nullray::{Error, Result};
 
 use super::args::PageArguments;
-use super::check::Names;
+use super::check::{Names, refuse_dangling};
 use super::failure::refused;
 use super::film::in_pool;
 use super::frames::{self, Frames, Job, Shot};
@@ -29,20 +29,37 @@ const PROBE_SCALE: f64 = 1.6;
 
 pub fn run(arguments: &PageArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
-    let file = builtin::open(arguments.scene.path(), &overrides)?;
+    let file = builtin::open(
+        arguments.scene.path(),
+        &overrides,
+        arguments.changes.memory.bytes(),
+    )?;
     let scene = file.scene(&overrides)?;
     let directory = &arguments.output;
+    let option = format!("-o {}", directory.display());
+    refuse_dangling(&option, directory)?;
+    let is_new = !directory.exists();
     std::fs::create_dir_all(directory)
         .map_err(Error::io(directory, "cannot create the directory"))?;
     let path = directory.join("index.html");
-    let plan = Plan::new(&scene, &arguments.changes.request())?;
-    let read = inputs::of(&scene, &plan);
+    let made = check(arguments, &scene, &option, &path).and_then(|()| {
+        in_pool(arguments.work.threads.count, || {
+            make(arguments, &file, &scene, &path)
+        })
+    });
+    if made.is_err() && is_new {
+        // It stays where pictures in it are to be gone on from.
+        let _ = std::fs::remove_dir(directory);
+    }
+    made
+}
+
+/// Refuses to write over what the page is made of.
+fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) -> Result<()> {
+    let plan = Plan::new(scene, &arguments.changes.request())?;
+    let read = inputs::of(scene, &plan);
     let overwritten = "this is a file that the page is made of: it would be overwritten";
-    let option = format!("-o {}", directory.display());
-    Names::new(&read, overwritten, " page").check(&option, &path)?;
-    in_pool(arguments.work.threads.count, || {
-        make(arguments, &file, &scene, &path)
-    })
+    Names::new(&read, overwritten, " page").check(option, path)
 }
 
 fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path) -> Result<()> {

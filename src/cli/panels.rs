@@ -28,8 +28,13 @@ pub fn chosen<'s>(scene: &'s Scene, names: &[String]) -> Result<Vec<&'s Panel>> 
 ///
 /// # Errors
 /// What is wrong with the scene; a name that no panel has.
-pub fn scene(path: Option<&Path>, panel: Option<&String>, overrides: &Overrides) -> Result<Scene> {
-    let file = builtin::open(path, overrides)?;
+pub fn scene(
+    path: Option<&Path>,
+    panel: Option<&String>,
+    overrides: &Overrides,
+    memory: u64,
+) -> Result<Scene> {
+    let file = builtin::open(path, overrides, memory)?;
     let whole = file.scene(overrides)?;
     let Some(panel) = panel else {
         return Ok(whole);

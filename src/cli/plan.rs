@@ -15,6 +15,9 @@ use super::{print, print_json, warn, with_short_lines};
 /// The most bytes of cubes that a plan reads, to say where light in view misses their times; larger ones are looked into by `render`.
 const LOOKED_INTO: u64 = 256 << 20;
 
+/// The most triangles of a mesh that is loaded to say what they are cut into.
+const LOADED: u64 = 1 << 20;
+
 pub fn run(arguments: &PlanArguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let aovs = arguments.channels.list();
@@ -29,6 +32,8 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
         ..arguments.scene.changes.request()
     };
     let mut plan = arguments.method.method.plan(&scene, &request)?;
+    let method = &arguments.method.method;
+    method.explain_cuts(&scene, &mut plan, LOADED)?;
     let bar = Bar::new(plan.rays.camera, arguments.json.on).named("what will be read".into());
     render::foretell(&scene, &mut plan, &bar)?;
     drop(bar);

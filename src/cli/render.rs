@@ -10,7 +10,7 @@ use nullray::scene::model::Scene;
 use nullray::scene::{ModelView, Overrides, SceneFile};
 use nullray::{Error, Result};
 
-use super::args::{FrameArguments, RenderArguments};
+use super::args::{Changes, FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
 use super::film::{in_pool, one};
@@ -219,11 +219,13 @@ fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile>
                 flyby: model.flyby,
                 size: None,
             };
-            let file = builtin::open_model(path, &view, overrides)?;
+            let memory = arguments.changes.memory.bytes();
+            let text = builtin::model_text(path, &view, overrides, memory)?;
+            let file = builtin::of_model(path, &text);
             // A fly-by has one exposure for all of its frames.
             match model.flyby {
                 true => Ok(file),
-                false => exposed(file, path, &view, overrides),
+                false => exposed(file, path, text, &arguments.changes),
             }
         }
         path => {
@@ -237,18 +239,14 @@ fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile>
                     "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
                 return Err(refused(option, what, help));
             }
-            builtin::open(path, overrides)
+            builtin::open(path, overrides, arguments.changes.memory.bytes())
         }
     }
 }
 
 /// The same scene, exposed for the model rather than for the sky, which may be far brighter ahead.
-fn exposed(
-    file: SceneFile,
-    path: &Path,
-    view: &ModelView,
-    overrides: &Overrides,
-) -> Result<SceneFile> {
+fn exposed(file: SceneFile, path: &Path, text: String, changes: &Changes) -> Result<SceneFile> {
+    let overrides = changes.overrides();
     let is_exposed = |(key, _): &(String, String)| key.starts_with("display");
     if overrides.white.is_some()
         || overrides.exposure.is_some()
@@ -256,14 +254,12 @@ fn exposed(
     {
         return Ok(file);
     }
-    match exposure::of_surfaces(&file.scene(overrides)?)? {
+    match exposure::of_surfaces(&file.scene(&overrides)?, &changes.request())? {
         None => Ok(file),
-        Some(white) => builtin::open_model_with(
-            path,
-            view,
-            overrides,
-            &format!("\n[display]\nwhite = {white:?}\n"),
-        ),
+        Some(white) => {
+            let text = text + &format!("\n[display]\nwhite = {white:?}\n");
+            Ok(builtin::of_model(path, &text))
+        }
     }
 }
 

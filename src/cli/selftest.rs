@@ -16,11 +16,22 @@ use super::{failure, film, print};
 /// Runs every check, says what each has found, and whether all hold.
 pub fn run(arguments: &SelftestArguments) -> Result<Done> {
     let checks = chosen(&arguments.check)?;
+    let effort = match arguments.thorough {
+        true => Effort::Thorough,
+        false => Effort::Quick,
+    };
+    let limit = arguments.memory.bytes();
+    if let Some(check) = checks.iter().find(|check| check.memory(effort) > limit) {
+        let what = format!(
+            "the check \"{}\" takes about {}, more than the limit of {}",
+            check.name,
+            plan::bytes(check.memory(effort)),
+            plan::bytes(limit)
+        );
+        let help = "a higher limit, or other checks: --check NAME";
+        return Err(failure::refused("--max-memory", what, help));
+    }
     film::in_pool(arguments.threads.count, || {
-        let effort = match arguments.thorough {
-            true => Effort::Thorough,
-            false => Effort::Quick,
-        };
         if !arguments.json.on {
             print(&heading())?;
         }

@@ -1,6 +1,5 @@
 //! From a file, or its text, to a scene.
 
-use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
@@ -346,7 +345,19 @@ fn report(text: &str, name: &str, overrides: &Overrides) -> Result<Report> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>> {
-    let file = File::open(path).map_err(Error::io(path, "cannot open"))?;
+    let file = match files::open(path) {
+        Ok((file, _)) => file,
+        // There, but a directory, a pipe, which may never end, or a device.
+        Err(error) if error.kind() == ErrorKind::InvalidInput => {
+            return Err(Error::invalid(
+                path,
+                "",
+                error.to_string(),
+                "give the path of a file",
+            ));
+        }
+        Err(error) => return Err(Error::io(path, "cannot open")(error)),
+    };
     let mut bytes = Vec::new();
     let mut start = file.take(LONGEST as u64 + 1);
     start

@@ -36,6 +36,7 @@ use glam::DVec3;
 use toml_edit::Value;
 
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
 use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, Want};
 use crate::mesh::Mesh;
 use crate::spacetime::{Velocity, World};
@@ -89,17 +90,18 @@ const WIDEST: f64 = 80.0;
 const SIZE: [u32; 2] = [640, 480];
 
 /// The text of the scene that the glTF file at `path` stands for, seen as `view` says. Its path is in it as it is
-/// given, so that the scene file belongs in the folder from which `path` starts.
+/// given, so that the scene file belongs in the folder from which `path` starts. The model is loaded to be framed, and let go
+/// again.
 ///
 /// # Errors
-/// As [`gltf::load`]; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
+/// As [`gltf::load`]; a model that takes more than `budget` has; a path that is not UTF-8; a model without extent; a speed that is not below that of light;
 /// a direction of length 0.
-pub fn model_scene(path: &Path, view: &ModelView) -> Result<String> {
+pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<String> {
     let name = path.to_str().ok_or_else(|| {
         let help = "rename the file, so that a scene file can name it";
         Error::unsupported(path, "path", "its name is not UTF-8 text", help)
     })?;
-    let ball = Ball::of(path)?;
+    let ball = Ball::of(path, budget)?;
     let motion = Motion::new(path, view)?;
     let size = view.size.unwrap_or(SIZE);
     let camera = match (view.flyby, motion) {
@@ -163,7 +165,18 @@ struct Ball {
 }
 
 impl Ball {
-    fn of(path: &Path) -> Result<Ball> {
+    /// Bytes that a vertex takes while a model is loaded without texture coordinates: its place, in a list that grows.
+    const VERTEX: u64 = 2 * 24;
+    /// A triangle: its corners, in a list that grows, and as they are in the file.
+    const TRIANGLE: u64 = 2 * 12 + 12;
+
+    fn of(path: &Path, budget: &Budget) -> Result<Ball> {
+        let held = gltf::inspect(path, None)?;
+        let taken = Ball::VERTEX.saturating_mul(held.vertices);
+        budget.take(
+            taken.saturating_add(Ball::TRIANGLE.saturating_mul(held.triangles)),
+            path,
+        )?;
         let want = Want {
             uvs: false,
             textures: false,

@@ -130,36 +130,62 @@ fn no_pipe_is_waited_for() {
             crate::common::skipped::skipped("there is no mkfifo");
             return;
         }
-        let mut child = folder
-            .program(&["compare", &name, &name])
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let begin = Instant::now();
-        while child.try_wait().unwrap().is_none() {
-            if begin.elapsed() > Duration::from_secs(20) {
-                child.kill().unwrap();
-                panic!("compare waits for {name}");
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        assert_eq!(child.wait().unwrap().code(), Some(2));
+        check_not_waited_for(&folder, &["compare", &name, &name]);
+    }
+    let made = Command::new("mkfifo")
+        .arg(folder.path("pipe.toml"))
+        .status();
+    assert!(made.unwrap().success());
+    for command in ["render", "plan", "diagram", "info", "export"] {
+        check_not_waited_for(&folder, &[command, "pipe.toml"]);
     }
 }
 
+/// The command ends with exit code 2 in seconds.
+fn check_not_waited_for(folder: &Folder, arguments: &[&str]) {
+    let mut child = folder
+        .program(arguments)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begin = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begin.elapsed() > Duration::from_secs(20) {
+            child.kill().unwrap();
+            panic!("{arguments:?} waits");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(2), "{arguments:?}");
+}
+
 #[test]
-fn an_output_that_is_a_link_to_nothing_is_refused() {
+fn an_output_that_is_a_link_to_nothing_is_refused_before_anything_is_rendered() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
-    symlink("elsewhere/a.png", folder.path("a.png")).unwrap();
-    let text = folder.fail(&["render", "a.toml", "-o", "a.png"]);
-    assert!(text.contains("a link to elsewhere/a.png"), "{text}");
+    for [option, name] in [
+        ["-o", "l.png"],
+        ["--isochrones", "l.png"],
+        ["--overlay", "l.svg"],
+        ["--stats-json", "l.json"],
+    ] {
+        symlink("elsewhere/a", folder.path(name)).unwrap();
+        let mut render = vec!["render", "a.toml", option, name];
+        if option != "-o" {
+            render.extend(["-o", "a.png"]);
+        }
+        let text = folder.fail(&render);
+        assert!(text.contains("a link to elsewhere/a"), "{option}: {text}");
+        assert!(folder.path(name).symlink_metadata().unwrap().is_symlink());
+        // Nothing that comes before it was written.
+        assert!(!folder.path("a.png").exists(), "{option}");
+        std::fs::remove_file(folder.path(name)).unwrap();
+    }
+    symlink("elsewhere", folder.path("page")).unwrap();
+    let text = folder.fail(&["page", "a.toml", "-o", "page"]);
     assert!(
-        folder
-            .path("a.png")
-            .symlink_metadata()
-            .unwrap()
-            .is_symlink()
+        text.contains("-o page: this is a link to elsewhere"),
+        "{text}"
     );
 }
 

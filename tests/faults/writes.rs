@@ -147,7 +147,7 @@ fn with_failing_writes(inputs: &[(&str, Vec<u8>)], arguments: &[&str], old: Opti
                 let is_old = before.get(&name) == Some(&content);
                 // Pictures of an unfinished film and parts of a bake are kept to be gone on from, and go when it is finished.
                 let is_whole = expected.get(&name) == Some(&content)
-                    || name.contains(".frames/film-") && content.starts_with(b"\x89PNG")
+                    || name.contains(".frames/") && content.starts_with(b"\x89PNG")
                     || name.ends_with(".parts");
                 assert!(
                     is_old || is_whole,
@@ -228,6 +228,35 @@ fn a_write_of_an_export_that_fails_leaves_nothing() {
 }
 
 #[test]
+fn a_write_of_a_page_that_fails_leaves_what_was_there() {
+    let page = [
+        "page", "a.toml", "--beta", "0.5", "--steps", "2", "--size", "24x16", "-o", "page",
+    ];
+    with_failing_writes(&[scene()], &page, None);
+}
+
+#[test]
+fn a_write_of_what_a_comparison_found_that_fails_leaves_what_was_there() {
+    let picture = |beta: &str| {
+        let folder = Folder::new();
+        folder.write("a.toml", SCENE);
+        let velocity = format!("camera.velocity={{beta=[{beta},0,0]}}");
+        folder.succeed(&["render", "a.toml", "--set", &velocity, "-o", "a.exr"]);
+        std::fs::read(folder.path("a.exr")).unwrap()
+    };
+    let pair = [("a.exr", picture("0.5")), ("b.exr", picture("0.51"))];
+    for [option, name] in [
+        ["--maps", "c.exr"],
+        ["--error-map", "c.png"],
+        ["--strip", "c.png"],
+        ["--report", "c.html"],
+    ] {
+        let compare = ["compare", "a.exr", "b.exr", "--no-flip", option, name];
+        with_failing_writes(&pair, &compare, Some(name));
+    }
+}
+
+#[test]
 fn a_write_of_a_baked_cube_that_fails_leaves_what_was_there() {
     with_failing_writes(&[lit_scene()], &BAKE, Some("a.npy"));
 }
@@ -279,6 +308,27 @@ fn a_full_disk_is_said_and_nothing_half_written_stays() {
             }
             None => skipped(),
         }
+    }
+}
+
+#[test]
+fn a_full_disk_is_said_of_the_export_that_was_asked_for() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE.replace("[48, 32]", "[400, 300]"));
+    std::fs::create_dir(folder.path("disk")).unwrap();
+    let script = "mount -t tmpfs -o size=64k none disk || exit 77; \"$1\" export a.toml -o disk/bundle; \
+                  code=$?; ls -A disk >&2; exit $code";
+    match apart(&folder, script) {
+        Some(output) => {
+            check_failure(&output);
+            let text = said(&output);
+            assert!(
+                text.contains("space") && text.contains("disk/bundle/"),
+                "{text}"
+            );
+            assert!(!text.contains(".part"), "{text}");
+        }
+        None => skipped(),
     }
 }
 

@@ -58,9 +58,13 @@ impl Cuts {
     const LOT: usize = 1 << 10;
     /// What one takes at most: it, its two pieces, and what is kept to divide them.
     pub const BYTES: u64 = 400;
-    /// So many times as many as may be have to be foretold before they are refused untried: forecasts overrate
-    /// triangles that bend in one place alone.
+    /// So many times as many as may be have to be foretold before they are refused untried: forecasts from few triangles overrate
+    /// those that bend in one place alone.
     const MARGIN: f64 = 4.0;
+    /// The same for forecasts from [`Cuts::CLOSE`] triangles.
+    const CLOSE_MARGIN: f64 = 1.1;
+    /// From so many triangles, those of pictures near the limit are a few pixels of what they will be cut into.
+    const CLOSE: usize = 1 << 18;
 
     /// None yet, of at most so many as `memory` bytes hold.
     pub fn within(memory: u64) -> Self {
@@ -81,10 +85,16 @@ impl Cuts {
         self.count.load(Ordering::Relaxed) > self.most
     }
 
-    /// Whether there will be, with about so many more, beyond doubt.
-    pub fn will_be_too_many(&self, more: f64) -> bool {
-        let count = self.count.load(Ordering::Relaxed) as f64;
-        count + more > Cuts::MARGIN * self.most as f64
+    /// What is known of the end by about so many cuts more, foretold from so many triangles.
+    pub fn outlook(&self, more: f64, triangles: usize) -> Outlook {
+        let all = self.count.load(Ordering::Relaxed) as f64 + more;
+        let most = self.most as f64;
+        match triangles >= Cuts::CLOSE {
+            _ if all > Cuts::MARGIN * most => Outlook::TooMany,
+            true if all > Cuts::CLOSE_MARGIN * most => Outlook::TooMany,
+            false if all > most / Cuts::MARGIN => Outlook::Uncertain,
+            _ => Outlook::Enough,
+        }
     }
 
     /// The refusal of too many.
@@ -100,6 +110,17 @@ impl Cuts {
             help,
         )
     }
+}
+
+/// What a forecast says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outlook {
+    /// The limit holds what is foretold, or it is tried.
+    Enough,
+    /// Smaller triangles tell.
+    Uncertain,
+    /// More than may be.
+    TooMany,
 }
 
 /// The vertices of a rest frame: where they are, and how they are seen.
@@ -172,6 +193,19 @@ impl<'a> BatchBuilder<'a> {
     /// Divides until there are enough triangles to foretell by, or none that is to be divided.
     pub fn begin(&mut self) {
         while self.level.len() < ENOUGH && self.is_unfinished() {
+            self.descend();
+        }
+        self.count();
+    }
+
+    /// Triangles that are left to be looked at.
+    pub fn triangles(&self) -> usize {
+        self.level.len()
+    }
+
+    /// Divides once more, for a closer forecast.
+    pub fn deepen(&mut self) {
+        if self.is_unfinished() {
             self.descend();
         }
         self.count();
@@ -415,6 +449,12 @@ impl<'a> BatchBuilder<'a> {
         all.fetch_add(self.uncounted, Ordering::Relaxed);
         self.uncounted = 0;
     }
+}
+
+/// The same of a triangle whose edges are to be at most `length` long; 0 for one that is not cut.
+pub(super) fn cuts_of([a, b, c]: [DVec3; 3], length: f64) -> f64 {
+    let parts = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| edge / length);
+    points(parts)
 }
 
 /// About how many points a triangle is cut at whose edges are cut into so many parts: there is one for every two pieces

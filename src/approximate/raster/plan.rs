@@ -1,14 +1,16 @@
 //! What the methods need beside the ray tracer, foretold, and what they refuse.
 
 use super::batch::Piece;
-use super::divide::Cuts;
+use super::divide::{Cuts, cuts_of};
 use super::method::{Method, Tessellation, moves};
 use super::vertices::Vertex;
 use super::warp::TEXEL_BYTES;
 use crate::approximate::projection::apart;
 use crate::camera::Kind;
 use crate::error::Result;
+use crate::io::gltf;
 use crate::render::plan::{Plan, Request, bytes, count};
+use crate::render::prepare::object_mesh;
 use crate::scene::model::Scene;
 
 impl Method {
@@ -40,6 +42,64 @@ impl Method {
             ));
         }
         Ok(plan)
+    }
+
+    /// At about how many points triangles are cut into edges of a given length, the whole scene being in view: by its meshes, which are
+    /// loaded for it one after the other. None for other methods, and where a mesh has more than `most` triangles.
+    ///
+    /// # Errors
+    /// What loading meshes refuses.
+    pub fn cuts_in_view(&self, scene: &Scene, plan: &Plan, most: u64) -> Result<Option<f64>> {
+        let Method::Raster(raster) = self else {
+            return Ok(None);
+        };
+        let Tessellation::Uniform(length) = raster.tessellation else {
+            return Ok(None);
+        };
+        let mut all = 0.0;
+        for frame in &plan.frames {
+            for &index in &frame.objects {
+                let object = &scene.objects[index];
+                if plan.objects[index].triangles > most {
+                    return Ok(None);
+                }
+                let want = gltf::Want {
+                    uvs: false,
+                    textures: false,
+                    shading: false,
+                    bad_vertices: object.bad_vertices,
+                };
+                let (mesh, _) = object_mesh(object, want, &mut Vec::new())?;
+                let triangles = 0..mesh.triangles.len() as u32;
+                all += triangles
+                    .map(|triangle| cuts_of(mesh.corners(triangle), length))
+                    .sum::<f64>();
+            }
+        }
+        Ok(Some(all))
+    }
+
+    /// Says at how many points triangles are cut into edges of a given length, as far as that is known of the scene.
+    ///
+    /// # Errors
+    /// What [`Method::cuts_in_view`] refuses.
+    pub fn explain_cuts(&self, scene: &Scene, plan: &mut Plan, most: u64) -> Result<()> {
+        let Some(cuts) = self.cuts_in_view(scene, plan, most)? else {
+            return Ok(());
+        };
+        let taken = (cuts * Cuts::BYTES as f64).min(u64::MAX as f64) as u64;
+        let refused = match cuts > Cuts::most(plan.memory_left()) as f64 {
+            true => ": more than may be, unless most lie outside of the picture",
+            false => "",
+        };
+        let points = count(cuts.min(u64::MAX as f64) as u64);
+        let all = plan.memory.total().saturating_add(taken);
+        plan.notes.push(format!(
+            "with the whole scene in view triangles are cut at about {points} points, which take {}, {} with the rest{refused}",
+            bytes(taken),
+            bytes(all)
+        ));
+        Ok(())
     }
 
     /// What it holds beside what the ray tracer does for `plan`, bytes: to the end, and until the film is complete.

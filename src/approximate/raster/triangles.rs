@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::batch::{Batch, Grid};
 use super::cull::Frustum;
-use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices};
+use super::divide::{BatchBuilder, Cuts, Divider, FrameVertices, Outlook};
 use super::method::{Attributes, Raster, Tessellation};
 use super::vertices::{Vertex, transformed};
 use crate::accel::Facing;
@@ -124,11 +124,16 @@ fn divided(
         batch.begin();
         Ok(batch)
     });
-    let batches: Vec<_> = batches.collect::<Result<_>>()?;
-    let more = batches.iter().map(BatchBuilder::forecast).sum();
-    match divider.cuts.will_be_too_many(more) {
-        true => Err(divider.cuts.refusal()),
-        false => batches.into_par_iter().map(finished).collect(),
+    let mut batches: Vec<_> = batches.collect::<Result<_>>()?;
+    loop {
+        progress.check()?;
+        let forecasts: Vec<f64> = batches.par_iter().map(BatchBuilder::forecast).collect();
+        let left = batches.iter().map(BatchBuilder::triangles).sum();
+        match divider.cuts.outlook(forecasts.iter().sum(), left) {
+            Outlook::TooMany => return Err(divider.cuts.refusal()),
+            Outlook::Uncertain if left > 0 => batches.par_iter_mut().for_each(BatchBuilder::deepen),
+            _ => return batches.into_par_iter().map(finished).collect(),
+        }
     }
 }
 

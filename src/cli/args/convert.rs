@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use nullray::io::cube::{Axes, Transfer};
 use nullray::spacetime::units::Time;
 
-use super::shared::Quiet;
+use super::shared::{MemoryLimit, Quiet};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
@@ -73,6 +73,8 @@ pub struct ConvertArguments {
     /// Time at the start of the input's bin 0, to be told that of the output.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Time>,
+    #[command(flatten)]
+    pub memory: MemoryLimit,
     #[command(flatten)]
     pub quiet: Quiet,
 }

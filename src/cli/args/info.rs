@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::shared::Json;
+use super::shared::{Json, MemoryLimit};
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {
     /// A .gltf, .glb, .npy, .npz, .ti, .exr, .png or .toml file, recognised by its content, or a folder of pictures.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    #[command(flatten)]
+    pub memory: MemoryLimit,
     #[command(flatten)]
     pub json: Json,
 }

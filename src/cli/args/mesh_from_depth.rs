@@ -8,7 +8,7 @@ use nullray::io::cube::Axes;
 use nullray::scene::model::FovAxis;
 use nullray::spacetime::units::{Angle, Time};
 
-use super::shared::Quiet;
+use super::shared::{MemoryLimit, Quiet};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
@@ -71,6 +71,8 @@ pub struct MeshFromDepthArguments {
     /// a plane's would.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
     pub tear: f64,
+    #[command(flatten)]
+    pub memory: MemoryLimit,
     #[command(flatten)]
     pub quiet: Quiet,
 }

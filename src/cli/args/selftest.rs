@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::shared::{Json, Threads};
+use super::shared::{Json, MemoryLimit, Threads};
 
 #[derive(Debug, Args)]
 pub struct SelftestArguments {
@@ -12,6 +12,8 @@ pub struct SelftestArguments {
     /// Run only this check. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub check: Vec<String>,
+    #[command(flatten)]
+    pub memory: MemoryLimit,
     #[command(flatten)]
     pub json: Json,
     #[command(flatten)]

@@ -60,7 +60,8 @@ impl SceneArguments {
     /// The scene, or the panel.
     pub fn load(&self) -> Result<Scene> {
         let overrides = self.changes.overrides();
-        panels::scene(self.path(), self.panel.name(), &overrides)
+        let memory = self.changes.memory.bytes();
+        panels::scene(self.path(), self.panel.name(), &overrides, memory)
     }
 
     /// The file; none stands for the built-in scene.

@@ -41,7 +41,8 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
 /// The scene, or a panel of it.
 pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scene> {
     let path = arguments.scene.path();
-    panels::scene(path, arguments.panel.name(), overrides)
+    let memory = arguments.pixel.memory.bytes();
+    panels::scene(path, arguments.panel.name(), overrides, memory)
 }
 
 /// The diagram of `scene`, whose text has all changes made.

@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn the_interval_of_the_scene_counts_where_the_command_line_says_none() {
-        let mut scene = crate::cli::builtin::open(None, &Default::default())
+        let mut scene = crate::cli::builtin::open(None, &Default::default(), 0)
             .and_then(|file| file.scene(&Default::default()))
             .unwrap();
         scene.camera.time = 2.0;

@@ -13,21 +13,21 @@ use serde_json::{Value, json};
 
 use super::Info;
 
-pub fn info(path: &Path, format: &CubeFormat) -> Result<Info> {
+pub fn info(path: &Path, format: &CubeFormat, memory: u64) -> Result<Info> {
     let kind = match format.extensions {
         ["ti"] => "transient_image",
         ["h5", ..] => "hdf5",
         _ => "numpy",
     };
-    of_arrays(path, kind, format.name, &(format.arrays)(path)?)
+    of_arrays(path, kind, format.name, &(format.arrays)(path)?, memory)
 }
 
 /// A Zarr array, or a group of them.
-pub fn zarr(path: &Path) -> Result<Info> {
-    of_arrays(path, "zarr", "Zarr folder", &cube::arrays(path)?)
+pub fn zarr(path: &Path, memory: u64) -> Result<Info> {
+    of_arrays(path, "zarr", "Zarr folder", &cube::arrays(path)?, memory)
 }
 
-fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header]) -> Result<Info> {
+fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u64) -> Result<Info> {
     let is_picture = is_picture(headers);
     let title = match headers {
         headers if is_picture => format!("picture of {} arrays", headers.len()),
@@ -44,7 +44,7 @@ fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header]) -> Result<
         .and_then(|info| info.array);
     let arrays = headers.iter().map(|header| {
         let is_beside = said.is_some() && said != header.name;
-        let cube = (!is_picture && !is_beside).then(|| inspected(path, header));
+        let cube = (!is_picture && !is_beside).then(|| inspected(path, header, memory));
         describe(&mut info, header, cube.as_ref());
         data(header, cube.as_ref())
     });
@@ -57,7 +57,7 @@ fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header]) -> Result<
 }
 
 /// A sequence of pictures as a cube.
-pub fn sequence(path: &Path) -> Result<Info> {
+pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
     let mut info = Info::new("pictures", "sequence of pictures");
     // PNG pictures have no size without a transfer, and any will do to look at them.
     let wanted = Wanted {
@@ -65,7 +65,7 @@ pub fn sequence(path: &Path) -> Result<Info> {
         ..Wanted::default()
     };
     let cube = cube::inspect(path, wanted)?;
-    let remarks = match cube.bytes > MOST_READ {
+    let remarks = match cube.bytes > most_read(memory) {
         true => None,
         false => {
             let cube = cube::load(path, wanted)?.into();
@@ -85,13 +85,13 @@ type Cube = Result<Known>;
 type Known = (Option<Vec<String>>, CubeInfo);
 
 /// The array as a cube.
-fn inspected(path: &Path, header: &Header) -> Cube {
+fn inspected(path: &Path, header: &Header, memory: u64) -> Cube {
     let wanted = Wanted {
         array: header.name.as_deref(),
         ..Wanted::default()
     };
     let info = cube::inspect(path, wanted)?;
-    Ok((samples(path, wanted, &info)?, info))
+    Ok((samples(path, wanted, &info, memory)?, info))
 }
 
 /// Samples that take more memory than this are not read, bytes.
@@ -100,26 +100,37 @@ const MOST_READ: u64 = 1 << 30;
 /// Memory for parts of larger ones.
 const ROOM: u64 = 256 << 20;
 
+/// The most that is read of `memory` bytes: a cube may be there twice while it is brought into order.
+fn most_read(memory: u64) -> u64 {
+    MOST_READ.min(memory / 2)
+}
+
 /// Reads the samples, which tells whether all are finite, and looks at them.
-fn samples(path: &Path, wanted: Wanted, info: &CubeInfo) -> Result<Option<Vec<String>>> {
+fn samples(
+    path: &Path,
+    wanted: Wanted,
+    info: &CubeInfo,
+    memory: u64,
+) -> Result<Option<Vec<String>>> {
     let order = match info.assumed {
         true => Order::Array,
         false => Order::Stated,
     };
-    if info.bytes <= MOST_READ {
+    if info.bytes <= most_read(memory) {
         let cube = cube::load(path, wanted)?.into();
         return Ok(Some(survey::of_samples(&cube, order)));
     }
     // Of larger ones a part, unless they would have to be unpacked.
-    if Bricks::counting(path, wanted, ROOM)?.is_none() {
+    let room = ROOM.min(memory / 2);
+    if Bricks::counting(path, wanted, room)?.is_none() {
         return Ok(None);
     }
-    let bricks = Arc::new(Bricks::open(path, wanted, ROOM)?);
+    let bricks = Arc::new(Bricks::open(path, wanted, room)?);
     let mut remarks = survey::of_samples(&bricks.clone().into(), order);
     bricks.check()?;
     remarks.push(format!(
         "a part of the samples was looked at: there are more than {}",
-        bytes(MOST_READ)
+        bytes(most_read(memory))
     ));
     Ok(Some(remarks))
 }

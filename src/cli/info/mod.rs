@@ -24,12 +24,13 @@ const MOST: usize = 20;
 
 pub fn run(arguments: &InfoArguments) -> Result<()> {
     let path = arguments.file.as_path();
+    let memory = arguments.memory.bytes();
     let info = match Kind::of(path)? {
-        Kind::Pictures => array::sequence(path),
-        Kind::Zarr => array::zarr(path),
+        Kind::Pictures => array::sequence(path, memory),
+        Kind::Zarr => array::zarr(path, memory),
         Kind::Gltf => gltf::info(path),
-        Kind::Array(format) => array::info(path, format),
-        Kind::Exr => picture::exr(path),
+        Kind::Array(format) => array::info(path, format, memory),
+        Kind::Exr => picture::exr(path, memory),
         Kind::Png => picture::png(path),
         Kind::Scene => scene::info(path),
     }?;

@@ -8,10 +8,9 @@ use nullray::io::image::{self, Channel, Samples};
 use serde_json::{Value, json};
 
 use super::Info;
-use crate::cli::memory;
 
-pub fn exr(path: &Path) -> Result<Info> {
-    let layers = image::exr::read(path, &Budget::new(memory::limit(None)))?;
+pub fn exr(path: &Path, memory: u64) -> Result<Info> {
+    let layers = image::exr::read(path, &Budget::new(memory))?;
     let mut info = Info::new("exr", "OpenEXR picture");
     size(&mut info, layers.width, layers.height);
     info.row("channels", layers.channels.len().to_string());

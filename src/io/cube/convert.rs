@@ -11,7 +11,7 @@
 
 use std::io::Write;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use half::f16;
 
@@ -23,12 +23,13 @@ use super::store::Store;
 #[cfg(feature = "zarr")]
 use super::zarr;
 use crate::error::{Error, Result};
+use crate::io::budget::Budget;
 use crate::io::image::{self, Channel, Layers, Samples as Pixels, npz};
 use crate::io::npy::Dtype;
 use crate::io::temporary::Temporary;
 
 /// What becomes of a cube on its way.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Changes {
     /// The rows that are kept; all by default.
     pub rows: Option<Range<usize>>,
@@ -48,6 +49,25 @@ pub struct Changes {
     pub axes: Option<Axes>,
     /// The time axis of the input, which forms with a place for one are written with.
     pub times: Option<FileTimes>,
+    /// The most memory that may be taken, bytes; 16 GiB by default.
+    pub memory: u64,
+}
+
+impl Default for Changes {
+    fn default() -> Self {
+        Changes {
+            rows: None,
+            columns: None,
+            bins: None,
+            merge: 0,
+            density: false,
+            shift: None,
+            dtype: None,
+            axes: None,
+            times: None,
+            memory: 16 << 30,
+        }
+    }
 }
 
 /// What was written.
@@ -65,7 +85,7 @@ pub struct Converted {
     pub dropped: f64,
 }
 
-/// Memory that the parts may take together, bytes; in tests so little that there are many parts.
+/// The most memory that the parts take together however much there is, bytes; in tests so little that there are many parts.
 const ROOM: usize = if cfg!(test) { 1 << 10 } else { 256 << 20 };
 
 /// Writes the cube at `from` to `to`: a `.npy`, `.npz` or HDF5 file, a new folder of Zarr (`.zarr`), or, of any name without
@@ -122,6 +142,7 @@ enum Form {
 type Take<'t> = dyn FnMut([usize; 4], &[f64], &Dtype) -> Result<()> + 't;
 
 struct Work<'a> {
+    from: PathBuf,
     store: Store,
     to_come: &'a Changes,
     /// Rows, columns and bins of the input that are kept.
@@ -174,6 +195,7 @@ impl<'a> Work<'a> {
             return Err(Error::invalid(from, "", what, help));
         }
         Ok(Work {
+            from: from.to_path_buf(),
             shape: [kept[0].len(), kept[1].len(), bins.div_ceil(merge), c],
             dtype: changes.dtype.clone().unwrap_or_else(|| store.dtype()),
             store,
@@ -409,8 +431,11 @@ impl<'a> Work<'a> {
             (h, w * t * c)
         };
         // Input and output in f64, and the bytes that are written; shifts read some more.
-        let together = (ROOM / (32 * each * self.merge)).clamp(1, count);
+        let bytes = |count: usize| 32 * (each * self.merge) as u64 * count as u64;
+        let room = (ROOM as u64).min(self.to_come.memory / 2);
+        let together = (room / bytes(1)).clamp(1, count as u64) as usize;
         let together = (together / multiple * multiple).max(multiple);
+        Budget::new(self.to_come.memory).take(bytes(together.min(count)), &self.from)?;
         let (total, dtype) = ((h * w * t * c) as u64, self.dtype.clone());
         let mut out = Vec::new();
         for first in (0..count).step_by(together) {

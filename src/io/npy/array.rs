@@ -39,6 +39,14 @@ pub enum Numbers {
 }
 
 impl Numbers {
+    /// Bytes of one.
+    pub fn size(&self) -> u64 {
+        match self {
+            Numbers::F64(_) => 8,
+            Numbers::F32(_) | Numbers::I32(_) | Numbers::U32(_) => 4,
+        }
+    }
+
     /// All as f64.
     pub fn into_f64(self) -> Vec<f64> {
         match self {

@@ -335,6 +335,11 @@ fn arrays(path: &Path, budget: &Budget) -> Result<(Layers, Vec<String>)> {
     let mut parts: Vec<([usize; 2], Vec<Channel>)> = Vec::new();
     for header in &read {
         let array = npy::load_plain(path, header.name.as_deref(), budget)?;
+        // An array of several channels is there twice while these are taken from it.
+        if header.shape.len() == 3 && header.shape[2] > 1 {
+            let copied: u64 = array.shape.iter().map(|n| *n as u64).product();
+            budget.take(copied.saturating_mul(array.samples.size()), path)?;
+        }
         parts.push(channels(path, header, is_alone, array)?);
     }
     let Some([height, width]) = parts.first().map(|part| part.0) else {

@@ -146,6 +146,38 @@ pub fn export(
     refuse_lights(scene)?;
     let plan = plan(scene, options)?;
     let folder = Folder::create(target, options.overwrite)?;
+    let temporary = folder.path("");
+    filled(folder, scene, &plan, options, progress)
+        .map_err(|error| in_target(error, &temporary, target))
+}
+
+/// The error of a file in the directory under its temporary name, as one of the file that it would have become.
+fn in_target(error: Error, temporary: &Path, target: &Path) -> Error {
+    match error {
+        Error::Io {
+            path,
+            action,
+            source,
+        } => Error::Io {
+            path: match path.strip_prefix(temporary) {
+                Ok(name) => target.join(name),
+                Err(_) => path,
+            },
+            action,
+            source,
+        },
+        error => error,
+    }
+}
+
+/// Fills the directory, and gives it its name.
+fn filled(
+    folder: Folder,
+    scene: &Scene,
+    plan: &Plan,
+    options: &ExportOptions,
+    progress: &dyn Progress,
+) -> Result<Exported> {
     let mut files = Files {
         folder,
         entries: Vec::new(),
@@ -168,10 +200,10 @@ pub fn export(
         };
         files.text(VECTORS, &json(&vectors)?)?;
     }
-    let sources = sources::write(scene, &plan, options.cubes, &mut files, progress)?;
+    let sources = sources::write(scene, plan, options.cubes, &mut files, progress)?;
     let (reference, rendered) = match options.reference {
         true => (
-            Some(reference::write(scene, &plan, &mut files, progress)?),
+            Some(reference::write(scene, plan, &mut files, progress)?),
             plan.film.channels.clone(),
         ),
         false => (None, Vec::new()),

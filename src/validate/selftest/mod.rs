@@ -50,6 +50,8 @@ enum Kind {
 #[derive(Debug, Clone, Copy)]
 struct Counted {
     cases: [u64; 2],
+    /// Bytes that it takes.
+    memory: [u64; 2],
     count: fn(u64, &dyn Progress) -> Result<Outcome>,
 }
 
@@ -68,6 +70,25 @@ impl Check {
         match &self.kind {
             Kind::Reference(regime) => regime.rows().count() as u64,
             Kind::Counted(counted) => counted.cases[usize::from(effort == Effort::Thorough)],
+        }
+    }
+
+    /// Bytes that it takes at most, beside the program.
+    pub fn memory(&self, effort: Effort) -> u64 {
+        match &self.kind {
+            Kind::Reference(_) => SMALL,
+            Kind::Counted(counted) => counted.memory[usize::from(effort == Effort::Thorough)],
+        }
+    }
+
+    /// The same check, of which it is known that it takes so many bytes for each effort.
+    const fn taking(self, memory: [u64; 2]) -> Check {
+        match self.kind {
+            Kind::Counted(counted) => Check {
+                kind: Kind::Counted(Counted { memory, ..counted }),
+                ..self
+            },
+            Kind::Reference(_) => self,
         }
     }
 
@@ -97,6 +118,9 @@ pub fn checks() -> Vec<Check> {
     checks
 }
 
+/// Bytes that are more than most checks take.
+const SMALL: u64 = 32 << 20;
+
 /// A check that counts errors, none of which is allowed; its cases for each effort.
 const fn counted(
     name: &'static str,
@@ -110,7 +134,11 @@ const fn counted(
         what,
         unit,
         bound: 0.0,
-        kind: Kind::Counted(Counted { cases, count }),
+        kind: Kind::Counted(Counted {
+            cases,
+            memory: [SMALL; 2],
+            count,
+        }),
     }
 }
 

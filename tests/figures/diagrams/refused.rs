@@ -97,6 +97,24 @@ fn limits_that_show_nothing_are_refused() {
 }
 
 #[test]
+fn a_line_of_text_that_no_page_has_room_for_is_refused() {
+    let long = "x".repeat(401);
+    for (text, place) in [
+        (format!("title = \"{long}\"\n"), "diagram.title"),
+        (
+            format!("event = [{{ name = \"A\", at = [0, 0], label = \"{long}\" }}]\n"),
+            "diagram.event[0].label",
+        ),
+        (
+            format!("event = [{{ name = \"{long}\", at = [0, 0] }}]\n"),
+            "diagram.event[0].name",
+        ),
+    ] {
+        check(&text, place, "401 characters", "at most 400");
+    }
+}
+
+#[test]
 fn a_character_without_a_glyph_is_refused() {
     let (place, ..) = refusal("event = [{ name = \"A\", at = [0, 0], label = \"漢\" }]\n");
     assert_eq!(place, "diagram.event[0].label");

@@ -12,6 +12,7 @@ mod frames;
 mod info;
 mod interrupt;
 mod light;
+mod memory;
 mod methods;
 mod models;
 mod overlay;

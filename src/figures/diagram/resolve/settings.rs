@@ -137,6 +137,9 @@ pub(super) fn positive(cx: &Context, at: &Option<At<Number>>, name: &str) -> Res
     at.as_ref().map(|at| cx.positive(at, name)).transpose()
 }
 
+/// The longest text that is set in one line.
+const MOST_CHARACTERS: usize = 400;
+
 /// Words that can be set.
 pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<String>> {
     let Some(at) = at else { return Ok(None) };
@@ -149,6 +152,11 @@ pub(super) fn words(cx: &Context, at: &Option<At<String>>) -> Result<Option<Stri
 /// `text`, which comes from `at`, where it is markup that can be set.
 pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String> {
     let text = filled(cx, at, text)?;
+    let count = text.chars().count();
+    if count > MOST_CHARACTERS {
+        let what = format!("{count} characters are more than a line of a diagram has room for");
+        return Err(cx.refuse(at, what, format!("give at most {MOST_CHARACTERS}")));
+    }
     match RichText::parse(&text) {
         Ok(_) => Ok(text),
         Err(Error::Invalid(problem) | Error::Unsupported(problem)) => {

@@ -1,0 +1,51 @@
+//! How much memory comparing takes, foretold, so that it can be refused before it is begun.
+//!
+//! By pixel, measured with a counting allocator over pictures of light alone, of all channels, grey and with NaN: the search
+//! for shifts and fields of view of the light takes most (132 bytes), and is let go of before pictures of errors are made.
+
+use super::options::{CompareOptions, NotFinite};
+use super::picture::Picture;
+use crate::io::image::{Layers, Samples};
+
+/// Bytes of what the search for shifts takes of pictures of any size.
+const SEARCHED: u64 = 48 << 20;
+/// Bytes per pixel of what is measured and searched, whatever the channels.
+const MEASURED: u64 = 160;
+/// Of the pictures that are made of the errors: both for a display, maps in false colours, their files.
+const DRAWN: u64 = 160;
+/// Of one channel of the maps: the difference, both sides of it in f64 or, later, what is written.
+const MAPPED: u64 = 12;
+
+/// Bytes that [`compare`](super::compare()) takes at most beside the pictures, and what [`report`](super::report) makes of it where
+/// maps are wanted.
+pub fn working_memory(reference: &Picture, candidate: &Picture, options: &CompareOptions) -> u64 {
+    let pair = [&reference.layers, &candidate.layers];
+    let pixels = u64::from(pair[0].width).saturating_mul(pair[0].height.into());
+    let common = pair[0].channels.iter();
+    let common = common
+        .filter(|c| pair[1].channel(&c.name).is_some())
+        .count() as u64;
+    let drawn = match options.maps {
+        true => DRAWN + MAPPED * (common + 2),
+        false => 0,
+    };
+    // Grey pictures become three channels, and samples that are replaced are in copies.
+    let is_grey = pair.map(|layers| layers.channel("radiance.R").is_none());
+    let copied = (0..2)
+        .filter(|k| is_grey[*k] != is_grey[1 - *k] || options.not_finite != NotFinite::Refuse);
+    let copied: u64 = copied.map(|k| 3 * bytes(pair[k])).sum();
+    pixels
+        .saturating_mul(MEASURED.max(drawn))
+        .saturating_add(copied)
+        .saturating_add(SEARCHED)
+}
+
+fn bytes(layers: &Layers) -> u64 {
+    let of = |samples: &Samples| match samples {
+        Samples::F32(v) => 4 * v.len() as u64,
+        Samples::F64(v) => 8 * v.len() as u64,
+        Samples::U32(v) => 4 * v.len() as u64,
+        Samples::I32(v) => 4 * v.len() as u64,
+    };
+    layers.channels.iter().map(|c| of(&c.samples)).sum()
+}

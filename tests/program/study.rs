@@ -171,6 +171,29 @@ fn verdicts_name_the_fastest_of_those_that_keep_to_the_error() {
 }
 
 #[test]
+fn verdicts_judge_the_ray_tracer_in_single_precision_too() {
+    let study = studied("trace; trace:fast");
+    let verdicts = study.verdicts.iter();
+    for verdict in verdicts.filter(|verdict| verdict.samples == 1) {
+        let time = |method: &str| {
+            let entry = entry(&study, method, 1);
+            let fits = entry.geometry.pixels.max <= verdict.pixels;
+            entry.timing.as_ref().filter(|_| fits).map(|t| t.median)
+        };
+        assert_eq!(
+            [verdict.trace, verdict.trace_fast],
+            ["trace", "trace:fast"].map(time)
+        );
+        let (Some(trace), Some(fast)) = (verdict.trace, verdict.trace_fast) else {
+            panic!("both keep to {} px", verdict.pixels);
+        };
+        if let Some(fastest) = &verdict.fastest {
+            assert_eq!(fastest == "trace", trace < fast, "{fastest} {trace} {fast}");
+        }
+    }
+}
+
+#[test]
 fn the_table_for_spreadsheets_has_a_line_for_each_entry_and_a_field_for_each_column() {
     let study = studied("trace; raster:none,attributes=vertex");
     let text = csv(&study);

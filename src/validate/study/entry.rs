@@ -125,15 +125,19 @@ pub struct Verdict {
     pub pixels: f64,
     /// Samples per pixel.
     pub samples: u32,
-    /// Which of the ray tracer, rasterizers and warps is fastest; none where quartiles of the ratio of the two that are
-    /// have 1 between them.
+    /// Which of the ray tracer, by either precision, rasterizers and warps is fastest; none where quartiles of the ratio of
+    /// the two that are have 1 between them.
     pub fastest: Option<String>,
     /// The ray tracer's time, seconds.
     pub trace: Option<f64>,
+    /// That of the ray tracer in single precision, where it keeps to it.
+    pub trace_fast: Option<f64>,
     /// The fastest rasterizer that keeps to it, and its time.
     pub raster: Option<(String, f64)>,
     /// The rasterizer's time over the ray tracer's: the median over runs that took turns, and the quartiles.
     pub raster_over_trace: Option<[f64; 3]>,
+    /// Of how many runs.
+    pub runs: usize,
     /// The fastest warp that keeps to it, and its time.
     pub warp: Option<(String, f64)>,
 }

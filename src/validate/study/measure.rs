@@ -354,22 +354,27 @@ fn verdict(entries: &[Entry], pixels: f64, samples: u32) -> Verdict {
     };
     let named = |found: Option<(&Entry, &Timing)>| found.map(|(e, t)| (e.method.clone(), t.median));
     let trace = fastest(|family| family == Family::Trace);
+    let fast = fastest(|family| family == Family::FastTrace);
     let (raster, warp) = (fastest(Family::is_raster), fastest(Family::is_warp));
     Verdict {
         pixels,
         samples,
-        fastest: first([trace, raster, warp]),
+        fastest: first([trace, fast, raster, warp]),
         trace: trace.map(|(_, timing)| timing.median),
+        trace_fast: fast.map(|(_, timing)| timing.median),
         raster: named(raster),
         raster_over_trace: raster
             .zip(trace)
             .map(|((_, raster), (_, trace))| ratios(raster, trace)),
+        runs: raster.zip(trace).map_or(0, |((_, raster), (_, trace))| {
+            raster.runs.len().min(trace.runs.len())
+        }),
         warp: named(warp),
     }
 }
 
 /// The method that is faster than all others, if the quartiles of its ratio to the next say so.
-fn first(found: [Option<(&Entry, &Timing)>; 3]) -> Option<String> {
+fn first(found: [Option<(&Entry, &Timing)>; 4]) -> Option<String> {
     let mut found: Vec<_> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let (entry, timing) = found.first()?;

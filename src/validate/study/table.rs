@@ -148,17 +148,22 @@ fn sentence(verdict: &Verdict, threads: usize) -> String {
     let trace = verdict.trace.map_or("not measured".into(), ms);
     let raster = match (&verdict.raster, verdict.raster_over_trace) {
         (Some((raster, time)), Some([ratio, low, high])) => format!(
-            "{raster} {}, {ratio:.2} times that ({low:.2} to {high:.2})",
-            ms(*time)
+            "{raster} {}, {ratio:.2} times that (quartiles of {} runs {low:.2} to {high:.2})",
+            ms(*time),
+            verdict.runs
         ),
         (Some((raster, time)), None) => format!("{raster} {}", ms(*time)),
         _ => "no rasterizer that was measured".into(),
+    };
+    let fast = match verdict.trace_fast {
+        Some(time) => format!(" (trace:fast {})", ms(time)),
+        None => String::new(),
     };
     let warp = match &verdict.warp {
         Some((warp, time)) => format!("; {warp} {}", ms(*time)),
         None => String::new(),
     };
     format!(
-        "at most {pixels} px everywhere, samples {samples}, threads {threads}: {fastest}: ray tracer {trace}; {raster}{warp}"
+        "at most {pixels} px everywhere, samples {samples}, threads {threads}: {fastest}: ray tracer {trace}{fast}; {raster}{warp}"
     )
 }

@@ -157,7 +157,7 @@ fn cube_hdf5(bytes: &[u8]) {
         load_small(path, Wanted::default());
         load_small(path, Wanted::array("storage/gzip"));
         let _ = cube::wall(path, Wanted::default());
-        let _ = cube::times(path);
+        let _ = cube::times(path, None);
     });
 }
 

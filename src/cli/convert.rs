@@ -22,6 +22,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
         axes: arguments.axes.as_ref(),
         transfer: arguments.transfer.map(Into::into),
         dead_bins: &arguments.dead_bins,
+        negative: arguments.negative.map(Into::into),
     };
     let info = cube::inspect(&arguments.input, wanted)?;
     if !arguments.quiet.on {
@@ -99,7 +100,7 @@ impl Times {
             time.as_ref()
                 .map(|time: &nullray::spacetime::units::Time| time.metres(SPEED_OF_LIGHT))
         };
-        let said = cube::times(&arguments.input)?;
+        let said = cube::times(&arguments.input, arguments.array.as_deref())?;
         Ok(Times {
             start: metres(&arguments.start).or(said.map(|said| said.start)),
             width: metres(&arguments.bin_width).or(said.map(|said| said.width)),

@@ -105,7 +105,7 @@ fn by_first_light(
             "add its place, like --lamp 1.2,2.8,1",
         ));
     };
-    let said = cube::times(&arguments.input)?;
+    let said = cube::times(&arguments.input, arguments.array.as_deref())?;
     let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
     let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
     let Some(width) = width.filter(|width| *width > 0.0 && width.is_finite()) else {

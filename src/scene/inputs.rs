@@ -39,7 +39,7 @@ pub(super) struct Seen {
     /// Arrays of one axis, by file and array.
     numbers: Mutex<HashMap<InFile, Vec<f64>>>,
     /// Time axes that files of cubes say.
-    times: Mutex<HashMap<PathBuf, Option<FileTimes>>>,
+    times: Mutex<HashMap<(PathBuf, Option<String>), Option<FileTimes>>>,
 }
 
 /// A file, and what it is called that is looked for in it.
@@ -86,13 +86,15 @@ impl Seen {
         once(&self.tables, path.to_path_buf(), read)
     }
 
-    /// What the file of a cube at `path` says of its time axis, as it was first read; `read` reads it.
+    /// What the file of a cube at `path` says of the time axis of an array, as it was first read; `read` reads it.
     pub fn times(
         &self,
         path: &Path,
+        array: Option<&str>,
         read: impl FnOnce() -> Result<Option<FileTimes>>,
     ) -> Result<Option<FileTimes>> {
-        once(&self.times, path.to_path_buf(), read)
+        let array = array.map(str::to_string);
+        once(&self.times, (path.to_path_buf(), array), read)
     }
 
     /// The numbers of an array of the file at `path`, as they were first read; `read` reads them.

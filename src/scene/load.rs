@@ -179,6 +179,8 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
         return;
     }
     let path = inputs.base.join(&name.value);
+    let array = cube.array.as_ref().map(|at| at.value.as_str());
+    let times = || seen.times(&path, array, || cube::times(&path, array));
     if cube::is_sequence(&path) {
         if let Err(error) = cube::pictures(&path) {
             inputs.add_problem(name, error.to_string());
@@ -186,13 +188,13 @@ fn look_for_cube(inputs: &mut Inputs, seen: &Seen, cube: &file::Cube) {
         return;
     }
     if cube::is_zarr(&path) {
-        inputs.add_times(name, seen.times(&path, || cube::times(&path)));
+        inputs.add_times(name, times());
         return;
     }
     look_for(inputs, seen, name);
     let is_cube = || cube::FORMATS.iter().any(|f| f.has_name_of(&path));
     if inputs.problem(name).is_none() && is_cube() {
-        inputs.add_times(name, seen.times(&path, || cube::times(&path)));
+        inputs.add_times(name, times());
     }
 }
 

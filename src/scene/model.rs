@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::{Axes, Cube, Transfer, Wanted};
+use crate::io::cube::{Axes, Cube, Negative, Transfer, Wanted};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -322,6 +322,8 @@ pub struct CubeFile {
     pub transfer: Option<Transfer>,
     /// Bins in which the sensor counted nothing.
     pub dead_bins: Vec<usize>,
+    /// What becomes of samples below 0, where the scene says it.
+    pub negative: Option<Negative>,
 }
 
 impl CubeFile {
@@ -332,6 +334,7 @@ impl CubeFile {
             axes: self.axes.as_ref(),
             transfer: self.transfer,
             dead_bins: &self.dead_bins,
+            negative: self.negative,
         }
     }
 }

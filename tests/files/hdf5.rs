@@ -72,7 +72,7 @@ fn both_ways(point: DVec3) -> f64 {
 }
 
 fn times(name: &str) -> FileTimes {
-    cube::times(&data(name)).unwrap().unwrap()
+    cube::times(&data(name), None).unwrap().unwrap()
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn coverage_beside_the_colours_of_transient_nerf_is_left_out() {
     assert_arrivals("transient_nerf.h5", &cube, from(lit()), 1e-3);
     let at = |channel: usize| cube.samples.get((3 * BINS + 19) * 3 + channel).unwrap();
     assert!((at(1) / at(0) - 0.5).abs() < 1e-2 && (at(2) / at(0) - 0.25).abs() < 1e-2);
-    assert_eq!(cube::times(&data("transient_nerf.h5")).unwrap(), None);
+    assert_eq!(cube::times(&data("transient_nerf.h5"), None).unwrap(), None);
 }
 
 #[test]
@@ -182,6 +182,84 @@ fn every_kind_of_numbers_and_of_storage_has_its_values() {
         }
     }
     assert_eq!(count, 20);
+}
+
+/// Arrays by h5py whose axes are said in every way that there is (`axes.h5`).
+#[test]
+fn axes_are_those_that_the_file_says_and_asked_for_where_it_says_others() {
+    let path = data("axes.h5");
+    for (name, by) in [
+        ("labels", "dimension labels"),
+        ("scale/of_group", "dimension scales"),
+        ("attribute", "attribute `axes`"),
+        ("fixed", "attribute `axes`"),
+        ("both", "attribute `axes`"),
+        ("unsaid", ""),
+    ] {
+        let info = cube::inspect(&path, Wanted::array(name)).unwrap();
+        assert_eq!(info.shape, [2, 3, 5, 1], "{name}");
+        assert_eq!(info.assumed, by.is_empty(), "{name}");
+        let said = format!("axes T H W, by its {by}");
+        assert_eq!(
+            info.notes.contains(&said),
+            !by.is_empty(),
+            "{name}: {:?}",
+            info.notes
+        );
+        let cube = load("axes.h5", Wanted::array(name));
+        for n in 0..30 {
+            let [i, j, k] = [n / 15, n / 5 % 3, n % 5];
+            assert_eq!(
+                cube.samples.get(n),
+                Some((100 * i + 10 * j + k) as f64),
+                "{name}"
+            );
+        }
+    }
+    let times = cube::times(&path, Some("attribute")).unwrap().unwrap();
+    assert_eq!((times.start, times.width), (1.5, 0.25));
+    assert_eq!(cube::times(&path, Some("fixed")).unwrap(), None);
+    let axes: Axes = "T H W".parse().unwrap();
+    for (name, words) in [
+        ("partly", "called (no name), (no name), time"),
+        ("others", "called wavelength, y, x"),
+        ("wrong", "\"T Q W\": 'Q'"),
+        ("picture", "probably a picture in colours"),
+    ] {
+        let error = cube::load(&path, Wanted::array(name)).unwrap_err();
+        let said = format!("{error}; {}", error.help());
+        assert!(
+            said.contains(words) && said.contains("axes"),
+            "{name}: {said}"
+        );
+        // Who says them is believed.
+        let wanted = Wanted {
+            axes: Some(&axes),
+            ..Wanted::array(name)
+        };
+        assert!(!cube::inspect(&path, wanted).unwrap().assumed);
+    }
+    // What is written here says all that it is read by.
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("a.h5");
+    let times = FileTimes {
+        start: 1.0,
+        width: 0.5,
+        at_sensor: false,
+    };
+    let changes = Changes {
+        times: Some(times),
+        axes: Some("T H W".parse().unwrap()),
+        ..Changes::default()
+    };
+    let from = (&*path, Wanted::array("attribute"));
+    cube::convert(from, &written, &changes, &mut |_, _| true).unwrap();
+    let notes = cube::inspect(&written, Wanted::default()).unwrap().notes;
+    let expected = [
+        "axes T H W, by its attribute `axes`",
+        "start 1 m, bin_width 0.5 m, by its attributes",
+    ];
+    assert_eq!(notes, expected);
 }
 
 #[test]
@@ -231,7 +309,7 @@ fn captures_are_converted_and_come_back() {
         ..Changes::default()
     };
     let converted = cube::convert(from_file, &path("wall.h5"), &changes, &mut |_, _| true).unwrap();
-    let FileTimes { start, width, .. } = cube::times(&path("wall.h5")).unwrap().unwrap();
+    let FileTimes { start, width, .. } = cube::times(&path("wall.h5"), None).unwrap().unwrap();
     assert!((start - (START + converted.later * WIDTH)).abs() < 1e-12 && width == WIDTH);
     let cube = cube::load(&path("wall.h5"), Wanted::default()).unwrap();
     for pixel in 0..20 {

@@ -53,7 +53,7 @@ fn every_kind_of_chunks_is_read() {
             "{name}"
         );
     }
-    let times = cube::times(&data("plain")).unwrap().unwrap();
+    let times = cube::times(&data("plain"), None).unwrap().unwrap();
     assert_eq!((times.start, times.width), (1.5, 0.25));
     let two = cube::load(&data("group"), Wanted::array("two")).unwrap();
     assert_counts_up("group", &two);
@@ -73,6 +73,81 @@ fn every_kind_of_chunks_is_read() {
             (cube.shape, cube.samples.get(0)),
             ([6, 7, 1, 1], Some(expected))
         );
+    }
+}
+
+/// The array `plain`, (y, x, time), with other words about its axes.
+#[test]
+fn axes_are_those_that_the_array_says_and_asked_for_where_it_says_others() {
+    use serde_json::{Value, json};
+    let folder = tempfile::tempdir().unwrap();
+    let array = folder.path().join("array");
+    let said = |change: &dyn Fn(&mut Value)| {
+        let _ = fs::remove_dir_all(&array);
+        fs::create_dir_all(&array).unwrap();
+        let text = fs::read_to_string(data("plain").join("zarr.json")).unwrap();
+        let mut document: Value = serde_json::from_str(&text).unwrap();
+        change(&mut document);
+        fs::write(array.join("zarr.json"), document.to_string()).unwrap();
+        cube::inspect(&array, Wanted::default())
+    };
+    let names = |names: Value| said(&move |document| document["dimension_names"] = names.clone());
+    let attribute = |key: &'static str, value: Value| {
+        said(&move |document| {
+            document["dimension_names"] = Value::Null;
+            document["attributes"][key] = value.clone();
+        })
+    };
+    for (info, axes, by) in [
+        (names(json!(["y", "x", "time"])), "H W T", "dimension_names"),
+        (names(json!(["time", "y", "x"])), "T H W", "dimension_names"),
+        (
+            attribute("axes", json!("T H W")),
+            "T H W",
+            "attribute `axes`",
+        ),
+        (
+            attribute("_ARRAY_DIMENSIONS", json!(["t", "row", "column"])),
+            "T H W",
+            "attribute `_ARRAY_DIMENSIONS`",
+        ),
+    ] {
+        let info = info.unwrap();
+        assert_eq!(
+            (info.axes.to_string().as_str(), info.assumed),
+            (axes, false)
+        );
+        let note = format!("axes {axes}, by its {by}");
+        assert!(info.notes.contains(&note), "{:?}", info.notes);
+    }
+    for unnamed in [
+        json!(null),
+        json!([null, null, null]),
+        json!(["dim_0", "dim_1", "dim_2"]),
+    ] {
+        assert!(names(unnamed).unwrap().assumed);
+    }
+    for (refused, words) in [
+        (
+            names(json!(["wavelength", "y", "x"])),
+            "called wavelength, y, x",
+        ),
+        (
+            names(json!([null, null, "time"])),
+            "called (no name), (no name), time",
+        ),
+        (attribute("axes", json!("T Q W")), "'Q'"),
+        (
+            said(&|document| {
+                document["dimension_names"] = json!(null);
+                document["shape"] = json!([9, 8, 3]);
+            }),
+            "probably a picture in colours",
+        ),
+    ] {
+        let error = refused.unwrap_err();
+        let said = format!("{error}; {}", error.help());
+        assert!(said.contains(words) && said.contains("axes"), "{said}");
     }
 }
 
@@ -126,7 +201,7 @@ fn arrays_are_written_in_chunks_and_come_back() {
             (axes, false, shape)
         );
         assert!(info.remarks.is_empty());
-        let times = cube::times(&zarr).unwrap().unwrap();
+        let times = cube::times(&zarr, None).unwrap().unwrap();
         assert_eq!((times.start, times.width), (2.0, 0.1));
         converted(&zarr, &path("b.npy"), &Changes::default());
         assert!(fs::read(path("b.npy")).unwrap() == original, "{axes}");

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nullray::io::cube::{self, Bricks, Cube, CubeStore, Samples, Wanted};
+use nullray::io::cube::{self, Bricks, Cube, CubeStore, Negative, Samples, Wanted};
 use nullray::light::time_texture::survey::{Order, of_samples};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
@@ -297,4 +297,179 @@ fn cubes_on_disk_are_looked_at_and_mended_too() {
     nullray::io::image::npz::write_cube(&path, &turned).unwrap();
     let said = of_samples(&store(Wanted::default()), Order::Array).join("\n");
     assert!(said.contains("axes = \"T H W\""), "{said}");
+}
+
+/// Of the recording, a thousandth of the samples below 0: counted, said with the least, and dealt with as is asked, from memory
+/// and from disk alike.
+#[test]
+fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
+    let cube = recording();
+    let mut all = samples(&cube);
+    all.iter_mut().step_by(1009).for_each(|x| *x = -0.25 - *x);
+    let [_, w, t, c] = cube.shape;
+    all[((3 * w + 5) * t + 7) * c + 2] = -9e5;
+    let count = all.iter().filter(|x| **x < 0.0).count();
+    let said = |policy: &str| with_cube(cube.shape, all.clone(), policy);
+    let warned = said("").unwrap().warnings.join("\n");
+    assert!(
+        warned.contains(&format!("{count} of {} samples are below 0", all.len()))
+            && warned.contains("the least -9.000000e5 at [3, 5, 7, 2]")
+            && warned.contains("negative = \"keep\""),
+        "{warned}"
+    );
+    for policy in ["keep", "zero"] {
+        let warned = said(&format!("negative = {policy:?}")).unwrap().warnings;
+        let warned = warned.join("\n");
+        assert!(!warned.contains("below 0"), "{policy}: {warned}");
+    }
+    let refused = said("negative = \"refuse\"").unwrap_err();
+    let words = format!("{refused} {}", refused.help());
+    assert!(
+        words.contains("[3, 5, 7, 2]") && words.contains("\"zero\""),
+        "{words}"
+    );
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let written = Cube::new(cube.shape, Samples::F32(all.clone())).unwrap();
+    nullray::io::image::npz::write_cube(&path, &written).unwrap();
+    let with = |negative| Wanted {
+        negative: Some(negative),
+        ..Wanted::default()
+    };
+    let mut line = vec![0.0; t * c];
+    for (negative, deal) in [
+        (Negative::Keep, (|x| x) as fn(f32) -> f32),
+        (Negative::Zero, |x| x.max(0.0)),
+    ] {
+        let whole = cube::load(&path, with(negative)).unwrap();
+        let on_disk = Bricks::open(&path, with(negative), 9 << 20).unwrap();
+        for pixel in 0..all.len() / (t * c) {
+            on_disk.samples(&mut Default::default(), pixel, 0, &mut line);
+            for (k, sample) in line.iter().enumerate() {
+                let at = pixel * t * c + k;
+                assert_eq!(*sample, f64::from(deal(all[at])), "{pixel} {k}");
+                assert_eq!(whole.samples.get(at), Some(*sample));
+            }
+        }
+        on_disk.check().unwrap();
+    }
+    let on_disk = Bricks::open(&path, with(Negative::Refuse), 9 << 20).unwrap();
+    on_disk.samples(&mut Default::default(), 0, 0, &mut line);
+    assert!(on_disk.check().unwrap_err().to_string().contains("below 0"));
+    let store: CubeStore =
+        Arc::new(Bricks::open(&path, Wanted::default(), 9 << 20).unwrap()).into();
+    let said = of_samples(&store, Order::Array).join("\n");
+    assert!(
+        said.contains("below 0") && said.contains("part that was looked at"),
+        "{said}"
+    );
+}
+
+/// The header says the other order of bytes than the samples have.
+#[test]
+fn bytes_in_the_wrong_order_are_said_and_no_right_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let recorded = recording();
+    let [h, w, t, c] = recorded.shape;
+    // The recording has half precision; the other samples have all the digits of theirs.
+    let full = |n: usize, x: f64| x * (1.0 + 1e-3 * (n as f64).sin());
+    for (descr, other, digits) in [
+        ("<f4", ">f4", false),
+        ("<f4", ">f4", true),
+        ("<f8", ">f8", true),
+    ] {
+        let mut bytes = Vec::new();
+        for n in 0..recorded.samples.len() {
+            let mut x = recorded.samples.get(n).unwrap();
+            if digits {
+                x = full(n, x);
+            }
+            match descr {
+                "<f4" => bytes.extend((x as f32).to_le_bytes()),
+                _ => bytes.extend(x.to_le_bytes()),
+            }
+        }
+        for said in [descr, other] {
+            let header = format!(
+                "{{'descr': '{said}', 'fortran_order': False, 'shape': ({h}, {w}, {t}, {c}), }}"
+            );
+            let mut file = b"\x93NUMPY\x01\x00\x96\x00".to_vec();
+            file.extend(format!("{header:<149}\n").bytes());
+            file.extend(&bytes);
+            std::fs::write(&path, file).unwrap();
+            let found = match cube::load(&path, Wanted::default()) {
+                Ok(cube) => of_samples(&cube.into(), Order::Array).join("\n"),
+                Err(error) => format!("{error} {}", error.help()),
+            };
+            match said == descr {
+                true => assert_eq!(found, "", "{descr}"),
+                false => assert!(
+                    found.contains("bytes in the other order"),
+                    "{descr} {digits}: {found}"
+                ),
+            }
+        }
+    }
+}
+
+/// Cubes that the program comes with, and those by other programs: none is taken for one that was read in the wrong order of
+/// bytes, and no sample of them is below 0.
+#[test]
+fn no_cube_of_the_scenes_and_of_other_programs_is_doubted() {
+    let root = Path::new(ROOT);
+    let mut looked_at = 0;
+    for folder in [
+        "scenes/corner",
+        "tests/data/transient",
+        "tests/data/mitransient",
+        "scenes/baked/light",
+    ] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let Ok(info) = cube::inspect(&path, Wanted::default()) else {
+                continue;
+            };
+            if info.bytes > 64 << 20 || info.shape[2] < 8 {
+                continue;
+            }
+            let cube = cube::load(&path, Wanted::default()).unwrap();
+            assert!(cube.below_zero().is_none(), "{}", path.display());
+            let found = of_samples(&cube.into(), Order::Stated).join("\n");
+            assert!(
+                !found.contains("bytes in the other order"),
+                "{}: {found}",
+                path.display()
+            );
+            looked_at += 1;
+        }
+    }
+    assert!(looked_at >= 6, "{looked_at}");
+}
+
+/// Noise about 0 at the ends of the data is no light that is cut off there; light is, beside it.
+#[test]
+fn noise_about_zero_is_no_light_that_is_cut_off() {
+    let noise = |n: usize| {
+        let hash = (n as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (hash >> 40) as f64 / f64::from(1 << 24) - 0.5
+    };
+    let [h, w, t] = [32, 32, 40];
+    let cube = |pulse: usize| {
+        let value = |n: usize| {
+            let bin = n % t;
+            let light = (-0.5 * ((bin as f64 - pulse as f64) / 2.0).powi(2)).exp();
+            (light + 0.6 * noise(n)) as f32
+        };
+        let samples = (0..h * w * t).map(value).collect();
+        Cube::new([h, w, t, 1], Samples::F32(samples)).unwrap()
+    };
+    let said = |pulse| of_samples(&cube(pulse).into(), Order::Stated).join("\n");
+    assert!(
+        !said(20).contains("cut off") && said(20).contains("below 0"),
+        "{}",
+        said(20)
+    );
+    assert!(said(39).contains("last bin is still lit"), "{}", said(39));
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use nullray::io::cube::{Axes, Transfer};
+use nullray::io::cube::{Axes, Negative, Transfer};
 use nullray::spacetime::units::Time;
 
 use super::shared::{MemoryLimit, Quiet};
@@ -31,6 +31,9 @@ pub struct ConvertArguments {
     /// Bins in which the sensor counted nothing, counted from 0: they are filled from their neighbours in time.
     #[arg(long, value_name = "BINS", value_delimiter = ',')]
     pub dead_bins: Vec<usize>,
+    /// What becomes of samples below 0. Default: they are kept.
+    #[arg(long, value_name = "HOW")]
+    pub negative: Option<NegativeArgument>,
     /// The order of the output's axes, H or T first. Default: "H W T C".
     #[arg(long, value_name = "AXES")]
     pub to_axes: Option<Axes>,
@@ -88,6 +91,27 @@ pub enum SampleType {
     F32,
     /// Double precision.
     F64,
+}
+
+/// What becomes of samples below 0.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum NegativeArgument {
+    /// They stay.
+    Keep,
+    /// They become 0.
+    Zero,
+    /// The cube is refused.
+    Refuse,
+}
+
+impl From<NegativeArgument> for Negative {
+    fn from(negative: NegativeArgument) -> Negative {
+        match negative {
+            NegativeArgument::Keep => Negative::Keep,
+            NegativeArgument::Zero => Negative::Zero,
+            NegativeArgument::Refuse => Negative::Refuse,
+        }
+    }
 }
 
 /// How codes stand for radiance.

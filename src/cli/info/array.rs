@@ -59,12 +59,18 @@ fn of_arrays(path: &Path, kind: &str, name: &str, headers: &[Header], memory: u6
 /// A sequence of pictures as a cube.
 pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
     let mut info = Info::new("pictures", "sequence of pictures");
-    // PNG pictures have no size without a transfer, and any will do to look at them.
-    let wanted = Wanted {
+    // Codes have no meaning without a transfer, and any will do to look at them.
+    let linear = Wanted {
         transfer: Some(Transfer::Linear),
         ..Wanted::default()
     };
-    let cube = cube::inspect(path, wanted)?;
+    let (wanted, cube, lacks_transfer) = match cube::inspect(path, Wanted::default()) {
+        Ok(cube) => (Wanted::default(), cube, false),
+        Err(error) => match cube::inspect(path, linear) {
+            Ok(cube) => (linear, cube, true),
+            Err(_) => return Err(error),
+        },
+    };
     let remarks = match cube.bytes > most_read(memory) {
         true => None,
         false => {
@@ -74,6 +80,13 @@ pub fn sequence(path: &Path, memory: u64) -> Result<Info> {
     };
     let cube = (remarks, cube);
     as_cube(&mut info, &cube);
+    if lacks_transfer {
+        info.row(
+            "needs",
+            "transfer = \"linear\" or \"srgb\" in the source: how codes stand for radiance, which pictures do not say",
+        );
+    }
+    info.data("needs_transfer", lacks_transfer);
     info.data("cube", usable(&cube));
     Ok(info)
 }
@@ -233,7 +246,12 @@ fn data(header: &Header, cube: Option<&Cube>) -> Value {
 fn why(error: &Error) -> (String, String) {
     match error {
         Error::Invalid(problem) | Error::Unsupported(problem) => {
-            (problem.what.clone(), problem.help.clone())
+            // Which array it is stands beside it; which sample only here.
+            let place = match problem.place.rfind("sample") {
+                Some(at) => format!(", {}", &problem.place[at..]),
+                None => String::new(),
+            };
+            (format!("{}{place}", problem.what), problem.help.clone())
         }
         other => (other.to_string(), String::new()),
     }

@@ -32,6 +32,7 @@ pub fn run(arguments: &InfoArguments) -> Result<()> {
         Kind::Array(format) => array::info(path, format, memory),
         Kind::Exr => picture::exr(path, memory),
         Kind::Png => picture::png(path),
+        Kind::Frame(name) => picture::frame(path, name),
         Kind::Scene => scene::info(path),
     }?;
     match arguments.json.on {
@@ -152,6 +153,8 @@ enum Kind {
     Array(&'static CubeFormat),
     Exr,
     Png,
+    /// Another picture that may be a frame of a sequence, and what its kind is called.
+    Frame(&'static str),
     Scene,
 }
 
@@ -174,11 +177,15 @@ impl Kind {
             [b'g', b'l', b'T', b'F', ..] => Ok(Kind::Gltf),
             [0x76, 0x2f, 0x31, 0x01, ..] => Ok(Kind::Exr),
             [0x89, b'P', b'N', b'G', ..] => Ok(Kind::Png),
+            [b'#', b'?', b'R', ..] => Ok(Kind::Frame("Radiance HDR picture")),
+            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Ok(Kind::Frame("TIFF picture")),
             start => match extension {
                 _ if let Some(format) = format_of(start, path) => Ok(Kind::Array(format)),
                 "gltf" | "glb" => Ok(Kind::Gltf),
                 "exr" => Ok(Kind::Exr),
                 "png" => Ok(Kind::Png),
+                "hdr" => Ok(Kind::Frame("Radiance HDR picture")),
+                "tif" | "tiff" => Ok(Kind::Frame("TIFF picture")),
                 "toml" => Ok(Kind::Scene),
                 _ if first == Some(&b'{') => Ok(Kind::Gltf),
                 _ if is_text && std::str::from_utf8(start).is_ok() => Ok(Kind::Scene),
@@ -186,7 +193,7 @@ impl Kind {
                     path,
                     "",
                     "this is no kind of file that nullray knows",
-                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, a folder of numbered pictures or of Zarr, or a scene (.toml)",
+                    "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, .hdr, .tif, a folder of numbered pictures or of Zarr, or a scene (.toml)",
                 )),
             },
         }

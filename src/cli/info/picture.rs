@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nullray::Result;
 use nullray::io::budget::Budget;
+use nullray::io::cube;
 use nullray::io::image::{self, Channel, Samples};
 use serde_json::{Value, json};
 
@@ -43,6 +44,27 @@ pub fn png(path: &Path) -> Result<Info> {
     info.fact("samples", samples, "colour", held.colour);
     info.data("bits", held.bits);
     info.metadata(&held.text);
+    Ok(info)
+}
+
+/// A picture of another kind, which is of use as a frame.
+pub fn frame(path: &Path, name: &str) -> Result<Info> {
+    let [width, height, channels] = cube::frame_size(path)?;
+    let mut info = Info::new("frame", name);
+    size(&mut info, width as u32, height as u32);
+    let colours = if channels == 1 {
+        "grey"
+    } else {
+        "red, green, blue"
+    };
+    info.fact(
+        "channels",
+        format!("{channels} ({colours})"),
+        "channels",
+        channels,
+    );
+    let usable = "as one of a folder of numbered pictures, which is the file of a [source.cube]";
+    info.row("usable", usable);
     Ok(info)
 }
 

@@ -20,7 +20,7 @@ pub(super) mod hdf5 {
         inspect: |_, path, _| Err(refused(path)),
         load: |_, path, _| Err(refused(path)),
         arrays: |path| Err(refused(path)),
-        times: |_, path| Err(refused(path)),
+        times: |_, path, _| Err(refused(path)),
     };
 
     pub(in super::super) fn refused(path: &Path) -> Error {
@@ -72,7 +72,7 @@ pub(super) mod zarr {
         Err(refused(path))
     }
 
-    pub(in super::super) fn times(path: &Path) -> Result<Option<FileTimes>> {
+    pub(in super::super) fn times(path: &Path, _: Option<&str>) -> Result<Option<FileTimes>> {
         Err(refused(path))
     }
 

@@ -35,6 +35,19 @@ impl Axis {
         (Axis::Choice, 'L'),
     ];
 
+    /// By what files call it.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    fn called(name: &str) -> Option<Axis> {
+        match name.trim().to_ascii_lowercase().as_str() {
+            "h" | "y" | "row" | "rows" | "height" => Some(Axis::Row),
+            "w" | "x" | "col" | "cols" | "column" | "columns" | "width" => Some(Axis::Column),
+            "t" | "time" | "times" | "bin" | "bins" | "time_bin" | "time_bins" => Some(Axis::Time),
+            "c" | "channel" | "channels" | "colour" | "color" | "rgb" => Some(Axis::Channel),
+            "1" => Some(Axis::Single),
+            _ => None,
+        }
+    }
+
     fn letter(self) -> char {
         let row = Axis::ALL.iter().find(|(axis, _)| *axis == self);
         row.map_or('1', |(_, letter)| *letter)
@@ -47,10 +60,64 @@ impl Axis {
 pub struct Axes(Vec<Axis>);
 
 impl Axes {
-    /// (H, W, T), or with channels (H, W, T, C): what an array is taken for where nothing is said.
-    pub(super) fn usual(count: usize) -> Option<Axes> {
+    /// (H, W, T), or with channels (H, W, T, C): what an array of these sizes is taken for where nothing is said.
+    ///
+    /// # Errors
+    /// It may as well be something else: what is not known, and what to do about it.
+    pub(super) fn assumed(sizes: &[usize]) -> Result<Axes, (String, &'static str)> {
+        if let [h, w, last @ (3 | 4)] = *sizes
+            && h.min(w) >= 8
+        {
+            let what = format!(
+                "an array of shape {sizes:?} is probably a picture in colours, and may be a cube of {last} time bins"
+            );
+            let help = "say which in the source's `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time";
+            return Err((what, help));
+        }
         let all = [Axis::Row, Axis::Column, Axis::Time, Axis::Channel];
-        matches!(count, 3 | 4).then(|| Axes(all[..count].to_vec()))
+        match sizes.len() {
+            count @ (3 | 4) => Ok(Axes(all[..count].to_vec())),
+            _ => Err((
+                format!("an array of shape {sizes:?} is not a cube"),
+                "a cube has three or four axes, (H, W, T) or (H, W, T, C); for any others name them in the source's `axes`, \
+                 like \"H W\" for a steady picture",
+            )),
+        }
+    }
+
+    /// By what a file calls all of its axes; none where it gives them no names, or numbers only, as libraries do by themselves.
+    ///
+    /// # Errors
+    /// Names that say something else: what they are, and what to do about it.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    pub(super) fn by_names(names: &[String]) -> Result<Option<Axes>, (String, String)> {
+        let is_number = |name: &str| {
+            let digits = name
+                .trim_start_matches("phony_dim_")
+                .trim_start_matches("dim_");
+            digits.chars().all(|c| c.is_ascii_digit())
+        };
+        if names.iter().all(|name| is_number(name.trim())) {
+            return Ok(None);
+        }
+        let axes: Option<Vec<Axis>> = names.iter().map(|name| Axis::called(name)).collect();
+        // By way of text, which refuses axes that are missing or there twice.
+        let axes = axes.and_then(|axes| Axes(axes).to_string().parse().ok());
+        axes.map(Some).ok_or_else(|| {
+            let shown: Vec<&str> = (names.iter())
+                .map(|name| if name.is_empty() { "(no name)" } else { name })
+                .collect();
+            (
+                format!(
+                    "its axes are called {}, by which they are not known",
+                    shown.join(", ")
+                ),
+                format!(
+                    "{}; or call them y, x, time and channel in the file",
+                    super::selection::NAME_AXES
+                ),
+            )
+        })
     }
 
     /// Of each axis, where it stands in (H, W, T, C).

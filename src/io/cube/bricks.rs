@@ -11,7 +11,7 @@
 //! Lookups cannot fail: the first failure is kept, zeros stand in, and [`Bricks::check`] tells.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -22,6 +22,7 @@ use super::cache::{Cache, locked};
 use super::chunks::Chunks;
 use super::dead::DeadBins;
 use super::format::Wanted;
+use super::negative::Negative;
 use super::pages::Pages;
 use super::samples::Samples;
 use super::store::Store;
@@ -60,6 +61,8 @@ pub struct Bricks {
     counts_only: bool,
     zeros: Arc<Samples>,
     dead: DeadBins,
+    negative: Negative,
+    path: PathBuf,
     read: AtomicU64,
     read_again: AtomicU64,
     failed: AtomicBool,
@@ -197,10 +200,22 @@ impl Bricks {
             .map(Some)
     }
 
-    /// The same without its dead bins.
+    /// The same without its dead bins, and with what is wanted of samples below 0.
     fn mended(self, path: &Path, wanted: Wanted) -> Result<Bricks> {
         let dead = DeadBins::new(path, wanted.dead_bins, self.shape[2])?;
-        Ok(Bricks { dead, ..self })
+        Ok(Bricks {
+            dead,
+            negative: wanted.negative.unwrap_or(Negative::Keep),
+            path: path.to_path_buf(),
+            ..self
+        })
+    }
+
+    /// The numbers of bricks, as they are wanted.
+    fn numbers(&self, first: u64, count: u64) -> Result<Vec<f64>> {
+        let mut numbers = self.form.load(first, count)?;
+        self.negative.apply(&mut numbers, &self.path)?;
+        Ok(numbers)
     }
 
     /// The array in chunks at `path`; none where it is no such array, or where `room` bytes are too few for its chunks.
@@ -257,6 +272,8 @@ impl Bricks {
             dtype,
             form,
             dead: DeadBins::default(),
+            negative: Negative::Keep,
+            path: PathBuf::new(),
             read: AtomicU64::new(0),
             read_again: AtomicU64::new(0),
             failed: AtomicBool::new(false),
@@ -344,7 +361,7 @@ impl Bricks {
                 near.0.clear();
             }
             let numbers = near.0.entry(brick);
-            let numbers = numbers.or_insert_with(|| self.form.load(brick, 1).unwrap_or_default());
+            let numbers = numbers.or_insert_with(|| self.numbers(brick, 1).unwrap_or_default());
             let numbers = numbers.get(from..from + count).unwrap_or_default();
             for (to, number) in to[at..at + count].iter_mut().zip(numbers) {
                 *to = *number;
@@ -442,7 +459,7 @@ impl Bricks {
     /// else reads them.
     fn load(&self, first: u64, count: u64) -> Vec<Arc<Samples>> {
         (first..first + count).for_each(|brick| self.note(brick));
-        match self.form.load(first, count) {
+        match self.numbers(first, count) {
             Ok(numbers) => {
                 let each = numbers.chunks(self.form.per_brick() as usize);
                 each.map(|numbers| Arc::new(narrow(&self.dtype, numbers)))

@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
+use super::negative::Negative;
 use super::samples::{Cube, Samples};
 use crate::io::files::{ReadSeek, Reader};
 use crate::io::npy::{Dtype, Header};
@@ -31,8 +32,8 @@ pub struct CubeFormat {
     pub(super) load: fn(Reader, &Path, Wanted) -> Result<Cube>,
     /// The headers of all arrays, whether cubes or not.
     pub arrays: fn(&Path) -> Result<Vec<Header>>,
-    /// What a file says of its time axis.
-    pub(super) times: fn(Reader, &Path) -> Result<Option<FileTimes>>,
+    /// What a file says of the time axis of the array of this name, or of its only one.
+    pub(super) times: fn(Reader, &Path, Option<&str>) -> Result<Option<FileTimes>>,
 }
 
 /// The time axis of a file that says where its bins lie, metres of light path.
@@ -69,6 +70,8 @@ pub struct Wanted<'a> {
     pub transfer: Option<Transfer>,
     /// Bins in which the sensor counted nothing; they are mended from their neighbours in time.
     pub dead_bins: &'a [usize],
+    /// What becomes of samples below 0. They stay where nothing is said.
+    pub negative: Option<Negative>,
 }
 
 impl<'a> Wanted<'a> {

@@ -6,6 +6,7 @@
 mod absent;
 mod axes;
 mod bricks;
+mod byte_order;
 mod cache;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod chunks;
@@ -16,6 +17,7 @@ mod format;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod layout;
+mod negative;
 mod npy;
 mod number;
 mod pages;
@@ -37,11 +39,13 @@ use absent::zarr;
 
 pub use axes::{Axes, Axis};
 pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
+pub use byte_order::ByteOrder;
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
+pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use samples::{Cube, CubeError, Samples};
-pub use sequence::{is_sequence, is_zarr, pictures};
+pub use sequence::{frame_size, is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};
 pub use wall::Wall;

@@ -9,6 +9,7 @@ use std::path::Path;
 use half::f16;
 
 use super::axes::{Arrangement, Axes};
+use super::byte_order::ByteOrder;
 use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -26,7 +27,7 @@ pub(super) const ARRAY: CubeFormat = CubeFormat {
     inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
     load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
-    times: |_, _| Ok(None),
+    times: |_, _, _| Ok(None),
 };
 
 /// `.npz`: a zip archive of arrays.
@@ -141,10 +142,18 @@ fn finite<const N: usize, T: Copy + Default + Into<f64>>(
             return Ok(());
         };
         let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
+        let numbers = piece.iter().map(|sample| Into::<f64>::into(*sample));
+        let is_float = matches!(layout.number, Number::F32 | Number::F64);
+        let help = match is_float && ByteOrder::of(numbers, N).is_some() {
+            true => {
+                "the samples make sense with their bytes in the other order: numpy.save(path, a.view(a.dtype.newbyteorder()))"
+            }
+            false => "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+        };
         Err(place.invalid(
             &format!("sample [{i}, {j}, {k}, {l}]"),
             "the sample is not a finite number",
-            "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
+            help,
         ))
     };
     if arrangement.is_plain() {
@@ -246,11 +255,10 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
         );
         place.invalid("header", what, WRITE_AGAIN)
     })?;
-    let usual = || Axes::usual(header.shape.len()).ok_or_else(|| not_a_cube(&header, place));
     let named = match axes {
         Some(axes) => axes.clone(),
-        None if is_like_picture(&header.shape) => return Err(like_picture(&header, place)),
-        None => usual()?,
+        None => Axes::assumed(&header.shape)
+            .map_err(|(what, help)| place.invalid("header", what, help))?,
     };
     let arrangement = Arrangement::of(&header.shape, &named, header.fortran_order)
         .map_err(|what| place.invalid("header", what, AXES))?;
@@ -286,7 +294,7 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
 }
 
 /// What mitransient's films of other quantities are known by: in the axis of channels (H, W, T, 4) has Stokes
-/// components, and (H, W, frequencies, 2) real and imaginary parts.
+/// components, (H, W, T, 12) those of three colours, and (H, W, frequencies, 2) real and imaginary parts.
 fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<String> {
     let [.., bins, channels] = arrangement.shape;
     match channels {
@@ -295,6 +303,11 @@ fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<Strin
             "2 channels: this looks like a phasor film (phasor_hdr_film), which holds real and imaginary parts of \
              frequencies ({bins} of them) in place of radiance in time"
         )),
+        12 => Some(
+            "12 channels: this looks like a polarised film in colours, which holds four Stokes components of each of three \
+             channels in place of radiance"
+                .into(),
+        ),
         4 => Some(
             "4 channels: this looks like a polarised film, which holds the four Stokes components in place of radiance"
                 .into(),
@@ -303,34 +316,9 @@ fn film_without_radiance(arrangement: &Arrangement, axes: &Axes) -> Option<Strin
     }
 }
 
-/// Whether an array is as likely a picture in colours as it is a cube.
-fn is_like_picture(sizes: &[usize]) -> bool {
-    matches!(sizes, [h, w, 3 | 4] if *h.min(w) >= 8)
-}
-
-fn like_picture(header: &Header, place: &Place) -> crate::Error {
-    place.invalid(
-        "header",
-        format!(
-            "an array of shape {:?} is probably a picture in colours, and may be a cube of {} time bins",
-            header.shape, header.shape[2]
-        ),
-        "say which in the source's `axes`: \"H W C\" is a steady picture, \"H W T\" a cube in time",
-    )
-}
-
 /// What to do about an order of axes.
 const AXES: &str = "name the axes of the array in the source's `axes`, like \"T H W\" or \"C T H W\": \
                     H rows, W columns, T time bins, C channels, 1 an axis of one entry";
-
-fn not_a_cube(header: &Header, place: &Place) -> crate::Error {
-    place.invalid(
-        "header",
-        format!("an array of shape {:?} is not a cube", header.shape),
-        "a cube has three or four axes, (H, W, T) or (H, W, T, C); for any others name them in the source's \
-         `axes`, like \"H W\" for a steady picture",
-    )
-}
 
 fn no_radiance(place: &Place, descr: &str) -> crate::Error {
     let descr: String = descr.chars().take(40).collect();

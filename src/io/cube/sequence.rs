@@ -271,6 +271,18 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     })
 }
 
+/// Columns, rows and channels of a picture that may be a frame.
+///
+/// # Errors
+/// It cannot be read, or is no picture that frames may be.
+pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
+    // Codes have the same size whatever they stand for.
+    let picture = Picture::read(file, None)
+        .or_else(|error| Picture::read(file, Some(Transfer::Linear)).map_err(|_| error))?;
+    let [columns, rows] = picture.size;
+    Ok([columns, rows, picture.channels])
+}
+
 /// The cube.
 pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;

@@ -13,6 +13,7 @@ use super::axes::Arrangement;
 use super::dead::DeadBins;
 use super::format::Wanted;
 use super::layout::{StoredLayout, strides};
+use super::negative::Negative;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 use super::selection::{Open, Selection};
 use super::{hdf5, npy, sequence, transient_image, zarr};
@@ -28,6 +29,7 @@ pub(super) struct Store {
     /// H, W, T, C.
     pub shape: [usize; 4],
     dead: DeadBins,
+    negative: Negative,
     /// A run of samples, as it is stored and as numbers.
     bytes: Vec<u8>,
     run: Vec<f64>,
@@ -39,7 +41,11 @@ impl Store {
         let (located, layout) = Store::locate(path, wanted)?;
         let store = Store::new(path, located.into_reader(), layout)?;
         let dead = DeadBins::new(path, wanted.dead_bins, store.shape[2])?;
-        Ok(Store { dead, ..store })
+        Ok(Store {
+            dead,
+            negative: wanted.negative.unwrap_or(Negative::Keep),
+            ..store
+        })
     }
 
     /// Where the samples of the cube lie.
@@ -101,6 +107,7 @@ impl Store {
             path: path.to_path_buf(),
             shape: layout.shape(path)?,
             dead: DeadBins::default(),
+            negative: Negative::Keep,
             layout,
             bytes: Vec::new(),
             run: Vec::new(),
@@ -208,7 +215,7 @@ impl Store {
         self.run.clear();
         number.decode(&self.bytes, big_endian, &mut self.run);
         match self.run.iter().position(|sample| !sample.is_finite()) {
-            None => Ok(()),
+            None => self.negative.apply(&mut self.run, &self.path),
             Some(bad) => Err(Store::not_finite(&self.path, (first + bad) as u64)),
         }
     }

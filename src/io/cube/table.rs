@@ -49,12 +49,15 @@ pub fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 /// # Errors
 /// The file cannot be read; it is truncated or longer than its header says; the array has not
 /// the axes that are wanted, or other than 1 or 3 channels; it does not hold numbers; a sample is not finite; a dead bin
-/// that there is not.
+/// that there is not; samples below 0, where they are to be refused.
 pub fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     mended(read(path, wanted)?, path, wanted)
 }
 
 fn mended(mut cube: Cube, path: &Path, wanted: Wanted) -> Result<Cube> {
+    if let Some(negative) = wanted.negative {
+        negative.apply_to_cube(&mut cube, path)?;
+    }
     DeadBins::new(path, wanted.dead_bins, cube.shape[2])?.mend_cube(&mut cube);
     Ok(cube)
 }
@@ -70,19 +73,20 @@ fn read(path: &Path, wanted: Wanted) -> Result<Cube> {
     (format.load)(reader, path, wanted)
 }
 
-/// What the file at `path` says of its time axis, if its format has a place for that.
+/// What the file at `path` says of the time axis of its array of this name, or of its only one, if its format has a place for
+/// that.
 ///
 /// # Errors
 /// The file cannot be read, or is broken.
-pub fn times(path: &Path) -> Result<Option<FileTimes>> {
+pub fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     if sequence::is_sequence(path) {
         return Ok(None);
     }
     if sequence::is_zarr(path) {
-        return zarr::times(path);
+        return zarr::times(path, array);
     }
     let (reader, format) = opened(path)?;
-    (format.times)(reader, path)
+    (format.times)(reader, path, array)
 }
 
 /// The points of a surface that the pixels of the cube in a file are, where the file says them.

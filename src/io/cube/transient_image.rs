@@ -30,7 +30,7 @@ pub(super) const FORMAT: CubeFormat = CubeFormat {
     inspect: |mut reader, file, wanted| inspect(&mut reader, file, wanted),
     load: |mut reader, file, wanted| load(&mut reader, file, wanted),
     arrays,
-    times: |mut reader, file| times(&mut reader, file),
+    times: |mut reader, file, _| times(&mut reader, file),
 };
 
 /// The only layout of pixels that is a picture.

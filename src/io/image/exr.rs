@@ -131,6 +131,11 @@ fn settle<T>(path: &Path, decoded: Option<::exr::error::Result<T>>) -> Result<T>
     use ::exr::error::Error as Exr;
     match decoded {
         Some(Ok(decoded)) => Ok(decoded),
+        Some(Err(Exr::Io(error))) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            let what = "the file ends before its last pixel";
+            let help = "it was cut short: copy it again, or render it again";
+            Err(Error::invalid(path, "", what, help))
+        }
         Some(Err(Exr::Io(error))) => Err(Error::io(path, "cannot read")(error)),
         Some(Err(Exr::NotSupported(what))) => Err(Error::unsupported(path, "", what, "")),
         Some(Err(error)) => Err(broken(path, &error.to_string())),

@@ -7,7 +7,9 @@
 //!   small (a pulse and its tail), across a picture it is large (most of what is seen is lit at some time). Of the
 //!   corner's captures and its lightmap it is 0.11 to 0.17 along T, and 0.33 to 0.53 along H and W. What was assumed
 //!   to be T is doubted where another axis has less than half of its part.
-//! - Ends: the light of the first and of the last bin, against that of the brightest.
+//! - Order of bytes: the sizes of samples, as they are and with their bytes turned round ([`ByteOrder`]).
+//! - Samples below 0: all of them in memory, of cubes on disk those of the part that is looked at.
+//! - Ends: the light of the first and of the last bin, against that of the brightest. Noise about 0 cancels in their sums.
 //! - Capture: what was recorded at time t left its surface at t − η (r − n / cos θ). Lamps that flash at time 0 light
 //!   nothing before; and pixels that see no object record nothing.
 
@@ -17,7 +19,7 @@ use glam::DVec3;
 
 use super::capture::Capture;
 use super::texture::TimeTexture;
-use crate::io::cube::{CubeStore, Peeked};
+use crate::io::cube::{BelowZero, ByteOrder, CubeStore, Negative, Peeked};
 use crate::scene::model::TimeBins;
 
 /// Pixels that are looked at.
@@ -30,6 +32,8 @@ const TOGETHER: usize = 16;
 /// The part of a cube on disk that is read, and bounds on it, bytes.
 const PART_ON_DISK: u64 = 256;
 const READ_ON_DISK: [u64; 2] = [8 << 20, 64 << 20];
+/// Samples that are enough to judge their sizes by.
+const MOST_SIZES: usize = 1 << 20;
 /// Pixels that are enough to judge a picture by.
 const ENOUGH: usize = 256;
 /// Dark bins in a row, and no more, may be dead ones.
@@ -86,6 +90,23 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// All samples of a pixel, bin by bin, channel by channel, in place of what is in `to`.
+    fn all(&mut self, pixel: usize, to: &mut Vec<f64>) {
+        let [_, _, bins, channels] = self.store.shape();
+        let each = bins * channels;
+        to.clear();
+        match self.store {
+            CubeStore::Memory(cube) => {
+                let samples = pixel * each..(pixel + 1) * each;
+                to.extend(samples.map(|at| cube.samples.get(at).unwrap_or(0.0)));
+            }
+            CubeStore::Disk(bricks) => {
+                to.resize(each, 0.0);
+                bricks.peek(&mut self.near, pixel, 0, to);
+            }
+        }
+    }
+
     /// The pixels that are looked at.
     fn pixels(&self) -> Vec<usize> {
         let [h, w, ..] = self.store.shape();
@@ -115,8 +136,14 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// What looks wrong about the samples of a cube by themselves. Of one whose bricks are only counted nothing is looked at.
+/// What looks wrong about the samples of a cube by themselves, of whose samples below 0 nothing is said. Of one whose bricks are
+/// only counted nothing is looked at.
 pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
+    of_samples_with(cube, order, None)
+}
+
+/// The same where it is said what becomes of samples below 0.
+pub fn of_samples_with(cube: &CubeStore, order: Order, negative: Option<Negative>) -> Vec<String> {
     if cube.on_disk().is_some_and(|bricks| bricks.counts_only()) {
         return Vec::new();
     }
@@ -128,18 +155,70 @@ pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
         let is_all = cube.on_disk().is_none();
         return Vec::from_iter(is_all.then(|| "every sample that was looked at is 0".into()));
     }
-    if light.negative > TOLERATED * light.total {
-        remarks.push(format!(
-            "samples below 0 are {} of all light",
-            percent(light.negative / light.total)
-        ));
+    if let Some(remark) = byte_order(&mut lines) {
+        // Nothing else means anything then.
+        return vec![remark];
+    }
+    if negative.is_none() {
+        remarks.extend(below_zero(&mut lines, &light));
     }
     remarks.extend(ends(&light.per_bin));
-    remarks.extend(dead(&light.per_bin));
+    remarks.extend(dead(&light.unsigned));
     if order != Order::Stated {
         remarks.extend(self::order(&mut lines, order == Order::Pictures));
     }
     remarks
+}
+
+/// Whether the bytes of samples stand in the wrong order.
+fn byte_order(lines: &mut Lines) -> Option<String> {
+    let bytes = lines.store.sample_bytes();
+    let (mut samples, mut line) = (Vec::new(), Vec::new());
+    for pixel in lines.pixels() {
+        lines.all(pixel, &mut line);
+        samples.extend(line.iter().copied().filter(|x| *x != 0.0));
+        if samples.len() > MOST_SIZES {
+            break;
+        }
+    }
+    let found = ByteOrder::of(samples.into_iter(), bytes)?;
+    let usual = if bytes == 4 {
+        "1e-25 to 1e25"
+    } else {
+        "1e-100 to 1e100"
+    };
+    Some(format!(
+        "{} of the samples are not of a size from {usual}, and {} with their bytes in the other order: the file says the wrong one; \
+         in numpy, array.view(array.dtype.newbyteorder()) has the right one",
+        percent(found.now),
+        percent(found.turned)
+    ))
+}
+
+/// What to say of samples below 0.
+fn below_zero(lines: &mut Lines, light: &Light) -> Option<String> {
+    let shape = lines.store.shape();
+    let found = match lines.store.in_memory() {
+        Some(cube) => cube.below_zero(),
+        None => {
+            let (each, mut line) = (shape[2] * shape[3], Vec::new());
+            let mut samples = Vec::new();
+            for pixel in lines.pixels() {
+                lines.all(pixel, &mut line);
+                samples.extend((pixel * each..).zip(line.iter().copied()));
+            }
+            BelowZero::among(samples.into_iter(), shape)
+        }
+    }?;
+    let looked_at = match lines.store.in_memory() {
+        Some(_) => "",
+        None => " (of the part that was looked at)",
+    };
+    Some(format!(
+        "{found}{looked_at}; they are {} of all light, and are read as they are: negative = \"keep\" says that this is right, \"zero\" \
+         takes them for 0, \"refuse\" refuses the cube",
+        percent(light.negative / light.total)
+    ))
 }
 
 /// What looks wrong about how data lie in the image of the camera that captured them, and in time.
@@ -172,12 +251,12 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
             onsets.note(&line, aim.position, index * seen.unwrap_or_default());
         }
         for (bin, sum) in per_bin.iter_mut().enumerate() {
-            let value = line[bin].abs();
+            let value = line[bin];
             let left = axis.end(bin + 1) - delay;
             total += value;
             unseen += if seen.is_none() { value } else { 0.0 };
             *sum += value;
-            if seen.is_some() && left < 0.0 && value > 0.0 {
+            if seen.is_some() && left < 0.0 && value != 0.0 {
                 early += value;
                 let lack = (-left / axis.bins.width()).ceil() as u64;
                 *by_lack.entry(lack).or_default() += value;
@@ -185,6 +264,9 @@ pub fn of_capture(texture: &TimeTexture, capture: &Capture, index: f64) -> Vec<S
         }
     }
     let mut remarks = Vec::new();
+    if total <= 0.0 {
+        return remarks;
+    }
     let is_enough = store.on_disk().is_none() || pixels.len() >= ENOUGH;
     if is_enough && unseen > TOLERATED * total {
         remarks.push(format!(
@@ -486,7 +568,10 @@ fn lack(by_lack: &BTreeMap<u64, f64>, tolerated: f64) -> u64 {
 
 /// The light of the pixels that are looked at.
 struct Light {
+    /// Sums over pixels, in which noise about 0 cancels; no less than 0.
     per_bin: Vec<f64>,
+    /// The same of samples without their signs.
+    unsigned: Vec<f64>,
     /// Of all samples, without their signs.
     total: f64,
     /// Of samples below 0.
@@ -499,17 +584,20 @@ impl Light {
         let mut line = vec![0.0; bins];
         let mut light = Light {
             per_bin: vec![0.0; bins],
+            unsigned: vec![0.0; bins],
             total: 0.0,
             negative: 0.0,
         };
         for pixel in lines.pixels() {
             lines.read(pixel, 0, &mut line);
-            for (sum, &value) in light.per_bin.iter_mut().zip(&line) {
-                *sum += value.abs();
+            for (bin, &value) in line.iter().enumerate() {
+                light.per_bin[bin] += value;
+                light.unsigned[bin] += value.abs();
                 light.total += value.abs();
                 light.negative += (-value).max(0.0);
             }
         }
+        light.per_bin.iter_mut().for_each(|sum| *sum = sum.max(0.0));
         light
     }
 }

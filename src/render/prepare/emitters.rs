@@ -484,8 +484,9 @@ impl Stores {
             false => texture,
         };
         let size = texture.size();
-        let mut assumed = Order::Stated;
+        let (mut assumed, mut negative) = (Order::Stated, None);
         if let CubeData::File(file) = &cube.data {
+            negative = file.negative;
             let info = cubes::inspect(&file.path, file.wanted())?;
             assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
                 (false, _) => Order::Stated,
@@ -494,7 +495,8 @@ impl Stores {
             };
             self.warn(scene, source, info.remarks);
         }
-        self.warn(scene, source, survey::of_samples(texture.cube(), assumed));
+        let remarks = survey::of_samples_with(texture.cube(), assumed, negative);
+        self.warn(scene, source, remarks);
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         let index = self.cubes.len();

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::radiance::Radiance;
-use crate::io::cube::Transfer;
+use crate::io::cube::{Negative, Transfer};
 use crate::scene::at::At;
 use crate::scene::model::{BinValues, Clock, FovAxis, ProjectionKind, Reconstruction, TimeFilter};
 use crate::scene::values::{Number, NumberOrVector, Vector};
@@ -69,6 +69,9 @@ pub(in crate::scene) struct Cube {
     /// Bins in which the sensor counted nothing, counted from 0: each takes what a straight line between its nearest live
     /// neighbours in time has there.
     pub dead_bins: Option<Vec<usize>>,
+    /// What becomes of samples below 0, as data have from which a background was subtracted: "keep" (they are read as they are,
+    /// so that means over many are right), "zero", or "refuse". Default: they are kept, and a warning counts them.
+    pub negative: Option<At<Negative>>,
     /// The clock of the time axis: "world" (time of emission), "object" (the emitting object's own time
     /// of emission) or "capture" (arrival at the capture camera: time of emission + η × distance to its
     /// pinhole). Default: "world".

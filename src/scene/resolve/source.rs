@@ -303,6 +303,10 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
             let what = "a cube in memory has its axes in the order H W T C";
             return Err(cx.refuse(axes, what, "leave `axes` out"));
         }
+        if let Some(negative) = &cube.negative {
+            let what = "a cube in memory is read as it is";
+            return Err(cx.refuse(negative, what, "leave `negative` out"));
+        }
         return Ok(CubeData::Memory(in_memory));
     }
     let path = cube_path(cx, &cube.file)?;
@@ -318,6 +322,7 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         axes,
         transfer: cube.transfer.as_ref().map(|at| at.value),
         dead_bins: cube.dead_bins.clone().unwrap_or_default(),
+        negative: cube.negative.as_ref().map(|at| at.value),
     }))
 }
 

@@ -24,6 +24,7 @@ mod plan;
 mod reference;
 mod refused;
 mod render;
+mod resident;
 mod resume;
 mod selftest;
 mod sheet;

@@ -144,6 +144,46 @@ impl File {
         }))
     }
 
+    /// What the axes of an array are called, and by what: by the labels of its dimensions (`dims[0].label` of h5py), or by the names
+    /// of the scales that are attached to them (netCDF, xarray). Those that have none are called "".
+    pub fn axis_names(&self, array: &Array) -> Option<(Vec<String>, &'static str)> {
+        let count = array.sizes().len();
+        let labels = array.texts("DIMENSION_LABELS").unwrap_or_default();
+        if labels.len() == count && labels.iter().any(|label| !label.is_empty()) {
+            return Some((labels, "dimension labels"));
+        }
+        let scales = self.scales(array)?;
+        (scales.len() == count && scales.iter().any(|name| !name.is_empty()))
+            .then_some((scales, "dimension scales"))
+    }
+
+    /// The name of the first scale of each axis. The attribute `DIMENSION_LIST` is a list, per axis, of references to them, which are
+    /// addresses of objects ("HDF5 Dimension Scale Specification").
+    fn scales(&self, array: &Array) -> Option<Vec<String>> {
+        let list = array.dataset.attribute("DIMENSION_LIST").ok()?;
+        let each = array.dataset.vlen_reference_size();
+        let group = array.name.rsplit_once('/').map_or("", |(group, _)| group);
+        let groups = [self.group(group).ok()?, self.group("").ok()?];
+        let name = |of_axis: &[u8]| {
+            let addresses = array
+                .dataset
+                .resolve_vlen_reference_bytes(of_axis, each - 8);
+            let addresses = addresses.ok()?;
+            let mut address = [0; 8];
+            let bytes = addresses.get(..(each - 8).min(8))?;
+            address[..bytes.len()].copy_from_slice(bytes);
+            let address = u64::from_le_bytes(address);
+            let known = |group: &Group| group.child_name_by_address(address).ok().flatten();
+            groups.iter().find_map(known)
+        };
+        let of_axes = list.raw_data.chunks_exact(each);
+        Some(
+            of_axes
+                .map(|of_axis| name(of_axis).unwrap_or_default())
+                .collect(),
+        )
+    }
+
     /// All arrays, those of groups with their path.
     pub fn arrays(&self) -> Result<Vec<Header>> {
         let mut found = Vec::new();
@@ -222,7 +262,34 @@ impl Array {
 
     /// A text that stands beside the array.
     pub fn text(&self, attribute: &str) -> Option<String> {
-        self.dataset.attribute(attribute).ok()?.read_string().ok()
+        self.texts(attribute)?.into_iter().next()
+    }
+
+    /// Texts that stand beside the array, of fixed length or of any.
+    fn texts(&self, attribute: &str) -> Option<Vec<String>> {
+        let attribute = self.dataset.attribute(attribute).ok()?;
+        if let Ok(texts) = attribute.read_strings() {
+            return Some(texts);
+        }
+        let each = self.dataset.vlen_reference_size();
+        let text = |reference: &[u8]| {
+            let length = u32::from_le_bytes(reference[..4].try_into().ok()?);
+            if length == 0 {
+                return Some(String::new());
+            }
+            let bytes = self
+                .dataset
+                .resolve_vlen_reference_bytes(reference, 1)
+                .ok()?;
+            let text = String::from_utf8(bytes).ok()?;
+            Some(text.trim_end_matches('\0').to_string())
+        };
+        match &attribute.datatype {
+            Datatype::VarLen { .. } if attribute.raw_data.len() % each == 0 => {
+                attribute.raw_data.chunks_exact(each).map(text).collect()
+            }
+            _ => attribute.read_string().ok().map(|text| vec![text]),
+        }
     }
 
     /// A number that stands beside the array.

@@ -7,6 +7,7 @@
 //! | phasor fields (`.mat`, version 7.3) | `dataset/data` | in MATLAB (lasers, camera, T): the lasers are what the picture is of, since light goes both ways | `dataset/t0`, `dataset/deltat`, with both ways |
 //! | TransientNeRF, synthetic | `data` | (H, W, T, 4): red, green, blue and coverage | not said |
 //! | this program | `data` | by its attribute `axes` | its attributes `start`, `bin_width` |
+//! | others | the only one, or `data` | by its attribute `axes`, the labels of its dimensions, or the names of their scales | its attributes `start`, `bin_width` |
 //!
 //! Sources: y-tal 0.20, `tal.io`, `tal.enums`; Galindo et al. 2019, "Z-NLOS" (format of the files); Liu et al. 2019,
 //! "Phasor field virtual wave optics" (its data); Malik et al. 2023, "Transient Neural Radiance Fields" (its loader).
@@ -28,7 +29,6 @@ pub(super) struct Known {
     pub array: Array,
     pub selection: Selection,
     pub assumed: bool,
-    pub times: Option<FileTimes>,
     pub wall: Option<Wall>,
     pub notes: Vec<String>,
 }
@@ -39,7 +39,8 @@ struct Layout {
     array: String,
     /// The axes; none where the file does not say them.
     axes: Option<Vec<Axis>>,
-    /// What to say where it does not.
+    /// What is not known of them then, if more than that, and what to say.
+    doubt: Option<String>,
     unsaid: String,
     /// Points in a list, where the picture's are one.
     columns: Option<usize>,
@@ -71,11 +72,13 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
     }
     let array = file.array(&layout.array)?;
     let Some(axes) = axes else {
-        let what = format!(
-            "the axes of {} of shape {:?} are not known",
-            layout.array,
-            array.sizes()
-        );
+        let what = layout.doubt.unwrap_or_else(|| {
+            let sizes = array.sizes();
+            format!(
+                "the axes of {} of shape {sizes:?} are not known",
+                layout.array
+            )
+        });
         return Err(Error::invalid(
             file.path(),
             &layout.array,
@@ -105,10 +108,15 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
         array,
         selection,
         assumed: layout.assumed,
-        times: layout.times,
         wall,
         notes: layout.notes,
     })
+}
+
+/// The time axis of the array of this name, or of the one that is meant where none is named.
+pub(super) fn times_of(file: &File, name: Option<&str>) -> Result<Option<FileTimes>> {
+    let name = name.map(|name| name_and_choices(name).0);
+    Ok(layout(file, name)?.times)
 }
 
 /// By what is in the file.
@@ -162,9 +170,6 @@ fn only(file: &File, arrays: &[String]) -> Result<String> {
 /// An array of no known writer, or of this program.
 fn plain(file: &File, name: String) -> Result<Layout> {
     let array = file.array(&name)?;
-    let said = array
-        .text("axes")
-        .and_then(|text| text.parse::<Axes>().ok());
     let times = match (array.number("start"), array.number("bin_width")) {
         (Some(start), Some(width)) if width > 0.0 => Some(FileTimes {
             start,
@@ -173,16 +178,38 @@ fn plain(file: &File, name: String) -> Result<Layout> {
         }),
         _ => None,
     };
-    let sizes = array.sizes();
-    let without_alpha = said.is_none() && sizes.len() == 4 && sizes[3] == 4;
-    let assumed = said.is_none();
-    let axes = said.or_else(|| Axes::usual(sizes.len()));
     let mut notes = Vec::new();
+    let sizes: Vec<usize> = array.sizes().iter().map(|n| *n as usize).collect();
+    let (mut doubt, mut unsaid, mut assumed, mut without_alpha) =
+        (None, String::new(), false, false);
+    let axes = match said_axes(file, &array) {
+        Ok(Some((axes, by))) => {
+            notes.push(format!("axes {axes}, by its {by}"));
+            Some(axes)
+        }
+        Ok(None) => {
+            assumed = true;
+            without_alpha = matches!(*sizes, [_, _, _, 4]);
+            Axes::assumed(&sizes)
+                .map_err(|(what, help)| (doubt, unsaid) = (Some(what), help.into()))
+                .ok()
+        }
+        Err((what, help)) => {
+            (doubt, unsaid) = (Some(what), help);
+            None
+        }
+    };
+    if let Some(FileTimes { start, width, .. }) = times {
+        notes.push(format!(
+            "start {start} m, bin_width {width} m, by its attributes"
+        ));
+    }
     if without_alpha {
         notes.push("the last axis has 4 entries: red, green and blue, and the coverage, which is left out (as of TransientNeRF)".into());
     }
     Ok(Layout {
-        unsaid: super::super::selection::NAME_AXES.into(),
+        doubt,
+        unsaid,
         axes: axes.map(|axes| axes.list().to_vec()),
         array: name,
         columns: None,
@@ -192,6 +219,25 @@ fn plain(file: &File, name: String) -> Result<Layout> {
         wall: None,
         notes,
     })
+}
+
+/// The order of axes that a file says of an array, and by what: by its attribute `axes`, or by the names of its dimensions.
+fn said_axes(
+    file: &File,
+    array: &Array,
+) -> std::result::Result<Option<(Axes, &'static str)>, (String, String)> {
+    if let Some(text) = array.text("axes") {
+        let axes = text.parse::<Axes>().map_err(|error| {
+            let what = format!("its attribute `axes` is {text:?}: {error}");
+            (what, super::super::selection::NAME_AXES.into())
+        });
+        return axes.map(|axes| Some((axes, "attribute `axes`")));
+    }
+    let Some((names, by)) = file.axis_names(array) else {
+        return Ok(None);
+    };
+    let axes = Axes::by_names(&names)?;
+    Ok(axes.map(|axes| (axes, by)))
 }
 
 /// y-tal.
@@ -229,12 +275,16 @@ fn tal(file: &File, names: &[String]) -> Result<Layout> {
         format.unwrap_or_default(),
         Axes::of(axes.clone())
     )];
+    if matches!(format, Some(1.0 | 3.0)) {
+        notes.extend(confocal(file, ["laser_grid_xyz", "sensor_grid_xyz"])?);
+    }
     if start.is_none() {
         notes.push("t_start is not said: 0 m is assumed".into());
     }
     Ok(Layout {
         array: "H".into(),
         axes: Some(axes),
+        doubt: None,
         unsaid: String::new(),
         columns: columns(file, "sensor_grid_xyz", &wall, is_list)?,
         without_alpha: false,
@@ -284,10 +334,17 @@ fn zaragoza(file: &File) -> Result<Layout> {
             "axes {order}, by the numbers of bins and points; bounces (S) are added up"
         ));
     }
+    if sizes.len() == 5 {
+        notes.extend(confocal(
+            file,
+            ["laserGridPositions", "cameraGridPositions"],
+        )?);
+    }
     let start = file.number("t0")?;
     Ok(Layout {
         array: "data".into(),
         axes,
+        doubt: None,
         unsaid: "say in `axes` \"C T S H W\" (colours, times, bounces, points), \"C T S H W L L\" (and points that the laser lights), or \
                  what the reverse is: \"H W S T C\", \"L L H W S T C\""
             .into(),
@@ -317,6 +374,7 @@ fn phasor_fields(file: &File) -> Result<Layout> {
         columns: columns(file, "dataset/laserPos", &wall, true)?,
         array: "dataset/data".into(),
         axes: Some(vec![Axis::Time, Axis::Single, Axis::Column]),
+        doubt: None,
         unsaid: String::new(),
         without_alpha: false,
         assumed: false,
@@ -324,6 +382,20 @@ fn phasor_fields(file: &File) -> Result<Layout> {
         wall,
         notes,
     })
+}
+
+/// What to say where the laser lit each point as that was recorded, so that their light is not that of one flash.
+fn confocal(file: &File, [laser, sensor]: [&str; 2]) -> Result<Option<String>> {
+    let (lit, seen) = (places(file, laser, false)?, places(file, sensor, false)?);
+    let is_confocal = match (&lit, &seen) {
+        (Some((lit, _)), Some((seen, _))) => seen.len() > 1 && lit == seen,
+        _ => false,
+    };
+    Ok(is_confocal.then(|| {
+        "confocal: each point was recorded while the laser lit that point, so that a picture of them is of as many flashes as points, \
+         and no light goes from one to the next in it"
+            .into()
+    }))
 }
 
 /// Points and how they lie: (3, a, b) and (a, b, 3) are a rows of b columns, (n, 3) and (3, n) a list. `transposed` says

@@ -53,12 +53,10 @@ fn load(reader: Reader, path: &Path, wanted: Wanted) -> Result<Cube> {
     known.selection.load(&mut known.array, path)
 }
 
-fn times(reader: Reader, path: &Path) -> Result<Option<FileTimes>> {
+fn times(reader: Reader, path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
     let file = File::open(reader, path, CACHE)?;
     // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
-    Ok(known(&file, Wanted::default())
-        .ok()
-        .and_then(|known| known.times))
+    Ok(layouts::times_of(&file, array).ok().flatten())
 }
 
 fn arrays(path: &Path) -> Result<Vec<Header>> {

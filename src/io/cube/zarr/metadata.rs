@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::super::axes::{Axes, Axis};
+use super::super::axes::Axes;
+use super::super::selection::NAME_AXES;
 use super::codecs::Codec;
 use super::number::Number;
 use crate::error::{Error, Result};
@@ -29,7 +30,9 @@ pub(super) struct Metadata {
     /// Between the numbers of a chunk in the name of its file; whether `c` stands before them.
     separator: char,
     with_c: bool,
-    pub axes: Option<Axes>,
+    /// What its axes are called, and where that is said; empty where it is not.
+    pub names: Vec<String>,
+    names_from: &'static str,
     pub attributes: Map<String, Value>,
 }
 
@@ -56,6 +59,22 @@ impl Metadata {
     pub fn chunks(&self) -> Vec<usize> {
         let along = |(size, chunk): (&u64, &usize)| size.div_ceil(*chunk as u64) as usize;
         self.shape.iter().zip(&self.chunk).map(along).collect()
+    }
+
+    /// The order of its axes, and by what it is said: by the attribute `axes`, or by their names; none where it is not said.
+    ///
+    /// # Errors
+    /// What is said is no order of axes: what it is, and what to do about it.
+    pub fn axes(&self) -> Result<Option<(Axes, &'static str)>, (String, String)> {
+        if let Some(text) = self.attributes.get("axes").and_then(Value::as_str) {
+            let axes = text.parse::<Axes>().map_err(|error| {
+                let what = format!("its attribute `axes` is {text:?}: {error}");
+                (what, NAME_AXES.into())
+            });
+            return axes.map(|axes| Some((axes, "attribute `axes`")));
+        }
+        let axes = Axes::by_names(&self.names)?;
+        Ok(axes.map(|axes| (axes, self.names_from)))
     }
 
     /// A number beside the array.
@@ -149,13 +168,25 @@ impl Reading<'_> {
             }
         };
         let codecs = self.codecs(document.get("codecs"), &chunk, number)?;
+        let attributes = match document.get("attributes") {
+            Some(Value::Object(attributes)) => attributes.clone(),
+            _ => Map::new(),
+        };
+        let names = [
+            ("dimension_names", document.get("dimension_names")),
+            (
+                "attribute `_ARRAY_DIMENSIONS`",
+                attributes.get("_ARRAY_DIMENSIONS"),
+            ),
+        ]
+        .into_iter()
+        .find_map(|(from, names)| Some((names_of(names)?, from)));
+        let (names, names_from) = names.unwrap_or_default();
         Ok(Metadata {
             folder: folder.to_path_buf(),
-            axes: axes(document.get("dimension_names")),
-            attributes: match document.get("attributes") {
-                Some(Value::Object(attributes)) => attributes.clone(),
-                _ => Map::new(),
-            },
+            names,
+            names_from,
+            attributes,
             fill: self.fill(document.get("fill_value"), number)?,
             shape,
             chunk,
@@ -395,16 +426,10 @@ impl Reading<'_> {
     }
 }
 
-/// The axes by their names, where all are known ones.
-fn axes(names: Option<&Value>) -> Option<Axes> {
-    let axis = |name: &Value| match name.as_str()?.to_ascii_lowercase().as_str() {
-        "h" | "y" | "row" | "rows" | "height" => Some(Axis::Row),
-        "w" | "x" | "column" | "columns" | "width" => Some(Axis::Column),
-        "t" | "time" | "bin" | "bins" => Some(Axis::Time),
-        "c" | "channel" | "channels" | "colour" | "color" | "rgb" => Some(Axis::Channel),
-        _ => None,
-    };
-    let axes: Option<Vec<Axis>> = names?.as_array()?.iter().map(axis).collect();
-    // By way of text, which refuses axes that are missing or there twice.
-    Axes::of(axes?).to_string().parse().ok()
+/// Names of axes, of which some may be missing.
+fn names_of(names: Option<&Value>) -> Option<Vec<String>> {
+    let names = names?.as_array()?;
+    let all_missing = names.iter().all(Value::is_null);
+    let text = |name: &Value| name.as_str().unwrap_or_default().to_string();
+    (!all_missing).then(|| names.iter().map(text).collect())
 }

@@ -23,7 +23,7 @@ use super::axes::Axes;
 use super::format::{CubeInfo, FileTimes, Wanted};
 use super::layout::StoredLayout;
 use super::samples::Cube;
-use super::selection::{NAME_AXES, Open, Selection, Taken, Windows, name_and_choices};
+use super::selection::{Open, Selection, Taken, Windows, name_and_choices};
 use crate::error::{Error, Result};
 use crate::io::npy::{Dtype, Header};
 use crate::io::open::open_regular;
@@ -37,19 +37,22 @@ const MOST_LISTED: usize = 1000;
 
 /// What would be loaded.
 pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
-    let (metadata, selection, assumed) = known(path, wanted)?;
+    let (metadata, selection, said) = known(path, wanted)?;
     let mut notes = vec![format!(
         "Zarr array of {} in chunks of {:?}",
         metadata.number.name(),
         metadata.chunk
     )];
+    if let Said::ByFile(by) = said {
+        notes.push(format!("axes {}, by its {by}", selection.axes));
+    }
     if let Some(times) = times_of(&metadata) {
         notes.push(format!(
-            "start {} m, bin_width {} m",
+            "start {} m, bin_width {} m, by its attributes",
             times.start, times.width
         ));
     }
-    let mut info = selection.info(path, assumed, notes)?;
+    let mut info = selection.info(path, said == Said::Nowhere, notes)?;
     info.remarks.extend(missing(&metadata));
     Ok(info)
 }
@@ -74,10 +77,13 @@ pub(super) fn windows(path: &Path, wanted: Wanted) -> Result<(Selection, Open)> 
 }
 
 /// What the array says of its time axis.
-pub(super) fn times(path: &Path) -> Result<Option<FileTimes>> {
-    Ok(known(path, Wanted::default())
-        .ok()
-        .and_then(|(metadata, ..)| times_of(&metadata)))
+pub(super) fn times(path: &Path, array: Option<&str>) -> Result<Option<FileTimes>> {
+    let name = array
+        .map(|name| name_and_choices(name).0)
+        .filter(|name| !name.is_empty());
+    // What cannot be known yet, like which of several arrays is meant, is refused when that is loaded.
+    let metadata = chosen(path, name).and_then(|folder| Metadata::read(&folder));
+    Ok(metadata.ok().and_then(|metadata| times_of(&metadata)))
 }
 
 /// The arrays that there are.
@@ -145,15 +151,19 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
     Ok(found)
 }
 
-/// The array that is `wanted`, what is taken of it, and whether its axes are assumed.
-fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, bool)> {
-    let (name, choices) = match wanted.array {
-        Some(text) => {
-            let (name, choices) = name_and_choices(text);
-            (Some(name).filter(|name| !name.is_empty()), choices)
-        }
-        None => (None, Vec::new()),
-    };
+/// Who says the order of axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Said {
+    /// The caller.
+    Wanted,
+    /// The file, by this.
+    ByFile(&'static str),
+    /// Nobody: it is assumed.
+    Nowhere,
+}
+
+/// The folder of the array of this name, or of the only one.
+fn chosen(path: &Path, name: Option<&str>) -> Result<PathBuf> {
     let invalid = |what: String, help: &str| Error::invalid(path, "", what, help);
     let mut folders = folders(path)?;
     let names: Vec<_> = folders
@@ -163,41 +173,53 @@ fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, bool)> {
     if let Some(name) = name {
         folders.retain(|(known, _)| known.as_deref() == Some(name));
     }
-    let folder = match (folders.len(), name) {
-        (1, _) => folders.remove(0).1,
-        (0, Some(name)) if names.is_empty() => {
-            return Err(invalid(
-                format!("there is no array {name:?}: this is a single array"),
-                "leave `array` out",
-            ));
-        }
-        (0, Some(name)) => {
-            return Err(invalid(
-                format!("there is no array {name:?}"),
-                &format!("it holds {}", names.join(", ")),
-            ));
-        }
-        (0, None) => {
-            return Err(invalid(
-                "the group holds no arrays".into(),
-                "name the folder of an array",
-            ));
-        }
+    match (folders.len(), name) {
+        (1, _) => Ok(folders.remove(0).1),
+        (0, Some(name)) if names.is_empty() => Err(invalid(
+            format!("there is no array {name:?}: this is a single array"),
+            "leave `array` out",
+        )),
+        (0, Some(name)) => Err(invalid(
+            format!("there is no array {name:?}"),
+            &format!("it holds {}", names.join(", ")),
+        )),
+        (0, None) => Err(invalid(
+            "the group holds no arrays".into(),
+            "name the folder of an array",
+        )),
         (_, None) => {
             let help = format!("name one of them, like array = {:?}", names[0]);
-            return Err(invalid(
+            Err(invalid(
                 format!("the group holds several arrays: {}", names.join(", ")),
                 &help,
-            ));
+            ))
         }
-        (_, Some(_)) => return Err(invalid("the array is there twice".into(), "")),
+        (_, Some(_)) => Err(invalid("the array is there twice".into(), "")),
+    }
+}
+
+/// The array that is `wanted`, what is taken of it, and who says its axes.
+fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
+    let (name, choices) = match wanted.array {
+        Some(text) => {
+            let (name, choices) = name_and_choices(text);
+            (Some(name).filter(|name| !name.is_empty()), choices)
+        }
+        None => (None, Vec::new()),
     };
-    let metadata = Metadata::read(&folder)?;
-    let said = wanted.axes.cloned().or_else(|| metadata.axes.clone());
-    let assumed = said.is_none();
-    let Some(axes) = said.or_else(|| Axes::usual(metadata.shape.len())) else {
-        let what = format!("an array of shape {:?} is not a cube", metadata.shape);
-        return Err(invalid(what, NAME_AXES));
+    let invalid = |what: String, help: &str| Error::invalid(path, "", what, help);
+    let metadata = Metadata::read(&chosen(path, name)?)?;
+    let refused = |(what, help): (String, String)| invalid(what, &help);
+    let (axes, said) = match wanted.axes {
+        Some(axes) => (axes.clone(), Said::Wanted),
+        None => match metadata.axes().map_err(refused)? {
+            Some((axes, by)) => (axes, Said::ByFile(by)),
+            None => {
+                let sizes: Vec<usize> = metadata.shape.iter().map(|n| *n as usize).collect();
+                let axes = Axes::assumed(&sizes).map_err(|(what, help)| invalid(what, help))?;
+                (axes, Said::Nowhere)
+            }
+        },
     };
     let taken = Taken {
         axes: axes.list(),
@@ -212,7 +234,7 @@ fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, bool)> {
     };
     let selection = Selection::new(&metadata.shape, dtype, &taken)
         .map_err(|(what, help)| invalid(what, &help))?;
-    Ok((metadata, selection, assumed))
+    Ok((metadata, selection, said))
 }
 
 /// How many chunks (or shards) have no file, if any.

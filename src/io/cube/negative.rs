@@ -1,0 +1,208 @@
+//! Samples below 0: what there is of them, and what becomes of them.
+
+use std::path::Path;
+
+use half::f16;
+use rayon::prelude::*;
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::samples::{Cube, Samples, place_of};
+use crate::error::{Error, Result};
+
+/// What becomes of samples below 0, which data have from which a background was subtracted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Negative {
+    /// They stay, so that means over many keep their value.
+    Keep,
+    /// They become 0.
+    Zero,
+    /// The cube is refused.
+    Refuse,
+}
+
+/// What samples there are below 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BelowZero {
+    /// How many, and of how many.
+    pub count: u64,
+    /// Samples that were looked at.
+    pub of: u64,
+    /// The least.
+    pub least: f64,
+    /// Its row, column, bin and channel; of several alike those of the first.
+    pub place: [usize; 4],
+}
+
+impl BelowZero {
+    /// Those among samples that were looked at, each with its place in a cube of this shape; none where there are none.
+    pub fn among(
+        samples: impl Iterator<Item = (usize, f64)>,
+        shape: [usize; 4],
+    ) -> Option<BelowZero> {
+        let (mut count, mut of, mut least) = (0, 0, (0, 0.0));
+        for (at, x) in samples {
+            of += 1;
+            if x < 0.0 {
+                count += 1;
+                least = if x < least.1 { (at, x) } else { least };
+            }
+        }
+        (count > 0).then(|| BelowZero {
+            count,
+            of,
+            least: least.1,
+            place: place_of(least.0, shape),
+        })
+    }
+}
+
+impl std::fmt::Display for BelowZero {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let [i, j, k, c] = self.place;
+        let part = 100.0 * self.count as f64 / self.of as f64;
+        let are = if self.count == 1 { "is" } else { "are" };
+        write!(
+            f,
+            "{} of {} samples {are} below 0 ({part:.2} %), the least {:.6e} at [{i}, {j}, {k}, {c}]",
+            self.count, self.of, self.least
+        )
+    }
+}
+
+impl Cube {
+    /// What samples there are below 0; none where there are none.
+    pub fn below_zero(&self) -> Option<BelowZero> {
+        /// Samples that a thread counts at a time.
+        const PIECE: usize = 1 << 16;
+        fn found<T: Copy + Sync>(
+            samples: &[T],
+            shape: [usize; 4],
+            number: fn(T) -> f64,
+        ) -> Option<BelowZero> {
+            let pieces = samples.par_chunks(PIECE).enumerate();
+            let of_pieces: Vec<BelowZero> = pieces
+                .filter_map(|(n, piece)| {
+                    let numbered = piece.iter().enumerate();
+                    let samples = numbered.map(|(at, x)| (n * PIECE + at, number(*x)));
+                    BelowZero::among(samples, shape)
+                })
+                .collect();
+            // In the order of the samples, so that the first of several alike is found.
+            let all = of_pieces.into_iter().reduce(|a, b| BelowZero {
+                count: a.count + b.count,
+                ..if b.least < a.least { b } else { a }
+            });
+            all.map(|all| BelowZero {
+                of: samples.len() as u64,
+                ..all
+            })
+        }
+        match &self.samples {
+            Samples::F16(s) => found(s, self.shape, f16::to_f64),
+            Samples::F32(s) => found(s, self.shape, f64::from),
+            Samples::F64(s) => found(s, self.shape, |x| x),
+        }
+    }
+}
+
+impl Negative {
+    /// What becomes of those of a cube.
+    pub(super) fn apply_to_cube(self, cube: &mut Cube, path: &Path) -> Result<()> {
+        match (self, cube.below_zero()) {
+            (Negative::Keep, _) | (_, None) => Ok(()),
+            (Negative::Refuse, Some(found)) => Err(refused(path, found.to_string())),
+            (Negative::Zero, Some(_)) => {
+                match &mut cube.samples {
+                    Samples::F16(s) => s
+                        .iter_mut()
+                        .for_each(|x| *x = if *x < f16::ZERO { f16::ZERO } else { *x }),
+                    Samples::F32(s) => s
+                        .iter_mut()
+                        .for_each(|x| *x = if *x < 0.0 { 0.0 } else { *x }),
+                    Samples::F64(s) => Negative::to_zero(s),
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The same of samples that are read as they are needed.
+    pub(super) fn apply(self, samples: &mut [f64], path: &Path) -> Result<()> {
+        match self {
+            Negative::Keep => Ok(()),
+            Negative::Zero => {
+                Negative::to_zero(samples);
+                Ok(())
+            }
+            Negative::Refuse => match samples.iter().find(|x| **x < 0.0) {
+                None => Ok(()),
+                Some(x) => Err(refused(path, format!("a sample is below 0: {x:.6e}"))),
+            },
+        }
+    }
+
+    fn to_zero(samples: &mut [f64]) {
+        for x in samples.iter_mut().filter(|x| **x < 0.0) {
+            *x = 0.0;
+        }
+    }
+}
+
+fn refused(path: &Path, what: String) -> Error {
+    let help = "negative = \"zero\" takes them for 0, negative = \"keep\" reads them as they are";
+    Error::invalid(path, "samples", what, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 000 samples of each type, some below 0, counted one by one.
+    #[test]
+    fn samples_below_zero_are_counted_and_dealt_with() {
+        let shape = [10, 20, 500, 1];
+        let value = |n: usize| {
+            if n % 977 == 5 {
+                -((n % 7) as f64) - 0.5
+            } else {
+                (n % 11) as f64
+            }
+        };
+        let numbers: Vec<f64> = (0..100_000).map(value).collect();
+        let count = numbers.iter().filter(|x| **x < 0.0).count() as u64;
+        let first = numbers.iter().position(|x| *x == -6.5).unwrap();
+        for samples in [
+            Samples::F16(numbers.iter().map(|x| f16::from_f64(*x)).collect()),
+            Samples::F32(numbers.iter().map(|x| *x as f32).collect()),
+            Samples::F64(numbers.clone()),
+        ] {
+            let cube = Cube::new(shape, samples).unwrap();
+            let found = cube.below_zero().unwrap();
+            assert_eq!((found.count, found.of, found.least), (count, 100_000, -6.5));
+            assert_eq!(
+                found.place,
+                [first / 10_000, first / 500 % 20, first % 500, 0]
+            );
+            let path = Path::new("a.npy");
+            let dealt = |with: Negative| {
+                let mut cube = cube.clone();
+                with.apply_to_cube(&mut cube, path).map(|()| cube)
+            };
+            assert_eq!(dealt(Negative::Keep).unwrap(), cube);
+            let zero = dealt(Negative::Zero).unwrap();
+            for (n, x) in numbers.iter().enumerate() {
+                assert_eq!(zero.samples.get(n), Some(x.max(0.0)));
+            }
+            assert_eq!(zero.below_zero(), None);
+            let said = dealt(Negative::Refuse).unwrap_err().to_string();
+            assert!(
+                said.contains(&format!("{count} of 100000")) && said.contains("-6.5"),
+                "{said}"
+            );
+        }
+    }
+}

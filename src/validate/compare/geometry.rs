@@ -165,10 +165,12 @@ impl<'a> Search<'a> {
         if let Some(found) = self.newton(index, index, wanted) {
             return Some(found);
         }
-        // At a silhouette the point may be on the part of the surface that the next pixels show.
-        let around = self
-            .around(index)
-            .filter(|j| self.part[*j] != self.part[index]);
+        // At a silhouette the point may be on the part of the surface that the next pixels show. Places on another
+        // object say nothing, whatever coordinates they have.
+        let around = self.around(index).filter(|j| {
+            let same_object = r.object_at(*j) == r.object_at(index);
+            self.part[*j] != self.part[index] && (same_object || self.surface == Surface::Sky)
+        });
         let found = around.filter_map(|j| self.newton(index, j, wanted));
         found.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
     }

@@ -56,7 +56,17 @@ fn a_cube_larger_than_the_memory_limit_is_rendered_within_it() {
     for reconstruction in ["bilinear", "footprint"] {
         let set = format!("source.0.cube.reconstruction=\"{reconstruction}\"");
         let arguments = [
-            "render", "scene.toml", "-q", "-o", "a.npz", "--memory", "256MiB", "--stats-json", "cost.json", "--set", &set,
+            "render",
+            "scene.toml",
+            "-q",
+            "-o",
+            "a.npz",
+            "--memory",
+            "256MiB",
+            "--stats-json",
+            "cost.json",
+            "--set",
+            &set,
         ];
         let mut command = folder.command(&arguments);
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap();

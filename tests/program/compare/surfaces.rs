@@ -1,6 +1,6 @@
 //! Errors in pixels, metres and ulp, of surfaces that are known.
 
-use nullray::io::image::Layers;
+use nullray::io::image::{Layers, Samples};
 use nullray::validate::compare::surface::{Distribution, Summary};
 use nullray::validate::compare::{CompareOptions, Picture, SurfaceErrors, compare};
 
@@ -116,6 +116,44 @@ fn a_crease_does_not_pollute_the_error() {
         (found.mean - 0.25).abs() < 1e-6 && (found.max - 0.25).abs() < 1e-6,
         "{found:?}"
     );
+}
+
+#[test]
+fn places_on_another_object_are_not_taken_for_those_of_a_surface() {
+    // A sphere of triangles smaller than pixels before a plane, whose own coordinates pass through the sphere's edge.
+    let plane = [
+        field(SIZE, SIZE, |x, _| 0.4 * (x - 60.0)),
+        field(SIZE, SIZE, |_, y| 0.4 * (32.0 - y)),
+        vec![0.25; (SIZE * SIZE) as usize],
+    ];
+    let triangle = field(SIZE, SIZE, |x, y| x + f64::from(SIZE) * y);
+    let scene = |shift: f64| {
+        let sphere = sphere([shift, 0.0]);
+        let of_sphere = |channel: usize| match &sphere.channels[channel].samples {
+            Samples::F64(values) => values.clone(),
+            other => panic!("{other:?}"),
+        };
+        let object = of_sphere(0);
+        let place = |axis: usize| {
+            let values = of_sphere(1 + axis).into_iter().zip(&plane[axis]);
+            let values = values.zip(&object);
+            let either = values.map(|((sphere, plane), o)| if *o < 0.0 { *plane } else { sphere });
+            either.collect::<Vec<_>>()
+        };
+        layers(
+            SIZE,
+            SIZE,
+            &[
+                ("object", object.iter().map(|o| o + 1.0).collect()),
+                ("object_event.x", place(0)),
+                ("object_event.y", place(1)),
+                ("object_event.z", place(2)),
+                ("primitive", triangle.clone()),
+            ],
+        )
+    };
+    let found = of(&surface(scene(0.0), scene(0.01)).geometric);
+    assert!(found.max < 0.1, "{found:?}");
 }
 
 #[test]

@@ -9,4 +9,5 @@ mod common {
 mod cli;
 mod compare;
 mod export;
+mod house;
 mod study;

@@ -1,7 +1,8 @@
 //! The page in pixels.
 
 use super::Panel;
-use super::layout::{Layout, Rect, TextLine};
+use super::layout::{Layout, Rect};
+use super::lines::TextLine;
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Item, Text, png};
 use crate::figures::text::RichText;

@@ -1,6 +1,6 @@
 //! Where everything is on a page.
 
-use super::lines::{LEADING, Measured, broken, lettered, lines, widest_word};
+use super::lines::{LEADING, Measured, TextLine, broken, lettered, lines, widest_word};
 use super::{Panel, SheetOptions};
 use crate::error::{Error, Result};
 
@@ -52,19 +52,6 @@ pub struct Rect {
     pub width: u32,
     /// Rows.
     pub height: u32,
-}
-
-/// A line of text, centred.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TextLine {
-    /// The text.
-    pub text: String,
-    /// The middle of its baseline: x, y.
-    pub middle: [f64; 2],
-    /// Pixels per em.
-    pub size: f64,
-    /// How wide it is.
-    pub width: f64,
 }
 
 impl Layout {

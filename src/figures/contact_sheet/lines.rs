@@ -1,6 +1,5 @@
 //! Lines of text: lettered, broken at spaces, one beneath the other.
 
-use super::TextLine;
 use crate::error::Result;
 use crate::figures::text::RichText;
 
@@ -8,6 +7,19 @@ use crate::figures::text::RichText;
 pub(super) const LEADING: f64 = 1.3;
 /// From the top of a line of text to its baseline, as a multiple of its size.
 const ASCENT: f64 = 0.95;
+
+/// A line of text, centred.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextLine {
+    /// The text.
+    pub text: String,
+    /// The middle of its baseline: x, y.
+    pub middle: [f64; 2],
+    /// Pixels per em.
+    pub size: f64,
+    /// How wide it is.
+    pub width: f64,
+}
 
 /// A line and its width.
 pub(super) type Measured = (String, f64);

@@ -20,7 +20,8 @@ mod lines;
 use crate::error::Result;
 use crate::io::image::RgbImage;
 
-pub use layout::{Cell, Layout, Rect, TextLine};
+pub use layout::{Cell, Layout, Rect};
+pub use lines::TextLine;
 
 /// A picture and what stands beneath it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -5,6 +5,10 @@ use std::str::FromStr;
 
 use crate::Error;
 
+/// What to do about axes.
+pub(super) const NAME_AXES: &str = "name every axis of the array in `axes`, like \"T H W\": H rows, W columns, T time bins, C channels, \
+     S entries that are added up, L entries of which one is chosen, 1 an axis of one entry";
+
 /// What the entries along an axis of an array are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
@@ -114,7 +118,7 @@ impl Axes {
                 ),
                 format!(
                     "{}; or call them y, x, time and channel in the file",
-                    super::selection::NAME_AXES
+                    NAME_AXES
                 ),
             )
         })

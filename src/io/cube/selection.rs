@@ -10,7 +10,7 @@ use std::path::Path;
 
 use half::f16;
 
-use super::axes::{Arrangement, Axes, Axis};
+use super::axes::{Arrangement, Axes, Axis, NAME_AXES};
 use super::format::CubeInfo;
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -417,10 +417,6 @@ pub(super) fn name_and_choices(name: &str) -> (&str, Vec<usize>) {
     };
     split().unwrap_or((name, Vec::new()))
 }
-
-/// What to do about axes.
-pub(super) const NAME_AXES: &str = "name every axis of the array in `axes`, like \"T H W\": H rows, W columns, T time bins, C channels, \
-     S entries that are added up, L entries of which one is chosen, 1 an axis of one entry";
 
 #[cfg(test)]
 mod tests {

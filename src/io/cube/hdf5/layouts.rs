@@ -229,7 +229,7 @@ fn said_axes(
     if let Some(text) = array.text("axes") {
         let axes = text.parse::<Axes>().map_err(|error| {
             let what = format!("its attribute `axes` is {text:?}: {error}");
-            (what, super::super::selection::NAME_AXES.into())
+            (what, super::super::axes::NAME_AXES.into())
         });
         return axes.map(|axes| Some((axes, "attribute `axes`")));
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 
 use super::super::axes::Axes;
-use super::super::selection::NAME_AXES;
+use super::super::axes::NAME_AXES;
 use super::codecs::Codec;
 use super::number::Number;
 use crate::error::{Error, Result};

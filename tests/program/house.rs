@@ -1,0 +1,175 @@
+//! The files of the library and of the program import each other in one direction.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+type Module = Vec<String>;
+
+/// The modules of `src`, with the text of their files, without comments and tests.
+fn modules() -> BTreeMap<Module, String> {
+    fn gather(folder: &Path, at: &Module, modules: &mut BTreeMap<Module, String>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let stem = path.file_stem().unwrap().to_str().unwrap().to_string();
+            let mut module = at.clone();
+            if path.is_dir() {
+                module.push(stem);
+                gather(&path, &module, modules);
+            } else if path.extension().is_some_and(|e| e == "rs") && stem != "main" {
+                if !["mod", "lib"].contains(&stem.as_str()) {
+                    module.push(stem);
+                }
+                let text = fs::read_to_string(&path).unwrap();
+                let lines = text.lines().map(|line| line.split("//").next().unwrap());
+                let code = lines.collect::<Vec<_>>().join("\n");
+                let code = code.split("#[cfg(test)]\nmod ").next().unwrap();
+                modules.insert(module, code.to_string());
+            }
+        }
+    }
+    let mut modules = BTreeMap::new();
+    gather(Path::new("src"), &vec![], &mut modules);
+    modules
+}
+
+/// The paths of the `use` declarations of `code`, each with the name that it brings.
+fn imports(code: &str) -> Vec<(Vec<String>, String)> {
+    fn expand(tree: &str, before: &[String], paths: &mut Vec<(Vec<String>, String)>) {
+        let mut path = before.to_vec();
+        let (head, group) = match tree.split_once('{') {
+            Some((head, group)) => (head, Some(group.rsplit_once('}').unwrap().0)),
+            None => (tree, None),
+        };
+        let (head, name) = head.split_once(" as ").unwrap_or((head, ""));
+        path.extend(head.split("::").map(|part| part.trim().to_string()));
+        path.retain(|part| !part.is_empty());
+        let Some(group) = group else {
+            if path.last().is_some_and(|last| last == "self") {
+                path.pop();
+            }
+            let last = path.last().cloned().unwrap_or_default();
+            let name = if name.is_empty() {
+                last
+            } else {
+                name.trim().into()
+            };
+            return paths.push((path, name));
+        };
+        let (mut depth, mut begin) = (0, 0);
+        for (at, c) in group.char_indices().chain([(group.len(), ',')]) {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    if !group[begin..at].trim().is_empty() {
+                        expand(group[begin..at].trim(), &path, paths);
+                    }
+                    begin = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut paths = Vec::new();
+    for declaration in code.split(';') {
+        let begin = declaration.rfind("use ").filter(|begin| {
+            let before = declaration[..*begin].trim_end();
+            before.is_empty() || before.ends_with([')', ']', '}', '\n']) || before.ends_with("pub")
+        });
+        if let Some(begin) = begin {
+            expand(&declaration[begin + 4..], &[], &mut paths);
+        }
+    }
+    paths
+}
+
+/// `path`, as it stands in `module`, from the root of the crate; none where it is another crate's.
+fn absolute(path: &[String], module: &Module, all: &BTreeMap<Module, String>) -> Option<Module> {
+    let (first, rest) = path.split_first()?;
+    let mut base = match first.as_str() {
+        "crate" | "nullray" => vec![],
+        "self" => module.clone(),
+        "super" => module[..module.len() - 1].to_vec(),
+        name => {
+            let child = [module.as_slice(), &[name.to_string()]].concat();
+            all.contains_key(&child).then_some(child)?
+        }
+    };
+    for part in rest {
+        match part.as_str() {
+            "super" => drop(base.pop()),
+            _ => base.push(part.clone()),
+        }
+    }
+    Some(base)
+}
+
+#[test]
+fn files_do_not_import_each_other_in_circles() {
+    let all = modules();
+    assert!(all.len() > 300);
+    let mut names = BTreeMap::new();
+    for (module, code) in &all {
+        for (path, name) in imports(code) {
+            if let Some(path) = absolute(&path, module, &all) {
+                names.insert((module.clone(), name), path);
+            }
+        }
+    }
+
+    // Which file an item is from: the face of a folder hands names on.
+    let file_of = |path: &Module| {
+        let mut path = path.clone();
+        for _ in 0..8 {
+            let depth = (0..=path.len())
+                .rev()
+                .find(|n| all.contains_key(&path[..*n]))?;
+            let module = path[..depth].to_vec();
+            let handed_on = path.get(depth).map(|name| (module.clone(), name.clone()));
+            match handed_on
+                .and_then(|key| names.get(&key))
+                .filter(|to| **to != path)
+            {
+                Some(to) => path = [to.as_slice(), &path[depth + 1..]].concat(),
+                None => return Some(module),
+            }
+        }
+        None
+    };
+    let mut edges: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
+    for ((module, _), path) in &names {
+        let to = file_of(path).unwrap_or_default();
+        // A folder's face and what is in the folder are one.
+        if !module.starts_with(&to) && !to.starts_with(module) {
+            edges.entry(module).or_default().insert(to);
+        }
+    }
+    assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 1000);
+
+    // Files that import nothing that is left are taken away, until none is: what stays is in circles, or above one.
+    let mut left = edges;
+    loop {
+        let before = left.len();
+        let known: BTreeSet<Module> = left.keys().map(|module| module.to_vec()).collect();
+        left.retain(|_, to| {
+            to.retain(|to| known.contains(to));
+            !to.is_empty()
+        });
+        if left.len() == before {
+            break;
+        }
+    }
+    let mut circle = Vec::new();
+    if let Some((first, _)) = left.first_key_value() {
+        let mut at = first.to_vec();
+        while !circle.contains(&at) {
+            circle.push(at.clone());
+            at = left[&at].first().unwrap().clone();
+        }
+        let begin = circle.iter().position(|module| *module == at).unwrap();
+        circle.drain(..begin);
+    }
+    let circle: Vec<_> = circle.iter().map(|module| module.join("::")).collect();
+    assert!(circle.is_empty(), "a circle: {}", circle.join(" -> "));
+}

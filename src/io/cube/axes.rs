@@ -6,6 +6,7 @@ use std::str::FromStr;
 use crate::Error;
 
 /// What to do about axes.
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
 pub(super) const NAME_AXES: &str = "name every axis of the array in `axes`, like \"T H W\": H rows, W columns, T time bins, C channels, \
      S entries that are added up, L entries of which one is chosen, 1 an axis of one entry";
 
@@ -116,10 +117,7 @@ impl Axes {
                     "its axes are called {}, by which they are not known",
                     shown.join(", ")
                 ),
-                format!(
-                    "{}; or call them y, x, time and channel in the file",
-                    NAME_AXES
-                ),
+                format!("{NAME_AXES}; or call them y, x, time and channel in the file"),
             )
         })
     }

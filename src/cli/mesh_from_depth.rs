@@ -54,7 +54,7 @@ pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     if arguments.quiet.on {
         return Ok(());
     }
-    report(&output, &made, distances.len())
+    report(&output, &made, &distances)
 }
 
 /// The camera that the options describe.
@@ -177,20 +177,28 @@ fn take_mesh(budget: &Budget, [h, w]: [usize; 2], file: &Path) -> Result<()> {
     budget.take(PIXEL.saturating_mul(h as u64 * w as u64), file)
 }
 
-fn report(output: &Path, made: &DepthMesh, pixels: usize) -> Result<()> {
+fn report(output: &Path, made: &DepthMesh, distances: &[f64]) -> Result<()> {
     let DepthMesh {
         mesh,
         unknown,
         torn,
     } = made;
+    // By these a wrong unit shows.
+    let known = || distances.iter().copied().filter(|d| *d > 0.0 && d.is_finite());
+    let [nearest, farthest] = [known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max)];
+    let shown = |metres: f64| format!("{metres:.4e}").parse().unwrap_or(metres);
     print(&format!(
         "wrote {}: {} triangles, {} vertices; texture coordinates are those of the picture (uv = 0)\n\
-         {torn} pairs of neighbouring pixels are not joined, as they lie on different surfaces\n",
+         surfaces are {} to {} m from the camera; {torn} pairs of neighbouring pixels are not joined, as they lie on different \
+         surfaces\n",
         output.display(),
         mesh.triangles.len(),
         mesh.positions.len(),
+        shown(nearest),
+        shown(farthest),
     ))?;
     if *unknown > 0 {
+        let pixels = distances.len();
         let warning =
             format!("{unknown} of {pixels} pixels have no distance: the mesh has holes there");
         warn(false, [&warning])?;

@@ -132,8 +132,11 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         if there.meets() {
             continue;
         }
+        // What is 0 but for rounding.
+        let least = 1e-9 * (times.data[1] - times.data[0]);
+        let shown = |time: f64| if time.abs() < least { 0.0 } else { rounded(time) };
         let [[a, b], [c, d], [e, f]] =
-            [times.seen, times.data, there.data].map(|span| span.map(rounded));
+            [times.seen, times.data, there.data].map(|span| span.map(shown));
         let mut text = format!(
             "source \"{}\": light in view left (on a capture's clock: arrived) between ct = {a} m and {b} m; its data span \
              {c} m to {d} m",

@@ -313,7 +313,7 @@ fn samples_below_zero_are_counted_with_the_least_and_dealt_with_as_is_asked() {
     let warned = said("").unwrap().warnings.join("\n");
     assert!(
         warned.contains(&format!("{count} of {} samples are below 0", all.len()))
-            && warned.contains("the least -9.000000e5 at [3, 5, 7, 2]")
+            && warned.contains("the least -900000 at [3, 5, 7, 2]")
             && warned.contains("negative = \"keep\""),
         "{warned}"
     );

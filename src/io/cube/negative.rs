@@ -67,8 +67,10 @@ impl std::fmt::Display for BelowZero {
         let are = if self.count == 1 { "is" } else { "are" };
         write!(
             f,
-            "{} of {} samples {are} below 0 ({part:.2} %), the least {:.6e} at [{i}, {j}, {k}, {c}]",
-            self.count, self.of, self.least
+            "{} of {} samples {are} below 0 ({part:.2} %), the least {} at [{i}, {j}, {k}, {c}]",
+            self.count,
+            self.of,
+            shown(self.least)
         )
     }
 }
@@ -140,7 +142,7 @@ impl Negative {
             }
             Negative::Refuse => match samples.iter().find(|x| **x < 0.0) {
                 None => Ok(()),
-                Some(x) => Err(refused(path, format!("a sample is below 0: {x:.6e}"))),
+                Some(x) => Err(refused(path, format!("a sample is below 0: {}", shown(*x)))),
             },
         }
     }
@@ -150,6 +152,11 @@ impl Negative {
             *x = 0.0;
         }
     }
+}
+
+/// A number of six digits.
+fn shown(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 fn refused(path: &Path, what: String) -> Error {

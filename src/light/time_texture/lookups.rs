@@ -77,7 +77,7 @@ pub(super) fn bytes_of(texture: &TimeTexture, lookups: usize) -> u64 {
 }
 
 /// How many bins a filter reads.
-fn bins_of(filter: TimeFilter) -> usize {
+pub(super) fn bins_of(filter: TimeFilter) -> usize {
     match filter {
         TimeFilter::Nearest => 1,
         TimeFilter::Linear => 2,

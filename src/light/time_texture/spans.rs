@@ -22,7 +22,7 @@
 use rayon::prelude::*;
 
 use super::axis::{Phase, Reading, Timeline};
-use crate::io::cube::{Cube, CubeStore};
+use crate::io::cube::{Cube, CubeStore, Held};
 use crate::scene::model::{Fill, TimeFilter};
 
 /// Bins between prefix sums.
@@ -223,10 +223,27 @@ impl Span {
 
     /// The weighted sum over the bins of a texel of `cube`, whose prefix sums are `sums`; one channel is given to all three.
     pub fn texel(&self, cube: &CubeStore, sums: Option<&PrefixSums>, texel: usize) -> [f64; 3] {
-        let channels = cube.shape()[3];
+        let [_, _, bins, channels] = cube.shape();
         let mut rgb = [0.0; 3];
-        for (channel, value) in rgb.iter_mut().enumerate().take(channels) {
-            *value = self.channel(cube, sums, texel, channel);
+        let mut fill = |value: &dyn Fn(usize, usize) -> f64| {
+            for (channel, sum) in rgb.iter_mut().enumerate().take(channels) {
+                *sum = self.channel(|bin| value(bin, channel), sums, (texel, channel));
+            }
+        };
+        match cube {
+            CubeStore::Memory(cube) => fill(&|bin, channel| {
+                let at = (texel * bins + bin) * channels + channel;
+                cube.samples.get(at).unwrap_or(0.0)
+            }),
+            // All at once, since each is in a brick that has to be found.
+            CubeStore::Disk(bricks) => {
+                let run = self.run();
+                let mut values = vec![0.0; run.len() * channels];
+                if !run.is_empty() {
+                    bricks.samples(&mut Held::default(), texel, run.start, &mut values);
+                }
+                fill(&|bin, channel| values[(bin - run.start) * channels + channel]);
+            }
         }
         match channels {
             1 => [rgb[0]; 3],
@@ -234,22 +251,35 @@ impl Span {
         }
     }
 
+    /// How many bins of a texel it reads, by prefix sums or one by one.
+    pub fn bins_read(&self, by_sums: bool) -> usize {
+        let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);
+        let summed = if by_sums && first < last {
+            (last - first) * BLOCK
+        } else {
+            0
+        };
+        self.count + self.full.len() - summed
+    }
+
+    /// The bins that it reads, and those between them.
+    fn run(&self) -> std::ops::Range<usize> {
+        let ends = self.ends[..self.count]
+            .iter()
+            .map(|(bin, _)| *bin..*bin + 1);
+        let full = Some(self.full.clone()).filter(|full| !full.is_empty());
+        let all = ends.chain(full);
+        all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
+            .unwrap_or(0..0)
+    }
+
     fn channel(
         &self,
-        cube: &CubeStore,
+        value: impl Fn(usize) -> f64,
         sums: Option<&PrefixSums>,
-        texel: usize,
-        channel: usize,
+        (texel, channel): (usize, usize),
     ) -> f64 {
-        let [_, _, bins, channels] = cube.shape();
-        let value = |bin: usize| match cube {
-            CubeStore::Memory(cube) => {
-                let at = (texel * bins + bin) * channels + channel;
-                cube.samples.get(at).unwrap_or(0.0)
-            }
-            CubeStore::Disk(bricks) => bricks.sample(texel, bin, channel),
-        };
-        let direct = |bins: std::ops::Range<usize>| bins.map(value).sum::<f64>();
+        let direct = |bins: std::ops::Range<usize>| bins.map(&value).sum::<f64>();
         let ends = self.ends[..self.count].iter();
         let at_ends: f64 = ends.map(|(bin, weight)| weight * value(*bin)).sum();
         let (first, last) = (self.full.start.div_ceil(BLOCK), self.full.end / BLOCK);

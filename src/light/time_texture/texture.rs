@@ -11,6 +11,7 @@ use super::axis::{Moment, Phase, Reading, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
+use super::lookups::bins_of;
 use super::reader;
 use super::spans::{PrefixSums, Span};
 use crate::io::cube::{CubeError, CubeStore};
@@ -198,6 +199,24 @@ impl TimeTexture {
     /// Whether means over spans of time are those of all their bins: bins are of one width.
     pub fn reads_spans(&self) -> bool {
         matches!(self.timeline.reading, Reading::Uniform(_))
+    }
+
+    /// Bytes of samples that a lookup reads, by texture coordinates or where a point was located, at a moment or over a span; at
+    /// most, since taps without weight are left out.
+    pub fn bytes_of_lookup(&self, located: Option<&Located>, span: Option<[f64; 2]>) -> u64 {
+        let span = span.and_then(|[from, to]| self.timeline.span(from, to));
+        let bins = match span {
+            Some(span) => span.bins_read(self.sums.is_some()),
+            None => bins_of(self.axis.filter),
+        };
+        // A pixel that is read as a mean takes its four neighbours along.
+        let texels = match located.map(|located| &located.0) {
+            None | Some(Spot::Seen(..)) => 4,
+            Some(Spot::Sharp(_, _, _, true)) => 5 * 16,
+            Some(Spot::Sharp(_, _, _, false)) => 5 * 4,
+            Some(Spot::Unseen(_) | Spot::Beside(_) | Spot::Behind) => 0,
+        };
+        (texels * bins * self.cube.shape()[3] * self.cube.sample_bytes()) as u64
     }
 
     /// The times between which it holds data, metres of ct on its own clock.

@@ -16,13 +16,15 @@
 //!
 //! With [`CaptureChoice::First`] it is the first in the order of the scene that holds the point.
 
+use std::cell::Cell;
+
 use super::blend::Blend;
 use super::emitted::{Emission, Emitted};
 use super::footprint::Recorded;
 use super::occlusion::{any_hit, shadow_ray};
 use super::point::SurfacePoint;
 use super::run::Run;
-use super::stats::Meter;
+use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, TimeResolved};
 use crate::accel::Segment;
 use crate::light::time_texture::{
@@ -43,6 +45,7 @@ impl TimeResolved {
         blends.clear();
         blends.resize(run.count(), Blend::default());
         emitted.points.fill(run);
+        let read = Cell::new(0);
         for (index, captured) in captures.iter().enumerate() {
             let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
             emitted.located.clear();
@@ -78,12 +81,14 @@ impl TimeResolved {
                     time,
                     span: means.then(|| emitted.spans[at]),
                     blocked,
+                    read: meter.is_on().then_some(&read),
                 };
                 let sampled = recorded.look_up(run, at);
                 let weight = weight(texture, located, *view, blocked);
                 blend.add(self.choice, index, sampled, weight);
             }
         }
+        meter.count(Counter::TextureBytes, read.get());
         for blend in &blends {
             emitted.push(Emission::stored(blend.finish()));
         }

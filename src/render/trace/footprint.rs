@@ -38,12 +38,15 @@
 //! samples stand for spans of time is a third box, and treated alike. Where bins differ in width there are no such means
 //! over spans: all sides are split into parts of a mean bin, up to 64.
 
+use std::cell::Cell;
+
 use glam::{DVec2, DVec3};
 
 use super::camera_rays::CameraRays;
 use super::emitted::{Emission, Emitted};
 use super::point::EmissionClock;
 use super::run::Run;
+use super::stats::{Counter, Meter};
 use crate::light::time_texture::{
     Capture, Located, Sampled, SurfacePoint as CapturePoint, TimeTexture,
 };
@@ -277,7 +280,9 @@ pub(super) fn look_up(
     clock: EmissionClock,
     run: &Run,
     emitted: &mut Emitted,
+    meter: &mut Meter,
 ) {
+    let (is_on, mut read) = (meter.is_on(), 0);
     let spans = run.spans(clock, &mut emitted.spans);
     emitted.times.resize(run.count(), 0.0);
     run.times(clock, 0, &mut emitted.times);
@@ -291,9 +296,15 @@ pub(super) fn look_up(
         let uv = hit.and_then(|hit| at(hit.u, hit.v)).unwrap_or(DVec2::NAN);
         let time = emitted.times[k];
         let span = spans.then(|| emitted.spans[k]);
-        let one = |uv: DVec2, time: f64, span: Option<[f64; 2]>| match span {
-            Some(span) => texture.mean_uv(uv, span.map(|after| time + after)),
-            None => texture.sample_uv(uv, time),
+        let mut one = |uv: DVec2, time: f64, span: Option<[f64; 2]>| {
+            let span = span.map(|span| span.map(|after| time + after));
+            if is_on {
+                read += texture.bytes_of_lookup(None, span);
+            }
+            match span {
+                Some(span) => texture.mean_uv(uv, span),
+                None => texture.sample_uv(uv, time),
+            }
         };
         let mean = run
             .footprint(k, clock)
@@ -319,6 +330,7 @@ pub(super) fn look_up(
         let sampled = mean.unwrap_or_else(|| one(uv, time, span));
         emitted.push(Emission::stored(sampled));
     }
+    meter.count(Counter::TextureBytes, read);
 }
 
 /// One point of a run as a capture saw it, with what its lookup takes.
@@ -332,6 +344,8 @@ pub(super) struct Recorded<'a> {
     /// From where to where an exposure reaches about that.
     pub span: Option<[f64; 2]>,
     pub blocked: bool,
+    /// Bytes that lookups have read, where they are counted.
+    pub read: Option<&'a Cell<u64>>,
 }
 
 impl Recorded<'_> {
@@ -347,13 +361,12 @@ impl Recorded<'_> {
 
     fn at(&self, located: &Located, time: f64, span: Option<[f64; 2]>) -> Sampled {
         let (texture, capture) = (self.texture, self.capture);
+        let span = span.map(|span| span.map(|after| time + after));
+        if let Some(read) = self.read.filter(|_| !self.blocked) {
+            read.set(read.get() + texture.bytes_of_lookup(Some(located), span));
+        }
         match span {
-            Some(span) => texture.mean_located(
-                capture,
-                located,
-                span.map(|after| time + after),
-                self.blocked,
-            ),
+            Some(span) => texture.mean_located(capture, located, span, self.blocked),
             None => texture.sample_located(capture, located, time, self.blocked),
         }
     }

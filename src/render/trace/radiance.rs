@@ -1,6 +1,7 @@
 //! Radiance of surfaces: what points emit at their retarded events, in their own rest frames. Base colours,
 //! which need no time, and time-resolved sources.
 
+use std::cell::Cell;
 use std::fmt::Debug;
 
 use super::base_colours::{BaseColours, Finish};
@@ -113,7 +114,7 @@ fn look_up(
     meter: &mut Meter,
 ) {
     if run.filters(texture) {
-        return footprint::look_up(texture, set, clock, run, emitted);
+        return footprint::look_up(texture, set, clock, run, emitted, meter);
     }
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
@@ -122,6 +123,12 @@ fn look_up(
             let uv = run.hit(k).and_then(|hit| run.rest.uv(run.patch, set, &hit));
             let span = emitted.spans[k].map(|after| emitted.times[k] + after);
             let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span);
+            if meter.is_on() {
+                meter.count(
+                    Counter::TextureBytes,
+                    texture.bytes_of_lookup(None, Some(span)),
+                );
+            }
             emitted.push(Emission::stored(sampled));
         }
         return;
@@ -236,6 +243,7 @@ fn project(
         }
     }
     look_up(captured);
+    let read = Cell::new(0);
     for at in 0..emitted.located.len() {
         let sampled = match emitted.known[at] {
             Some((radiance, 1.0)) => {
@@ -260,12 +268,14 @@ fn project(
                     time: emitted.times[at],
                     span: means.then(|| emitted.spans[at]),
                     blocked: emitted.blocked[at],
+                    read: meter.is_on().then_some(&read),
                 };
                 recorded.look_up(run, at)
             }
         };
         emitted.push(Emission::stored(sampled));
     }
+    meter.count(Counter::TextureBytes, read.get());
 }
 
 impl TimeResolved {

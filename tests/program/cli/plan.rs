@@ -232,3 +232,37 @@ fn the_plan_says_at_how_many_points_triangles_may_be_cut_and_more_are_refused_at
         start.elapsed()
     );
 }
+
+/// Every scene that the program comes with: no warning, but for those whose light has to be baked first.
+#[test]
+fn no_scene_of_the_program_is_warned_of() {
+    let scenes = repository("scenes");
+    let mut folders = vec![scenes];
+    let (mut planned, mut to_bake) = (0, 0);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = || fs::read_to_string(&path).unwrap();
+            let is_scene =
+                path.extension().is_some_and(|e| e == "toml") && text().contains("[camera]");
+            if !is_scene {
+                continue;
+            }
+            let run = Folder::empty().run(&["plan", path.to_str().unwrap()]);
+            let is_baked = run.code == 2 && run.stderr.contains("light/");
+            assert!(
+                is_baked || run.code == 0 && run.stderr.is_empty(),
+                "{}: {}",
+                path.display(),
+                run.stderr
+            );
+            planned += usize::from(!is_baked);
+            to_bake += usize::from(is_baked);
+        }
+    }
+    assert!(planned >= 20 && to_bake <= 4, "{planned} {to_bake}");
+}

@@ -90,6 +90,7 @@ fn a_cube_larger_than_the_memory_limit_is_rendered_within_it() {
         let cost: serde_json::Value = serde_json::from_slice(&folder.read("cost.json")).unwrap();
         let read = cost["disk_bytes"]["needed"].as_u64().unwrap();
         assert!(read > LIMIT, "{read} bytes: {cost}");
+        assert!(cost["texture_bytes"].as_u64() > Some(0), "{cost}");
         folder.read("a.npz");
     }
 }

@@ -184,8 +184,16 @@ fn report(output: &Path, made: &DepthMesh, distances: &[f64]) -> Result<()> {
         torn,
     } = made;
     // By these a wrong unit shows.
-    let known = || distances.iter().copied().filter(|d| *d > 0.0 && d.is_finite());
-    let [nearest, farthest] = [known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max)];
+    let known = || {
+        distances
+            .iter()
+            .copied()
+            .filter(|d| *d > 0.0 && d.is_finite())
+    };
+    let [nearest, farthest] = [
+        known().fold(f64::INFINITY, f64::min),
+        known().fold(0.0, f64::max),
+    ];
     let shown = |metres: f64| format!("{metres:.4e}").parse().unwrap_or(metres);
     print(&format!(
         "wrote {}: {} triangles, {} vertices; texture coordinates are those of the picture (uv = 0)\n\

@@ -134,7 +134,13 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
         }
         // What is 0 but for rounding.
         let least = 1e-9 * (times.data[1] - times.data[0]);
-        let shown = |time: f64| if time.abs() < least { 0.0 } else { rounded(time) };
+        let shown = |time: f64| {
+            if time.abs() < least {
+                0.0
+            } else {
+                rounded(time)
+            }
+        };
         let [[a, b], [c, d], [e, f]] =
             [times.seen, times.data, there.data].map(|span| span.map(shown));
         let mut text = format!(

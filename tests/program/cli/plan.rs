@@ -236,7 +236,7 @@ fn the_plan_says_at_how_many_points_triangles_may_be_cut_and_more_are_refused_at
 /// Every scene that the program comes with: no warning, but for those whose light has to be baked first.
 #[test]
 fn no_scene_of_the_program_is_warned_of() {
-    let scenes = repository("scenes");
+    let scenes = std::path::PathBuf::from(repository("scenes"));
     let mut folders = vec![scenes];
     let (mut planned, mut to_bake) = (0, 0);
     while let Some(folder) = folders.pop() {

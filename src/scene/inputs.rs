@@ -38,8 +38,8 @@ pub(super) struct Seen {
     tables: Mutex<HashMap<PathBuf, Rows>>,
     /// Arrays of one axis, by file and array.
     numbers: Mutex<HashMap<InFile, Vec<f64>>>,
-    /// Time axes that files of cubes say.
-    times: Mutex<HashMap<(PathBuf, Option<String>), Option<FileTimes>>>,
+    /// Time axes that files of cubes say, by file and array.
+    times: Mutex<HashMap<InFile, Option<FileTimes>>>,
 }
 
 /// A file, and what it is called that is looked for in it.

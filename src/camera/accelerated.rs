@@ -320,6 +320,7 @@ fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
 /// The direction of `way`, and whether its squares are in the range where that is right, as they are unless the camera's
 /// sizes are unusual.
 #[inline(always)]
+#[allow(clippy::manual_range_contains, reason = "without a branch")]
 fn along_usual<F: Frame>(way: DVec3) -> (Direction<F>, bool) {
     let square = way.length_squared();
     let direction = Direction::from_unit(way * (1.0 / square.sqrt()));

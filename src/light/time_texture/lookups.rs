@@ -11,6 +11,7 @@ use super::axis::{Reading, Timeline};
 use super::gather::read;
 use super::places::{BATCH, Cubic, CubicMeans, Filter, Linear, MOST_BINS, Nearest, Places, place};
 use super::texture::{Sampled, TimeTexture};
+use super::weights::bins_of;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::io::cube::{Bricks, CubeStore, Held, Samples};
 use crate::scene::model::TimeFilter;
@@ -74,16 +75,6 @@ impl Lookups {
 pub(super) fn bytes_of(texture: &TimeTexture, lookups: usize) -> u64 {
     let cube = texture.cube();
     (lookups * 4 * bins_of(texture.axis().filter) * cube.shape()[3] * cube.sample_bytes()) as u64
-}
-
-/// How many bins a filter reads.
-pub(super) fn bins_of(filter: TimeFilter) -> usize {
-    match filter {
-        TimeFilter::Nearest => 1,
-        TimeFilter::Linear => 2,
-        TimeFilter::Cubic => 4,
-        TimeFilter::CubicMeans => 6,
-    }
 }
 
 impl TimeTexture {

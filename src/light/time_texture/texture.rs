@@ -11,9 +11,9 @@ use super::axis::{Moment, Phase, Reading, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
-use super::lookups::bins_of;
 use super::reader;
 use super::spans::{PrefixSums, Span};
+use super::weights::bins_of;
 use crate::io::cube::{CubeError, CubeStore};
 
 /// The answer to one lookup.

@@ -1,5 +1,7 @@
 //! Weights on runs of bins, and the filters that give them.
 
+use crate::scene::model::TimeFilter;
+
 /// A run of bins, all of them existing, and their weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BinWeights {
@@ -39,4 +41,14 @@ pub(super) fn less_curvature([p, q, r, s]: [f64; 4]) -> [f64; 6] {
         spread(r, s, 0.0),
         spread(s, 0.0, 0.0),
     ]
+}
+
+/// How many bins a filter reads.
+pub(super) fn bins_of(filter: TimeFilter) -> usize {
+    match filter {
+        TimeFilter::Nearest => 1,
+        TimeFilter::Linear => 2,
+        TimeFilter::Cubic => 4,
+        TimeFilter::CubicMeans => 6,
+    }
 }

@@ -130,3 +130,141 @@ save("colmap/images.bin", images)
 save("colmap/cameras.bin", struct.pack("<QIIQQ4d", 1, 1, 1, 640, 480, 320, 320, 320, 240))
 save("colmap/images.txt.bin", "# list\n1 0.5 0.5 0.5 -0.5 -2 5 1 1 a\n1 2 3\n")
 save("colmap/cameras.txt.bin", "1 SIMPLE_PINHOLE 640 480 320 320 240\n")
+
+
+# Models, each with what the others have not.
+def glb(document, data=b""):
+    import json
+
+    document = {"asset": {"version": "2.0"}, **document}
+    if data:
+        document["buffers"] = [{"byteLength": len(data)}]
+        data += b"\0" * (-len(data) % 4)
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    if data:
+        chunks += struct.pack("<II", len(data), 0x004E4942) + data
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+
+def model(primitive, views, accessors, **more):
+    document = {
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "a", "mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "bufferViews": [],
+        "accessors": accessors,
+    }
+    data = b""
+    for view, extra in views:
+        data += b"\0" * (-len(data) % 4)
+        document["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": len(view), **extra})
+        data += view
+    document.update(more)
+    return glb(document, data)
+
+
+CORNERS = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0)
+PLACES = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}
+POSITION = {"attributes": {"POSITION": 0}}
+
+
+def indexed(kind, code, numbers, mode=4):
+    view = struct.pack(f"<{len(numbers)}{code}", *numbers)
+    accessor = {"bufferView": 1, "componentType": kind, "count": len(numbers), "type": "SCALAR"}
+    return model({**POSITION, "indices": 1, "mode": mode}, [(CORNERS, {}), (view, {})], [PLACES, accessor])
+
+
+UVS = struct.pack("<8H", 0, 0, 65535, 0, 0, 65535, 65535, 65535)
+IMAGE = png(2, 2, 8, 2, rows(2, 6))
+TRANSFORM = {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 1, "scale": [2, 2]}}
+GLASS = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.5}}
+LIGHTS = [{"type": "point", "intensity": 3}, {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}}]
+TURN = struct.pack("<2f", 0, 1) + struct.pack("<6f", 0, 0, 0, 1, 2, 3)
+INSTANCES = struct.pack("<6f", 0, 0, 0, 2, 0, 0)
+MODELS = {
+    "bytes": indexed(5121, "B", [0, 1, 2, 2, 1, 3]),
+    "strip": indexed(5123, "H", [0, 1, 2, 3], 5),
+    "fan": indexed(5125, "I", [0, 1, 3, 2], 6),
+    "interleaved": model(
+        {"attributes": {"POSITION": 0, "COLOR_0": 1}},
+        [(b"".join(CORNERS[12 * k : 12 * k + 12] + b"\xff\x80\0\xff" for k in range(3)), {"byteStride": 16})],
+        [
+            {**PLACES, "count": 3},
+            {"bufferView": 0, "byteOffset": 12, "componentType": 5121, "normalized": True, "count": 3, "type": "VEC4"},
+        ],
+    ),
+    "textured": model(
+        {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "mode": 5, "material": 0},
+        [(CORNERS, {}), (UVS, {}), (IMAGE, {})],
+        [PLACES, {"bufferView": 1, "componentType": 5123, "normalized": True, "count": 4, "type": "VEC2"}],
+        images=[{"bufferView": 2, "mimeType": "image/png"}],
+        samplers=[{"wrapS": 33071, "magFilter": 9728}],
+        textures=[{"source": 0, "sampler": 0}],
+        materials=[
+            {
+                "name": "m",
+                "doubleSided": True,
+                "alphaMode": "MASK",
+                "extensions": GLASS,
+                "emissiveFactor": [1, 0, 0],
+                "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": TRANSFORM}, "roughnessFactor": 0},
+            }
+        ],
+        extensionsUsed=["KHR_texture_transform", "KHR_materials_transmission", "KHR_materials_ior"],
+    ),
+    "sparse": model(
+        {**POSITION, "mode": 5},
+        [(b"\1\0", {}), (struct.pack("<3f", 5, 6, 7), {})],
+        [
+            {
+                "componentType": 5126,
+                "count": 4,
+                "type": "VEC3",
+                "min": [0, 0, 0],
+                "max": [5, 6, 7],
+                "sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5123}, "values": {"bufferView": 1}},
+            }
+        ],
+    ),
+    "moving": model(
+        {**POSITION, "mode": 5},
+        [(CORNERS, {}), (TURN[:8], {}), (TURN[8:], {})],
+        [
+            PLACES,
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+        ],
+        nodes=[
+            {"name": "a", "mesh": 0, "children": [1, 2, 3], "rotation": [0, 0.6, 0, 0.8], "scale": [1, -1, 2]},
+            {"name": "c", "camera": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]},
+            {"name": "l", "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"name": "s", "extensions": {"KHR_lights_punctual": {"light": 1}}},
+        ],
+        cameras=[{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1, "aspectRatio": 1.5}}],
+        animations=[
+            {
+                "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                "samplers": [{"input": 1, "output": 2}],
+            }
+        ],
+        extensions={"KHR_lights_punctual": {"lights": LIGHTS}},
+        extensionsUsed=["KHR_lights_punctual"],
+    ),
+    "instances": model(
+        {**POSITION, "mode": 5},
+        [(CORNERS, {}), (INSTANCES, {})],
+        [PLACES, {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        nodes=[{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}}}],
+        extensionsUsed=["EXT_mesh_gpu_instancing"],
+        extensionsRequired=["EXT_mesh_gpu_instancing"],
+    ),
+    # Accessors that lie: counts beyond the view, indices beyond the corners, a loop of nodes.
+    "beyond": model(POSITION, [(CORNERS, {})], [{**PLACES, "count": 4294967295}]),
+    "stray": indexed(5125, "I", [0, 1, 4294967295]),
+    "loop": model(POSITION, [(CORNERS, {})], [{**PLACES, "count": 3}], nodes=[{"mesh": 0, "children": [0]}]),
+}
+for name, data in MODELS.items():
+    save(f"gltf/{name}.glb", data)

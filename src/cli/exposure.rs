@@ -1,5 +1,6 @@
 //! One exposure for several pictures: a percentile over small previews of them all.
 
+use glam::DVec3;
 use nullray::Result;
 use nullray::render;
 use nullray::render::aov::Aov;
@@ -48,6 +49,21 @@ pub fn of_surfaces(scene: &Scene, request: &Request) -> Result<Option<f64>> {
     }
     let white = tonemap::white(&seen, Exposure::Percentile(99.0))?;
     Ok(format!("{white:.2e}").parse().ok())
+}
+
+/// How far the surfaces in view of `scene` are from its pinhole, metres, by places in the world: half of them nearer, in a small
+/// picture; none where none is in view.
+pub fn median_distance(scene: &Scene, request: &Request) -> Result<Option<f64>> {
+    let places = [Aov::EventX, Aov::EventY, Aov::EventZ];
+    let film = preview(scene, request, places.to_vec())?;
+    let [x, y, z] = places.map(|aov| film.aov(aov).unwrap_or_default());
+    let eye = scene.camera.origin.x;
+    let mut distances: Vec<f64> = (x.iter().zip(y).zip(z))
+        .map(|((x, y), z)| eye.distance(DVec3::new(*x, *y, *z)))
+        .filter(|distance| distance.is_finite())
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    Ok(distances.get(distances.len() / 2).copied())
 }
 
 /// A small picture, a ray through the centre of each pixel.

@@ -26,7 +26,7 @@ use nullray::figures::diagram::Series;
 use nullray::figures::drawing::png;
 use nullray::io::image::RgbImage;
 use nullray::render::metadata;
-use nullray::render::plan::Plan;
+use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::survey;
@@ -42,7 +42,7 @@ use super::frames::{self, Frames, Job, Shot};
 use super::names::{named_after, numbered};
 use super::output::Outputs;
 use super::reel::{self, Folder, Reel};
-use super::{builtin, caption, inputs};
+use super::{builtin, caption, exposure, inputs};
 
 pub fn run(mut arguments: FilmArguments) -> Result<()> {
     if arguments.output.is_empty() {
@@ -76,7 +76,8 @@ struct Take {
 /// The takes of a film, the moving one first.
 fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
     let pictures = arguments.pictures;
-    let Some(motion) = motion(&arguments.motion, scene, pictures)? else {
+    let request = arguments.changes.request();
+    let Some(motion) = motion(&arguments.motion, scene, pictures, &request)? else {
         return match arguments.motion.light {
             true => Ok(vec![light(arguments, scene)?]),
             false => Err(no_motion()),
@@ -115,15 +116,21 @@ pub fn speed_of(shot: &Shot) -> String {
 }
 
 /// The moments of a moving camera; none where it is the scene's own.
-fn motion(motion: &MotionArguments, scene: &Scene, pictures: u32) -> Result<Option<Vec<Shot>>> {
+fn motion(
+    motion: &MotionArguments,
+    scene: &Scene,
+    pictures: u32,
+    request: &Request,
+) -> Result<Option<Vec<Shot>>> {
     let last = f64::from(pictures.saturating_sub(1).max(1));
     let part = |k: u32| f64::from(k) / last;
     let [right, _, forward] = scene.camera.axes;
     if let Some(beta) = motion.flyby {
         let n = heading(motion.direction, right)?;
         let velocity = velocity("--flyby", beta, n)?;
-        let distance = distance(motion, scene, velocity.gamma())?;
-        let way = looked_at(&scene.text).map(|point| point - scene.camera.origin.x);
+        let subject = subject(scene, request)?;
+        let distance = distance(motion, scene, subject, velocity.gamma())?;
+        let way = subject.map(|point| point - scene.camera.origin.x);
         let middle = way.map_or(0.0, |way| straight_ahead(way, n, velocity));
         let shot = |k| {
             let x = middle + (part(k) - 0.5) * distance;
@@ -134,7 +141,11 @@ fn motion(motion: &MotionArguments, scene: &Scene, pictures: u32) -> Result<Opti
     if let Some(beta) = motion.accelerate {
         let n = heading(motion.direction, forward)?;
         let greatest = velocity("--accelerate", beta, n)?;
-        let a = (greatest.gamma() - 1.0) / distance(motion, scene, 1.0)?;
+        let subject = match motion.distance {
+            Some(_) => None,
+            None => subject(scene, request)?,
+        };
+        let a = (greatest.gamma() - 1.0) / distance(motion, scene, subject, 1.0)?;
         let rapidity = greatest.rapidity().length();
         let shot = |k| {
             let w = part(k) * rapidity;
@@ -221,8 +232,13 @@ fn straight_ahead(way: DVec3, n: DVec3, velocity: Velocity) -> f64 {
     along + velocity.gamma() * (beta * way.length() - along)
 }
 
-/// How far the camera goes, metres: what is said, or `stretch` times twice the distance from its eye to the point that it looks at.
-fn distance(motion: &MotionArguments, scene: &Scene, stretch: f64) -> Result<f64> {
+/// How far the camera goes, metres: what is said, or `stretch` times twice the distance from its eye to the `subject`.
+fn distance(
+    motion: &MotionArguments,
+    scene: &Scene,
+    subject: Option<DVec3>,
+    stretch: f64,
+) -> Result<f64> {
     if let Some(distance) = motion.distance {
         let metres = distance.metres(scene.speed_of_light);
         return match metres > 0.0 {
@@ -234,11 +250,44 @@ fn distance(motion: &MotionArguments, scene: &Scene, stretch: f64) -> Result<f64
             )),
         };
     }
-    let look_at = looked_at(&scene.text);
-    look_at.map(|point| 2.0 * stretch * point.distance(scene.camera.origin.x)).ok_or_else(|| {
-        let what = "the scene does not say what its camera looks at (camera.look_at), and so not how far to go";
+    subject.map(|point| 2.0 * stretch * point.distance(scene.camera.origin.x)).ok_or_else(|| {
+        let what = "the scene does not say what its camera looks at (camera.look_at), and has no surface away from it: it is not known how far to go";
         refused("--distance", what, "give the length of the way, like --distance \"6 m\"")
     })
+}
+
+/// The point that the camera looks at: that which the scene names; or else the one on its forward axis that is as far as the
+/// surfaces in view are, half of which are nearer; where none is in view, as the nearest object is by its own origin; and of a scene
+/// without objects at 1 m. None where objects have their origins in the pinhole.
+///
+/// # Errors
+/// What keeps a small picture from being rendered.
+fn subject(scene: &Scene, request: &Request) -> Result<Option<DVec3>> {
+    if let Some(point) = looked_at(&scene.text) {
+        return Ok(Some(point));
+    }
+    let [.., forward] = scene.camera.axes;
+    let eye = scene.camera.origin.x;
+    let distance = match scene.objects.is_empty() {
+        true => Some(1.0),
+        false => {
+            let still = shot(scene, 0.0, DVec3::ZERO, Velocity::REST).seen(scene);
+            let seen = exposure::median_distance(&still, request)?;
+            seen.or_else(|| nearest(scene))
+        }
+    };
+    Ok(distance.map(|distance| eye + forward * distance))
+}
+
+/// How far the nearest object is whose origin is not in the pinhole, metres.
+fn nearest(scene: &Scene) -> Option<f64> {
+    let eye = scene.camera.origin.x;
+    let origins = scene.objects.iter();
+    let origins = origins.map(|object| object.origin.x + object.transform.translation);
+    let distances = origins.map(|origin| origin.distance(eye));
+    distances
+        .filter(|distance| *distance > 0.0)
+        .reduce(f64::min)
 }
 
 fn looked_at(text: &str) -> Option<DVec3> {

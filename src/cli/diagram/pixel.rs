@@ -32,6 +32,11 @@ pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
         Origin::Camera => pixel_probe::Origin::Reception,
         Origin::Object => pixel_probe::Origin::Emission,
     });
+    if origin == Some(pixel_probe::Origin::Emission) && probe.hit.is_none() {
+        let what = format!("nothing is seen in pixel {},{}", pixel[0], pixel[1]);
+        let help = "choose a pixel that shows an object, or leave out --origin";
+        return Err(refused("--origin object", what, help));
+    }
     let model = pixel_probe::diagram(&probe, base, frame, origin);
     let model = model.ok_or_else(|| unknown(frame.unwrap_or_default(), &known))?;
     print_numbers(arguments, &probe)?;

@@ -5,6 +5,8 @@ use super::contour::{Grid, pieces};
 use super::range::Range;
 use crate::figures::drawing::Path;
 
+/// Open lines of less length are left out, in pixels of the grid: crumbs between the jumps at edges.
+const SHORTEST: f64 = 6.0;
 /// Every so many lines one is heavy.
 const HEAVY: i64 = 5;
 
@@ -31,13 +33,20 @@ pub(crate) fn isochrones(grid: &Grid, range: &Range, crowded: f64) -> Vec<Isochr
             false => crowded,
         };
         let lines = polylines(&pieces).into_iter();
-        let lines = lines.filter(|line| line.density <= most);
+        let lines = lines.filter(|line| line.density <= most && !is_crumb(&line.points));
         Isochrone {
             number,
             lines: lines.map(|line| line.points).collect(),
         }
     });
     isochrones.collect()
+}
+
+/// Whether the line is open and short.
+fn is_crumb(points: &[[f64; 2]]) -> bool {
+    let steps = points.iter().zip(points.iter().skip(1));
+    let length: f64 = steps.map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+    points.first() != points.last() && length < SHORTEST
 }
 
 /// Lines as one path, each point at its `place`: a translucent line is not darker where its parts meet, and borders
@@ -56,4 +65,16 @@ pub(crate) fn path_of<'a>(
         }
     });
     contours.fold(Path::default(), Path::and)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crumbs_are_left_out_and_small_rings_and_long_lines_stay() {
+        assert!(is_crumb(&[[0.0, 0.0], [3.0, 4.0]]));
+        assert!(!is_crumb(&[[0.0, 0.0], [3.0, 4.0], [6.0, 8.0]]));
+        assert!(!is_crumb(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]]));
+    }
 }

@@ -118,3 +118,54 @@ fn a_diagram_alone_is_no_scene_to_render() {
     let error = nullray::scene::load(file, &Default::default()).unwrap_err();
     assert!(error.to_string().contains("no camera"), "{error}");
 }
+
+#[test]
+fn world_lines_go_with_the_speed_of_the_frame_that_the_title_names() {
+    use nullray::figures::diagram::model::Diagram;
+    let at = |name: &str, beta: f64| -> Diagram {
+        let path =
+            PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/diagrams/{name}.toml"));
+        let overrides = nullray::scene::Overrides {
+            set: vec![("diagram.frame.\"S'\".velocity".into(), beta.to_string())],
+            ..Default::default()
+        };
+        diagram::load(&path, &overrides).unwrap()
+    };
+    // The moving lines, and what the intervals measure at β = 0.28, where 1/γ = 0.96.
+    for (name, lines, values) in [
+        (
+            "length-contraction",
+            &["rear", "front"][..],
+            &["1.92", "2"][..],
+        ),
+        ("simultaneity", &["train", "rear end", "front end"], &[]),
+        ("light-clock", &["rear", "front"], &[]),
+        ("time-dilation", &["clock'"], &["1.042", "1.042"]),
+        ("ladder-paradox", &["rear", "front"], &["1.92"]),
+    ] {
+        let model = at(name, 0.28);
+        for line in lines {
+            let found = model.lines.iter().find(|known| known.name == *line);
+            let track = &found.unwrap_or_else(|| panic!("{name}: {line}")).track;
+            let [from, to] = track.span();
+            let moment = track.at(from.max(-1.0).midpoint(to.min(1.0))).unwrap();
+            let beta = moment.velocity.beta().dot(model.direction);
+            assert!((beta - 0.28).abs() < 1e-12, "{name}: {line} at {beta}");
+        }
+        let drawing = diagram::draw(&diagram::layout(&model), &model.style).unwrap();
+        let all: Vec<String> = texts(&drawing.items)
+            .iter()
+            .map(|text| text.text.text())
+            .collect();
+        assert!(
+            all.iter().any(|text| text.contains("β = 0.28")),
+            "{name}: {all:?}"
+        );
+        for value in values {
+            assert!(
+                all.iter().any(|text| text.ends_with(&format!("= {value}"))),
+                "{name}: {all:?}"
+            );
+        }
+    }
+}

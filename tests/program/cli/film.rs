@@ -271,3 +271,67 @@ fn films_that_cannot_be_made_are_refused() {
         refused(&folder, &words.split(' ').collect::<Vec<_>>(), parts);
     }
 }
+
+#[test]
+fn scenes_that_name_no_point_to_look_at_are_filmed_as_far_as_what_they_show() {
+    let folder = Folder::new();
+    let gallery = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/gallery");
+    for name in ["clocks", "stars", "street", "trains", "tunnel"] {
+        let scene = format!("{gallery}/{name}.toml");
+        let film = [
+            "film",
+            &scene,
+            "--flyby",
+            "0.5",
+            "--pictures",
+            "2",
+            "--size",
+            "24x16",
+            "--spp",
+            "1",
+            "-o",
+            "a.apng",
+        ];
+        folder.ok(&film);
+        assert_eq!(apng(&folder.read("a.apng")).len(), 2, "{name}");
+    }
+    // A wall 3 m away that is named, and the same one that is found: the same pictures. It is as large as the picture.
+    let wall = |camera: &str| {
+        format!(
+            "[camera]\neye = [0, 0, 3]\n{camera}\nsize = [24, 16]\nhfov = \"2 deg\"\n[display]\nwhite = 1\n[[object]]\n\
+             shape = {{ plane = {{ size = [9, 9] }} }}\ntransform = {{ rotate = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}\n"
+        )
+    };
+    folder.write("named.toml", wall("look_at = [0, 0, 0]"));
+    folder.write("found.toml", wall("forward = [0, 0, -1]"));
+    let films = ["named", "found"].map(|name| {
+        let scene = format!("{name}.toml");
+        let film = format!("{name}.y4m");
+        folder.ok(&[
+            "film",
+            &scene,
+            "--accelerate",
+            "0.5",
+            "--pictures",
+            "3",
+            "-o",
+            &film,
+        ]);
+        y4m(&folder.read(&film))
+    });
+    for (a, b) in films[0].iter().zip(&films[1]) {
+        assert_near(a, b, 1);
+    }
+    // Where nothing is in view the nearest object counts.
+    folder.write("away.toml", wall("forward = [0, 0, 1]"));
+    folder.ok(&[
+        "film",
+        "away.toml",
+        "--flyby",
+        "0.5",
+        "--pictures",
+        "2",
+        "-o",
+        "a.apng",
+    ]);
+}

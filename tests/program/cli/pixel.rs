@@ -106,3 +106,15 @@ fn pixels_that_cannot_be_traced_are_refused() {
     }
     assert_eq!(folder.names(), ["figure.toml", "scene.toml"]);
 }
+
+#[test]
+fn the_origin_at_an_object_is_refused_where_none_is_seen() {
+    let folder = Folder::new();
+    let command = "diagram scene.toml --pixel 0,0 --origin object -o a.svg";
+    let command: Vec<&str> = command.split(' ').collect();
+    refused(
+        &folder,
+        &command,
+        &["--origin object", "nothing is seen in pixel 0,0"],
+    );
+}

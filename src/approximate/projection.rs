@@ -292,10 +292,10 @@ pub(crate) fn apart() -> Error {
         "camera",
         "method",
         "vertices have apparent positions for a camera all of whose rays leave one event, and those of this \
-         one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\") \
-         or see nothing in the corners (a fisheye)",
-        "render it by --method trace, or take the sensor, the shutter, the rotation, the second eye or the corners \
-         away",
+         one leave events of their own (a sensor, a shutter, a rotation, a stereo pair, or model = \"paper2015\"), \
+         or places on its film see nothing (corners of a fisheye, what is beyond the poles of a panorama)",
+        "render it by --method trace, or take the sensor, the shutter, the rotation or the second eye away; or set a size \
+         or an hfov for which all of the film sees something (rasterizers need a perspective)",
     )
 }
 

@@ -8,6 +8,8 @@ use nullray::io::files;
 use nullray::scene::{ModelView, Overrides, SceneFile};
 use nullray::{Result, figures, scene};
 
+use super::failure::refused;
+
 /// The text of the built-in scene.
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
@@ -23,6 +25,50 @@ pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<S
         }
         Some(path) => SceneFile::read(path),
         None => Ok(SceneFile::of_text(TEXT, NAME, Path::new(FOLDER))),
+    }
+}
+
+/// The same; a model is looked at as `model` says, which scenes refuse.
+pub fn open_as(
+    path: Option<&Path>,
+    model: &ModelView,
+    overrides: &Overrides,
+    memory: u64,
+) -> Result<SceneFile> {
+    match model_as(path, model, overrides, memory)? {
+        Some((path, text)) => Ok(of_model(path, &text)),
+        None => open(path, overrides, memory),
+    }
+}
+
+/// Where `path` is that of a model, it and the text of the scene that it stands for, seen as `model` says, which scenes refuse.
+pub fn model_as<'a>(
+    path: Option<&'a Path>,
+    model: &ModelView,
+    overrides: &Overrides,
+    memory: u64,
+) -> Result<Option<(&'a Path, String)>> {
+    let moves = model.beta.is_some() || model.flyby;
+    if model.direction.is_some() && !moves {
+        let what = "it says where a moving camera goes, and this one is at rest";
+        return Err(refused("--direction", what, "add --beta 0.9, or --flyby"));
+    }
+    match path {
+        Some(path) if is_model(path) => {
+            let text = model_text(path, model, overrides, memory)?;
+            Ok(Some((path, text)))
+        }
+        _ if moves => {
+            let option = match model.flyby {
+                true => "--flyby",
+                false => "--beta",
+            };
+            let what = "it tells how a model without a scene is looked at, and this is a scene";
+            let help =
+                "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
+            Err(refused(option, what, help))
+        }
+        _ => Ok(None),
     }
 }
 

@@ -94,7 +94,7 @@ impl Rendered {
         let cost = remarks::cost(rays, self.prepared_in, self.rendered_in);
         say(quiet, &cost)?;
         say(quiet, &remarks::coverage(&self.film, plan))?;
-        say(quiet, &remarks::blackness(&self.film))?;
+        say(quiet, &remarks::blackness(scene, &self.film))?;
         say(quiet, &remarks::enclosed(scene, &self.prepared))?;
         if remarks::is_black(&self.film) {
             say(quiet, &remarks::times(scene, &mut self.prepared))?;

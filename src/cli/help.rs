@@ -34,8 +34,8 @@ Examples:
   nullray render scene.toml --overlay figure.pdf --overlay-parts outlines,beta
   nullray render scene.toml --from \"0 ns\" --to \"10 ns\" --fps 5e9 --white 0.5 -o \"frame-####.png\"
   nullray render scene.toml --frames 50..100 --interval \"2 cm\" -o film.exr
-  nullray render scene.toml --frames 0..72 --interval \"2 cm\" --same-exposure -o film.apng --caption \"a crate\"
-  nullray render scene.toml --frames 0..72 --interval \"2 cm\" --same-exposure -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4
+  nullray render scene.toml --frames 0..72 --interval \"2 cm\" -o film.apng --caption \"a crate\"
+  nullray render scene.toml --frames 0..72 --interval \"2 cm\" -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4
   nullray render figure.toml --panel beta-0.9 -o right.png
   nullray render model.glb --beta 0.9 --direction x
   nullray render model.glb --flyby -o \"frame-####.png\"

@@ -362,8 +362,9 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         let job = Job {
             changes: &arguments.changes,
             // The searchlight effect makes one place at many speeds too dark or too bright for one exposure.
-            same_exposure: arguments.motion.speeds.is_none(),
-            warns: false,
+            same_exposure: arguments
+                .exposure
+                .is_same(arguments.motion.speeds.is_none()),
             quiet: arguments.work.quiet.on,
             file,
             scene,

@@ -81,8 +81,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     };
     let job = Job {
         changes: &arguments.changes,
-        same_exposure: arguments.exposure.same_exposure,
-        warns: false,
+        same_exposure: arguments.exposure.is_same(true),
         quiet,
         file,
         scene,

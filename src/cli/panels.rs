@@ -34,7 +34,14 @@ pub fn scene(
     overrides: &Overrides,
     memory: u64,
 ) -> Result<Scene> {
-    let file = builtin::open(path, overrides, memory)?;
+    of_file(&builtin::open(path, overrides, memory)?, panel, overrides)
+}
+
+/// The same of a file that is open.
+///
+/// # Errors
+/// As [`scene`].
+pub fn of_file(file: &SceneFile, panel: Option<&String>, overrides: &Overrides) -> Result<Scene> {
     let whole = file.scene(overrides)?;
     let Some(panel) = panel else {
         return Ok(whole);

@@ -7,10 +7,11 @@ use nullray::render::plan::Request;
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
 use nullray::render::survey;
+use nullray::scene::model::{EmissionProfile, Light, LightKind, Source, SourceKind};
 
 use super::args::PlanArguments;
 use super::progress::Bar;
-use super::{print, print_json, warn, with_short_lines};
+use super::{builtin, print, print_json, warn, with_short_lines};
 
 /// The most bytes of cubes that a plan reads, to say where light in view misses their times; larger ones are looked into by `render`.
 const LOOKED_INTO: u64 = 256 << 20;
@@ -19,7 +20,14 @@ const LOOKED_INTO: u64 = 256 << 20;
 const LOADED: u64 = 1 << 20;
 
 pub fn run(arguments: &PlanArguments) -> Result<()> {
-    let scene = arguments.scene.load()?;
+    let changes = &arguments.scene.changes;
+    let file = builtin::open_as(
+        arguments.scene.path(),
+        &arguments.model.view(),
+        &changes.overrides(),
+        changes.memory.bytes(),
+    )?;
+    let scene = arguments.scene.of(&file)?;
     let aovs = arguments.channels.list();
     let parts = arguments.lines.parts();
     let beside = match arguments.overlay {
@@ -43,6 +51,18 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
         let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
         let misfits = survey::misfits(&scene, &mut prepared);
         warn(false, prepared.warnings.iter().chain(&misfits))?;
+    }
+    let is_timed = |light: &Light| match &light.kind {
+        LightKind::Lamp(lamp) => lamp.emission != EmissionProfile::Steady,
+        LightKind::Area { .. } => false,
+    };
+    let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
+    let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);
+    let triangles: u64 = plan.objects.iter().map(|object| object.triangles).sum();
+    if is_timed && bytes <= LOOKED_INTO && triangles <= LOADED {
+        let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
+        plan.notes
+            .extend(survey::moments(&scene, &mut prepared, false));
     }
     match arguments.json.on {
         true => print_json(&plan),

@@ -6,7 +6,7 @@ use nullray::render::film::Film;
 use nullray::render::plan::{self, Plan};
 use nullray::render::prepare::Prepared;
 use nullray::render::survey;
-use nullray::scene::model::{Scene, SourceKind};
+use nullray::scene::model::Scene;
 use nullray::spacetime::Quantity;
 
 /// Rays and times.
@@ -24,11 +24,14 @@ pub fn is_black(film: &Film) -> bool {
 }
 
 /// Why a picture is black, if it is; empty otherwise.
-pub fn blackness(film: &Film) -> String {
+pub fn blackness(scene: &Scene, film: &Film) -> String {
     if !is_black(film) {
         return String::new();
     }
-    let why = if film.met() == 0.0 {
+    let why = if film.met() == 0.0 && scene.sky.is_some() {
+        "only the sky is in view, and nothing of it is visible: it is dark there, or its light is shifted out of sight \
+         (see display.false_colour, too)"
+    } else if film.met() == 0.0 {
         "no ray meets an object from its front: look elsewhere, change camera.hfov, or, from inside \
          or behind, set display.back_faces = \"two_sided\""
     } else {
@@ -37,28 +40,12 @@ pub fn blackness(film: &Film) -> String {
     format!("the picture is black: {why}\n")
 }
 
-/// When the light in view left and when there are data, for each pulse of which nothing is in view at its time; and
+/// When the light in view left and when there are data, for each lamp and pulse of which nothing is in view at its time; and
 /// the camera times that would show some of it.
 pub fn times(scene: &Scene, prepared: &mut Prepared) -> String {
-    let mut text = String::new();
-    for times in survey::seen_times(prepared) {
-        // What does not fit of cubes is said before rendering.
-        let is_cube = matches!(scene.sources[times.source].kind, SourceKind::Cube(_));
-        if is_cube || times.meets() {
-            continue;
-        }
-        let ([a, b], [c, d]) = (times.seen.map(short), times.data.map(short));
-        let name = &scene.sources[times.source].name;
-        text += &format!(
-            "source \"{}\": light in view left between ct = {a} m and {b} m; its data span {c} m to {d} m",
-            super::info::escaped(name)
-        );
-        if let Some([from, to]) = survey::meeting_times(scene, prepared, &times) {
-            text += &format!("; try --time \"{} m\" to \"{} m\"", short(from), short(to));
-        }
-        text += "\n";
-    }
-    text
+    // What does not fit of cubes is said before rendering.
+    let moments = survey::moments(scene, prepared, true).into_iter();
+    moments.map(|text| text + "\n").collect()
 }
 
 /// That all light in view is shifted out of sight, if it is; empty otherwise.
@@ -68,7 +55,7 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
     }
     // From one end of what is visible to the other.
     let across = 830.0 / 360.0;
-    match survey::wavelength_ratios(prepared) {
+    let mut text = match survey::wavelength_ratios(prepared) {
         Some([low, high]) if low > across || high < across.recip() => format!(
             "all light in view has {} to {} times the wavelength that it left with, so that nothing visible stays visible: \
              see display.false_colour, radiance.continuation and effects.doppler\n",
@@ -76,7 +63,17 @@ pub fn shift(scene: &Scene, prepared: &Prepared) -> String {
             short(high)
         ),
         _ => String::new(),
+    };
+    for (light, [low, high]) in survey::unseen_lamps(scene, prepared) {
+        text += &format!(
+            "the light of \"{}\" falls on what is in view with {} to {} times the wavelength that it left with: nothing of its \
+             spectrum is visible there\n",
+            super::info::escaped(&scene.lights[light].name),
+            short(low),
+            short(high)
+        );
     }
+    text
 }
 
 /// Which lamps are inside objects.

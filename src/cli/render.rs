@@ -7,7 +7,7 @@ use nullray::figures::text::RichText;
 use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::model::Scene;
-use nullray::scene::{ModelView, Overrides, SceneFile};
+use nullray::scene::{Overrides, SceneFile};
 use nullray::{Error, Result};
 
 use super::args::{Changes, FrameArguments, RenderArguments};
@@ -83,8 +83,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
             let request = request(arguments, &outputs, &scene);
             let job = Job {
                 changes: &arguments.changes,
-                same_exposure: arguments.exposure.same_exposure,
-                warns: true,
+                same_exposure: arguments.exposure.is_same(true),
                 quiet: arguments.work.quiet.on,
                 file: &file,
                 scene: &scene,
@@ -206,41 +205,15 @@ fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
 /// The scene file that is named, or that a model stands for.
 fn file(arguments: &RenderArguments, overrides: &Overrides) -> Result<SceneFile> {
     let (path, model) = (arguments.scene.path(), &arguments.model);
-    let moves = model.beta.is_some() || model.flyby;
-    if model.direction.is_some() && !moves {
-        let what = "it says where a moving camera goes, and this one is at rest";
-        return Err(refused("--direction", what, "add --beta 0.9, or --flyby"));
-    }
-    match path {
-        Some(path) if builtin::is_model(path) => {
-            let view = ModelView {
-                beta: model.beta,
-                direction: model.direction,
-                flyby: model.flyby,
-                size: None,
-            };
-            let memory = arguments.changes.memory.bytes();
-            let text = builtin::model_text(path, &view, overrides, memory)?;
-            let file = builtin::of_model(path, &text);
-            // A fly-by has one exposure for all of its frames.
-            match model.flyby {
-                true => Ok(file),
-                false => exposed(file, path, text, &arguments.changes),
-            }
-        }
-        path => {
-            let option = match model.flyby {
-                true => "--flyby",
-                false => "--beta",
-            };
-            if moves {
-                let what = "it tells how a model without a scene is looked at, and this is a scene";
-                let help =
-                    "set the camera's velocity: --set camera.velocity={beta=0.9,direction=[1,0,0]}";
-                return Err(refused(option, what, help));
-            }
-            builtin::open(path, overrides, arguments.changes.memory.bytes())
-        }
+    let memory = arguments.changes.memory.bytes();
+    let Some((path, text)) = builtin::model_as(path, &model.view(), overrides, memory)? else {
+        return builtin::open(path, overrides, memory);
+    };
+    let file = builtin::of_model(path, &text);
+    // A fly-by has one exposure for all of its frames.
+    match model.flyby {
+        true => Ok(file),
+        false => exposed(file, path, text, &arguments.changes),
     }
 }
 
@@ -328,7 +301,7 @@ fn all_panels(
 ) -> Result<()> {
     let chosen = panels::chosen(whole, &arguments.panel)?;
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.exposure.same_exposure {
+    if arguments.exposure.is_same(false) {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     // With one panel and a name for it there is nothing to be told apart.

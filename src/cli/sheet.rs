@@ -153,7 +153,7 @@ fn parts(
         return Ok(vec![part(whole.clone(), &alone, arguments, beside.into())]);
     }
     let mut scenes = panels::load_all(file, whole, &arguments.changes.overrides())?;
-    if arguments.exposure.same_exposure {
+    if arguments.exposure.is_same(false) {
         panels::same_exposure(&mut scenes, &arguments.changes.request())?;
     }
     let part = |(panel, scene): (&Panel, Scene)| {

@@ -14,7 +14,7 @@ pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;
 pub use rgb_basis::Continuation;
-pub use shift::{ColourTable, ReflectionTable, RgbShift};
+pub use shift::{ColourTable, ReflectionTable, RgbShift, blackbody_colour};
 pub use spectrum::{Scale, Shape, Spectrum};
 pub use srgb::{
     RGB_FROM_XYZ, rgb_from_xyz, srgb_decode, srgb_encode, srgb_encode_8, srgb_encode_16,

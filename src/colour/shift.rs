@@ -243,6 +243,12 @@ impl Blackbodies {
     }
 }
 
+/// Linear sRGB of Planck's law, W m⁻² sr⁻¹ per metre, at `t` kelvin, by the table: below 0 outside the gamut.
+#[inline]
+pub fn blackbody_colour(t: f64) -> [f64; 3] {
+    BLACKBODIES.colour(t)
+}
+
 /// What varies most about the colours of blackbodies: Planck's law at 600 nm.
 fn reference(t: f64) -> f64 {
     super::planck(600e-9, t)

@@ -5,7 +5,8 @@
 //!
 //! - a cube: world time or the object's own, and for a warped one as much later as its light reached the capture
 //!   camera (η times the distance);
-//! - a pulse: the world time at which its light left the source, E.ct − ηr; there are data ± 4 σ about its centre.
+//! - a pulse: the world time at which its light left the source, E.ct − ηr; there are data ± 4 σ about its centre;
+//! - a lamp whose emission begins and ends: the lamp's own time at which its light left, against when it shines.
 //!
 //! Later shots see later light. Where the range of times moves by r per metre of the camera's own time,
 //! found by a second survey, it reaches data [c, d] from [a, b] at camera times t + (c − b)/r to t + (d − a)/r.
@@ -13,13 +14,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::light::lamp::Lamp;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
+    Background, CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
     TimeResolved, TracedRays,
 };
 use crate::scene::model::{Beam, Clock, LightKind, Mapping, Scene, SourceKind, TimeBins};
@@ -28,13 +28,16 @@ use crate::spacetime::{Event, World};
 /// How many standard deviations of a pulse count as its duration, on either side.
 const PULSE_REACH: f64 = 4.0;
 
+/// How many tiles of a picture are looked at for when light is in view.
+const MOST_TILES: u64 = 1024;
+
 /// How many tiles of a picture are looked at first.
 const LOOKED_AT: u64 = 64;
 
-/// Times on the clock of a source, metres of ct.
+/// Times on the clock of a source, metres of ct; of a lamp, its own (proper) times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenTimes {
-    /// Index of the source in the scene.
+    /// Index of the source in the scene; from their number on, of the light.
     pub source: usize,
     /// The earliest and the latest time at which light in view left (or, on a capture camera's clock, arrived there).
     pub seen: [f64; 2],
@@ -49,7 +52,132 @@ impl SeenTimes {
     }
 }
 
-/// The times of all sources that light something in view, by source.
+impl SeenTimes {
+    /// Whether they are those of a cube.
+    pub fn is_of_cube(&self, scene: &Scene) -> bool {
+        let source = scene.sources.get(self.source);
+        source.is_some_and(|source| matches!(source.kind, SourceKind::Cube(_)))
+    }
+
+    /// What they are of, in words.
+    fn source(&self, scene: &Scene) -> String {
+        let name = |name: &str| name.escape_debug().to_string();
+        let light = self.source.checked_sub(scene.sources.len());
+        match (scene.sources.get(self.source), light) {
+            (Some(source), _) => format!("source \"{}\"", name(&source.name)),
+            (None, light) => {
+                let light = light.and_then(|k| scene.lights.get(k));
+                format!(
+                    "light \"{}\"",
+                    light.map_or(String::new(), |light| name(&light.name))
+                )
+            }
+        }
+    }
+
+    /// When light in view left, and when there is any, in words; of lamps and pulses.
+    fn said(&self, scene: &Scene) -> String {
+        let [[a, b], [c, d]] = [self.seen, self.data].map(|span| span.map(rounded));
+        let source = self.source(scene);
+        match self.source < scene.sources.len() {
+            true => format!(
+                "{source}: light in view left between ct = {a} m and {b} m; its data span {c} m to {d} m"
+            ),
+            false => format!(
+                "{source}: light in view left between its own times {a} m and {b} m; it shines from {c} m to {d} m"
+            ),
+        }
+    }
+}
+
+/// Of each lamp and pulse whose light begins and ends and reaches surfaces in view: when what is in view left, against when there is
+/// any, and the camera's times that show some of it; with `dark`, of those alone of which nothing is in view.
+pub fn moments(scene: &Scene, prepared: &mut Prepared, dark: bool) -> Vec<String> {
+    // As many rays as tell the ends of what is seen.
+    let every = (Tile::count(scene.camera.size) / MOST_TILES) | 1;
+    let mut remarks = Vec::new();
+    for times in seen_times_among(prepared, every) {
+        if times.is_of_cube(scene) || (dark && times.meets()) {
+            continue;
+        }
+        let mut text = times.said(scene);
+        if !dark {
+            let now = rounded(scene.camera.time);
+            let is = if times.meets() {
+                "some of it"
+            } else {
+                "none of it"
+            };
+            text += &format!("; the camera's time {now} m shows {is}");
+        }
+        if !times.meets()
+            && let Some([from, to]) = meeting_times(scene, prepared, &times)
+        {
+            let [from, to] = [from, to].map(rounded);
+            text += &format!("; try --time \"{from} m\" to \"{to} m\"");
+        }
+        remarks.push(text);
+    }
+    remarks
+}
+
+/// The least and the greatest W = λ′/λ with which the light of each lamp that has a spectrum falls on surfaces in view, where
+/// nobody there would see any of it: by the index of the light.
+pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])> {
+    let Some(light) = prepared.light.time_resolved() else {
+        return Vec::new();
+    };
+    let surfaces = Surfaces::new(
+        &prepared.frames,
+        prepared.camera.shot.event,
+        prepared.ray_index,
+    );
+    let has_spectrum = |k: &usize| match &scene.lights[*k].kind {
+        LightKind::Lamp(lamp) => lamp.spectrum.is_some(),
+        LightKind::Area { .. } => false,
+    };
+    let of_lamp = |k: usize| {
+        let index = scene.sources.len() + k;
+        let lamp = light.lamps.get(index)?.as_ref()?;
+        let tiles = (0..Tile::count(prepared.layout.size)).into_par_iter();
+        let ratios = tiles.map(|tile| {
+            let (mut range, mut is_seen) = ([f64::INFINITY, 0.0f64], false);
+            each_point(
+                prepared,
+                &surfaces,
+                Tile::of_image(prepared.layout.size, tile),
+                |observed| {
+                    let point = &observed.point;
+                    let arrival = lamp.arrival_at_peak(&point.ray, point.hit.s, light.index);
+                    let Some((arrival, _)) = arrival else {
+                        return;
+                    };
+                    let rho = surfaces.direction(point.frame, arrival.d).1;
+                    let w = arrival.wavelength_ratio(rho);
+                    range = [range[0].min(w), range[1].max(w)];
+                    is_seen |= lamp.incident_at(w, 1.0).irradiance.iter().any(|e| *e > 0.0);
+                },
+                |_| {},
+            );
+            (range, is_seen)
+        });
+        let (range, is_seen) = tiles_reduced(ratios);
+        (!is_seen && range[0] <= range[1]).then_some((k, range))
+    };
+    (0..scene.lights.len())
+        .filter(has_spectrum)
+        .filter_map(of_lamp)
+        .collect()
+}
+
+fn tiles_reduced(ratios: impl ParallelIterator<Item = ([f64; 2], bool)>) -> ([f64; 2], bool) {
+    ratios.reduce(
+        || ([f64::INFINITY, 0.0], false),
+        |(a, seen), (b, also)| ([a[0].min(b[0]), a[1].max(b[1])], seen || also),
+    )
+}
+
+/// The times of all sources and lamps that light something in view, by source.
 pub fn seen_times(scene: &Prepared) -> Vec<SeenTimes> {
     seen_times_among(scene, 1)
 }
@@ -78,17 +206,30 @@ fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     })
 }
 
-/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet; none where they meet nothing.
+/// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too; none where they meet
+/// nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
     let surfaces = Surfaces::new(&scene.frames, scene.camera.shot.event, scene.ray_index);
     let range = |index| {
-        let mut range: Option<[f64; 2]> = None;
+        let range = std::cell::Cell::new(None);
         let tile = Tile::of_image(scene.layout.size, index);
-        each_point(scene, &surfaces, tile, |observed| {
-            let (w, [low, high]) = (observed.w.0, range.unwrap_or([observed.w.0; 2]));
-            range = Some([low.min(w), high.max(w)]);
-        });
-        range
+        let note = |w: f64| {
+            let [low, high]: [f64; 2] = range.get().unwrap_or([w; 2]);
+            range.set(Some([low.min(w), high.max(w)]));
+        };
+        let sky = matches!(scene.background, Background::Sky { .. });
+        each_point(
+            scene,
+            &surfaces,
+            tile,
+            |observed| note(observed.w.0),
+            |w| {
+                if sky {
+                    note(w);
+                }
+            },
+        );
+        range.get()
     };
     let tiles = (0..Tile::count(scene.layout.size)).into_par_iter();
     tiles
@@ -99,11 +240,9 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
 /// Cubes of which the light in view has no part, or none but where they are dark: both spans, and the start or the unit that
 /// would fit, which may also be camera times that would.
 pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
-    let is_cube =
-        |times: &SeenTimes| matches!(scene.sources[times.source].kind, SourceKind::Cube(_));
     let is_dark = |prepared: &Prepared, times: &SeenTimes| {
         let data = lit(prepared, times.source).unwrap_or(times.data);
-        is_cube(times) && !SeenTimes { data, ..*times }.meets()
+        times.is_of_cube(scene) && !SeenTimes { data, ..*times }.meets()
     };
     if !scene
         .sources
@@ -121,9 +260,9 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     }
     let mut remarks = Vec::new();
     for times in seen_times(prepared) {
-        let SourceKind::Cube(_) = scene.sources[times.source].kind else {
+        if !times.is_of_cube(scene) {
             continue;
-        };
+        }
         let lit = lit(prepared, times.source);
         let there = SeenTimes {
             data: lit.unwrap_or(times.data),
@@ -170,7 +309,7 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
 impl SeenTimes {
     /// The unit or the start of data lit in `self.data` that would have them meet what is seen.
     fn other_times(&self, scene: &Scene) -> String {
-        let SourceKind::Cube(cube) = &scene.sources[self.source].kind else {
+        let Some(SourceKind::Cube(cube)) = scene.sources.get(self.source).map(|s| &s.kind) else {
             return String::new();
         };
         let TimeBins::Uniform { start, width } = cube.bins else {
@@ -239,9 +378,8 @@ pub fn meeting_times(
 
 fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile) -> Vec<SeenTimes> {
     let mut all = Vec::new();
-    each_point(scene, surfaces, tile, |observed| {
-        at_point(light, observed, &mut all);
-    });
+    let each = |observed: &ObservedPoint| at_point(light, observed, &mut all);
+    each_point(scene, surfaces, tile, each, |_| {});
     all
 }
 
@@ -326,12 +464,13 @@ fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     most.and_then(|same| same.first().copied())
 }
 
-/// What the rays through the centres of a tile's pixels meet.
+/// What the rays through the centres of a tile's pixels meet, and W of what is at rest in the world for those that meet nothing.
 fn each_point(
     scene: &Prepared,
     surfaces: &Surfaces,
     tile: Tile,
     mut each: impl FnMut(&ObservedPoint),
+    mut escaped: impl FnMut(f64),
 ) {
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     let view = &scene.camera.view;
@@ -346,9 +485,12 @@ fn each_point(
         index: scene.ray_index,
     };
     for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
-        let sees = traced.rays.origin(ray).sees();
-        if let Some(observed) = traced.observed(ray, *ratio).filter(|_| sees) {
-            each(&observed);
+        if !traced.rays.origin(ray).sees() {
+            continue;
+        }
+        match traced.observed(ray, *ratio) {
+            Some(observed) => each(&observed),
+            None => escaped(*ratio),
         }
     }
 }
@@ -381,8 +523,19 @@ fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTi
         Emitter::Lit { lamps, .. } => {
             for index in lamps {
                 // Lights of the scene are no sources, and come after those.
-                let pulse = light.lamps[*index].as_ref().and_then(Lamp::source_pulse);
-                let Some((origin, sigma)) = pulse else {
+                let Some(lamp) = &light.lamps[*index] else {
+                    continue;
+                };
+                let Some((origin, sigma)) = lamp.source_pulse() else {
+                    let arrival = lamp.arrival_at_peak(&point.ray, point.hit.s, light.index);
+                    if let (Some(data), Some((_, left))) = (lamp.emission_span(), arrival) {
+                        let times = SeenTimes {
+                            source: *index,
+                            seen: [left; 2],
+                            data,
+                        };
+                        note(all, times);
+                    }
                     continue;
                 };
                 let way = point.event() - origin;

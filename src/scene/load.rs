@@ -138,6 +138,9 @@ pub(super) fn scene(
     for name in image.into_iter().chain(stars) {
         look_for(&mut inputs, seen, name);
     }
+    if let Some(sky) = sky {
+        read_spectrum(&mut inputs, seen, &sky.spectrum);
+    }
     for capture in cubes().filter_map(|cube| cube.value.capture.as_ref()) {
         read_pose(&mut inputs, seen, &capture.value.gltf, &capture.value.node);
         read_colmap(&mut inputs, seen, &capture.value.pose);

@@ -25,7 +25,7 @@ pub use camera::{
     Assembly, CameraModel, Elements, Integration, Motion, Pivot, ProjectionKind, Records, Rotation,
     Sensor, Shutter, Stereo,
 };
-pub use light::{Beam, EmissionProfile, Lamp, Light, LightKind};
+pub use light::{Beam, Brightness, EmissionProfile, Lamp, Light, LightKind};
 pub use panel::{Panel, Sheet, Show};
 pub use sky::{Catalogue, Sky, SkyRadiance, Stars, Sun};
 

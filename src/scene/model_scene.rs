@@ -19,6 +19,9 @@
 //! Its forward axis is a′, and d is such that α′ fills the picture. α′ grows with α, which bisection finds. From a
 //! camera that flies towards the model so fast that it had to be inside it, the picture is made narrower instead.
 //!
+//! What stands on a wide and level ground is framed without it: triangles at the very bottom are left out of the sphere where
+//! all others fit into a quarter of its radius.
+//!
 //! *Fly-by.* The camera passes C at the distance b, its forward axis across its motion. What it sees at the angle
 //! θ′ from its motion lies at θ, with sin θ = sin θ′/(γ(1 − β cos θ′)) and cos θ = (cos θ′ − β)/(1 − β cos θ′). C is
 //! at θ where the camera is b cot θ before it, which it is at
@@ -86,6 +89,9 @@ const FLYBY_EDGE: f64 = 40.0;
 const FLYBY_DISTANCE: f64 = 2.5;
 /// The widest α: the camera is not nearer than 1.015 r.
 const WIDEST: f64 = 80.0;
+/// A ground is at the bottom, level to this part of the radius of all, and what stands on it has at most this part of it.
+const LEVEL: f64 = 0.01;
+const WIDE: f64 = 0.25;
 /// The size of a scene that says nothing.
 const SIZE: [u32; 2] = [640, 480];
 
@@ -191,13 +197,26 @@ impl Ball {
         })
     }
 
-    /// That of the triangles that have corners apart.
+    /// That of the triangles that have corners apart; of a model on a wide and level ground, that of what is above the ground.
     fn around(mesh: &Mesh) -> Option<Ball> {
+        let all = Ball::of_those(mesh, |_| true)?;
+        let corners = (0..mesh.triangles.len() as u32).flat_map(|i| mesh.corners(i));
+        let top = corners.map(|p| p.y).fold(f64::INFINITY, f64::min) + LEVEL * all.radius;
+        let above = Ball::of_those(mesh, |corners| corners.iter().any(|p| p.y > top));
+        match above.filter(|above| above.radius < WIDE * all.radius) {
+            Some(above) => Some(above),
+            None => Some(all),
+        }
+    }
+
+    /// That of those triangles that `count`, and have corners apart.
+    fn of_those(mesh: &Mesh, count: impl Fn(&[DVec3; 3]) -> bool) -> Option<Ball> {
         let seen = || {
             let all = 0..mesh.triangles.len() as u32;
             let apart = all
                 .map(|i| mesh.corners(i))
-                .filter(|[a, b, c]| a != b && b != c);
+                .filter(|[a, b, c]| a != b && b != c)
+                .filter(&count);
             apart.flatten()
         };
         let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
@@ -428,6 +447,28 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_model_on_a_wide_ground_is_framed_without_it() {
+        let square = |size: f64, y: f64| {
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(x, z)| DVec3::new(x * size, y, z * size))
+        };
+        let with = |ground: f64| {
+            let mut mesh = crate::mesh::shapes::mesh(
+                crate::mesh::shapes::Shape::Plane { size: [1.0; 2] },
+                [1.0; 3],
+            );
+            mesh.positions = [square(ground, 0.0), square(1.0, 2.0)].concat();
+            mesh.triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+            Ball::around(&mesh).unwrap()
+        };
+        // The upper square alone: its half diagonal. With a ground of its size both are framed.
+        let alone = with(100.0);
+        assert!((alone.radius - 2f64.sqrt()).abs() < 1e-12, "{alone:?}");
+        assert!((alone.centre - DVec3::Y * 2.0).length() < 1e-12);
+        assert!((with(1.0).radius - 3f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]

@@ -34,7 +34,7 @@ impl WavelengthRatio {
 
 /// Makes the quantities from one list: what they are, their words in scene files, and p in L′ = W⁻ᵖ L.
 macro_rules! quantities {
-    ($($variant:ident $({ $wavelength:ident })?, $name:literal, $meaning:literal, $exponent:literal;)*) => {
+    ($($variant:ident $({ $wavelength:ident })?, $name:literal $(or $alias:literal)?, $meaning:literal, $exponent:literal;)*) => {
         /// What a stored radiance measures. The exponent of W follows from it, and from nothing else.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Quantity {
@@ -52,7 +52,7 @@ macro_rules! quantities {
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[cfg_attr(feature = "schema", schemars(inline))]
         pub(crate) enum QuantityKind {
-            $(#[serde(rename = $name)] $variant,)*
+            $(#[serde(rename = $name $(, alias = $alias)?)] $variant,)*
         }
 
         impl QuantityKind {
@@ -95,7 +95,7 @@ macro_rules! quantities {
 
 // Per area and solid angle, all of them; the first is the default of scene files.
 quantities! {
-    Integrated, "integrated", "energy over the whole spectrum", 4;
+    Integrated, "integrated" or "luminance", "energy over the whole spectrum", 4;
     PerWavelength, "per_wavelength", "energy per wavelength", 5;
     PerFrequency, "per_frequency", "energy per frequency", 3;
     Line { wavelength }, "line", "energy of a line", 4;

@@ -1,7 +1,9 @@
-//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, even sky, diffuse surfaces, GGX.
+//! Direct light against Mitsuba 3 (tests/data/mitsuba): panel, even and pictured sky, point lamp, parallel light, diffuse
+//! surfaces, GGX.
 
 use std::path::Path;
 
+use nullray::io::image::{Channel, Layers, Samples, exr};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::Prepared;
 use nullray::render::progress::Silent;
@@ -46,7 +48,7 @@ samples_per_pixel = 256
 #[test]
 fn direct_light_at_rest_is_that_of_mitsuba() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba/direct.npy");
-    let expected = reference(&file);
+    let expected = reference(&file, [40, 30]);
     let scene = scene::parse(SCENE, "mitsuba", ".".as_ref(), &Overrides::default()).unwrap();
     let plan = Plan::new(&scene, &Request::default()).unwrap();
     let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
@@ -67,10 +69,108 @@ fn direct_light_at_rest_is_that_of_mitsuba() {
     assert!(off < got.len() / 20, "{off} of {} pixels", got.len());
 }
 
-fn reference(file: &Path) -> Vec<[f64; 3]> {
+/// The scene of lamps.py without its light; roughness is the root of α.
+const LAMPS: &str = "
+[camera]
+eye = [0.5, 2.2, 5]
+look_at = [0, 0.6, 0]
+hfov = \"50 deg\"
+size = [28, 21]
+[[object]]
+shape = { plane = { size = [12, 12] } }
+colour = [0.6, 0.5, 0.4]
+[[object]]
+shape = { box = { size = [1, 1, 1] } }
+transform = { translate = [1.1, 0.5, -0.2] }
+colour = [0.3, 0.7, 0.4]
+[[object]]
+shape = { sphere = { radius = 0.8, subdivisions = 6 } }
+transform = { translate = [-0.9, 0.8, 0.2] }
+colour = [1, 1, 1]
+metallic = 1
+roughness = 0.3
+[[object]]
+shape = { sphere = { radius = 0.4, subdivisions = 6 } }
+transform = { translate = [0.3, 0.4, 1.3] }
+colour = [1, 1, 1]
+metallic = 1
+roughness = 0.6
+[display]
+samples_per_pixel = 256
+";
+
+#[test]
+fn lamps_and_a_pictured_sky_at_rest_are_those_of_mitsuba() {
+    let folder = tempfile::tempdir().unwrap();
+    write_sky(&folder.path().join("sky.exr"));
+    let lights = [
+        (
+            "point",
+            "[[light]]\nposition = [1.5, 3, 2]\nintensity = [20, 18, 15]",
+        ),
+        (
+            "directional",
+            "[[light]]\ntype = \"directional\"\ndirection = [-0.4, -1, -0.3]\nirradiance = [2, 1.8, 1.5]",
+        ),
+        ("environment", "[sky]\nimage = { file = \"sky.exr\" }"),
+    ];
+    for (name, light) in lights {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mitsuba");
+        let expected = reference(&file.join(name).with_extension("npy"), [28, 21]);
+        let text = format!("{LAMPS}\n{light}");
+        let scene = scene::parse(&text, name, folder.path(), &Overrides::default()).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+        let got = film.radiance();
+        assert_eq!(got.len(), expected.len());
+        for c in 0..3 {
+            let mean =
+                |image: &[[f64; 3]]| image.iter().map(|p| p[c]).sum::<f64>() / image.len() as f64;
+            let (a, b) = (mean(got), mean(&expected));
+            assert!((a - b).abs() < 0.01 * b, "{name}, channel {c}: {a} {b}");
+        }
+        // As above: edges, highlights and the masking of GGX at grazing angles.
+        let off = |k: &usize| {
+            (0..3).any(|c| (got[*k][c] - expected[*k][c]).abs() > 0.06 * expected[*k][c] + 0.004)
+        };
+        let off = (0..got.len()).filter(off).count();
+        assert!(
+            off < got.len() / 15,
+            "{name}: {off} of {} pixels",
+            got.len()
+        );
+    }
+}
+
+/// The picture of lamps.py.
+fn write_sky(file: &Path) {
+    let (width, height) = (128, 64);
+    let pi = std::f64::consts::PI;
+    let texel = |k: usize| {
+        let latitude = pi * (0.5 - ((k / width) as f64 + 0.5) / height as f64);
+        let longitude = pi * (((k % width) as f64 + 0.5) / height as f64 - 1.0);
+        let (across, y) = (latitude.cos(), latitude.sin());
+        let (x, z) = (across * longitude.sin(), -across * longitude.cos());
+        0.5 + 0.3 * y + 0.15 * x - 0.1 * z
+    };
+    let channel = |(name, factor): (&str, f64)| Channel {
+        name: name.into(),
+        samples: Samples::F32(
+            (0..width * height)
+                .map(|k| (factor * texel(k)) as f32)
+                .collect(),
+        ),
+    };
+    let channels = [("R", 1.0), ("G", 0.8), ("B", 0.6)].map(channel).into();
+    let layers = Layers::new(width as u32, height as u32, channels, vec![]).unwrap();
+    exr::write(file, &layers).unwrap();
+}
+
+/// An array of this many columns and rows.
+fn reference(file: &Path, [width, height]: [usize; 2]) -> Vec<[f64; 3]> {
     let bytes = std::fs::read(file).unwrap();
     // NumPy's header ends at a multiple of 64 bytes with a line feed; the rest is f32, little-endian.
-    let data = &bytes[bytes.len() - 30 * 40 * 3 * 4..];
+    let data = &bytes[bytes.len() - width * height * 3 * 4..];
     let value = |b: &[u8]| f64::from(f32::from_le_bytes(b.try_into().unwrap()));
     let values: Vec<f64> = data.chunks_exact(4).map(value).collect();
     values.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect()

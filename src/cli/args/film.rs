@@ -6,7 +6,7 @@ use clap::Args;
 use nullray::scene::Heading;
 use nullray::spacetime::units::Time;
 
-use super::shared::{Changes, ScenePath, WorkArguments};
+use super::shared::{Changes, ExposureArgument, ScenePath, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
@@ -35,6 +35,8 @@ pub struct FilmArguments {
     /// Nothing beneath the pictures.
     #[arg(long, conflicts_with = "caption")]
     pub no_captions: bool,
+    #[command(flatten)]
+    pub exposure: ExposureArgument,
     #[command(flatten)]
     pub changes: Changes,
     #[command(flatten)]

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::render::ModelArguments;
 use super::shared::{ChannelArguments, Json, LineArguments, MethodArgument, SceneArguments};
 
 #[derive(Debug, Args)]
@@ -17,6 +18,8 @@ pub struct PlanArguments {
     pub overlay: bool,
     #[command(flatten)]
     pub lines: LineArguments,
+    #[command(flatten)]
+    pub model: ModelArguments,
     #[command(flatten)]
     pub json: Json,
 }

@@ -125,6 +125,18 @@ pub struct ModelArguments {
     pub flyby: bool,
 }
 
+impl ModelArguments {
+    /// How the model is looked at.
+    pub fn view(&self) -> ModelView {
+        ModelView {
+            beta: self.beta,
+            direction: self.direction,
+            flyby: self.flyby,
+            size: None,
+        }
+    }
+}
+
 /// Which moments are rendered, where they are many.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sequences")]

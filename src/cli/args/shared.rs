@@ -9,8 +9,8 @@ use nullray::approximate::raster::Method;
 use nullray::figures::overlay::Parts;
 use nullray::render::aov::Aov;
 use nullray::render::plan::Request;
-use nullray::scene::Overrides;
 use nullray::scene::model::{MOST_SAMPLES, Scene};
+use nullray::scene::{Overrides, SceneFile};
 
 use crate::cli::values::AovList;
 use crate::cli::{memory, panels, values};
@@ -62,6 +62,11 @@ impl SceneArguments {
         let overrides = self.changes.overrides();
         let memory = self.changes.memory.bytes();
         panels::scene(self.path(), self.panel.name(), &overrides, memory)
+    }
+
+    /// The scene of `file`, which is that at the path, or the panel.
+    pub fn of(&self, file: &SceneFile) -> Result<Scene> {
+        panels::of_file(file, self.panel.name(), &self.changes.overrides())
     }
 
     /// The file; none stands for the built-in scene.
@@ -236,8 +241,19 @@ impl LineArguments {
 /// How several pictures are exposed.
 #[derive(Debug, Args)]
 pub struct ExposureArgument {
-    /// One exposure for all pictures (frames, panels, speeds), so that they can be compared and do not flicker: the
-    /// scene's percentile over small previews of them all. Default: each has its own.
+    /// One exposure for all pictures, so that they can be compared and do not flicker: the scene's percentile over
+    /// small previews of them all. The default for frames, films and pages; parts of a series that are rendered apart
+    /// need --white.
     #[arg(long)]
-    pub same_exposure: bool,
+    same_exposure: bool,
+    /// An exposure of its own for each picture. The default for panels, and for films of --speeds.
+    #[arg(long, conflicts_with = "same_exposure")]
+    own_exposure: bool,
+}
+
+impl ExposureArgument {
+    /// Whether all have one exposure; `default` where neither is asked for.
+    pub fn is_same(&self, default: bool) -> bool {
+        self.same_exposure || default && !self.own_exposure
+    }
 }

@@ -34,8 +34,6 @@ pub struct Job<'a> {
     pub changes: &'a Changes,
     /// Whether one exposure is measured for all frames.
     pub same_exposure: bool,
-    /// Whether brightness that may jump from frame to frame is worth a warning.
-    pub warns: bool,
     pub quiet: bool,
     pub file: &'a SceneFile,
     pub scene: &'a Scene,
@@ -75,14 +73,11 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         account,
         white: None,
     };
-    if job.warns && !job.same_exposure {
-        sequence.say(&flicker(scene, outputs))?;
-    }
     // A sequence that goes beyond the camera's motion is not begun.
     if let Some(last) = frames.numbers.clone().last() {
         sequence.scene_at(last)?;
     }
-    if job.same_exposure {
+    if job.same_exposure && is_shown(outputs) {
         sequence.measure()?;
     }
     for number in frames.numbers.clone() {
@@ -236,7 +231,7 @@ impl Sequence<'_> {
 
     fn note(&mut self, number: u64, scene: &Scene, film: &Film) {
         self.done.rendered += 1;
-        let remark = remarks::blackness(film);
+        let remark = remarks::blackness(scene, film);
         if !remark.is_empty() {
             self.done.black += 1;
             if self.done.remark.is_empty() {
@@ -287,16 +282,7 @@ fn changed(path: &Path) -> Error {
     Error::invalid(path, "", what, "run the command again when it is complete")
 }
 
-/// A warning where each frame would have its own brightness; empty otherwise.
-fn flicker(scene: &Scene, outputs: &Outputs) -> String {
-    let shown = outputs.files().any(|(_, kind)| kind == Kind::Display);
-    let shown = shown || !outputs.overlays.is_empty();
-    match scene.exposure {
-        Exposure::Percentile(_) if shown => {
-            "warning: brightness is scaled for each frame separately and may flicker: give them one exposure \
-             (--same-exposure), or set --white RADIANCE or display.white in the scene\n"
-                .into()
-        }
-        _ => String::new(),
-    }
+/// Whether brightness matters to what is written.
+fn is_shown(outputs: &Outputs) -> bool {
+    outputs.files().any(|(_, kind)| kind == Kind::Display) || !outputs.overlays.is_empty()
 }

@@ -175,6 +175,7 @@ fn sky(sky: &Sky) -> String {
     let mut parts = vec![match &sky.background {
         SkyRadiance::Uniform([r, g, b]) => format!("radiance ({r}, {g}, {b})"),
         SkyRadiance::Gradient { .. } => "gradient".into(),
+        SkyRadiance::Spectrum(_) => "a spectrum".into(),
         SkyRadiance::Image { path, .. } => path.display().to_string(),
     }];
     parts.extend(sky.sun.map(|_| "a sun".to_string()));

@@ -115,6 +115,14 @@ pub struct Arrival {
     strength: f64,
 }
 
+impl Arrival {
+    /// Wavelength at a surface over that at the lamp, ω_F/ω_world of whose light is `rho`.
+    #[inline]
+    pub fn wavelength_ratio(&self, rho: f64) -> f64 {
+        self.ratio / rho
+    }
+}
+
 impl Lamp {
     /// `lamp`, of whose light `received` comes to surfaces, for points near those seen from `shot`.
     pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
@@ -256,7 +264,7 @@ impl Lamp {
     /// E_F of an arrival on a surface, ω_F/ω_world of whose light is `rho`, under the angle of this cosine.
     #[inline]
     pub fn incident(&self, arrival: &Arrival, rho: f64, cosine: f64) -> Incident {
-        let w = arrival.ratio / rho;
+        let w = arrival.wavelength_ratio(rho);
         let r = arrival.reach;
         let factor = arrival.strength * self.received.irradiance_factor(w) * cosine / (r * r);
         self.incident_at(w, factor)

@@ -11,7 +11,8 @@
 //! (4 × 4 lookups in the picture's smaller sizes) and d_F and W of its middle; E_F is kept at 6 × 33² normals on the faces of a cube, and
 //! interpolated bilinearly. Cell and step are 4° wide: a light that is as small as a cell is off by up to a cell's half,
 //! and max(0, cos) is interpolated to (4°)²/8 = 6·10⁻⁴ of it, so that E_F is right to 2·10⁻³ of its largest value over n
-//! (tests: 1·10⁻³ of a uniform sky up to 0.99 c). What is in the way is taken from it by [`BoostedSky::sample`].
+//! (tests: 1·10⁻³ of a uniform sky up to 0.99 c). What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
+//! each of the lookups, and a star at its own. What is in the way is taken from it by [`BoostedSky::sample`].
 //!
 //! Directions are drawn with the cosine; where some cell sends 8 times the mean, half of the time by what the cells send
 //! in place of that, and weighed by the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995).
@@ -21,9 +22,9 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Sky;
 use super::panorama::arctan;
 use super::stars::{axes, on_cube};
+use super::{Sky, sum};
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
@@ -110,8 +111,24 @@ impl BoostedSky {
     /// L_F of light from `d`, ω_rest/ω_world of which is `rho`.
     #[inline]
     pub fn radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
-        self.received
-            .radiance(1.0 / rho, sky.without_sun(d.unit(), 0.0))
+        let channels = sky.without_sun(d.unit(), 0.0);
+        self.seen(sky, d, rho, channels)
+    }
+
+    /// The same with the sun.
+    #[inline]
+    pub fn radiance_with_sun(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
+        self.seen(sky, d, rho, sky.radiance(d.unit(), 0.0))
+    }
+
+    #[inline]
+    fn seen(&self, sky: &Sky, d: Direction<World>, rho: f64, channels: [f64; 3]) -> [f64; 3] {
+        let w = 1.0 / rho;
+        let seen = self.received.radiance(w, channels);
+        match sky.has_spectra() {
+            false => seen,
+            true => sum(seen, sky.spectral(d.unit(), w)),
+        }
     }
 
     /// The world's direction of a direction of the rest frame, and ω_rest/ω_world of light from there.
@@ -225,9 +242,10 @@ fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<Beam>
         }
     }
     // Stars are in the cells that they lie in.
-    for star in sky.stars.iter().flat_map(|map| map.stars()) {
+    let stars = || sky.stars.iter().flat_map(|map| map.stars());
+    for star in stars().filter(|_| !sky.thermal_stars) {
         let mean = &mut radiance[cell_of(star.direction)];
-        for (mean, e) in mean.iter_mut().zip(star.irradiance) {
+        for (mean, e) in mean.iter_mut().zip(star.channels()) {
             *mean += e / CELL;
         }
     }
@@ -238,7 +256,31 @@ fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<Beam>
             flux: received.irradiance(1.0 / rho, radiance, CELL),
         }
     };
-    radiance.into_iter().enumerate().map(beam).collect()
+    let mut beams: Vec<Beam> = radiance.into_iter().enumerate().map(beam).collect();
+    if sky.has_spectra() {
+        add_spectra(&mut beams, sky, boost);
+    }
+    beams
+}
+
+/// Adds W² dω times the colour at W of what has a spectrum of its own.
+fn add_spectra(beams: &mut [Beam], sky: &Sky, boost: &Boost<Rest, World>) {
+    let ratio = |d: DVec3| 1.0 / boost.direction(Direction::from_unit(d)).1;
+    beams.par_iter_mut().enumerate().for_each(|(cell, beam)| {
+        for k in 0..LOOKUPS * LOOKUPS {
+            let at = |k: usize| (k as f64 + 0.5) / LOOKUPS as f64;
+            let w = ratio(place(cell, at(k % LOOKUPS), at(k / LOOKUPS)));
+            let share = w * w * CELL / (LOOKUPS * LOOKUPS) as f64;
+            let seen = sky.spectral_background(w).map(|c| c * share);
+            beam.flux = sum(beam.flux, seen);
+        }
+    });
+    let stars = sky.stars.iter().flat_map(|map| map.stars());
+    for star in stars.filter(|_| sky.thermal_stars) {
+        let w = ratio(star.direction);
+        let beam = &mut beams[cell_of(star.direction)];
+        beam.flux = sum(beam.flux, star.colour(w).map(|c| c * w * w));
+    }
 }
 
 fn irradiance(beams: &[Beam], n: DVec3) -> [f64; 3] {
@@ -264,13 +306,14 @@ fn normals() -> impl Iterator<Item = DVec3> {
 
 /// Sums of what cells send over all channels, up to 1; empty for a dark or even sky.
 fn cumulative(beams: &[Beam]) -> Vec<f64> {
+    // Colours outside the gamut may have a sum below 0.
+    let flux = |beam: &Beam| beam.flux.iter().sum::<f64>().max(0.0);
     let mut sum = 0.0;
     let sums = beams.iter().map(|beam| {
-        sum += beam.flux.iter().sum::<f64>();
+        sum += flux(beam);
         sum
     });
     let sums: Vec<f64> = sums.collect();
-    let flux = |beam: &Beam| beam.flux.iter().sum::<f64>();
     let largest = beams.iter().map(flux).fold(0.0, f64::max);
     match sum.is_finite() && largest * beams.len() as f64 > 8.0 * sum {
         true => sums.into_iter().map(|part| part / sum).collect(),
@@ -298,6 +341,7 @@ mod tests {
             },
             None,
             Vec::new(),
+            false,
         )
     }
 

@@ -9,7 +9,6 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::Star;
-use crate::colour::{colour_matching, rgb_from_xyz};
 use crate::error::{Error, Result};
 use crate::scene::model::{Catalogue, Stars};
 
@@ -21,28 +20,23 @@ const MOST: usize = 1_000_000;
 /// # Errors
 /// Lines of a table that are no stars.
 pub fn stars(stars: &Stars, text: &str) -> Result<Vec<Star>> {
-    let colours = Colours::new();
     match &stars.catalogue {
         Catalogue::Random {
             count,
             seed,
             faintest,
         } => Ok((0..u64::from(*count))
-            .map(|k| random(stars.scale, &colours, u64::from(*seed) << 32 | k, *faintest))
+            .map(|k| random(stars.scale, u64::from(*seed) << 32 | k, *faintest))
             .collect()),
-        Catalogue::File(path) => table(stars.scale, &colours, text, path),
+        Catalogue::File(path) => table(stars.scale, text, path),
     }
 }
 
-fn star(scale: f64, colours: &Colours, d: DVec3, magnitude: f64, temperature: f64) -> Star {
-    let luminance = scale * libm::pow(10.0, -0.4 * magnitude);
-    Star {
-        direction: d,
-        irradiance: colours.of(temperature).map(|c| c * luminance),
-    }
+fn star(scale: f64, d: DVec3, magnitude: f64, temperature: f64) -> Star {
+    Star::new(d, temperature, scale * libm::pow(10.0, -0.4 * magnitude))
 }
 
-fn random(scale: f64, colours: &Colours, key: u64, faintest: f64) -> Star {
+fn random(scale: f64, key: u64, faintest: f64) -> Star {
     let number = |k: u64| {
         // SplitMix64.
         let x = (key.wrapping_mul(8).wrapping_add(k)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -57,10 +51,10 @@ fn random(scale: f64, colours: &Colours, key: u64, faintest: f64) -> Star {
     // N(<m)/N = 10^(0.6 (m − faintest)) = u.
     let magnitude = faintest + libm::log10(number(2)) / 0.6;
     let u = number(3);
-    star(scale, colours, d, magnitude, 3000.0 * libm::pow(4.0, u * u))
+    star(scale, d, magnitude, 3000.0 * libm::pow(4.0, u * u))
 }
 
-fn table(scale: f64, colours: &Colours, text: &str, path: &Path) -> Result<Vec<Star>> {
+fn table(scale: f64, text: &str, path: &Path) -> Result<Vec<Star>> {
     let mut stars = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.trim();
@@ -87,46 +81,9 @@ fn table(scale: f64, colours: &Colours, text: &str, path: &Path) -> Result<Vec<S
         if stars.len() == MOST {
             return Err(refuse("more than 1000000 stars"));
         }
-        stars.push(star(scale, colours, d, magnitude, temperature));
+        stars.push(star(scale, d, magnitude, temperature));
     }
     Ok(stars)
-}
-
-/// Linear RGB of blackbodies, of luminance 1, by temperature.
-struct Colours(Vec<[f64; 3]>);
-
-/// Steps of the logarithm from 1000 to 100000 K.
-const TEMPERATURES: usize = 256;
-
-impl Colours {
-    fn new() -> Colours {
-        let colour = |k| blackbody(1000.0 * libm::pow(100.0, k as f64 / TEMPERATURES as f64));
-        Colours((0..=TEMPERATURES).map(colour).collect())
-    }
-
-    fn of(&self, temperature: f64) -> [f64; 3] {
-        let place = libm::log(temperature / 1000.0) / libm::log(100.0);
-        let place = (place * TEMPERATURES as f64).clamp(0.0, TEMPERATURES as f64 - 1e-9);
-        let (a, b) = (self.0[place as usize], self.0[place as usize + 1]);
-        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * place.fract())
-    }
-}
-
-/// Planck's law against the observer, by steps of 5 nm; what lies outside sRGB is cut off.
-fn blackbody(temperature: f64) -> [f64; 3] {
-    /// hc/k, metre kelvins.
-    const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
-    let mut xyz = [0.0; 3];
-    for k in 0..=94 {
-        let wavelength = 360e-9 + 5e-9 * f64::from(k);
-        let exponent = SECOND_RADIATION_CONSTANT / (wavelength * temperature);
-        let power = libm::pow(wavelength * 1e9, -5.0) / libm::expm1(exponent);
-        for (sum, response) in xyz.iter_mut().zip(colour_matching(wavelength)) {
-            *sum += response * power;
-        }
-    }
-    let luminance = xyz[1];
-    rgb_from_xyz(xyz.map(|x| x / luminance)).map(|c| c.max(0.0))
 }
 
 #[cfg(test)]
@@ -150,7 +107,8 @@ mod tests {
         };
         let stars = stars(&catalogue(all), "").unwrap();
         let luminance = |s: &Star| {
-            0.2126 * s.irradiance[0] + 0.7152 * s.irradiance[1] + 0.0722 * s.irradiance[2]
+            let [r, g, b] = s.colour(1.0);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
         };
         // A magnitude brighter: 10^−0.6 = 0.2512 of all, ± √(20000 · 0.25 · 0.75) = 61.
         let brighter = |m: f64| {
@@ -175,7 +133,7 @@ mod tests {
         assert_eq!(read.len(), 2);
         assert_eq!(read[0].direction, DVec3::NEG_Z);
         // Five magnitudes are a factor of 100, and 3000 K is red.
-        let [r, g, b] = read[1].irradiance;
+        let [r, g, b] = read[1].channels();
         assert!(r > g && g > b && (0.2126 * r + 0.7152 * g + 0.0722 * b - 0.01).abs() < 1e-4);
         for bad in [
             "1,2,3",

@@ -5,6 +5,12 @@
 //! declared quantity), which is what a camera's ray that meets nothing has as its W anyway; discs keep their radiance
 //! and change their solid angle with W², so that their irradiance is that of [`lamp`](super::lamp).
 //!
+//! Where radiance has a spectrum (quantity RGB), stars are blackbodies, and so may all directions be, or have any other
+//! spectrum: an observer sees L′(λ) = W⁻⁵ L(λ/W), of a blackbody B(λ; T/W) with nothing else to it (Peebles and
+//! Wilkinson, Phys. Rev. 174, 2168, 1968). For one at β, W = γ (1 − β cos θ′) at the angle θ′ from where it goes to, so that a
+//! sky of T₀ has T′(θ′) = T₀/(γ (1 − β cos θ′)) there: the dipole of the cosmic background. Colours are looked up by W
+//! in the tables of [`colour`](crate::colour), right to 1·10⁻⁴.
+//!
 //! A pixel of the angle a sees a/W of the world's sky: ahead, where W is small, the sky is crowded, and pictures are
 //! looked up in a copy whose texels are as wide as that (`panorama`).
 
@@ -20,6 +26,7 @@ pub use catalogue::stars;
 pub use panorama::Panorama;
 pub use stars::{Star, StarMap};
 
+use crate::colour::ColourTable;
 use crate::scene::model;
 
 /// A sky, ready to be looked at.
@@ -28,6 +35,8 @@ pub struct Sky {
     background: Background,
     sun: Option<Disc>,
     stars: Option<StarMap>,
+    /// Whether stars are seen as the blackbodies that they are; otherwise by the channels of their colour at rest.
+    thermal_stars: bool,
 }
 
 #[derive(Debug)]
@@ -39,6 +48,8 @@ enum Background {
         ground: [f64; 3],
     },
     Image(Panorama),
+    /// The same in all directions.
+    Spectrum(ColourTable),
 }
 
 /// The sun: the directions whose cosine with its own is above one.
@@ -50,8 +61,13 @@ struct Disc {
 }
 
 impl Sky {
-    /// `sky`, with its picture, where it has one, and its stars.
-    pub fn new(sky: &model::Sky, panorama: Option<Panorama>, stars: Vec<Star>) -> Sky {
+    /// `sky`, with its picture, where it has one, and its stars, which are seen as blackbodies where `thermal_stars` says so.
+    pub fn new(
+        sky: &model::Sky,
+        panorama: Option<Panorama>,
+        stars: Vec<Star>,
+        thermal_stars: bool,
+    ) -> Sky {
         let background = match (&sky.background, panorama) {
             (_, Some(panorama)) => Background::Image(panorama),
             (model::SkyRadiance::Uniform(radiance), _) => Background::Uniform(*radiance),
@@ -67,6 +83,9 @@ impl Sky {
                 horizon: *horizon,
                 ground: *ground,
             },
+            (model::SkyRadiance::Spectrum(spectrum), _) => {
+                Background::Spectrum(ColourTable::new(spectrum))
+            }
             (model::SkyRadiance::Image { .. }, None) => Background::Uniform([0.0; 3]),
         };
         let radius = sky.stars.as_ref().map_or(0.0, |stars| stars.radius);
@@ -78,10 +97,37 @@ impl Sky {
                 radiance: sun.radiance(),
             }),
             stars: (!stars.is_empty()).then(|| StarMap::new(stars, radius)),
+            thermal_stars,
         }
     }
 
-    /// Radiance along the look direction `d` of the world, as a pixel sees it that is `angle` wide there.
+    /// Whether [`Sky::spectral`] adds to the radiance.
+    #[inline]
+    pub fn has_spectra(&self) -> bool {
+        let stars = self.thermal_stars && self.stars.is_some();
+        stars || matches!(self.background, Background::Spectrum(_))
+    }
+
+    /// Linear sRGB, as it is seen at W, of what has a spectrum of its own along the look direction `d` of the world.
+    #[inline]
+    pub fn spectral(&self, d: DVec3, w: f64) -> [f64; 3] {
+        let background = self.spectral_background(w);
+        match self.stars.as_ref().filter(|_| self.thermal_stars) {
+            None => background,
+            Some(stars) => sum(background, stars.radiance(d, |star| star.colour(w))),
+        }
+    }
+
+    /// The same without stars.
+    #[inline]
+    fn spectral_background(&self, w: f64) -> [f64; 3] {
+        match &self.background {
+            Background::Spectrum(table) => table.colour(w),
+            _ => [0.0; 3],
+        }
+    }
+
+    /// Radiance by channel, without what has a spectrum of its own, along the look direction `d` of the world, as a pixel sees it that is `angle` wide there.
     #[inline]
     pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
         let mut radiance = self.without_sun(d, angle);
@@ -99,9 +145,9 @@ impl Sky {
     #[inline]
     pub fn without_sun(&self, d: DVec3, angle: f64) -> [f64; 3] {
         let background = self.background.radiance(d, angle);
-        match &self.stars {
+        match self.stars.as_ref().filter(|_| !self.thermal_stars) {
             None => background,
-            Some(stars) => sum(background, stars.radiance(d)),
+            Some(stars) => sum(background, stars.radiance(d, Star::channels)),
         }
     }
 }
@@ -124,6 +170,7 @@ impl Background {
                 std::array::from_fn(|c| horizon[c] + (zenith[c] - horizon[c]) * weight)
             }
             Background::Image(panorama) => panorama.radiance(d, angle),
+            Background::Spectrum(_) => [0.0; 3],
         }
     }
 }

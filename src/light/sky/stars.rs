@@ -1,14 +1,49 @@
 //! Stars: discs of uniform radiance, found by a grid on the faces of a cube.
+//!
+//! A star is a blackbody: seen at W it is one of the temperature T/W, for W⁻⁵ B(λ/W; T) = B(λ; T/W). What comes of it
+//! through a surface across is that times the solid angle Ω that a blackbody would have, and with dω_F = W² dω
+//!
+//! ```text
+//! E_F = W² Ω B(λ; T/W).
+//! ```
 
 use glam::DVec3;
+
+use crate::colour::blackbody_colour;
 
 /// A star.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Star {
     /// Unit vector towards it.
     pub direction: DVec3,
-    /// What it sends through a surface across, at rest in the world, by channel.
-    pub irradiance: [f64; 3],
+    /// Of its spectrum, in kelvin.
+    pub temperature: f64,
+    /// Ω: what it sends through a surface across, over the radiance of a blackbody.
+    pub solid_angle: f64,
+}
+
+impl Star {
+    /// One that sends light of this luminance through a surface across, at rest in the world.
+    pub fn new(direction: DVec3, temperature: f64, luminance: f64) -> Star {
+        let [r, g, b] = blackbody_colour(temperature);
+        Star {
+            direction,
+            temperature,
+            solid_angle: luminance / (0.2126 * r + 0.7152 * g + 0.0722 * b),
+        }
+    }
+
+    /// Linear sRGB of Ω B(λ; T/W).
+    #[inline]
+    pub fn colour(&self, w: f64) -> [f64; 3] {
+        blackbody_colour(self.temperature / w).map(|c| c * self.solid_angle)
+    }
+
+    /// The same at rest, within sRGB.
+    #[inline]
+    pub fn channels(&self) -> [f64; 3] {
+        self.colour(1.0).map(|c| c.max(0.0))
+    }
 }
 
 /// Stars of one angular radius ρ: radiance E/(π sin² ρ) within it.
@@ -49,9 +84,10 @@ impl StarMap {
         }
     }
 
-    /// The sum of the radiances of the stars within whose discs `d` lies.
+    /// The sum of the radiances of the stars within whose discs `d` lies, `light` of each being what it sends through a
+    /// surface across.
     #[inline]
-    pub fn radiance(&self, d: DVec3) -> [f64; 3] {
+    pub fn radiance(&self, d: DVec3, light: impl Fn(&Star) -> [f64; 3]) -> [f64; 3] {
         let (face, [x, y]) = on_cube(d);
         let cell = cell(face, x, y);
         let list = self.begins[cell] as usize..self.begins[cell + 1] as usize;
@@ -59,7 +95,7 @@ impl StarMap {
         for &index in &self.lists[list] {
             let star = &self.stars[index as usize];
             if d.dot(star.direction) > self.cosine {
-                for (sum, e) in sum.iter_mut().zip(star.irradiance) {
+                for (sum, e) in sum.iter_mut().zip(light(star)) {
                     *sum += e * self.density;
                 }
             }
@@ -149,12 +185,7 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
         };
         let mut vector = || DVec3::new(next(), next(), next()).normalize();
-        let stars: Vec<_> = (0..400)
-            .map(|k| Star {
-                direction: vector(),
-                irradiance: [f64::from(k), 1.0, 0.0],
-            })
-            .collect();
+        let stars: Vec<_> = (0..400).map(|_| Star::new(vector(), 5000.0, 1.0)).collect();
         for radius in [1e-4, 0.01, 0.087] {
             let map = StarMap::new(stars.clone(), radius);
             for k in 0..4000 {
@@ -162,7 +193,7 @@ mod tests {
                 let d = (near + vector() * (radius * 1.2)).normalize();
                 let lies_in = |s: &&Star| d.dot(s.direction) > libm::cos(radius);
                 let count = stars.iter().filter(lies_in).count() as f64;
-                let found = map.radiance(d)[1] / map.density;
+                let found = map.radiance(d, |_| [0.0, 1.0, 0.0])[1] / map.density;
                 assert!(
                     (found - count).abs() < 1e-9,
                     "{radius} {d}: {found} {count}"

@@ -1,11 +1,13 @@
 //! Emitters: base colours, cubes with their capture cameras, lamps.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::backs::{Backs, backs};
 use super::response::{eye, received, response, without};
 use crate::accel::{Facing, Ray};
 use crate::colour::{ColourTable, Spectrum};
@@ -26,8 +28,8 @@ use crate::render::trace::{
     TimeResolved,
 };
 use crate::scene::model::{
-    Binding, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Geometry, LightKind,
-    Mapping, Reconstruction, Scene, SourceKind,
+    Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Geometry,
+    LightKind, Mapping, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -148,11 +150,16 @@ impl<'a> Builder<'a> {
             .collect::<Result<Vec<_>>>()?;
         let own = self.scene.objects[object].spectrum.as_ref();
         let own = own.map(|spectrum| spectrum_colour(spectrum, self.scene));
+        let area = area_radiance(self.scene, object, mesh);
         let vertex_colours = !mesh.colours.is_empty();
         let emitter = |material: &Material| {
             let lit = lit_by(self.scene, object, &material.name);
             let colour = match &own {
-                Some(colour) => colour.clone(),
+                // Of an area light, its radiance is a factor on its spectrum.
+                Some(colour) => BaseColour {
+                    factor: colour.factor.map(|c| c * area.map_or(1.0, mean)),
+                    ..colour.clone()
+                },
                 None => base_colour(material, &textures, vertex_colours),
             };
             self.colours.push(colour);
@@ -160,7 +167,7 @@ impl<'a> Builder<'a> {
                 colour: self.colours.len() - 1,
                 gloss: gloss(self.scene, material, &textures),
                 glass: glass(self.scene, material),
-                emission: emission(self.scene, object, material, &textures),
+                emission: emission(self.scene, area, material, &textures),
             };
             self.emitters.push((lit, finish));
             self.emitters.len() as u32 - 1
@@ -181,24 +188,32 @@ impl<'a> Builder<'a> {
     /// The surfaces that shine.
     fn areas(&self, frames: &[RestFrame]) -> Option<Box<AreaLights>> {
         let mut elements = Vec::new();
+        let mut spectra: HashMap<u32, Arc<ColourTable>> = HashMap::new();
         for (frame, rest) in (0..).zip(frames) {
             for slot in 0..rest.bvh.len() as u32 {
                 let (triangle, facing) = rest.bvh.triangle(slot);
                 let patch = rest.patch(triangle);
                 let (lit, finish) = &self.emitters[patch.emitter as usize];
-                let Some(radiance) = finish
-                    .emission
-                    .as_ref()
-                    .filter(|_| matches!(lit, Lit::Reflecting(_)))
-                else {
+                let area = area_light(self.scene, patch.object as usize);
+                let shines = match lit {
+                    Lit::Reflecting(_) => true,
+                    Lit::Spectrum => area.is_some(),
+                    Lit::Base | Lit::Cube(_) | Lit::Captures(_) => false,
+                };
+                let Some(radiance) = finish.emission.as_ref().filter(|_| shines) else {
                     continue;
                 };
-                let area = area_light(self.scene, patch.object as usize);
+                let object = &self.scene.objects[patch.object as usize];
+                let spectrum = object.spectrum.as_ref().map(|spectrum| {
+                    let table = || Arc::new(ColourTable::new(spectrum));
+                    spectra.entry(patch.object).or_insert_with(table).clone()
+                });
                 elements.push(Element {
                     frame,
                     triangle,
                     corners: rest.bvh.corners(slot),
                     radiance: radiance.clone(),
+                    spectrum,
                     two_sided: facing == Facing::TwoSided && !patch.black_back,
                     shadows: area.is_none_or(|(_, shadows)| shadows),
                 });
@@ -363,11 +378,11 @@ fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
 /// The radiance of a surface's own in a scene with lights: its material's, or that of an area light.
 fn emission(
     scene: &Scene,
-    object: usize,
+    area: Option<[f64; 3]>,
     material: &Material,
     textures: &[usize],
 ) -> Option<BaseColour> {
-    let area = area_light(scene, object).map(|(radiance, _)| BaseColour {
+    let area = area.map(|radiance| BaseColour {
         factor: radiance,
         texture: None,
         vertex_colours: false,
@@ -383,15 +398,43 @@ fn emission(
     area.or_else(|| shines.then(own))
 }
 
-/// The radiance that the area light gives an object which is one, and whether it casts shadows.
-fn area_light(scene: &Scene, object: usize) -> Option<([f64; 3], bool)> {
+/// How bright the area light makes an object which is one, and whether it casts shadows.
+fn area_light(scene: &Scene, object: usize) -> Option<(Brightness, bool)> {
     scene.lights.iter().find_map(|light| match light.kind {
         LightKind::Area {
             object: lit,
-            radiance,
-        } if lit == object => Some((radiance, light.shadows)),
+            brightness,
+        } if lit == object => Some((brightness, light.shadows)),
         _ => None,
     })
+}
+
+/// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: of the power Φ, Φ/(π A) with the area
+/// A of all sides that shine, for a side sends ∫ L cos θ dω = π L per area.
+fn area_radiance(scene: &Scene, object: usize, mesh: &Mesh) -> Option<[f64; 3]> {
+    let power = match area_light(scene, object)?.0 {
+        Brightness::Radiance(radiance) => return Some(radiance),
+        Brightness::Power(power) => power,
+    };
+    let mut area = 0.0;
+    for part in &mesh.parts {
+        let sides = match backs(scene, &mesh.materials[part.material as usize]) {
+            Backs::Same => 2.0,
+            Backs::Culled | Backs::Black => 1.0,
+        };
+        for index in part.first_triangle..part.first_triangle + part.triangles {
+            let [a, b, c] = mesh.corners(index);
+            area += sides * 0.5 * (b - a).cross(c - a).length();
+        }
+    }
+    Some(match area > 0.0 {
+        true => power.map(|c| c / (PI * area)),
+        false => [0.0; 3],
+    })
+}
+
+fn mean([r, g, b]: [f64; 3]) -> f64 {
+    (r + g + b) / 3.0
 }
 
 /// A surface that shines with `spectrum`, and what an observer in `scene` makes of it.

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use super::backs::{Backs, backs};
 use super::emitters::Builder;
 use crate::accel::{Bvh, Facing};
 use crate::error::{Error, Result};
@@ -14,7 +15,7 @@ use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
 use crate::render::plan::{Plan, PlannedFrame};
 use crate::render::trace::{Patch, RestFrame};
-use crate::scene::model::{BackFaces, BadVertices, CoordinateFile, Geometry, Object, Scene};
+use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
 /// Loads the objects of `planned` and builds their BVH, whose seconds `built_in` is told.
@@ -227,10 +228,8 @@ impl Gathered {
         }
         for part in mesh.parts.iter().filter(|p| p.triangles > 0) {
             let material = &mesh.materials[part.material as usize];
-            // Glass is seen from within.
-            let is_glass = scene.bounces > 0 && material.transmission > 0.0;
-            let is_culled = is_culled(scene.back_faces, material.double_sided);
-            self.culled.push(is_culled && !is_glass);
+            let backs = backs(scene, material);
+            self.culled.push(backs == Backs::Culled);
             self.patches.push(Patch {
                 first: object_first + part.first_triangle,
                 object: object as u32,
@@ -238,7 +237,7 @@ impl Gathered {
                 object_first,
                 object_origin: origin,
                 emitter: emitters[part.material as usize],
-                black_back: scene.back_faces == BackFaces::Black && !is_glass,
+                black_back: backs == Backs::Black,
             });
         }
         // The BVH holds the corners from here on; what addresses textures stays.
@@ -250,13 +249,5 @@ impl Gathered {
         mesh.uvs.iter_mut().for_each(Vec::shrink_to_fit);
         mesh.colours.shrink_to_fit();
         self.meshes.push(mesh);
-    }
-}
-
-fn is_culled(policy: BackFaces, double_sided: bool) -> bool {
-    match policy {
-        BackFaces::AsFile => !double_sided,
-        BackFaces::TwoSided | BackFaces::Black => false,
-        BackFaces::Culled => true,
     }
 }

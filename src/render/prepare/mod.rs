@@ -1,5 +1,6 @@
 //! Loads and builds what the plan lists, and nothing else.
 
+mod backs;
 mod emitters;
 mod geometry;
 mod response;

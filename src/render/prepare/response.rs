@@ -2,7 +2,7 @@
 
 use crate::colour::RgbShift;
 use crate::light::Received;
-use crate::render::trace::{Colouring, Eye, Response, Scaling};
+use crate::render::trace::{Colouring, Eye, Response, Scaling, SkySpectra};
 use crate::scene::model::{Effects, Equations, Scene};
 use crate::spacetime::Quantity;
 
@@ -36,6 +36,25 @@ pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
         (None, _) => (brightness, Colouring::Channels),
     };
     Response { scaled, colour }
+}
+
+/// What an observer in `scene` makes of the spectra of its sky, as of those of objects.
+pub(super) fn sky_spectra(scene: &Scene) -> SkySpectra {
+    let Effects {
+        doppler,
+        searchlight,
+        ..
+    } = scene.effects;
+    SkySpectra {
+        scaled: match (doppler, searchlight) {
+            (true, _) => without(searchlight),
+            // Colours at rest, by the brightness of all their energy.
+            (false, true) => Scaling::Of(Quantity::Integrated),
+            (false, false) => Scaling::None,
+        },
+        shifted: doppler,
+        eye: eye(scene),
+    }
 }
 
 /// The scaling that goes with colours that have the searchlight effect in them.

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::response::{received, response};
+use super::response::{received, response, sky_spectra};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::files;
@@ -13,6 +13,7 @@ use crate::light::sky::{BoostedSky, Panorama, Sky, stars};
 use crate::render::plan::Plan;
 use crate::render::trace::{Background, RestFrame, SkyLight};
 use crate::scene::model::{self, Catalogue, Scene, SkyRadiance};
+use crate::spacetime::Quantity;
 
 /// The scene's sky.
 pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
@@ -30,13 +31,20 @@ pub(super) fn load(scene: &Scene, plan: &Plan) -> Result<Option<Arc<Sky>>> {
             let (texels, width) = picture(path, &budget)?;
             Some(Panorama::new(texels, width, *scale, *rotation))
         }
-        SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } => None,
+        SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Spectrum(_) => None,
     };
     let stars = match &sky.stars {
         Some(catalogue) => stars(catalogue, &table(catalogue, &budget)?)?,
         None => Vec::new(),
     };
-    Ok(Some(Arc::new(Sky::new(sky, panorama, stars))))
+    // Where radiance is no RGB of spectra, stars have channels as all else has.
+    let thermal_stars = scene.quantity == Quantity::Rgb;
+    Ok(Some(Arc::new(Sky::new(
+        sky,
+        panorama,
+        stars,
+        thermal_stars,
+    ))))
 }
 
 /// What rays see that meet nothing.
@@ -47,6 +55,7 @@ pub(super) fn background(scene: &Scene, sky: Option<Arc<Sky>>) -> Background {
     let camera = &scene.camera;
     let across = f64::from(camera.size[0]) * f64::from(scene.samples_per_pixel).sqrt();
     Background::Sky {
+        spectra: sky.has_spectra().then(|| sky_spectra(scene)),
         sky,
         response: response(scene.quantity, scene),
         angle: camera.horizontal_fov / across,

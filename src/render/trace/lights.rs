@@ -22,6 +22,7 @@ use super::point::SurfacePoint;
 use super::run::Run;
 use super::stats::Meter;
 use crate::accel::Hit;
+use crate::colour::ColourTable;
 use crate::light::Received;
 use crate::light::lamp::Incident;
 use crate::light::reflection::Reflection;
@@ -62,6 +63,8 @@ pub struct Element {
     pub corners: [DVec3; 3],
     /// Radiance, by channel.
     pub radiance: BaseColour,
+    /// The spectrum that the mean of the channels is a factor on, where it has one.
+    pub spectrum: Option<std::sync::Arc<ColourTable>>,
     /// Whether its back shines too.
     pub two_sided: bool,
     /// Whether other surfaces shadow it.
@@ -72,6 +75,17 @@ impl Element {
     fn area(&self) -> f64 {
         let [a, b, c] = self.corners;
         0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// About how bright it is at rest: by this it is drawn.
+    fn brightness(&self) -> f64 {
+        let factor = self.radiance.factor.iter().sum::<f64>();
+        let Some(table) = &self.spectrum else {
+            return factor;
+        };
+        // What is not seen at rest may be seen in motion.
+        let at_rest: f64 = table.colour(1.0).iter().sum();
+        factor * if at_rest > 0.0 { at_rest } else { 1.0 }
     }
 }
 
@@ -91,7 +105,7 @@ pub(super) struct Sent {
 impl AreaLights {
     /// Those of `elements` that have an area and shine; none if none does.
     pub fn new(elements: Vec<Element>, received: Received) -> Option<AreaLights> {
-        let power = |e: &Element| e.area() * e.radiance.factor.iter().sum::<f64>();
+        let power = |e: &Element| e.area() * e.brightness();
         let shines = |e: &Element| power(e) > 0.0 && power(e).is_finite();
         let elements: Vec<_> = elements.into_iter().filter(shines).collect();
         let mut sum = 0.0;
@@ -222,11 +236,16 @@ impl AreaLights {
             front: true,
         };
         let radiance = base.colour_at(&element.radiance, rest, rest.patch(element.triangle), &hit);
+        let irradiance = match &element.spectrum {
+            None => self.received.irradiance(w, radiance, factor),
+            // W⁻⁵ is in the colour, and W² of the solid angle is not.
+            Some(table) => {
+                let factor = w * w * factor * radiance.iter().sum::<f64>() / 3.0;
+                table.colour(w).map(|c| c * factor)
+            }
+        };
         Some(Sent {
-            incident: Incident::new(
-                self.received.irradiance(w, radiance, factor),
-                self.received.wavelength_scale(w),
-            ),
+            incident: Incident::new(irradiance, self.received.wavelength_scale(w)),
             l: l.unit(),
             d: d.unit(),
             distance: distance * ratio * SHORTER,

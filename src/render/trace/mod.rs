@@ -53,7 +53,7 @@ pub(crate) use rest_frame::{BuildPlaceHasher, SharedVertices};
 pub use rest_frame::{Patch, RestFrame};
 pub use run::Run;
 pub(crate) use run::TracedRays;
-pub use shading::Background;
+pub use shading::{Background, SkySpectra};
 pub(crate) use shading::{RadianceSink, Shading};
 pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};

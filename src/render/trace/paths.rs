@@ -351,6 +351,7 @@ impl PathTraced {
                     self.note_surfaces(finish, &run, (wavelength_ratios, emitted), met);
                 }
                 _ => {
+                    self.weigh_own(&run, drawn, wavelength_ratios, emitted);
                     self.light.emit(&run, emitted, meter);
                     self.note_light(&run, (wavelength_ratios, emitted), met);
                 }
@@ -411,7 +412,8 @@ impl PathTraced {
                 ratios[at],
                 (emitted.radiance[at], scale),
             );
-            met[*ray as usize] = Met::Light(light);
+            let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
+            met[*ray as usize] = Met::Light(light.scaled(weight));
         }
     }
 
@@ -464,8 +466,7 @@ impl PathTraced {
         let w = 1.0 / rho;
         let radiance = if density.is_infinite() {
             // A mirror shows the sun, whose light as that of a lamp it does not reflect.
-            let radiance = light.sky.radiance(d.unit(), 0.0);
-            boosted.received().radiance(w, radiance)
+            boosted.radiance_with_sun(&light.sky, d, rho)
         } else {
             let weight = match (light.shadows, boosted.is_uneven()) {
                 (false, _) => 0.0,
@@ -482,7 +483,11 @@ impl PathTraced {
     fn weigh_own(&self, run: &Run, drawn: &[Drawn], ratios: &[f64], emitted: &mut Emitted) {
         emitted.own_weights.clear();
         let emitter = &self.light.emitters[run.patch.emitter as usize].0;
-        let shines = matches!(emitter, Emitter::Lit { finish, .. } if finish.emission.is_some());
+        let shines = match emitter {
+            Emitter::Lit { finish, .. } => finish.emission.is_some(),
+            // With a spectrum, it may be drawn.
+            emitter => matches!(emitter, Emitter::Base(_)),
+        };
         let Some(areas) = self.light.areas.as_ref().filter(|_| shines) else {
             return;
         };

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
@@ -58,9 +60,31 @@ pub enum Background {
         sky: Arc<Sky>,
         /// What an observer makes of its radiance.
         response: Response,
+        /// What an observer makes of its spectra, where it has any.
+        spectra: Option<SkySpectra>,
         /// The angle between samples at rest in the camera's frame, radians.
         angle: f64,
     },
+}
+
+/// What an observer makes of a sky's spectra.
+#[derive(Debug, Clone, Copy)]
+pub struct SkySpectra {
+    /// The factor on their colours.
+    pub scaled: Scaling,
+    /// Whether wavelengths are shifted.
+    pub shifted: bool,
+    /// What the observer sees.
+    pub eye: Eye,
+}
+
+impl SkySpectra {
+    /// The colour along `d`, before the factor.
+    #[inline]
+    fn colour(&self, sky: &Sky, d: DVec3, w: f64) -> [f64; 3] {
+        let ratio = self.eye.ratio(if self.shifted { w } else { 1.0 });
+        sky.spectral(d, ratio).map(|c| c * self.eye.gain())
+    }
 }
 
 /// Buffers for shading one tile.
@@ -130,7 +154,11 @@ impl Shading {
             meter.lap(Stage::Radiance);
             // W in two parts: camera over world, and world over the rest frame.
             run.ratios(ratios, &mut self.ratios);
-            weigh(&self.emitted.response, &self.ratios, &mut self.factors);
+            weigh(
+                self.emitted.response.scaled,
+                &self.ratios,
+                &mut self.factors,
+            );
             if let Some(origins) = origins {
                 for (factor, ray) in self.factors.iter_mut().zip(run.members) {
                     *factor *= origins[*ray as usize].weight;
@@ -161,6 +189,7 @@ impl Shading {
         let Background::Sky {
             sky,
             response,
+            spectra,
             angle,
         } = background
         else {
@@ -176,13 +205,26 @@ impl Shading {
         let radiance =
             seen.map(|(ray, w)| sky.radiance(traced.rays.directions[*ray as usize], angle / w));
         self.emitted.radiance.extend(radiance);
-        weigh(&self.emitted.response, &self.ratios, &mut self.factors);
-        if let Some(origins) = traced.rays.origins {
-            for (factor, ray) in self.factors.iter_mut().zip(escaped) {
-                *factor *= origins[*ray as usize].weight;
+        let ratios = &self.ratios;
+        let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
+            weigh(scaled, ratios, factors);
+            if let Some(origins) = traced.rays.origins {
+                for (factor, ray) in factors.iter_mut().zip(escaped) {
+                    *factor *= origins[*ray as usize].weight;
+                }
             }
+        };
+        weigh_all(self.emitted.response.scaled, &mut self.factors);
+        add_colours(&self.emitted, ratios, &self.factors, escaped, sink);
+        let Some(spectra) = spectra else {
+            return;
+        };
+        weigh_all(spectra.scaled, &mut self.factors);
+        for (ray, (w, factor)) in escaped.iter().zip(ratios.iter().zip(&self.factors)) {
+            let ray = *ray as usize;
+            let seen = spectra.colour(sky, traced.rays.directions[ray], *w);
+            sink.add(ray, seen.map(|c| c * factor));
         }
-        add_colours(&self.emitted, &self.ratios, &self.factors, escaped, sink);
     }
 
     /// Finds the runs, and adds the radiance of rays that hit nothing or the black back of something. `weight` says
@@ -293,9 +335,9 @@ impl Shading {
 }
 
 /// The observer's factors for wavelength ratios `ratios`.
-fn weigh(response: &Response, ratios: &[f64], factors: &mut Vec<f64>) {
+fn weigh(scaled: Scaling, ratios: &[f64], factors: &mut Vec<f64>) {
     factors.clear();
-    match response.scaled {
+    match scaled {
         Scaling::None => factors.resize(ratios.len(), 1.0),
         Scaling::Of(quantity) => {
             factors.extend_from_slice(ratios);

@@ -38,7 +38,8 @@ pub(in crate::scene) struct Light {
     /// Radiant intensity of a point or spot light, power per solid angle in its own frame, at least 0: one
     /// number, or linear RGB. Excludes `power`. Default: 1.
     pub intensity: Option<At<NumberOrVector>>,
-    /// All power of a point or spot light in its own frame, at least 0: one number, or linear RGB.
+    /// All power of a point, spot or area light in its own frame, at least 0: one number, or linear RGB. Excludes
+    /// `intensity` and `radiance`.
     pub power: Option<At<NumberOrVector>>,
     /// What a directional light sends through a surface across it, power per area in its own frame, at
     /// least 0: one number, or linear RGB. Default: 1.
@@ -46,8 +47,9 @@ pub(in crate::scene) struct Light {
     /// Radiance of an area light's surface in its own frame, alike in all directions, at least 0: one
     /// number, or linear RGB. Default: 1.
     pub radiance: Option<At<NumberOrVector>>,
-    /// The spectrum of a point, spot or directional light at rest with it; what says how bright it is, is a factor
-    /// on it. Needs quantity = "rgb" in `radiance`. Default: that of the RGB of `intensity` and the like.
+    /// Its spectrum at rest with it; what says how bright it is, is a factor on it, one number for an area light, which
+    /// then reflects nothing. Needs quantity = "rgb" in `radiance`. Default: that of the RGB of `intensity` and the like,
+    /// or of an area light's object.
     pub spectrum: Option<At<Spectrum>>,
     /// The object whose surface an area light is.
     pub object: Option<At<String>>,

@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::spectrum::Spectrum;
 use crate::scene::at::At;
 use crate::scene::values::{Number, NumberOrVector, Vector};
 use crate::spacetime::units::Angle;
@@ -19,6 +20,9 @@ use crate::spacetime::units::Angle;
 pub(in crate::scene) struct Sky {
     /// The same radiance in all directions, at least 0: one number, or linear RGB. Default: 0.
     pub radiance: Option<At<NumberOrVector>>,
+    /// The same spectrum in all directions, like the cosmic background's { blackbody = "2.725 K", total = 1 }.
+    /// Needs quantity = "rgb" in `radiance`.
+    pub spectrum: Option<At<Spectrum>>,
     /// A sky that goes from a horizon to a zenith.
     pub gradient: Option<At<Gradient>>,
     /// An equirectangular picture of all directions.
@@ -88,7 +92,7 @@ pub(in crate::scene) struct Sun {
     pub diameter: Option<At<Angle>>,
 }
 
-/// Stars: discs of uniform radiance, of the colours of blackbodies.
+/// Stars: discs of uniform radiance, of the colours of blackbodies; where `radiance` has quantity = "rgb", their spectra.
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, expecting = "a table like { count = 5000 }")]

@@ -26,13 +26,22 @@ pub struct Light {
 pub enum LightKind {
     /// A point, or something far away.
     Lamp(Box<Lamp>),
-    /// The surface of an object.
+    /// The surface of an object, with the object's spectrum where it has one.
     Area {
         /// Index of the object.
         object: usize,
-        /// Radiance in its rest frame, alike in all directions, by channel.
-        radiance: [f64; 3],
+        /// How bright it is, by channel; a factor on the spectrum.
+        brightness: Brightness,
     },
+}
+
+/// How bright a surface is in its rest frame, alike in all directions, by channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Brightness {
+    /// Radiance.
+    Radiance([f64; 3]),
+    /// All power Φ that it sends: the radiance is Φ/(π A), A the area of all sides that shine.
+    Power([f64; 3]),
 }
 
 /// A light without extent.

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
+use crate::colour::Spectrum;
+
 /// What shines from afar; its parts add.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -22,7 +24,7 @@ pub struct Sky {
     pub span: std::ops::Range<usize>,
 }
 
-/// Radiance of all directions, by channel.
+/// Radiance of all directions, by channel or by wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SkyRadiance {
     /// The same everywhere.
@@ -45,6 +47,8 @@ pub enum SkyRadiance {
         /// Radians by which it is turned about +Y, right-handed.
         rotation: f64,
     },
+    /// The same everywhere, with this spectrum.
+    Spectrum(Spectrum),
 }
 
 /// A disc of uniform radiance.
@@ -91,7 +95,9 @@ impl Sky {
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let image = match &self.background {
             SkyRadiance::Image { path, .. } => Some(path),
-            SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } => None,
+            SkyRadiance::Uniform(_) | SkyRadiance::Gradient { .. } | SkyRadiance::Spectrum(_) => {
+                None
+            }
         };
         let table = self
             .stars

@@ -9,11 +9,13 @@ use super::context::Context;
 use super::motion::{self, Moving};
 use super::mover::{Mover, only_one_way};
 use super::{object, path, spectrum};
-use crate::colour::{Continuation, Spectrum};
+use crate::colour::Continuation;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{self, LightType};
-use crate::scene::model::{Beam, EmissionProfile, Lamp, Light, LightKind, Motion, Object};
+use crate::scene::model::{
+    Beam, Brightness, EmissionProfile, Lamp, Light, LightKind, Motion, Object,
+};
 use crate::scene::names;
 use crate::scene::suggest::did_you_mean;
 use crate::scene::values::NumberOrVector;
@@ -100,13 +102,13 @@ fn only_keys_of_its_type(cx: &Context, at: &At<file::Light>) -> Result<()> {
         ("inner", At::span_of(&light.inner), &[Spot]),
         ("outer", At::span_of(&light.outer), &[Spot]),
         ("intensity", At::span_of(&light.intensity), &[Point, Spot]),
-        ("power", At::span_of(&light.power), &[Point, Spot]),
+        ("power", At::span_of(&light.power), &[Point, Spot, Area]),
         ("irradiance", At::span_of(&light.irradiance), &[Directional]),
         ("radiance", At::span_of(&light.radiance), &[Area]),
         (
             "spectrum",
             At::span_of(&light.spectrum),
-            &[Point, Spot, Directional],
+            &[Point, Spot, Directional, Area],
         ),
         ("object", At::span_of(&light.object), &[Area]),
         ("clock_zero", clock, &[Point, Spot, Directional]),
@@ -149,23 +151,68 @@ fn area(cx: &Context, at: &At<file::Light>, objects: &[Object]) -> Result<LightK
         let help = format!("{meant}the objects are: {}", known.join(", "));
         return Err(cx.refuse(name, what, help));
     };
+    let (radiance, power) = (&at.value.radiance, &at.value.power);
+    cx.exclusive((radiance, "radiance"), (power, "power"))?;
     Ok(LightKind::Area {
         object,
-        radiance: channels(cx, &at.value.radiance)?,
+        brightness: match power {
+            Some(_) => Brightness::Power(channels(cx, power)?),
+            None => Brightness::Radiance(channels(cx, radiance)?),
+        },
     })
 }
 
-/// The spectrum of a lamp in a scene whose radiance is RGB.
-fn spectrum(cx: &Context, light: &file::Light, around: &Around) -> Result<Option<Spectrum>> {
-    let Some(at) = &light.spectrum else {
-        return Ok(None);
-    };
-    if around.quantity != Quantity::Rgb {
-        let what = "a lamp has a spectrum where the radiance of surfaces has one";
-        let help = "set quantity = \"rgb\" in [radiance], or leave `spectrum` out";
-        return Err(cx.refuse(at, what, help));
+/// Gives objects the spectra of the area lights that their surfaces are.
+pub(super) fn give_spectra(
+    cx: &Context,
+    file: &[At<file::Light>],
+    lights: &[Light],
+    objects: &mut [Object],
+    (quantity, continuation): (Quantity, Continuation),
+) -> Result<()> {
+    let mut lit = vec![false; objects.len()];
+    for (at, light) in file.iter().zip(lights) {
+        let LightKind::Area { object, brightness } = &light.kind else {
+            continue;
+        };
+        let said = &at.value;
+        let (seen, object) = (&mut lit[*object], &mut objects[*object]);
+        if std::mem::replace(seen, true) {
+            let what = format!("{} shines by another light already", quoted(&object.name));
+            let help = "an object is one area light: leave one of them out";
+            return Err(cx.report.refuse(&light.span, what, help));
+        }
+        let own = spectrum::of_light(
+            cx,
+            &said.spectrum,
+            "an area light",
+            (quantity, continuation),
+        )?;
+        if let (Some(spectrum), Some(_)) = (&said.spectrum, &object.spectrum) {
+            let what = format!("{} has a spectrum of its own", quoted(&object.name));
+            let help = "leave `spectrum` out here or there: the light has that of its object";
+            return Err(cx.refuse(spectrum, what, help));
+        }
+        if object.spectrum.is_some() && quantity != Quantity::Rgb {
+            let what = format!(
+                "{} lights by its spectrum, where surfaces have none",
+                quoted(&object.name)
+            );
+            let help = "set quantity = \"rgb\" in [radiance]";
+            return Err(cx.report.refuse(&span(at), what, help));
+        }
+        object.spectrum = own.or(object.spectrum.take());
+        let (Brightness::Radiance([r, g, b]) | Brightness::Power([r, g, b])) = *brightness;
+        if object.spectrum.is_some() && !(r == g && g == b) {
+            let what = "the factor on a spectrum is one number";
+            let at = said.radiance.as_ref().or(said.power.as_ref());
+            let help = "give `radiance` or `power` as one number";
+            return Err(cx
+                .report
+                .refuse(at.map_or(&light.span, |at| &at.span), what, help));
+        }
     }
-    spectrum::resolve(cx, at, around.continuation).map(Some)
+    Ok(())
 }
 
 fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
@@ -198,7 +245,12 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
     } = motion::resolve(cx, &mover, position)?;
     Ok(Lamp {
         intensity: intensity(cx, light, beam)?,
-        spectrum: spectrum(cx, light, around)?,
+        spectrum: spectrum::of_light(
+            cx,
+            &light.spectrum,
+            "a lamp",
+            (around.quantity, around.continuation),
+        )?,
         emission: emission(cx, &light.emission)?,
         beam,
         origin,

@@ -45,7 +45,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         .ok_or_else(|| without_camera(&cx, file))?;
     let camera = camera::resolve(&cx, said)?;
     let continuation = radiance::continuation(&file.radiance);
-    let objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
+    let mut objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
     let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
     let around = light::Around {
@@ -55,6 +55,8 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         continuation,
     };
     let lights = light::resolve_all(&cx, &file.light, &around)?;
+    let spectral = (quantity, continuation);
+    light::give_spectra(&cx, &file.light, &lights, &mut objects, spectral)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
     let scene = Scene {
         speed_of_light: cx.speed_of_light,
@@ -72,7 +74,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         seed: file.render.seed,
         captures: file.render.captures,
         outside: settings::outside(&file.outside),
-        sky: sky::resolve(&cx, &file.sky)?,
+        sky: sky::resolve(&cx, &file.sky, spectral)?,
         back_faces: file.display.value.back_faces,
         background: cx.colour(&file.display.value.background)?,
         bits: settings::bits(&cx, &file.display)?,

@@ -90,9 +90,9 @@ fn motion(cx: &Context, mover: &Mover, position: DVec3) -> Result<Motion> {
     } else if let Some(profile) = &motion.profile {
         self::profile(cx, mover, profile)
     } else if let Some(keyframes) = &motion.keyframes {
-        path::keyframes(cx, mover.noun, keyframes)
+        path::keyframes(cx, keyframes)
     } else if let Some(animation) = &motion.animation {
-        path::animation(cx, mover.noun, animation)
+        path::animation(cx, animation)
     } else if let Some(circle) = &motion.circle {
         path::circle(cx, mover, circle, position)
     } else {

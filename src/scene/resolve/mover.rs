@@ -55,9 +55,16 @@ pub(super) fn only_one_way(cx: &Context, mover: &Mover) -> Result<()> {
 }
 
 /// What helps against an animation that is too fast.
-pub(super) fn slower(noun: &str) -> String {
-    format!(
-        "a {noun} is slower than light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
-         a second of it"
-    )
+pub(super) fn slower() -> &'static str {
+    "nothing moves as fast as light: slow the animation down, or raise `speed_of_light`, which says how far light goes in \
+     a second of it"
+}
+
+/// A speed over that of light in six digits, or as many more as tell it from that.
+pub(super) fn beta(speed: f64) -> String {
+    let rounded: f64 = format!("{speed:.5e}").parse().unwrap_or(speed);
+    match rounded > 1.0 {
+        true => rounded.to_string(),
+        false => speed.to_string(),
+    }
 }

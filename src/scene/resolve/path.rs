@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::context::{ABOVE, BELOW, Context};
-use super::mover::{Mover, slower};
+use super::mover::{Mover, beta, slower};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file::{Animation, Circle, Keyframe};
@@ -54,7 +54,7 @@ fn alone<T>(cx: &Context, mover: &Mover, key: (&At<T>, &str)) -> Result<()> {
 }
 
 /// A motion by the animation of a node, ct = ct(seconds).
-pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<Motion> {
+pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
     let Animation { gltf, node, .. } = &at.value;
     let track = cx.gltf_track(gltf)?;
     let metres = |seconds: f64| seconds * cx.speed_of_light;
@@ -65,10 +65,11 @@ pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<
             continue;
         }
         let what = format!(
-            "node {:?} moves at |β| = {beta} between {from} s and {to} s of its animation",
-            node.value
+            "node {:?} moves at |β| = {} between {from} s and {to} s of its animation",
+            node.value,
+            self::beta(beta)
         );
-        return Err(cx.refuse(node, what, slower(noun)));
+        return Err(cx.refuse(node, what, slower()));
     }
     if track.points.len() < 2 {
         let what = "the animation has a single time, and goes nowhere";
@@ -79,7 +80,7 @@ pub(super) fn animation(cx: &Context, noun: &str, at: &At<Animation>) -> Result<
 }
 
 /// A motion by keyframes.
-pub(super) fn keyframes(cx: &Context, noun: &str, at: &At<Vec<At<Keyframe>>>) -> Result<Motion> {
+pub(super) fn keyframes(cx: &Context, at: &At<Vec<At<Keyframe>>>) -> Result<Motion> {
     let event = |key: &At<Keyframe>| {
         let Keyframe { time, position } = &key.value;
         Ok(Event::new(cx.time(time)?, position.value.vec()))
@@ -87,14 +88,13 @@ pub(super) fn keyframes(cx: &Context, noun: &str, at: &At<Vec<At<Keyframe>>>) ->
     let events: Vec<Event<World>> = at.value.iter().map(event).collect::<Result<_>>()?;
     let times: Vec<f64> = events.iter().map(|event| event.ct).collect();
     cx.ascending(&times, |i| Some(&at.value.get(i)?.value.time))?;
-    slower_than_light(cx, noun, at, &events)?;
+    slower_than_light(cx, at, &events)?;
     Ok(Motion::Keyframes(events))
 }
 
 /// Refuses keyframes that nothing slower than light connects, not even on a straight line.
 fn slower_than_light(
     cx: &Context,
-    noun: &str,
     at: &At<Vec<At<Keyframe>>>,
     events: &[Event<World>],
 ) -> Result<()> {
@@ -105,14 +105,13 @@ fn slower_than_light(
         if distance < time {
             continue;
         }
-        let beta = distance / time;
+        let beta = self::beta(distance / time);
         let what = format!(
             "this keyframe is {distance} m from the one before, and {time} m of time after it: |β| = {beta}"
         );
         let other = (&first.value.position.span, "the one before");
         let span = &second.value.position.span;
-        let help =
-            format!("give more time or less way between keyframes: a {noun} is slower than light");
+        let help = "give more time or less way between keyframes: nothing moves as fast as light";
         return Err(cx.report.refuse_two(span, other, what, help));
     }
     Ok(())

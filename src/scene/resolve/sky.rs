@@ -2,6 +2,8 @@
 
 use super::context::Context;
 use super::light::channels;
+use super::spectrum;
+use crate::colour::Continuation;
 use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
@@ -13,7 +15,12 @@ use crate::spacetime::units::Angle;
 /// The most stars.
 const MOST_STARS: u32 = 1_000_000;
 
-pub(super) fn resolve(cx: &Context, at: &Option<At<file::Sky>>) -> Result<Option<Sky>> {
+/// `spectral`: what radiance measures, and how RGB goes on where it is a spectrum.
+pub(super) fn resolve(
+    cx: &Context,
+    at: &Option<At<file::Sky>>,
+    spectral: (Quantity, Continuation),
+) -> Result<Option<Sky>> {
     let Some(at) = at else {
         return Ok(None);
     };
@@ -24,7 +31,7 @@ pub(super) fn resolve(cx: &Context, at: &Option<At<file::Sky>>) -> Result<Option
         .as_ref()
         .map(|stars| self::stars(cx, &stars.value));
     Ok(Some(Sky {
-        background: background(cx, sky)?,
+        background: background(cx, sky, spectral)?,
         sun: sun.transpose()?,
         stars: stars.transpose()?,
         lights: sky.lights,
@@ -47,14 +54,22 @@ pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<(
     }
 }
 
-fn background(cx: &Context, sky: &file::Sky) -> Result<SkyRadiance> {
+fn background(
+    cx: &Context,
+    sky: &file::Sky,
+    spectral: (Quantity, Continuation),
+) -> Result<SkyRadiance> {
     let ways = [
         ("radiance", At::span_of(&sky.radiance)),
+        ("spectrum", At::span_of(&sky.spectrum)),
         ("gradient", At::span_of(&sky.gradient)),
         ("image", At::span_of(&sky.image)),
     ];
-    let help = "give it in one way: `radiance`, `gradient` or `image`; `sun` and `stars` add to it";
+    let help = "give it in one way: `radiance`, `spectrum`, `gradient` or `image`; `sun` and `stars` add to it";
     cx.only_one("the sky", ways, help)?;
+    if let Some(spectrum) = spectrum::of_light(cx, &sky.spectrum, "a sky", spectral)? {
+        return Ok(SkyRadiance::Spectrum(spectrum));
+    }
     if let Some(gradient) = &sky.gradient {
         let colour = |at: &Option<At<Vector>>, default| {
             at.as_ref().map_or(Ok(default), |colour| cx.colour(colour))

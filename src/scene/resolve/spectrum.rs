@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::values::Number;
+use crate::spacetime::Quantity;
 use crate::spacetime::units::Wavelength;
 
 /// The most lines of a spectrum.
@@ -13,6 +14,24 @@ const MOST_LINES: usize = 256;
 
 /// The narrowest Gaussian: σ over the wavelength of its peak. A narrower one is a line to every eye.
 const NARROWEST: f64 = 1e-6;
+
+/// The spectrum of a light or a sky in a scene whose radiance is RGB of spectra; `what` it is, for messages.
+pub(super) fn of_light(
+    cx: &Context,
+    at: &Option<At<file::Spectrum>>,
+    what: &str,
+    (quantity, continuation): (Quantity, Continuation),
+) -> Result<Option<Spectrum>> {
+    let Some(at) = at else {
+        return Ok(None);
+    };
+    if quantity != Quantity::Rgb {
+        let what = format!("{what} has a spectrum where the radiance of surfaces has one");
+        let help = "set quantity = \"rgb\" in [radiance], or leave `spectrum` out";
+        return Err(cx.refuse(at, what, help));
+    }
+    resolve(cx, at, continuation).map(Some)
+}
 
 /// The spectrum that `at` describes; `continuation` is that of RGB where it gives none of its own.
 pub(super) fn resolve(

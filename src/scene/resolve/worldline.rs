@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::context::Context;
-use super::mover::{Mover, slower};
+use super::mover::{Mover, beta, slower};
 use crate::error::{Error, Result};
 use crate::scene::at::At;
 use crate::scene::file;
@@ -35,17 +35,17 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             let node = animated(mover).map_or("", |animation| &animation.node.value);
             let seconds = ct / cx.speed_of_light;
             let what = format!(
-                "the smooth way of node {node:?} moves at |β| = {speed} at {seconds} s of its animation"
+                "the smooth way of node {node:?} moves at |β| = {} at {seconds} s of its animation",
+                beta(speed)
             );
-            cx.report.refuse(here, what, slower(noun))
+            cx.report.refuse(here, what, slower())
         }
         WorldLineError::Superluminal { index, ct, speed } => {
             let what = format!(
-                "the curve from the keyframe before to this one moves at |β| = {speed} at world time {ct} m"
+                "the curve from the keyframe before to this one moves at |β| = {} at world time {ct} m",
+                beta(speed)
             );
-            let help = format!(
-                "give more time or less way between them, or gentler turns: a {noun} is slower than light"
-            );
+            let help = "give more time or less way between them, or gentler turns: nothing moves as fast as light";
             let there = span(Some(index + 1)).unwrap_or(here);
             cx.report
                 .refuse_two(there, (here, "the one before"), what, help)

@@ -5,6 +5,7 @@
 //! cos θ = h/r at the height h. t′ is the smaller root of (t − t′)² = |x − x₀ − β t′|².
 
 use glam::DVec3;
+use nullray::colour::{Scale, Shape, Spectrum};
 use nullray::scene::model::Scene;
 
 use crate::pipeline::files::{self, Quad};
@@ -165,6 +166,113 @@ fn a_small_shining_panel_is_a_lamp_of_its_area() {
     }
 }
 
+/// A panel of 4 mm that shines down on the floor from 2 m and passes at β, with these keys of its own and of its light.
+fn panel(beta: f64, keys: &str, light: &str, rest: &str) -> Scene {
+    floor(&format!(
+        "[[object]]\nname = \"panel\"\nshape = {{ plane = {{ size = [0.004, 0.004] }} }}\n{keys}\n\
+         transform = {{ translate = [0, 2, 0], rotate = {{ axis = [1, 0, 0], angle = \"180 deg\" }} }}\n\
+         velocity = {{ beta = [{beta}, 0, 0] }}\norigin = {{ time = \"2 m\" }}\n\
+         [[light]]\ntype = \"area\"\nobject = \"panel\"\n{light}\n{rest}"
+    ))
+}
+
+/// The pixels that show the floor.
+fn of_floor(film: &nullray::render::film::Film) -> Vec<usize> {
+    let object = nullray::render::aov::Aov::Object;
+    let mut met = stage::met(film);
+    met.retain(|i| stage::value(film, object, *i) == 0.0);
+    assert!(met.len() > 500);
+    met
+}
+
+#[test]
+fn the_power_of_a_panel_is_what_it_sends_from_all_sides_that_shine() {
+    // E = Φ/(π A) · A cos² θ/r² of one side, whatever its area; half of it where the other shines too.
+    for (backs, sides) in [("culled", 1.0), ("two_sided", 2.0), ("black", 1.0)] {
+        let rest = format!("[display]\nback_faces = \"{backs}\"");
+        let film = stage::film(&panel(0.0, "", "power = [8, 4, 2]", &rest));
+        let (floor, mut sum) = (of_floor(&film), 0.0);
+        for &i in &floor {
+            let (_, x) = stage::event(&film, i);
+            let square = (x - DVec3::Y * 2.0).length_squared();
+            let e = 8.0 / (sides * PI) * 4.0 / (square * square);
+            let expected = 0.5 / PI * e;
+            assert_relative(film.radiance()[i][0], expected, 0.01, backs);
+            sum += film.radiance()[i][0] / expected;
+        }
+        assert_relative(sum / floor.len() as f64, 1.0, 3e-3, backs);
+    }
+}
+
+#[test]
+fn a_panel_with_a_spectrum_lights_by_it_as_surfaces_see_it() {
+    // E_F = W² B(λ; T/W) A cos θ_F cos θ_G/r_G², by the light's own spectrum and by that of its object.
+    let own = "spectrum = { blackbody = \"3000 K\" }";
+    let rgb = "[radiance]\nquantity = \"rgb\"";
+    let at = |w: f64| {
+        let blackbody = |t: f64, scale| Spectrum::new(Shape::Blackbody(t), scale).unwrap();
+        let factor = blackbody(3000.0, Scale::Luminance(1.0)).factor();
+        blackbody(3000.0 / w, Scale::Factor(factor)).colour_at(1.0)
+    };
+    for (keys, light) in [("", own), (own, "")] {
+        let scene = panel(0.6, keys, &format!("{light}\nradiance = 5"), rgb);
+        let film = stage::film(&scene);
+        for i in of_floor(&film) {
+            let (t, x) = stage::event(&film, i);
+            let in_lamp = distance_in_lamp(0.6, 2.0, t, x);
+            // e = W⁻² h/(r r_G²) with r = r_G/W is W⁻¹ h/r_G³.
+            let w = 2.0 / (passing(0.6, 2.0, t, x) * in_lamp.powi(3));
+            let e = w.powi(3) * 2.0 / in_lamp.powi(3) * 1.6e-5 * (2.0 / in_lamp);
+            for ((got, albedo), colour) in film.radiance()[i]
+                .into_iter()
+                .zip([0.5, 0.25, 0.75])
+                .zip(at(w))
+            {
+                assert_relative(
+                    got,
+                    albedo / PI * 5.0 * e * colour,
+                    // dW/W = γβ · 1e-3 across the panel, times hc/λkT = 17 at the blue end.
+                    0.02,
+                    format!("{i} {keys}"),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_panel_with_the_spectrum_of_rgb_is_one_of_rgb() {
+    // Drawn and found by chance, and through reflections: the same numbers, but for rounding.
+    let rest = "[radiance]\nquantity = \"rgb\"\n[display]\nsamples_per_pixel = 4\n\
+                [[object]]\nshape = { sphere = { radius = 0.5 } }\nmetallic = 1\nroughness = 0.3\n\
+                transform = { translate = [1, 0.6, 0] }";
+    let with = |keys: &str, light: &str, bounces: u32| {
+        let large = |scene: &mut Scene| {
+            scene.objects[1].transform.matrix3 *=
+                glam::DMat3::from_diagonal(DVec3::new(300.0, 1.0, 300.0));
+            scene.bounces = bounces;
+        };
+        let mut scene = panel(0.0, keys, light, rest);
+        large(&mut scene);
+        stage::rendered(&scene, &stage::sampled()).unwrap()
+    };
+    for bounces in [0, 2] {
+        let a = with("colour = [0, 0, 0]", "radiance = [2, 1, 0.5]", bounces);
+        let b = with("", "spectrum = { rgb = [2, 1, 0.5] }", bounces);
+        let mut lit = 0;
+        for (a, b) in a.radiance().iter().zip(b.radiance()) {
+            lit += usize::from(a[0] > 0.0);
+            for c in 0..3 {
+                assert!(
+                    (a[c] - b[c]).abs() <= 1e-9 * a[0].max(1e-3),
+                    "{bounces}: {a:?} {b:?}"
+                );
+            }
+        }
+        assert!(lit > 500, "{lit}");
+    }
+}
+
 /// r_G of [`passing`].
 fn distance_in_lamp(beta: f64, h: f64, t: f64, x: DVec3) -> f64 {
     let gamma = 1.0 / (1.0 - beta * beta).sqrt();
@@ -296,6 +404,27 @@ fn what_no_light_can_be_is_refused_in_words() {
         (
             "[[light]]\nposition = [0, 1, 0]\nspectrum = { blackbody = \"3000 K\" }",
             "a lamp has a spectrum where",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nradiance = 1\npower = 1",
+            "exclude each other",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nemission = { gaussian = { sigma = \"1 m\" } }",
+            "has no `emission`",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\n[[light]]\ntype = \"area\"\nobject = \"plane\"",
+            "shines by another light already",
+        ),
+        (
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nspectrum = { line = \"589 nm\" }",
+            "an area light has a spectrum where",
+        ),
+        (
+            "radiance.quantity = \"rgb\"\n[[light]]\ntype = \"area\"\nobject = \"plane\"\nradiance = [1, 2, 3]\n\
+             spectrum = { line = \"589 nm\" }",
+            "is one number",
         ),
         ("[sky]\nradiance = 1\ngradient = {}", "given twice"),
         ("[sky]\nimage = { file = \"nowhere.exr\" }", "cannot find"),

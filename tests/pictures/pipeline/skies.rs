@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
+use nullray::colour::{colour_matching, rgb_from_xyz};
 use nullray::io::image::{Channel, Layers, Samples, exr};
 use nullray::scene::model::Scene;
 
@@ -161,6 +162,221 @@ stars = { file = \"one.csv\", scale = 1e-3, diameter = \"2 deg\" }
     let expected = 1e-4 / (PI * 1f64.to_radians().sin().powi(2));
     assert_relative(luminance, expected, 1e-3, "star");
     assert_eq!(film.radiance()[0], [0.0; 3]);
+}
+
+/// Planck's law, written out: W m⁻² sr⁻¹ per metre.
+fn planck(wavelength: f64, kelvin: f64) -> f64 {
+    let (h, c, k) = (6.62607015e-34, 299792458.0, 1.380649e-23);
+    2.0 * h * c * c / wavelength.powi(5) / (h * c / (wavelength * k * kelvin)).exp_m1()
+}
+
+/// Linear sRGB of a blackbody, by a plain sum over `step` nm.
+fn thermal(kelvin: f64, step: f64) -> [f64; 3] {
+    let mut xyz = [0.0; 3];
+    for k in 0..(470.0 / step).round() as u32 {
+        let l = (360.0 + step * (f64::from(k) + 0.5)) * 1e-9;
+        let m = colour_matching(l);
+        (0..3).for_each(|j| xyz[j] += planck(l, kelvin) * m[j] * step * 1e-9);
+    }
+    rgb_from_xyz(xyz)
+}
+
+fn largest(rgb: [f64; 3]) -> f64 {
+    rgb.into_iter().fold(0.0, |a: f64, c| a.max(c.abs()))
+}
+
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// A camera that sees nothing but the sky, in motion along −Z with this speed.
+fn traveller(folder: &Path, beta: f64, sky: &str) -> Scene {
+    let text = format!(
+        "
+[camera]
+eye = [0, 0, 0]
+look_at = [0, 0, -1]
+projection = \"fisheye_equidistant\"
+hfov = \"120 deg\"
+size = [9, 9]
+velocity = {{ beta = [0, 0, {}] }}
+[[object]]
+shape = {{ box = {{ size = [1, 1, 1] }} }}
+transform = {{ translate = [0, 0, 1e6] }}
+[radiance]
+quantity = \"rgb\"
+[sky]
+{sky}
+",
+        -beta
+    );
+    stage::scene_in(folder, &text)
+}
+
+#[test]
+fn a_sky_of_a_blackbody_is_seen_as_one_of_another_temperature_in_each_direction() {
+    let folder = Path::new("");
+    for (beta, kelvin) in [(0.0, 3000.0), (0.5, 3000.0), (-0.5, 6000.0), (0.99, 8000.0)] {
+        let sky = format!("spectrum = {{ blackbody = \"{kelvin} K\", factor = 2 }}");
+        let film = stage::film(&traveller(folder, beta, &sky));
+        let mut ratios = Vec::new();
+        for i in 0..stage::pixels(&film) {
+            let w = ratio(DVec3::new(0.0, 0.0, -beta), stage::direction(&film, i));
+            let expected = thermal(kelvin / w, 0.05).map(|c| 2.0 * c);
+            let size = largest(expected);
+            for (got, expected) in film.radiance()[i].into_iter().zip(expected) {
+                let error = (got - expected).abs() / size;
+                assert!(error < 3e-6, "W = {w}: {got} is not {expected}");
+            }
+            ratios.push(w);
+        }
+        ratios.sort_by(f64::total_cmp);
+        let spread = ratios[ratios.len() - 1] / ratios[0];
+        assert!(beta == 0.0 || spread > 1.2, "{spread} at {beta}");
+    }
+}
+
+#[test]
+fn the_cosmic_background_has_its_dipole() {
+    // T(θ′) = T₀/(γ (1 − β cos θ′)) at the angle θ′ from ahead as the camera has it, seen in millimetres: with 1 mm
+    // shown as s⁻¹ · 1 mm = 555 nm, B(sλ; T) s = s⁻⁴ B(λ; sT).
+    let s: f64 = 1e-3 / 555e-9;
+    let total = 5.670374419e-8 * 2.725f64.powi(4) / PI;
+    for beta in [1.23e-3, 0.6, -0.6] {
+        let sky = "spectrum = { blackbody = \"2.725 K\", total = 1 }";
+        let mut scene = traveller(Path::new(""), beta, sky);
+        scene.false_colour = Some(1e-3);
+        let film = stage::film(&scene);
+        let gamma = 1.0 / (1.0 - beta * beta).sqrt();
+        for i in 0..stage::pixels(&film) {
+            // Aberration, to the angle at the camera.
+            let ahead = -stage::direction(&film, i).z;
+            let cosine = (ahead + beta) / (1.0 + beta * ahead);
+            let kelvin = 2.725 / (gamma * (1.0 - beta * cosine));
+            let expected = thermal(s * kelvin, 0.05).map(|c| c / s.powi(4) / total);
+            let size = largest(expected);
+            for (got, expected) in film.radiance()[i].into_iter().zip(expected) {
+                assert!(
+                    (got - expected).abs() < 3e-6 * size,
+                    "{got} is not {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_star_in_motion_is_a_blackbody_of_another_temperature() {
+    // 3000 K ahead of a camera at 0.8 c, W = 1/3: 9000 K, which is 790 times as bright per solid angle. As RGB it would be 10 times too faint.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("one.csv"), "0,0,-1,0,3000\n").unwrap();
+    let sky = "stars = { file = \"one.csv\", scale = 1e-3, diameter = \"2 deg\" }";
+    let density = 1e-3 / (PI * 1f64.to_radians().sin().powi(2));
+    let at_rest = luminance(thermal(3000.0, 0.05));
+    for (beta, kelvin) in [(0.0, 3000.0), (0.8, 9000.0), (-0.8, 1000.0)] {
+        let film = stage::film(&traveller(folder.path(), beta, sky));
+        let expected = thermal(kelvin, 0.05).map(|c| c * density / at_rest);
+        let size = largest(expected);
+        for (got, expected) in film.radiance()[40].into_iter().zip(expected) {
+            let error = (got - expected).abs() / size;
+            assert!(error < 1e-5, "{beta}: {got} is not {expected}");
+        }
+        assert_eq!(film.radiance()[0], [0.0; 3]);
+    }
+}
+
+/// A white floor that moves together with the camera above it.
+fn floor(folder: &Path, sky: &str) -> [f64; 3] {
+    let text = format!(
+        "
+[camera]
+eye = [0, 2, 0]
+look_at = [0, 0, -1e-6]
+up = [0, 0, -1]
+hfov = \"0.5 deg\"
+size = [1, 1]
+velocity = {{ beta = [0.6, 0.48, 0] }}
+[[object]]
+shape = {{ plane = {{ size = [40, 40] }} }}
+colour = [1, 1, 1]
+velocity = {{ beta = [0.6, 0.48, 0] }}
+[radiance]
+quantity = \"rgb\"
+[sky]
+shadows = false
+{sky}
+"
+    );
+    stage::film(&stage::scene_in(folder, &text)).radiance()[0]
+}
+
+#[test]
+fn surfaces_in_motion_are_lit_by_the_spectrum_of_the_sky_as_they_see_it() {
+    // E_F = ∫ B(λ; T/W) cos θ_F dω_F with W = γ (1 − β·d′) over the half of F's sky above the floor, by 120 × 240 cells.
+    let beta = DVec3::new(0.6, 0.48, 0.0);
+    let gamma = 1.0 / (1.0 - beta.length_squared()).sqrt();
+    let (n, m) = (120, 240);
+    let mut sum = [0.0; 3];
+    for k in 0..n * m {
+        let height = (f64::from(k / m) + 0.5) / f64::from(n);
+        let (sine, cosine) = (2.0 * PI * (f64::from(k % m) + 0.5) / f64::from(m)).sin_cos();
+        let across = (1.0 - height * height).sqrt();
+        let d = DVec3::new(across * cosine, height, across * sine);
+        let seen = thermal(2500.0 / (gamma * (1.0 - beta.dot(d))), 10.0);
+        let cell = 2.0 * PI / f64::from(n * m);
+        (0..3).for_each(|j| sum[j] += seen[j] * height * cell);
+    }
+    let lit = floor(
+        Path::new(""),
+        "spectrum = { blackbody = \"2500 K\", factor = 1 }",
+    );
+    for (got, e) in lit.into_iter().zip(sum) {
+        assert_relative(got, e / PI, 4e-3, "floor");
+    }
+}
+
+#[test]
+fn surfaces_in_motion_are_lit_by_stars_as_they_see_them() {
+    // E_F = W² Ω B(λ; T/W) cos θ_F of a star in the middle of a cell of the table of irradiance.
+    let (longitude, height): (f64, f64) = (1.875f64.to_radians(), 1.0 - 2.0 * 2.5 / 48.0);
+    let across = (1.0 - height * height).sqrt();
+    let d = DVec3::new(longitude.sin() * across, height, -longitude.cos() * across);
+    let folder = tempfile::tempdir().unwrap();
+    let line = format!("{},{},{},0,3500\n", d.x, d.y, d.z);
+    std::fs::write(folder.path().join("one.csv"), line).unwrap();
+    let beta = DVec3::new(0.6, 0.48, 0.0);
+    let gamma = 1.0 / (1.0 - beta.length_squared()).sqrt();
+    let omega = gamma * (1.0 + beta.dot(d));
+    let along = beta.normalize();
+    let seen = (d + along * ((gamma - 1.0) * along.dot(d) + gamma * beta.length())) / omega;
+    let lit = floor(folder.path(), "stars = { file = \"one.csv\", scale = 1 }");
+    let at_rest = luminance(thermal(3500.0, 0.05));
+    let expected = thermal(3500.0 * omega, 0.05);
+    for (got, colour) in lit.into_iter().zip(expected) {
+        let expected = colour / at_rest * seen.y / (omega * omega) / PI;
+        assert_relative(got, expected, 1e-4, "floor");
+    }
+}
+
+#[test]
+fn skies_of_spectra_need_radiance_that_is_a_spectrum_and_one_way() {
+    let refused = |sky: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 0, 0]\nlook_at = [0, 0, -1]\nhfov = \"50 deg\"\nsize = [2, 2]\n\
+             [[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\n{sky}"
+        );
+        let parsed = nullray::scene::parse(&text, "sky.toml", Path::new(""), &Default::default());
+        parsed.unwrap_err().to_string()
+    };
+    let error = refused("[sky]\nspectrum = { blackbody = \"3000 K\" }");
+    assert!(error.contains("a sky has a spectrum where"), "{error}");
+    let rgb = "[radiance]\nquantity = \"rgb\"\n[sky]\n";
+    let error = refused(&format!("{rgb}spectrum = {{ blackbody = \"2.725 K\" }}"));
+    assert!(error.contains("has no luminance"), "{error}");
+    let error = refused(&format!(
+        "{rgb}radiance = 1\nspectrum = {{ blackbody = \"3000 K\" }}"
+    ));
+    assert!(error.contains("given twice"), "{error}");
 }
 
 /// A sky of 512 × 256 texels of this radiance by look direction, as the table of a scene whose files are in `folder`.

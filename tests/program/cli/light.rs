@@ -28,23 +28,39 @@ fn frames_can_have_one_exposure() {
     folder.ok(&sequence(&fixed));
     assert_eq!(entry(&folder, "a-0000.png", "white").unwrap(), "0.5");
     folder.write("auto.toml", SMALL);
-    let auto = [
-        &["render", "auto.toml"],
-        &FOUR[..],
-        &["--same-exposure", "-o", "b.png"],
-    ]
-    .concat();
+    let auto = [&["render", "auto.toml"], &FOUR[..], &["-o", "b.png"]].concat();
     let said = folder.ok(&auto);
     assert!(
         said.contains("one exposure for all frames: white is radiance "),
         "{said}"
     );
-    assert!(!said.contains("flicker"), "{said}");
     let whites =
         ["b-0000.png", "b-0001.png", "b-0003.png"].map(|name| entry(&folder, name, "white"));
     assert!(whites[0].is_some() && whites[0] == whites[1] && whites[1] == whites[2]);
     // The same again: all frames are there.
     assert!(folder.ok(&auto).contains("0 rendered, 4 existed already"));
+    // One that is missing is rendered with the same exposure, bit for bit.
+    let whole = std::fs::read(folder.path("b-0002.png")).unwrap();
+    std::fs::remove_file(folder.path("b-0002.png")).unwrap();
+    folder.ok(&auto);
+    assert!(std::fs::read(folder.path("b-0002.png")).unwrap() == whole);
+    // Each its own, on request.
+    let own = [
+        &["render", "auto.toml"],
+        &FOUR[..],
+        &["--own-exposure", "-o", "c.png"],
+    ]
+    .concat();
+    assert!(!folder.ok(&own).contains("one exposure"));
+    let both = [
+        "render",
+        "auto.toml",
+        "--own-exposure",
+        "--same-exposure",
+        "-o",
+        "d.png",
+    ];
+    refused(&folder, &both, &["cannot be used with"]);
 }
 
 #[test]
@@ -381,4 +397,93 @@ fn a_sky_that_is_not_twice_as_wide_as_high_is_refused() {
             "twice as wide as high",
         ],
     );
+}
+
+#[test]
+fn a_plan_says_when_light_of_pulses_and_lamps_is_in_view() {
+    let folder = Folder::empty();
+    folder.write("pulse.toml", PULSE);
+    let said = folder.ok(&["plan", "pulse.toml"]);
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("and -7 m; its data span 9.96 m to 10.04 m"),
+        "{said}"
+    );
+    assert!(
+        words.contains("the camera's time 0 m shows none of it; try --time \"16.96 m\" to"),
+        "{said}"
+    );
+    let said = folder.ok(&["plan", "pulse.toml", "--time", "17 m"]);
+    assert!(
+        said.split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+            .contains("shows some of it"),
+        "{said}"
+    );
+    // The same by a lamp.
+    let lamp = PULSE.replace(
+        "[[source]]\nname = \"flash\"\npulse = { position = [0, 3, 0], time = \"10 m\", sigma = \"1 cm\" }",
+        "[[light]]\nname = \"flash\"\nposition = [0, 3, 0]\nclock_zero = \"10 m\"\n\
+         emission = { gaussian = { sigma = \"1 cm\" } }",
+    );
+    folder.write("lamp.toml", lamp);
+    let said = folder.ok(&["render", "lamp.toml", "-o", "a.png"]);
+    let line = said
+        .lines()
+        .find(|line| line.starts_with("light \"flash\""))
+        .expect(&said);
+    // At rest its own time is the world's, less 10 m.
+    assert!(line.contains("and -17 m; it shines from"), "{line}");
+    assert!(line.contains("try --time \"16."), "{line}");
+}
+
+#[test]
+fn a_sky_alone_and_lines_out_of_sight_have_their_own_reasons() {
+    let folder = Folder::empty();
+    let camera = "[camera]\neye = [0, 0, 5]\nforward = [0, 0, 1]\nsize = [8, 6]\n";
+    let wall =
+        "[[object]]\nshape = { box = { size = [100, 100, 1] } }\n[radiance]\nquantity = \"rgb\"\n";
+    let sky = "[sky]\nspectrum = { blackbody = \"2.725 K\", total = 1 }\nlights = false\n";
+    folder.write("sky.toml", format!("{camera}{wall}{sky}"));
+    let said = folder.ok(&["render", "sky.toml", "-o", "a.png"]);
+    assert!(said.contains("only the sky is in view"), "{said}");
+    assert!(!said.contains("meets an object"), "{said}");
+    // A sodium lamp that leaves the wall at 0.9 c: 589 nm come as 2.57 µm.
+    let lamp = "[[light]]\nname = \"sodium\"\nposition = [0, 0, 3]\nvelocity = { beta = [0, 0, 0.9] }\n\
+                spectrum = { line = \"589 nm\" }\n";
+    let scene =
+        format!("{camera}{wall}{lamp}").replace("forward = [0, 0, 1]", "look_at = [0, 0, 0]");
+    folder.write("lamp.toml", scene);
+    let said = folder.ok(&["render", "lamp.toml", "-o", "b.png"]);
+    assert!(
+        said.contains("the light of \"sodium\" falls on what is in view with"),
+        "{said}"
+    );
+}
+
+#[test]
+fn the_old_word_for_brightness_alone_is_known() {
+    let folder = Folder::empty();
+    folder.write(
+        "a.toml",
+        SMALL.to_owned() + "[radiance]\nquantity = \"integrated\"\n",
+    );
+    folder.write(
+        "b.toml",
+        SMALL.to_owned() + "[radiance]\nquantity = \"luminance\"\n",
+    );
+    for name in ["a", "b"] {
+        folder.ok(&[
+            "render",
+            &format!("{name}.toml"),
+            "-o",
+            &format!("{name}.png"),
+        ]);
+    }
+    let read = |name: &str| {
+        let read = png::read(&folder.path(name), &Default::default()).unwrap();
+        read.radiance().unwrap()
+    };
+    assert_eq!(read("a.png"), read("b.png"));
 }

@@ -198,3 +198,16 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     assert!(said.contains(light) && !said.contains("sun"), "{said}");
     render(&folder, &["model.gltf", "-o", "a.exr"]);
 }
+
+#[test]
+fn a_plan_of_a_model_takes_the_options_of_its_picture() {
+    let folder = folder(1.0);
+    folder.ok(&["plan", "model.gltf", "--beta", "0.9", "--direction", "x"]);
+    folder.ok(&["plan", "model.gltf", "--flyby"]);
+    let run = folder.run(&["plan", "model.gltf", "--direction", "x"]);
+    assert!(
+        run.code == 2 && run.stderr.contains("--beta 0.9"),
+        "{}",
+        run.stderr
+    );
+}

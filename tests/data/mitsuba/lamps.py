@@ -1,0 +1,62 @@
+"""A floor, a box and two metal balls under a point lamp, parallel light and a picture of a sky, one at a time, by Mitsuba 3
+(pip install mitsuba numpy)."""
+import math
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant("scalar_rgb")
+T = mi.ScalarTransform4f
+width, height = 28, 21
+
+
+def sky(rows):
+    """L = 0.5 + 0.3 y + 0.15 x − 0.1 z along (x, y, z), by (1, 0.8, 0.6): row 0 is +Y, the middle −Z, and right of that +X."""
+    i, j = np.meshgrid(np.arange(rows), np.arange(2 * rows), indexing="ij")
+    latitude, longitude = math.pi * (0.5 - (i + 0.5) / rows), math.pi * ((j + 0.5) / rows - 1)
+    x, y, z = np.cos(latitude) * np.sin(longitude), np.sin(latitude), -np.cos(latitude) * np.cos(longitude)
+    return ((0.5 + 0.3 * y + 0.15 * x - 0.1 * z)[..., None] * np.array([1, 0.8, 0.6])).astype(np.float32)
+
+
+def ball(centre, radius, alpha):
+    return {
+        "type": "sphere", "center": centre, "radius": radius,
+        "bsdf": {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha},
+    }
+
+
+lights = {
+    "point": {"type": "point", "position": [1.5, 3, 2], "intensity": {"type": "rgb", "value": [20, 18, 15]}},
+    "directional": {"type": "directional", "direction": [-0.4, -1, -0.3], "irradiance": {"type": "rgb", "value": [2, 1.8, 1.5]}},
+    # Mitsuba has −Z at the left edge of its pictures.
+    "environment": {
+        "type": "envmap", "bitmap": mi.Bitmap(sky(64)), "to_world": T().rotate([0, 1, 0], 180),
+    },
+}
+for name, light in lights.items():
+    scene = mi.load_dict({
+        "type": "scene",
+        "integrator": {"type": "direct"},
+        "sensor": {
+            "type": "perspective", "fov": 50, "fov_axis": "x",
+            "to_world": T().look_at(origin=[0.5, 2.2, 5], target=[0, 0.6, 0], up=[0, 1, 0]),
+            "sampler": {"type": "independent", "sample_count": 4096},
+            "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
+        },
+        "light": light,
+        "floor": {
+            "type": "rectangle",
+            "to_world": T().rotate([1, 0, 0], -90).scale([6, 6, 1]),
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.6, 0.5, 0.4]}},
+        },
+        "box": {
+            "type": "cube",
+            "to_world": T().translate([1.1, 0.5, -0.2]).scale([0.5, 0.5, 0.5]),
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.3, 0.7, 0.4]}},
+        },
+        "smooth": ball([-0.9, 0.8, 0.2], 0.8, 0.09),
+        "rough": ball([0.3, 0.4, 1.3], 0.4, 0.36),
+    })
+    image = np.array(mi.render(scene, seed=1), dtype=np.float32)
+    assert image.shape == (height, width, 3)
+    np.save(f"{name}.npy", image)
+    print(name, image.mean(axis=(0, 1)), image.max())

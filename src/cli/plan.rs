@@ -60,9 +60,11 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);
     let triangles: u64 = plan.objects.iter().map(|object| object.triangles).sum();
     if is_timed && bytes <= LOOKED_INTO && triangles <= LOADED {
-        let mut prepared = Prepared::new(&scene, &plan, &Silent)?;
-        plan.notes
-            .extend(survey::moments(&scene, &mut prepared, false));
+        // Where a mesh cannot be read yet the plan goes without: rendering says what is missing.
+        if let Ok(mut prepared) = Prepared::new(&scene, &plan, &Silent) {
+            let moments = survey::moments(&scene, &mut prepared, false);
+            plan.notes.extend(moments);
+        }
     }
     match arguments.json.on {
         true => print_json(&plan),

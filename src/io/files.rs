@@ -51,7 +51,10 @@ pub fn length(path: &Path) -> io::Result<u64> {
     }
     Err(io::Error::new(
         io::ErrorKind::InvalidInput,
-        "this is not a regular file",
+        match metadata.is_dir() {
+            true => "this is a directory, not a regular file",
+            false => "this is not a regular file",
+        },
     ))
 }
 

@@ -358,7 +358,7 @@ fn read(path: &Path) -> Result<Vec<u8>> {
                 path,
                 "",
                 error.to_string(),
-                "give the path of a file",
+                "name a file, not a directory, a pipe or a device",
             ));
         }
         Err(error) => return Err(Error::io(path, "cannot open")(error)),

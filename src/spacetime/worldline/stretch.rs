@@ -54,6 +54,14 @@ pub struct Anchor {
     lean: f64,
 }
 
+/// φ, φ², sinh φ/φ and 2 (cosh φ − 1)/φ².
+struct Series {
+    phi: f64,
+    q: f64,
+    odd: f64,
+    even: f64,
+}
+
 impl Stretch {
     /// The stretch between two proper times, whose states are those of `state`; events count from `reference`. `g` is
     /// its proper acceleration. None where there is no state, or it goes on for too long.
@@ -71,10 +79,15 @@ impl Stretch {
         }
         let middles = (0..count as usize).map(|k| begin + duration * (k as f64 + 0.5) / count);
         let anchors = middles.map(|middle| Some(Anchor::new(&state(middle)?, reference)));
+        let mut anchors: Vec<Anchor> = anchors.collect::<Option<_>>()?;
+        // Where the stretch begins it is where its state is, to the last digit.
+        let first = &mut anchors[0];
+        let back = first.way(begin - first.proper_time);
+        first.moved = (state(begin)?.event - reference) + back * -1.0;
         Some(Stretch {
             begin,
             density: count / duration,
-            anchors: anchors.collect::<Option<_>>()?,
+            anchors,
         })
     }
 
@@ -126,19 +139,7 @@ impl Anchor {
         seen: Direction<Camera>,
     ) -> (Displacement<World>, Direction<World>, f64) {
         let since = proper_time - self.proper_time;
-        // sinh φ/φ and 2 (cosh φ − 1)/φ².
-        let phi = self.g * since;
-        let q = phi * phi;
-        let odd = series(
-            q,
-            [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0],
-        );
-        let even = series(
-            q,
-            [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0],
-        );
-        let way = self.ahead * (since * odd) + self.aside * (0.5 * since * phi * even);
-
+        let Series { phi, q, odd, even } = self.series(since);
         // To the axes that were carried along.
         let (sinh, rise) = (phi * odd, 0.5 * q * even);
         let tanh_of_half = sinh / (2.0 + rise);
@@ -152,13 +153,39 @@ impl Anchor {
         let ratio = (1.0 + rise) - sinh * along;
         let d = (c + self.n * (rise * along - sinh)) * (1.0 / ratio);
         let (d, onward) = self.world_from_comoving.direction(Direction::from_unit(d));
-        (self.moved + way, d, ratio * onward)
+        (self.moved + self.way(since), d, ratio * onward)
+    }
+
+    /// From the anchor's event to that of `since` after it.
+    #[inline(always)]
+    fn way(&self, since: f64) -> Displacement<World> {
+        let Series { phi, odd, even, .. } = self.series(since);
+        self.ahead * (since * odd) + self.aside * (0.5 * since * phi * even)
+    }
+
+    /// The series of the head of this file.
+    #[inline(always)]
+    fn series(&self, since: f64) -> Series {
+        let phi = self.g * since;
+        let q = phi * phi;
+        Series {
+            phi,
+            q,
+            odd: nested(
+                q,
+                [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0],
+            ),
+            even: nested(
+                q,
+                [1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0],
+            ),
+        }
     }
 }
 
 /// 1 + a₀ q (1 + a₁ q (1 + …)).
 #[inline(always)]
-fn series(q: f64, factors: [f64; 5]) -> f64 {
+fn nested(q: f64, factors: [f64; 5]) -> f64 {
     let mut sum = 1.0;
     for factor in factors.into_iter().rev() {
         sum = 1.0 + factor * q * sum;

@@ -153,6 +153,9 @@ fn an_exposure_under_acceleration_begins_with_the_instant_and_follows_the_world_
         assert!((ray.ratio - expected.ratio).abs() < 1e-15);
         let state = line.state(instant.camera.time).unwrap();
         let gone: Displacement<_> = state.event - camera.shot.event;
-        assert_eq!(ray.origin.displacement, gone);
+        // Series from another event of the line: right to a few roundings, and where it begins to the last digit.
+        let off = ray.origin.displacement - gone;
+        let bound = if moment == 0.0 { 0.0 } else { 1e-15 };
+        assert!(off.ct.abs().max(off.x.length()) <= bound, "{off:?}");
     }
 }

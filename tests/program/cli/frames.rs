@@ -207,15 +207,18 @@ fn parts_of_a_sequence_are_the_whole_byte_by_byte() {
 }
 
 #[test]
-fn a_percentile_of_each_frame_is_warned_of_and_a_fixed_white_is_not() {
+fn one_exposure_of_all_frames_is_said_and_a_fixed_white_is_not() {
     let folder = Folder::new();
     let frames = ["--frames", "0..1", "--interval", "1 m", "--size", "8x6"];
     let said = folder.ok(&sequence(&frames));
-    assert_eq!(said.matches("warning: brightness").count(), 1, "{said}");
-    assert!(said.contains("--white"), "{said}");
-    for quiet in [&["--white", "2"][..], &["-o", "a.exr"]] {
-        let said = folder.ok(&sequence(&[&frames[..], quiet].concat()));
-        assert!(!said.contains("warning"), "{said}");
+    assert_eq!(
+        said.matches("one exposure for all frames").count(),
+        1,
+        "{said}"
+    );
+    for other in [&["--white", "2"][..], &["-o", "a.exr"], &["--own-exposure"]] {
+        let said = folder.ok(&sequence(&[&frames[..], other].concat()));
+        assert!(!said.contains("one exposure"), "{said}");
     }
 }
 

@@ -122,6 +122,10 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
         "\n[[object]]\ngltf = {}\n\n[radiance]\nquantity = \"rgb\"\n",
         Value::from(name).to_string().trim()
     );
+    if let (true, Some(motion)) = (view.flyby, motion) {
+        let [black, white] = motion.shown();
+        let _ = writeln!(text, "\n[display]\nlogarithmic = [{black:e}, {white:e}]");
+    }
     let lights = gltf::lights(path)?;
     let _ = writeln!(text, "\n[sky]\ngradient = {{}}");
     if lights.is_empty() {
@@ -273,6 +277,19 @@ impl Motion {
         }
         let (beta, n) = (beta.abs(), n.unit() * beta.signum());
         Ok((beta > 0.0).then_some(Motion { beta, gamma, n }))
+    }
+
+    /// Radiances of black and white on the logarithmic scale of a fly-by. Daylight of T = 6504 K is as bright, seen with the
+    /// wavelength ratio W, as that of T/W: at 555 nm by Wien's law exp (−x (W − 1)), x = hc/(λkT). Ahead in the picture it is
+    /// that of the horizon, 1; behind, a hundredth of it is grey yet.
+    fn shown(&self) -> [f64; 2] {
+        const X: f64 = 0.014_387_769 / (555e-9 * 6504.0);
+        let along = libm::sin((0.5 * FLYBY_FOV).to_radians());
+        let seen = |cos: f64| libm::exp(X * (1.0 - self.gamma * (1.0 - self.beta * cos)));
+        // Beyond nine decades neighbouring radiances have one code.
+        let white = seen(along).max(1.0);
+        let black = (1e-2 * seen(-along)).clamp(1e-9 * white, 1e-2 * white);
+        [black, white].map(|radiance| format!("{radiance:.1e}").parse().unwrap_or(radiance))
     }
 
     /// The cone of half-angle `alpha` about `axis`, as the camera sees it: its axis and half-angle.

@@ -1,6 +1,6 @@
 //! `nullray render model.glb`: a model without a scene.
 
-use nullray::io::image::{Layers, exr};
+use nullray::io::image::{Layers, exr, png};
 use serde_json::json;
 
 use super::Folder;
@@ -138,6 +138,24 @@ fn a_flyby_is_a_sequence_that_the_model_crosses() {
         "-q",
     ]);
     assert!(folder.names().contains(&"model-0047.png".to_string()));
+}
+
+#[test]
+fn the_model_is_seen_behind_a_camera_that_flies_by() {
+    let folder = folder(5.0);
+    let arguments = "model.gltf --flyby --frames 36..37 -o a-##.png -o a-##.exr --aovs object";
+    render(&folder, &arguments.split(' ').collect::<Vec<_>>());
+    let seen = seen(&picture(&folder, "a-36.exr"));
+    let codes = png::read(&folder.path("a-36.png"), &Default::default());
+    let codes = codes.unwrap().radiance().unwrap();
+    let of_model = seen.iter().flatten().zip(codes);
+    let of_model: Vec<f64> = of_model
+        .filter(|(seen, _)| **seen)
+        .map(|(_, rgb)| rgb.into_iter().fold(0.0, f64::max))
+        .collect();
+    // By a linear display it is black there.
+    assert!(of_model.len() > 5, "{}", of_model.len());
+    assert!(of_model.iter().all(|code| *code > 0.1), "{of_model:?}");
 }
 
 #[test]

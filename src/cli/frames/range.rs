@@ -1,9 +1,9 @@
 //! Which frames a sequence has, and when they are taken.
 //!
 //! Frame k is taken at the camera time t₀ + k Δ, by one multiplication: what is before it does not matter,
-//! and any part of a sequence has the same frames as the whole. Of N frames per second of the camera's
-//! clock the offset is (k / N) c. A range of times is half-open; a frame that is within 10⁻⁹ Δ of its end
-//! counts as at the end.
+//! and any part of a sequence has the same frames as the whole, but for a white that is measured: one for all
+//! that are asked for. Of N frames per second of the camera's clock the offset is (k / N) c. A range of times is
+//! half-open; a frame that is within 10⁻⁹ Δ of its end counts as at the end.
 
 use std::ops::Range;
 

@@ -45,5 +45,5 @@ pub use build::Preset;
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};
-pub use rays::{Facing, Hit, Origins, Ray, Segment};
+pub use rays::{Facing, Hit, NO_SLOT, Origins, Ray, Segment};
 pub use tally::{Counts, NoTally, Tally, Work};

@@ -20,7 +20,17 @@ pub enum Origins<'a> {
     Shared(DVec3),
     /// Each in its own.
     Each(&'a [DVec3]),
+    /// Each on a triangle of the tree, or off it by what rounding asks for, which it leaves and so doesn't meet again.
+    Leaving {
+        /// Where.
+        origins: &'a [DVec3],
+        /// The triangle's place in the tree, as [`Hit::slot`]; [`NO_SLOT`] for none of this tree.
+        slots: &'a [u32],
+    },
 }
+
+/// The place of no triangle.
+pub const NO_SLOT: u32 = u32::MAX;
 
 /// What may stand between two points: a ray up to `s_max`, without one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +75,7 @@ impl Origins<'_> {
         match self {
             Origins::Shared(_) => count,
             Origins::Each(origins) => count.min(origins.len()),
+            Origins::Leaving { origins, slots } => count.min(origins.len()).min(slots.len()),
         }
     }
 
@@ -73,7 +84,16 @@ impl Origins<'_> {
     pub(super) fn of(&self, ray: usize) -> DVec3 {
         match self {
             Origins::Shared(origin) => *origin,
-            Origins::Each(origins) => origins[ray],
+            Origins::Each(origins) | Origins::Leaving { origins, .. } => origins[ray],
+        }
+    }
+
+    /// The slot of the triangle that ray `ray` leaves.
+    #[inline(always)]
+    pub(super) fn left(&self, ray: usize) -> u32 {
+        match self {
+            Origins::Leaving { slots, .. } => slots[ray],
+            _ => NO_SLOT,
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::float::{exponent, power_of_two};
 use super::node::{NodeRef, Tag};
-use super::rays::{Hit, Origins, Ray, Segment};
+use super::rays::{Hit, NO_SLOT, Origins, Ray, Segment};
 use super::slab::SlabRay;
 use super::tally::{NoTally, Tally, Work};
 use super::traverse::{Query, StackEntry, USUAL_DEPTH, traverse};
@@ -15,7 +15,7 @@ impl Bvh {
     /// The first hit with `ray.s_min` < s < `s_max`.
     pub fn closest(&self, ray: &Ray, s_max: f64) -> Option<Hit> {
         let ray = ScaledRay::new(ray)?;
-        self.with_stack(|stack| self.closest_of(&ray, s_max, stack, &mut NoTally))
+        self.with_stack(|stack| self.closest_of(&ray, s_max, NO_SLOT, stack, &mut NoTally))
     }
 
     /// Whether there is a hit with `ray.s_min` < s < `s_max` on any triangle but `skip`.
@@ -47,7 +47,9 @@ impl Bvh {
                 };
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
                 let ray = ScaledRay::new(&ray);
-                if let Some(hit) = ray.and_then(|ray| self.closest_of(&ray, s_max, stack, tally)) {
+                let left = from.left(i);
+                let closest = |ray: ScaledRay| self.closest_of(&ray, s_max, left, stack, tally);
+                if let Some(hit) = ray.and_then(closest) {
                     *entry = Some(hit);
                     replaced(i);
                 }
@@ -89,10 +91,11 @@ impl Bvh {
         &self,
         ray: &ScaledRay,
         s_max: f64,
+        left: u32,
         stack: &mut [StackEntry],
         tally: &mut impl Tally,
     ) -> Option<Hit> {
-        let mut query = ClosestHit::new(self, ray, s_max, tally);
+        let mut query = ClosestHit::new(self, ray, s_max, left, tally);
         self.trace(ray, stack, &mut query);
         query.into_hit(ray)
     }
@@ -174,6 +177,7 @@ impl ScaledRay {
         bvh: &Bvh,
         rival: Option<(Crossing, u32)>,
         slot: u32,
+        left: u32,
         tally: &mut impl Tally,
     ) -> Option<(Crossing, u32)> {
         // Its own query, so that the two are compared by the rule of the whole tree.
@@ -182,6 +186,7 @@ impl ScaledRay {
             line: &self.line,
             s_min: self.s_min,
             s: rival.as_ref().map_or(f64::INFINITY, |r| r.0.s),
+            left,
             found: rival,
             tally,
         };
@@ -197,19 +202,22 @@ pub(super) struct ClosestHit<'a, T> {
     line: &'a Line,
     s_min: f64,
     s: f64,
+    /// The slot of the triangle that the ray leaves.
+    left: u32,
     found: Option<(Crossing, u32)>,
     tally: &'a mut T,
 }
 
 impl<'a, T: Tally> ClosestHit<'a, T> {
-    /// For hits of `ray` before `s_max` of the ray as it was given.
+    /// For hits of `ray` before `s_max` of the ray as it was given, with any triangle but that in slot `left`.
     #[inline(always)]
-    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, tally: &'a mut T) -> Self {
+    pub fn new(bvh: &'a Bvh, ray: &'a ScaledRay, s_max: f64, left: u32, tally: &'a mut T) -> Self {
         ClosestHit {
             bvh,
             line: &ray.line,
             s_min: ray.s_min,
             s: s_max * ray.per_unit,
+            left,
             found: None,
             tally,
         }
@@ -226,7 +234,8 @@ impl<'a, T: Tally> ClosestHit<'a, T> {
     #[inline(always)]
     fn consider(&mut self, slot: u32, corners: &[DVec3; 3], tag: Tag) -> bool {
         // Ties go to the smaller id, so that the order of the tree does not show.
-        if let Some(crossing) = self.line.intersect(corners, self.tally)
+        if slot != self.left
+            && let Some(crossing) = self.line.intersect(corners, self.tally)
             && crossing.s > self.s_min
             && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))
             && tag.shows(crossing.front)

@@ -171,6 +171,7 @@ fn samples(
         let rays = Rays {
             directions: &directions,
             origins: None,
+            left: &[],
             method: prepared.method,
             samples: Default::default(),
         };

@@ -443,6 +443,7 @@ fn around(prepared: &Prepared, at: Event<World>) -> Option<u32> {
     let rays = Rays {
         directions: &directions,
         origins: None,
+        left: &[],
         method: prepared.method,
         samples: Default::default(),
     };

@@ -48,7 +48,7 @@ impl<T: Tally> Task for AnyHits<'_, T> {
     fn run<K: Simd>(self, k: K) -> Outcome {
         let (bvh, block) = (self.bvh, self.block);
         let rays = directed(self.segments, &block.order);
-        let Some(bounds) = block.load(k, &bvh.space, rays) else {
+        let Some(bounds) = block.load(k, bvh, rays) else {
             return Outcome::Incoherent;
         };
         let Some(limit) = set_limits(block, rays) else {
@@ -161,9 +161,9 @@ impl<'a, K: Simd, T: Tally> BlockQuery<K> for AnyQuery<'a, T> {
 
     #[inline(always)]
     fn intersect(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) -> bool {
-        self.intersect_side(k, triangles, at, slot);
-        if triangles.certain >> at & 1 == 0 {
-            self.intersect_side(k, &triangles.with_other_side(at), at, slot);
+        match triangles.certain >> at & 1 != 0 {
+            true => self.intersect_certain(k, triangles, at, slot),
+            false => self.intersect_either_side(k, triangles, at, slot),
         }
         self.open == 0
     }
@@ -180,41 +180,104 @@ impl<'a, K: Simd, T: Tally> BlockQuery<K> for AnyQuery<'a, T> {
 }
 
 impl<'a, T: Tally> AnyQuery<'a, T> {
-    /// Tests triangle `at` for the σ that it has.
+    /// Tests triangle `at`, whose σ is certain.
     #[inline(always)]
-    fn intersect_side<K: Simd>(&mut self, k: K, triangles: &LeafTriangles, at: usize, slot: u32) {
+    fn intersect_certain<K: Simd>(
+        &mut self,
+        k: K,
+        triangles: &LeafTriangles,
+        at: usize,
+        slot: u32,
+    ) {
         let triangle = PacketTriangle::new::<Segments<'a>>(k, triangles, at);
         let mut first = 0;
         while first < RAYS {
-            let open = (self.open >> first) as u32 & (u32::MAX >> (32 - K::LANES));
+            let open = self.open_from::<K>(first);
             if open != 0 {
                 let d = load_vectors(k, &self.block.directions, first);
                 let edge_functions = triangle.edge_functions::<Segments<'a>>(&d, self.block, first);
                 let [u, v, w] = edge_functions;
                 let inside = k.not_negative(u, v, w) & open;
                 if inside != 0 {
-                    let sure = triangle.is_certainly_inside(&edge_functions);
-                    self.block_rays(k, &triangle, slot, first, [inside, sure], d);
+                    let volume = triangle.volume::<Segments<'a>>(self.block, first);
+                    let numbers = (edge_functions, triangle.determinant(&d), volume);
+                    self.block_rays(k, &triangle, slot, (first, inside), numbers);
                 }
             }
             first += K::LANES;
         }
     }
 
-    /// Closes the rays of `candidates` that the triangle blocks; those of `sure` are certainly inside it.
+    /// Tests triangle `at` with a σ of each ray, as its n·a − n·δ says; f64 decides where that is within its bound.
+    #[inline(always)]
+    fn intersect_either_side<K: Simd>(
+        &mut self,
+        k: K,
+        triangles: &LeafTriangles,
+        at: usize,
+        slot: u32,
+    ) {
+        let triangle = PacketTriangle::new::<Segments<'a>>(k, triangles, at);
+        let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
+        let shown = if tag.shows(front) { u32::MAX } else { 0 };
+        let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
+        let mut first = 0;
+        while first < RAYS {
+            let open = self.open_from::<K>(first);
+            if open != 0 {
+                let d = load_vectors(k, &self.block.directions, first);
+                let seen = triangle.edge_functions::<Segments<'a>>(&d, self.block, first);
+                let other = triangle.of_other_side(&seen);
+                let [u, v, w] = seen;
+                let inside = k.not_negative(u, v, w) & shown & open;
+                let other_inside =
+                    k.not_negative(other[0], other[1], other[2]) & other_shown & open;
+                if inside | other_inside != 0 {
+                    let volume = triangle.volume::<Segments<'a>>(self.block, first);
+                    let unsure = triangle.volume_slack(volume);
+                    let ahead = k.le(unsure, volume);
+                    let behind = k.le(unsure, k.sub(k.splat(0.0), volume));
+                    let inside_of_own = (inside & ahead) | (other_inside & behind);
+                    if inside_of_own != 0 {
+                        let edge_functions = [
+                            k.select(behind, other[0], u),
+                            k.select(behind, other[1], v),
+                            k.select(behind, other[2], w),
+                        ];
+                        let delta = k.flip(triangle.determinant(&d), volume);
+                        let numbers = (edge_functions, delta, k.abs(volume));
+                        self.block_rays(k, &triangle, slot, (first, inside_of_own), numbers);
+                    }
+                    let mut doubtful = (inside | other_inside) & !(ahead | behind);
+                    while doubtful != 0 {
+                        let lane = doubtful.trailing_zeros() as usize;
+                        doubtful &= doubtful - 1;
+                        self.decide(first + lane, slot, false);
+                    }
+                }
+            }
+            first += K::LANES;
+        }
+    }
+
+    /// Rays from `first` on that nothing blocks so far, as bits.
+    #[inline(always)]
+    fn open_from<K: Simd>(&self, first: usize) -> u32 {
+        (self.open >> first) as u32 & (u32::MAX >> (32 - K::LANES))
+    }
+
+    /// Closes the rays of `candidates` that the triangle blocks, which may be inside it and certainly start on the side of their σ.
     #[inline(always)]
     fn block_rays<K: Simd>(
         &mut self,
         k: K,
         triangle: &PacketTriangle<K>,
         slot: u32,
-        first: usize,
-        [candidates, sure]: [u32; 2],
-        d: [K::F; 3],
+        (first, candidates): (usize, u32),
+        (edge_functions, delta, volume): ([K::F; 3], K::F, K::F),
     ) {
         // Bounds of τ: (E6) of `setup`.
-        let volume = triangle.volume::<Segments<'a>>(self.block, first);
-        let (delta, slack) = (triangle.determinant(&d), triangle.determinant_slack());
+        let slack = triangle.determinant_slack();
         let unsure = triangle.volume_slack(volume);
         let least = k.sub(delta, slack);
         let near = k.div(k.sub(volume, unsure), k.add(delta, slack));
@@ -228,16 +291,8 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
         let from = k.mul_add(from, k.splat(1.0 + shrunk), margin);
         let to = k.mul_sub(to, k.splat(1.0 - shrunk), margin);
         let between = k.le(from, near) & k.le(far, to) & steep;
-        let certain = if triangle.is_certain() {
-            sure & between
-        } else {
-            0
-        };
-        // Where σ isn't certain, neither is the sign of n·a − n·δ.
-        let mut left = match triangle.is_certain() {
-            true => candidates & !beyond,
-            false => candidates,
-        };
+        let certain = triangle.is_certainly_inside(&edge_functions) & between;
+        let mut left = candidates & !beyond;
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;

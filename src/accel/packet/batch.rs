@@ -64,6 +64,15 @@ impl Bvh {
                 let rays = OwnOrigins {
                     origins,
                     directions,
+                    left: &[],
+                };
+                self.closest_of_tile(method, rays, directions, hits, tally, replaced);
+            }
+            Origins::Leaving { origins, slots } => {
+                let rays = OwnOrigins {
+                    origins,
+                    directions,
+                    left: slots,
                 };
                 self.closest_of_tile(method, rays, directions, hits, tally, replaced);
             }

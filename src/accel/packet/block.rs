@@ -5,7 +5,8 @@
 //!
 //! **(K2) Coherence.** No |d|∞ of a block is below 1/4 or above 4. The point near the rays is within 2¹⁰ scene sizes, and
 //! origins are within 2¹² of it, so a box, |y| ≤ 1, is met at τ < 4 (2¹⁰ + 2¹² + 1) < 2¹⁵. That directions differ by no
-//! more than 3/4 along an axis is a choice of speed: wider beams cull too little. No bound depends on it.
+//! more than 3/4 along an axis is a choice of speed: wider beams cull too little. No bound depends on it. In a small tree
+//! there is little to cull, and rays that go all ways are tested together, too.
 //!
 //! **(K3) Bounds of what is rounded.** Directions, moments and offsets are kept in f32, each within 2⁻²⁴ of its size, and
 //! sums of three of them have two roundings more. The bounds D, M, ωᵢ and F of [`setup`](super::setup) hold for the
@@ -20,6 +21,7 @@ use glam::DVec3;
 
 use super::ray_set::RaySet;
 use super::simd::Simd;
+use crate::accel::bvh::Bvh;
 use crate::accel::float::{exponent, greater, lesser, norm1, power_of_two};
 use crate::accel::rays::Hit;
 use crate::accel::tree_space::TreeSpace;
@@ -36,6 +38,9 @@ const FAR: f64 = power_of_two(10);
 const SPREAD: f32 = 4.0;
 /// Directions differ by no more than this along any axis: (K2).
 const COHERENT: f32 = 0.75;
+/// In a tree of no more leaves than these they may differ as they like: all triangles of such a tree, tested for 64 rays together, cost
+/// less than 64 ways through it (measured on boxes in a room).
+const SMALL: usize = 48;
 /// (K3).
 const ABOVE: f32 = 1.001;
 
@@ -57,6 +62,8 @@ pub(super) struct Block {
     pub slots: [u32; RAYS],
     /// The ray's index in the batch.
     pub order: [u32; RAYS],
+    /// The slot of the triangle that the ray leaves, if rays leave any.
+    left: Option<[u32; RAYS]>,
     /// How many rays there are; the rest repeat the first, and don't count.
     pub count: usize,
     /// Whether every four rays in `order` follow one another in the batch.
@@ -102,6 +109,7 @@ impl Block {
         barycentrics: [[0.0; RAYS]; 2],
         slots: [NONE; RAYS],
         order: [0; RAYS],
+        left: None,
         count: 0,
         in_fours: false,
         tau_from_s: 1.0,
@@ -109,12 +117,8 @@ impl Block {
 
     /// Loads the rays in `order`; none if they are incoherent.
     #[inline(always)]
-    pub fn load<K: Simd, R: RaySet>(
-        &mut self,
-        k: K,
-        space: &TreeSpace,
-        rays: R,
-    ) -> Option<BlockBounds> {
+    pub fn load<K: Simd, R: RaySet>(&mut self, k: K, bvh: &Bvh, rays: R) -> Option<BlockBounds> {
+        let space = &bvh.space;
         // (K1).
         let first = rays.direction(self.order[0] as usize).abs().max_element();
         if !(power_of_two(-500)..power_of_two(500)).contains(&first) {
@@ -123,7 +127,10 @@ impl Block {
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = space.scale * power_of_two(exponent(first));
         self.load_directions(k, rays, unit);
-        let directions = self.direction_intervals(k)?;
+        let small = bvh.wide.leaves.len() <= SMALL;
+        let apart = if small { f32::INFINITY } else { COHERENT };
+        let directions = self.direction_intervals(k, apart)?;
+        self.load_left(rays);
         let mut bounds = BlockBounds {
             point: DVec3::ZERO,
             directions,
@@ -139,6 +146,30 @@ impl Block {
             None => self.load_origins(k, space, rays, unit, &mut bounds)?,
         }
         Some(bounds)
+    }
+
+    /// Notes which triangles rays leave.
+    #[inline(always)]
+    fn load_left<R: RaySet>(&mut self, rays: R) {
+        self.left = None;
+        if rays.leaves() {
+            let left = self.left.insert([NONE; RAYS]);
+            for (slot, &ray) in left.iter_mut().zip(&self.order) {
+                *slot = rays.left(ray as usize);
+            }
+        }
+    }
+
+    /// The rays from `first` on that leave the triangle in `slot`, as bits.
+    #[inline(always)]
+    pub fn leaving<K: Simd>(&self, first: usize, slot: u32) -> u32 {
+        let mut bits = 0;
+        if let Some(left) = &self.left {
+            for (lane, left) in left[first..][..K::LANES].iter().enumerate() {
+                bits |= u32::from(*left == slot) << lane;
+            }
+        }
+        bits
     }
 
     /// Loads directions, times `unit`.
@@ -271,9 +302,9 @@ impl Block {
         farthest as f32 * ABOVE
     }
 
-    /// Least and greatest direction along each axis; none if they are incoherent.
+    /// Least and greatest direction along each axis; none if these are farther `apart`, or incoherent.
     #[inline(always)]
-    fn direction_intervals<K: Simd>(&self, k: K) -> Option<[[f32; 2]; 3]> {
+    fn direction_intervals<K: Simd>(&self, k: K, apart: f32) -> Option<[[f32; 2]; 3]> {
         let zero = k.splat(0.0);
         let (mut size, mut broken) = (k.splat(f32::INFINITY), zero);
         let mut least = [k.splat(f32::INFINITY); 3];
@@ -299,7 +330,7 @@ impl Block {
         let mut axis = 0;
         while axis < 3 {
             let (lo, hi) = (k.smallest(least[axis]), k.greatest(greatest[axis]));
-            coherent &= hi - lo <= COHERENT && hi < SPREAD && lo > -SPREAD;
+            coherent &= hi - lo <= apart && hi < SPREAD && lo > -SPREAD;
             extent[axis] = [lo, hi];
             axis += 1;
         }

@@ -34,7 +34,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> Task for ClosestHits<'_, T, R, 
     fn run<K: Simd>(self, k: K) -> Outcome {
         let (bvh, rays, block) = (self.bvh, self.rays, self.block);
         let tree = &bvh.wide;
-        let Some(bounds) = block.load(k, &bvh.space, rays) else {
+        let Some(bounds) = block.load(k, bvh, rays) else {
             return Outcome::Incoherent;
         };
         let beam = Beam::new(k.children(), &bounds);
@@ -75,7 +75,7 @@ impl<K: Simd, T: Tally, R: RaySet, const CERTIFIED: bool> BlockQuery<K>
         if triangles.certain >> at & 1 != 0 {
             self.intersect_certain(k, triangles, at, slot)
         } else {
-            self.intersect_edge_on(k, triangles, at, slot)
+            self.intersect_either_side(k, triangles, at, slot)
         }
     }
 
@@ -118,7 +118,11 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             let inside = k.not_negative(u, v, w);
             if inside != 0 {
                 changed |= match CERTIFIED {
-                    true => self.certify(k, &triangle, slot, (first, inside), d, edge_functions),
+                    true => {
+                        let volume = triangle.volume::<R>(self.block, first);
+                        let numbers = (edge_functions, triangle.determinant(&d), volume);
+                        self.certify(k, &triangle, slot, (first, inside), numbers)
+                    }
                     false => self.accept(k, &triangle, slot, (first, inside), d, edge_functions),
                 };
             }
@@ -136,12 +140,10 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         triangle: &PacketTriangle<K>,
         slot: u32,
         (first, inside): (usize, u32),
-        d: [K::F; 3],
-        edge_functions: [K::F; 3],
+        (edge_functions, delta, volume): ([K::F; 3], K::F, K::F),
     ) -> bool {
         let block = &mut *self.block;
-        let volume = triangle.volume::<R>(block, first);
-        let (delta, slack) = (triangle.determinant(&d), triangle.determinant_slack());
+        let slack = triangle.determinant_slack();
         let unsure = triangle.volume_slack(volume);
         // Bounds of τ: (E6) of `setup`.
         let least = k.sub(delta, slack);
@@ -198,7 +200,11 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         let inverse = k.div(k.splat(1.0), delta);
         let tau = k.mul(volume, inverse);
         let known = k.load(&block.far[first..]);
-        let elsewhere = k.le(known, tau) | k.le(delta, zero) | k.le(tau, zero);
+        let left = match R::OWN_ORIGINS {
+            true => block.leaving::<K>(first, slot & !FRONT),
+            false => 0,
+        };
+        let elsewhere = k.le(known, tau) | k.le(delta, zero) | k.le(tau, zero) | left;
         let nearer = inside & !elsewhere;
         if nearer == 0 {
             return false;
@@ -220,34 +226,65 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         true
     }
 
-    /// A triangle in whose plane rays may start: f64 decides wherever it may be hit, from either side. Inlined, because
-    /// a function of its own would not have the kernel's instructions.
+    /// A triangle in whose plane rays may start, or on whose other side: each ray has a σ of its own, as its n·a − n·δ says. Where
+    /// that is within its bound, f64 decides wherever the triangle may be hit from either side. Inlined, because a function of its own
+    /// would not have the kernel's instructions.
     #[inline(always)]
-    fn intersect_edge_on<K: Simd>(
+    fn intersect_either_side<K: Simd>(
         &mut self,
         k: K,
         triangles: &LeafTriangles,
         at: usize,
         slot: u32,
     ) -> bool {
-        let other = triangles.with_other_side(at);
         if !CERTIFIED {
             let before = self.intersect_certain(k, triangles, at, slot);
+            let other = triangles.with_other_side(at);
             return self.intersect_certain(k, &other, at, slot) | before;
         }
+        let triangle = PacketTriangle::new::<R>(k, triangles, at);
+        // The sides that are there, of those that σ and its opposite say.
+        let (tag, front) = (self.bvh.tags[slot as usize], triangles.front >> at & 1 != 0);
+        let shown = if tag.shows(front) { u32::MAX } else { 0 };
+        let other_shown = if tag.shows(!front) { u32::MAX } else { 0 };
         let mut changed = false;
-        for triangles in [triangles, &other] {
-            let triangle = PacketTriangle::new::<R>(k, triangles, at);
-            for first in (0..RAYS).step_by(K::LANES) {
-                let d = load_vectors(k, &self.block.directions, first);
-                let [u, v, w] = triangle.edge_functions::<R>(&d, self.block, first);
-                let mut inside = k.not_negative(u, v, w);
-                while inside != 0 {
-                    let lane = first + inside.trailing_zeros() as usize;
+        let mut first = 0;
+        while first < RAYS {
+            let d = load_vectors(k, &self.block.directions, first);
+            let seen = triangle.edge_functions::<R>(&d, self.block, first);
+            let other = triangle.of_other_side(&seen);
+            let [u, v, w] = seen;
+            let inside = k.not_negative(u, v, w) & shown;
+            let other_inside = k.not_negative(other[0], other[1], other[2]) & other_shown;
+            if inside | other_inside != 0 {
+                let volume = triangle.volume::<R>(self.block, first);
+                let unsure = triangle.volume_slack(volume);
+                let ahead = k.le(unsure, volume);
+                let behind = k.le(unsure, k.sub(k.splat(0.0), volume));
+                // Rays that certainly start on one side.
+                let inside_of_own = (inside & ahead) | (other_inside & behind);
+                if inside_of_own != 0 {
+                    let edge_functions = [
+                        k.select(behind, other[0], u),
+                        k.select(behind, other[1], v),
+                        k.select(behind, other[2], w),
+                    ];
+                    let delta = k.flip(triangle.determinant(&d), volume);
+                    let numbers = (edge_functions, delta, k.abs(volume));
+                    changed |= self.certify(k, &triangle, slot, (first, inside_of_own), numbers);
+                }
+                // Those that may start in its plane, but for those that leave it.
+                let mut doubtful = (inside | other_inside) & !(ahead | behind);
+                if doubtful != 0 {
+                    doubtful &= !self.block.leaving::<K>(first, slot);
+                }
+                while doubtful != 0 {
+                    let lane = first + doubtful.trailing_zeros() as usize;
                     changed |= self.decide(lane, slot);
-                    inside &= inside - 1;
+                    doubtful &= doubtful - 1;
                 }
             }
+            first += K::LANES;
         }
         changed
     }
@@ -259,8 +296,12 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
         if lane >= self.block.count {
             return false;
         }
-        self.tally.add(Work::Doubts, 1);
         let ray = self.block.order[lane] as usize;
+        let left = self.rays.left(ray);
+        if left == slot {
+            return false;
+        }
+        self.tally.add(Work::Doubts, 1);
         let Some(ray) = ScaledRay::new(&self.rays.ray(ray)) else {
             return false;
         };
@@ -273,7 +314,7 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
                 crossing.map(|c| (c, rival))
             }
         };
-        let Some((crossing, slot)) = ray.nearer(self.bvh, rival, slot, self.tally) else {
+        let Some((crossing, slot)) = ray.nearer(self.bvh, rival, slot, left, self.tally) else {
             return false;
         };
         self.block.set_hit(lane, slot, crossing.s * ray.unit);

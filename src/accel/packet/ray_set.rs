@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::accel::rays::{Ray, Segment};
+use crate::accel::rays::{NO_SLOT, Ray, Segment};
 
 /// Rays to trace, by their index in the batch. `start` and `direction` are those of the ray as it is traced, which
 /// may be from its end.
@@ -39,6 +39,16 @@ pub(super) trait RaySet: Copy {
     }
     /// Where the ray starts as it was given, metres.
     fn origin(self, ray: usize) -> DVec3;
+    /// Whether any leaves a triangle.
+    #[inline(always)]
+    fn leaves(self) -> bool {
+        false
+    }
+    /// The slot of the triangle that the ray leaves, which it doesn't meet.
+    #[inline(always)]
+    fn left(self, _: usize) -> u32 {
+        NO_SLOT
+    }
     /// The ray from its start on.
     #[inline(always)]
     fn ray(self, ray: usize) -> Ray {
@@ -64,6 +74,8 @@ pub(super) struct OwnOrigins<'a> {
     /// Metres.
     pub origins: &'a [DVec3],
     pub directions: &'a [DVec3],
+    /// Slots of the triangles that rays leave; empty where they leave none.
+    pub left: &'a [u32],
 }
 
 /// Segments, from where they start or from where they end.
@@ -118,6 +130,16 @@ impl RaySet for OwnOrigins<'_> {
     #[inline(always)]
     fn origin(self, ray: usize) -> DVec3 {
         self.origins[ray]
+    }
+
+    #[inline(always)]
+    fn leaves(self) -> bool {
+        !self.left.is_empty()
+    }
+
+    #[inline(always)]
+    fn left(self, ray: usize) -> u32 {
+        self.left.get(ray).copied().unwrap_or(NO_SLOT)
     }
 }
 

@@ -398,12 +398,6 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
         triangle
     }
 
-    /// Whether its σ is certain.
-    #[inline(always)]
-    pub fn is_certain(&self) -> bool {
-        self.triangles.certain >> self.at & 1 != 0
-    }
-
     /// U + B, V + B and W + B of the rays of `block` from `first` on, whose directions are `d`.
     #[inline(always)]
     pub fn edge_functions<R: RaySet>(
@@ -427,6 +421,18 @@ impl<'a, K: Simd> PacketTriangle<'a, K> {
             edge += 1;
         }
         sums
+    }
+
+    /// The same for rays that start on the other side, for which σ is the opposite: B − U, B − V and B − W.
+    #[inline(always)]
+    pub fn of_other_side(&self, edge_functions: &[K::F; 3]) -> [K::F; 3] {
+        let (k, [b, c, e]) = (self.kernel, &self.slack);
+        let [u, v, w] = edge_functions;
+        [
+            k.sub(*b, k.sub(*u, *b)),
+            k.sub(*c, k.sub(*v, *c)),
+            k.sub(*e, k.sub(*w, *e)),
+        ]
     }
 
     /// Where U, V and W are certainly positive.

@@ -51,10 +51,11 @@ impl<R: RaySet, T: Tally, F: FnMut(usize)> Task for ClosestSingles<'_, R, T, F> 
                 Some(hit) => hit.s,
                 None => f64::INFINITY,
             };
+            let left = self.rays.left(at);
             let Some(ray) = ScaledRay::new(&self.rays.ray(at)) else {
                 continue;
             };
-            let mut query = ClosestHit::new(self.bvh, &ray, s_max, self.tally);
+            let mut query = ClosestHit::new(self.bvh, &ray, s_max, left, self.tally);
             walk(k.children(), self.bvh, &ray, self.stack, &mut query);
             if let Some(hit) = query.into_hit(&ray) {
                 self.hits[at] = Some(hit);

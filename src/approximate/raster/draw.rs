@@ -248,6 +248,7 @@ impl Stage<'_> {
             rays: Rays {
                 directions: &rays.directions,
                 origins: (!rays.origins.is_empty()).then_some(&rays.origins),
+                left: &[],
                 method: scene.method,
                 samples: Default::default(),
             },

@@ -71,6 +71,7 @@ fn fill(
     let rays = Rays {
         directions,
         origins: None,
+        left: &[],
         method,
         samples: Default::default(),
     };

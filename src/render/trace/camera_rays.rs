@@ -35,10 +35,21 @@ pub struct Rays<'a> {
     pub directions: &'a [DVec3],
     /// Where each leaves; none if all leave the event of the shot.
     pub origins: Option<&'a [RayOrigin]>,
+    /// The triangle that each leaves, and does not meet again; empty where they leave none.
+    pub left: &'a [LeftTriangle],
     /// How they are traced.
     pub method: Method,
     /// What random numbers at their hits come from.
     pub samples: Samples<'a>,
+}
+
+/// A triangle that a ray leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LeftTriangle {
+    /// Index of its rest frame.
+    pub frame: u32,
+    /// Its place in the frame's tree.
+    pub slot: u32,
 }
 
 /// Which samples of which pixels the rays of a batch are.
@@ -155,6 +166,7 @@ impl CameraRays {
         Rays {
             directions: &self.directions,
             origins: (!self.origins.is_empty()).then_some(&self.origins),
+            left: &[],
             method,
             samples: Samples {
                 pixels: &self.keys,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::blend::Blend;
+use super::camera_rays::LeftTriangle;
 use super::falling::Falling;
 use super::hits::HitBuffer;
 use super::occlusion::OcclusionQueries;
@@ -191,6 +192,8 @@ pub(super) struct Level {
     pub directions: Vec<DVec3>,
     /// Where they leave.
     pub origins: Vec<RayOrigin>,
+    /// The triangles that they leave.
+    pub left: Vec<LeftTriangle>,
     /// ω_world/ω_F of their light, F the rest frame of the points that they leave.
     pub ratios: Vec<f64>,
     /// Keys of their pixels.

@@ -6,7 +6,7 @@ use super::camera_rays::Rays;
 use super::cone::VisibleCone;
 use super::stats::Meter;
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::accel::{Bvh, Hit, NoTally, Origins};
+use crate::accel::{Bvh, Hit, NO_SLOT, NoTally, Origins};
 use crate::camera::RayOrigin;
 use crate::spacetime::{Boost, Displacement, Event, NullRay, Rest, Tangents, World};
 
@@ -39,6 +39,8 @@ pub struct HitBuffer {
     /// Where each ray leaves, in the frame that was intersected last; empty where all leave one event.
     origins: Vec<DVec3>,
     origin_times: Vec<f64>,
+    /// Places of the triangles of that frame that rays leave; empty where they leave none of any frame.
+    left: Vec<u32>,
 }
 
 impl HitBuffer {
@@ -199,7 +201,17 @@ impl HitBuffer {
         };
         let origins = match self.origins.as_slice() {
             [] => Origins::Shared(origin),
-            origins => Origins::Each(origins),
+            origins if rays.left.is_empty() => Origins::Each(origins),
+            origins => {
+                self.left.clear();
+                self.left
+                    .extend(rays.left.iter().map(|left| match left.frame == frame {
+                        true => left.slot,
+                        false => NO_SLOT,
+                    }));
+                let slots = &self.left;
+                Origins::Leaving { origins, slots }
+            }
         };
         let directions = directions.unwrap_or(&self.local);
         // The traversal is compiled with counting and without.

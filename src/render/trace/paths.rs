@@ -74,7 +74,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
-use super::camera_rays::{Rays, Samples};
+use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{
     Colouring, Drawn, Emission, Emitted, Level, Met, MetSurface, Paths, Response,
 };
@@ -293,6 +293,7 @@ impl PathTraced {
             drawn,
             directions,
             origins,
+            left,
             ratios,
             pixels,
             hits,
@@ -302,6 +303,7 @@ impl PathTraced {
         let rays = Rays {
             directions,
             origins: Some(origins),
+            left,
             method: before.rays.method,
             samples: Samples {
                 pixels,
@@ -603,6 +605,7 @@ impl Level {
         self.drawn.clear();
         self.directions.clear();
         self.origins.clear();
+        self.left.clear();
         self.ratios.clear();
         self.pixels.clear();
     }
@@ -648,6 +651,10 @@ impl Level {
             displacement: way + off,
             delay,
             weight: 1.0,
+        });
+        self.left.push(LeftTriangle {
+            frame: run.frame,
+            slot: point.hit.slot,
         });
         let ray = run.members[k] as usize;
         self.pixels.push(run.traced.rays.samples.pixel(ray));

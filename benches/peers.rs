@@ -400,6 +400,7 @@ fn shadows(bvh: &Bvh, camera: &Camera) -> Vec<Vec<Segment>> {
                 },
                 s_max: 1.0,
                 skip: Some(hit.triangle),
+                end: None,
             }
         };
         seen.map(segment).collect()

@@ -257,6 +257,7 @@ fn shadows(bvh: &Bvh, eye: DVec3, directions: &[DVec3], lamp: DVec3) -> Vec<Segm
             ray,
             s_max: 1.0,
             skip: Some(hit.triangle),
+            end: None,
         }
     };
     seen.map(shadow).collect()

@@ -41,6 +41,8 @@ pub struct Segment {
     pub s_max: f64,
     /// The id of a triangle that doesn't count: the one it leaves.
     pub skip: Option<u32>,
+    /// The id of another that doesn't: the one it ends at.
+    pub end: Option<u32>,
 }
 
 /// Where a ray hits a triangle.

@@ -24,6 +24,7 @@ impl Bvh {
             ray: *ray,
             s_max,
             skip,
+            end: None,
         };
         self.with_stack(|stack| self.is_blocked(&segment, stack, &mut NoTally))
     }
@@ -292,7 +293,8 @@ pub(super) struct AnyHit<'a, T> {
     line: &'a Line,
     s_min: f64,
     s_max: f64,
-    skip: Option<u32>,
+    /// What doesn't count.
+    own: [Option<u32>; 2],
     found: bool,
     tally: &'a mut T,
 }
@@ -306,7 +308,7 @@ impl<'a, T: Tally> AnyHit<'a, T> {
             line: &ray.line,
             s_min: ray.s_min,
             s_max: segment.s_max * ray.per_unit,
-            skip: segment.skip,
+            own: [segment.skip, segment.end],
             found: false,
             tally,
         }
@@ -326,7 +328,7 @@ impl<'a, T: Tally> AnyHit<'a, T> {
             && crossing.s > self.s_min
             && crossing.s < self.s_max
             && tag.shows(crossing.front)
-            && Some(tag.id()) != self.skip
+            && !self.own.contains(&Some(tag.id()))
         {
             self.found = true;
         }

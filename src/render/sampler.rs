@@ -138,7 +138,7 @@ pub(crate) fn samples_per_part(samples: u32, parts: u32) -> u32 {
 /// sequence in an order and with digits that are scrambled as Owen does (1995) by pixel and dimension, so that any 2ᵐ
 /// samples in a row from a multiple of 2ᵐ on fill all elementary intervals of area 2⁻ᵐ once, and dimensions are independent.
 /// Scrambling by hashing reversed bits: Laine and Karras 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020.
-#[inline]
+#[inline(always)]
 pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
     let noise = hash(hash(!pixel) ^ u64::from(dimension + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let index = scrambled(index, noise as u32);
@@ -151,10 +151,47 @@ pub(crate) fn sobol(pixel: u64, index: u32, dimension: u32) -> [f64; 2] {
     ]
 }
 
+/// [`sobol`] for many pixels, in loops.
+pub(crate) fn sobol_of_each(
+    pixels: &[u64],
+    index: u32,
+    dimension: u32,
+    [x, y]: &mut [Vec<f64>; 2],
+) {
+    x.resize(pixels.len(), 0.0);
+    y.resize(pixels.len(), 0.0);
+    dispatch(SobolOfEach {
+        pixels,
+        index,
+        dimension,
+        x,
+        y,
+    });
+}
+
+struct SobolOfEach<'a> {
+    pixels: &'a [u64],
+    index: u32,
+    dimension: u32,
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl VectorLoop for SobolOfEach<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let count = self.pixels.len();
+        let (x, y) = (&mut self.x[..count], &mut self.y[..count]);
+        for k in 0..count {
+            [x[k], y[k]] = sobol(self.pixels[k], self.index, self.dimension);
+        }
+    }
+}
+
 /// The digits of the second dimension of Sobol's sequence. Its direction numbers are (1 + s)ᵏ, s a shift by one digit, so that with the index as a
 /// polynomial f over two elements they are f(1 + s): block by block, as (1 + s)ᵐ = 1 + sᵐ for powers of two (Ahmed, "An
 /// implementation algorithm of 2D Sobol sequence fast, elegant, and compact", EGSR 2024).
-#[inline]
+#[inline(always)]
 fn second_dimension(index: u32) -> u32 {
     let mut digits = index;
     for (m, low) in [
@@ -183,7 +220,7 @@ pub(crate) fn sobol_among(pixel: u64, index: u32, count: u32, dimension: u32) ->
 }
 
 /// Owen's scrambling of the digits of x, the highest first: each is flipped or not by a hash of those above it.
-#[inline]
+#[inline(always)]
 fn scrambled(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits();
     // Only products with even numbers and sums: each bit changes by those below it alone (Vegdahl 2021).

@@ -307,7 +307,7 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
         let tag = self.bvh.tags[slot as usize];
         let ray = self.block.order[lane] as usize;
         let segment = &self.rays.segments[ray];
-        if segment.skip == Some(tag.id()) {
+        if [segment.skip, segment.end].contains(&Some(tag.id())) {
             return;
         }
         if certain || self.is_blocked_by(segment, slot) {

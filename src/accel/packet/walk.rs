@@ -352,6 +352,7 @@ mod tests {
                     },
                     s_max: 0.999,
                     skip: Some(17),
+                    end: None,
                 })
                 .collect();
             let trace = |kernel| {

@@ -44,6 +44,14 @@ pub struct Finish {
     pub emission: Option<BaseColour>,
 }
 
+impl BaseColour {
+    /// The colour, where it is the same everywhere.
+    #[inline]
+    pub(super) fn constant(&self) -> Option<[f64; 3]> {
+        (self.texture.is_none() && !self.vertex_colours).then_some(self.factor)
+    }
+}
+
 /// What goes through a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Glass {

@@ -6,7 +6,7 @@ use crate::accel::Method;
 use crate::accel::vectors::{VectorLoop, dispatch};
 use crate::camera::{AnyProjection, AnyView, FilmPoints, Projection, RayOrigin, RaySlices, View};
 use crate::render::film::Tile;
-use crate::render::sampler::{Sampler, pixel_key, sobol, sobol_among};
+use crate::render::sampler::{Sampler, pixel_key, sobol, sobol_among, sobol_of_each};
 
 /// One camera ray for every pixel of a tile.
 #[derive(Debug, Default)]
@@ -122,6 +122,20 @@ impl Samples<'_> {
     pub(super) fn on_path(&self, ray: usize, dimension: u32) -> [f64; 2] {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
         sobol(self.pixel(ray), self.index, dimension)
+    }
+
+    /// [`Samples::on_path`] for each of `rays`; `keys` are a buffer.
+    pub(super) fn each_on_path(
+        &self,
+        rays: &[u32],
+        dimension: u32,
+        keys: &mut Vec<u64>,
+        numbers: &mut [Vec<f64>; 2],
+    ) {
+        keys.clear();
+        keys.extend(rays.iter().map(|ray| self.pixel(*ray as usize)));
+        let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
+        sobol_of_each(keys, self.index, dimension, numbers);
     }
 
     /// The key of the pixel of ray `ray`.

@@ -145,5 +145,6 @@ pub(super) fn towards(point: &SurfacePoint, at: &CapturePoint, capture: &Capture
         ray: shadow_ray(point.local.origin.x, from, capture.eye() - from),
         s_max: 1.0,
         skip: Some(point.hit.triangle),
+        end: None,
     }
 }

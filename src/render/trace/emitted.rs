@@ -8,6 +8,7 @@ use super::blend::Blend;
 use super::camera_rays::LeftTriangle;
 use super::falling::Falling;
 use super::hits::HitBuffer;
+use super::lights::AreaDraws;
 use super::occlusion::OcclusionQueries;
 use super::points::Points;
 use crate::accel::Segment;
@@ -140,6 +141,10 @@ pub struct Emitted {
     pub(super) views: Columns,
     /// What comes of one lamp.
     pub(super) falling: Falling,
+    /// Keys of the points' pixels.
+    pub(super) keys: Vec<u64>,
+    /// What is drawn of area lights.
+    pub(super) draws: Box<AreaDraws>,
     /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
     pub(super) arriving: Vec<(usize, Incident, DVec3)>,
     /// Of all lamps, by point.
@@ -171,14 +176,37 @@ pub struct Emitted {
 #[derive(Debug, Default)]
 pub(super) struct Paths {
     pub levels: Vec<Level>,
-    /// Rays by what they hit: frame, first triangle of the patch, ray.
-    pub order: Vec<(u32, u32, u32)>,
+    /// Rays by what they hit.
+    pub order: Vec<MetPatch>,
     /// The rays of one patch.
     pub members: Vec<u32>,
     /// W of each of them.
     pub wavelength_ratios: Vec<f64>,
     /// What leaves the points of one patch.
     pub emitted: Emitted,
+}
+
+/// The patch that a ray has met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct MetPatch {
+    /// Its frame in the upper half, and its first triangle.
+    pub place: u64,
+    pub ray: u32,
+}
+
+impl MetPatch {
+    pub fn new(frame: u32, triangle: u32, ray: u32) -> Self {
+        let place = u64::from(frame) << 32 | u64::from(triangle);
+        MetPatch { place, ray }
+    }
+
+    pub fn frame(self) -> u32 {
+        (self.place >> 32) as u32
+    }
+
+    pub fn triangle(self) -> u32 {
+        self.place as u32
+    }
 }
 
 /// Rays that go on from points of surfaces, and what they meet.
@@ -268,6 +296,8 @@ impl Default for Emitted {
             points: Points::default(),
             views: Columns::default(),
             falling: Falling::default(),
+            keys: Vec::new(),
+            draws: Box::default(),
             arriving: Vec::new(),
             incident: Vec::new(),
             reflections: Vec::new(),

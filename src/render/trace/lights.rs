@@ -18,16 +18,17 @@ use glam::DVec3;
 use super::base_colours::{BaseColour, BaseColours};
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
-use super::point::SurfacePoint;
+use super::points::Points;
 use super::run::Run;
 use super::stats::Meter;
 use crate::accel::Hit;
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 use crate::colour::ColourTable;
 use crate::light::Received;
 use crate::light::lamp::Incident;
 use crate::light::reflection::Reflection;
 use crate::light::sky::{BoostedSky, Sky};
-use crate::spacetime::{Direction, Rest};
+use crate::spacetime::{Boost, Direction, Rest, World, unit_and_length_or_nan};
 
 /// What random numbers of a hit are for.
 const AREA: u32 = 0;
@@ -50,6 +51,10 @@ pub struct AreaLights {
     received: Received,
     /// Frame, triangle and index of each element, ascending.
     places: Vec<(u32, u32, u32)>,
+    /// By element, what points on it are drawn from.
+    shapes: Vec<Shape>,
+    /// The rest frames of elements, each once.
+    frames: Vec<u32>,
 }
 
 /// A triangle that shines.
@@ -89,14 +94,84 @@ impl Element {
     }
 }
 
-/// What an area light sends to a point.
+/// An element as points on it are drawn.
+#[derive(Debug)]
+struct Shape {
+    /// A corner, and the edges from there.
+    corner: DVec3,
+    edges: [DVec3; 2],
+    /// Along the normal, and as long as twice the area.
+    normal: DVec3,
+    twice: f64,
+    /// Power of the elements before it, and its own, in parts of the whole.
+    before: f64,
+    share: f64,
+}
+
+impl Shape {
+    fn new(element: &Element, before: f64, share: f64) -> Shape {
+        let [a, b, c] = element.corners;
+        let normal = (b - a).cross(c - a);
+        Shape {
+            corner: a,
+            edges: [b - a, c - a],
+            normal,
+            twice: normal.length(),
+            before,
+            share,
+        }
+    }
+}
+
+/// What area lights send to the points of a run, by point: one drawn point of all elements for each.
+#[derive(Debug, Default)]
+pub(super) struct AreaDraws {
+    /// What is drawn by.
+    pub numbers: [Vec<f64>; 2],
+    /// The element.
+    elements: Vec<u32>,
+    /// Points whose element is in one frame, and, where that is not their own, where they are in it.
+    chosen: Vec<u32>,
+    places: Columns,
+    /// Barycentrics of the point that is drawn.
+    u: Vec<f64>,
+    v: Vec<f64>,
+    /// Towards it in the point's rest frame, and in the world.
+    l: Columns,
+    d: Columns,
+    /// As far as something may be in the way, metres of the world.
+    distances: Vec<f64>,
+    /// W.
+    ratios: Vec<f64>,
+    /// cos θ_y cos θ_F/r² over the density per area; 0 where no light falls.
+    factors: Vec<f64>,
+    /// Per solid angle of the point's rest frame.
+    densities: Vec<f64>,
+}
+
+impl AreaDraws {
+    fn resize(&mut self, count: usize) {
+        self.l.resize(count);
+        self.d.resize(count);
+        self.places.resize(count);
+        for numbers in [
+            &mut self.u,
+            &mut self.v,
+            &mut self.distances,
+            &mut self.ratios,
+            &mut self.factors,
+            &mut self.densities,
+        ] {
+            numbers.resize(count, 0.0);
+        }
+    }
+}
+
+/// Light of an area light that is drawn, as its weight depends on it.
 pub(super) struct Sent {
-    incident: Incident,
     /// Towards it in the point's rest frame.
     pub l: DVec3,
-    /// Towards it in the world, and how far it is.
-    d: DVec3,
-    distance: f64,
+    /// Whether other surfaces shadow it.
     pub shadows: bool,
     /// Per solid angle of the point's rest frame.
     pub density: f64,
@@ -119,9 +194,19 @@ impl AreaLights {
         let places = (0..).zip(&elements);
         let mut places: Vec<_> = places.map(|(k, e)| (e.frame, e.triangle, k)).collect();
         places.sort_unstable();
-        (sum > 0.0 && sum.is_finite()).then(|| AreaLights {
+        let cumulative: Vec<f64> = sums.into_iter().map(|part| part / sum).collect();
+        let before = std::iter::once(0.0).chain(cumulative.iter().copied());
+        let ends = before.zip(&cumulative).zip(&elements);
+        let shapes = ends.map(|((before, end), e)| Shape::new(e, before, end - before));
+        let shapes = shapes.collect();
+        let mut frames: Vec<u32> = elements.iter().map(|e| e.frame).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        (sum > 0.0 && sum.is_finite()).then_some(AreaLights {
             places,
-            cumulative: sums.into_iter().map(|part| part / sum).collect(),
+            cumulative,
+            shapes,
+            frames,
             elements,
             received,
         })
@@ -136,15 +221,20 @@ impl AreaLights {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
-        let random = |k| run.random(k, AREA);
-        self.illuminate_by(random, |_, _| 1.0, base, run, index, emitted, meter);
+        let [x, y] = &mut emitted.draws.numbers;
+        x.clear();
+        y.clear();
+        for k in 0..run.count() {
+            let numbers = run.random(k, AREA);
+            x.push(numbers[0]);
+            y.push(numbers[1]);
+        }
+        self.illuminate_by(|_, _| 1.0, base, run, index, emitted, meter);
     }
 
-    /// The same by the numbers `random`, each point's light weighted by `weight`.
-    #[allow(clippy::too_many_arguments)]
+    /// The same by the numbers in `emitted.draws`, each point's light weighted by `weight`.
     pub(super) fn illuminate_by(
         &self,
-        random: impl Fn(usize) -> [f64; 2],
         weight: impl Fn(Option<&Reflection>, &Sent) -> f64,
         base: &BaseColours,
         run: &Run,
@@ -152,24 +242,114 @@ impl AreaLights {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
+        self.draw(run, &emitted.points, &mut emitted.draws);
         for shadows in [true, false] {
-            emitted.arriving.clear();
-            emitted.queries.clear();
-            for (k, point) in run.points().enumerate() {
-                let normal = emitted.points.normals.get(k);
-                let sent = self.sent(base, run, &point, normal, random(k));
-                if let Some(sent) = sent.filter(|sent| sent.shadows == shadows) {
-                    let weight = weight(emitted.reflections.get(k), &sent);
-                    let incident = sent.incident.scaled(weight);
-                    emitted.arriving.push((k, incident, sent.l));
-                    emitted.queries.push(k, sent.d, sent.distance);
+            let Emitted {
+                draws,
+                arriving,
+                queries,
+                reflections,
+                ..
+            } = &mut *emitted;
+            arriving.clear();
+            queries.clear();
+            for k in 0..run.count() {
+                let element = &self.elements[draws.elements[k] as usize];
+                if draws.factors[k] == 0.0 || element.shadows != shadows {
+                    continue;
                 }
+                let l = draws.l.get(k);
+                let density = draws.densities[k];
+                let sent = Sent {
+                    l,
+                    shadows,
+                    density,
+                };
+                let weight = weight(reflections.get(k), &sent);
+                let incident = self.incident(base, run, element, draws, k);
+                arriving.push((k, incident.scaled(weight), l));
+                let end = (element.frame, element.triangle);
+                queries.push_to(k, draws.d.get(k), draws.distances[k], end);
             }
             reflect_unblocked(run, shadows, index, emitted, meter);
             if self.elements.iter().all(|e| e.shadows) {
                 break;
             }
         }
+    }
+
+    /// Draws a point of all elements for each of the points of `run`, which are `points`.
+    fn draw(&self, run: &Run, points: &Points, draws: &mut AreaDraws) {
+        draws.resize(run.count());
+        let last = self.cumulative.len() - 1;
+        let at = |x: &f64| self.cumulative.partition_point(|sum| sum <= x).min(last) as u32;
+        draws.elements.clear();
+        draws.elements.extend(draws.numbers[0].iter().map(at));
+        let surfaces = run.traced.surfaces;
+        for frame in self.frames.iter().copied() {
+            draws.chosen.clear();
+            for (k, element) in draws.elements.iter().enumerate() {
+                if self.elements[*element as usize].frame == frame {
+                    draws.chosen.push(k as u32);
+                }
+            }
+            // Where the points are in the frame of the elements.
+            let is_own = surfaces.shares_places(frame, run.frame);
+            if !is_own {
+                for k in &draws.chosen {
+                    if let Some(point) = run.point(*k as usize) {
+                        draws
+                            .places
+                            .set(*k as usize, surfaces.event(frame, &point).x);
+                    }
+                }
+            }
+            dispatch(Draws {
+                shapes: &self.shapes,
+                elements: &self.elements,
+                to_world: surfaces.rest(frame).frame.world_from_frame(),
+                from_world: surfaces.boost(run.frame),
+                positions: is_own.then_some(&points.positions),
+                normals: &points.normals,
+                draws,
+            });
+        }
+    }
+
+    /// What falls on point `k` of what was drawn for it on `element`.
+    fn incident(
+        &self,
+        base: &BaseColours,
+        run: &Run,
+        element: &Element,
+        draws: &AreaDraws,
+        k: usize,
+    ) -> Incident {
+        let (w, factor) = (draws.ratios[k], draws.factors[k]);
+        let radiance = match element.radiance.constant() {
+            Some(radiance) => radiance,
+            None => {
+                let rest = run.traced.surfaces.rest(element.frame);
+                let hit = Hit {
+                    s: 0.0,
+                    u: draws.u[k],
+                    v: draws.v[k],
+                    triangle: element.triangle,
+                    slot: 0,
+                    front: true,
+                };
+                base.colour_at(&element.radiance, rest, rest.patch(element.triangle), &hit)
+            }
+        };
+        let irradiance = match &element.spectrum {
+            None => self.received.irradiance(w, radiance, factor),
+            // W⁻⁵ is in the colour, and W² of the solid angle is not.
+            Some(table) => {
+                let factor = w * w * factor * radiance.iter().sum::<f64>() / 3.0;
+                table.colour(w).map(|c| c * factor)
+            }
+        };
+        Incident::new(irradiance, self.received.wavelength_scale(w))
     }
 
     /// The density per area with which a point of this triangle is drawn, where it shines, and whether other surfaces
@@ -183,76 +363,130 @@ impl AreaLights {
         let share = self.cumulative[k] - before;
         Some((share / element.area(), element.shadows))
     }
+}
 
-    /// What one point of all elements sends, by its density.
-    fn sent(
-        &self,
-        base: &BaseColours,
-        run: &Run,
-        point: &SurfacePoint,
-        facing: DVec3,
-        [x, y]: [f64; 2],
-    ) -> Option<Sent> {
-        // The element, and from what is left of the number where on it.
-        let last = self.cumulative.len() - 1;
-        let chosen = self.cumulative.partition_point(|sum| *sum <= x).min(last);
-        let before = chosen.checked_sub(1).map_or(0.0, |k| self.cumulative[k]);
-        let share = self.cumulative[chosen] - before;
-        let root = ((x - before) / share).clamp(0.0, 1.0).sqrt();
-        let (u, v) = (root * (1.0 - y), root * y);
-        let element = &self.elements[chosen];
-        let [a, b, c] = element.corners;
-        let normal = (b - a).cross(c - a);
-        let twice = normal.length();
-        // k in G, where the element does not move.
-        let surfaces = run.traced.surfaces;
-        let rest = surfaces.rest(element.frame);
-        let place = a + (b - a) * u + (c - a) * v;
-        let way = place - surfaces.event(element.frame, point).x;
-        let distance = way.length();
-        let in_light = Direction::<Rest>::new(way)?;
-        let cosine_there = -normal.dot(in_light.unit()) / twice;
-        let cosine_there = if element.two_sided {
-            cosine_there.abs()
-        } else {
-            cosine_there
-        };
-        // Towards it in the world and in F, with ω_G/ω_world = 1/ratio.
-        let (d, ratio) = rest.frame.world_from_frame().direction(in_light);
-        let (l, rho) = surfaces.direction(point.frame, d);
-        let cosine = facing.dot(l.unit());
-        if cosine_there <= 0.0 || cosine <= 0.0 {
-            return None;
-        }
-        let w = 1.0 / (ratio * rho);
-        let density = share / (0.5 * twice);
-        let factor = cosine_there * cosine / (distance * distance * density);
-        let hit = Hit {
-            s: 0.0,
-            u,
-            v,
-            triangle: element.triangle,
-            slot: 0,
-            front: true,
-        };
-        let radiance = base.colour_at(&element.radiance, rest, rest.patch(element.triangle), &hit);
-        let irradiance = match &element.spectrum {
-            None => self.received.irradiance(w, radiance, factor),
-            // W⁻⁵ is in the colour, and W² of the solid angle is not.
-            Some(table) => {
-                let factor = w * w * factor * radiance.iter().sum::<f64>() / 3.0;
-                table.colour(w).map(|c| c * factor)
+/// The loop over points whose elements are in one frame.
+struct Draws<'a> {
+    shapes: &'a [Shape],
+    elements: &'a [Element],
+    to_world: &'a Boost<World, Rest>,
+    /// None where nothing changes.
+    from_world: Option<&'a Boost<Rest, World>>,
+    /// Where points are, if not as `draws` says.
+    positions: Option<&'a Columns>,
+    normals: &'a Columns,
+    draws: &'a mut AreaDraws,
+}
+
+impl VectorLoop for Draws<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Draws {
+            shapes,
+            elements,
+            to_world,
+            from_world,
+            positions,
+            normals,
+            draws,
+        } = self;
+        let mut begin = 0;
+        while begin < draws.chosen.len() {
+            // Points, their numbers and their elements, side by side.
+            let count = (draws.chosen.len() - begin).min(BLOCK);
+            let (mut from, mut facing) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut corners, mut shape_normals) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut e1, mut e2) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (mut before, mut share) = ([0.0; BLOCK], [1.0; BLOCK]);
+            let (mut twice, mut back) = ([1.0; BLOCK], [0.0; BLOCK]);
+            let mut lane = 0;
+            while lane < count {
+                let k = draws.chosen[begin + lane] as usize;
+                let element = draws.elements[k] as usize;
+                let shape = &shapes[element];
+                let place = match positions {
+                    Some(positions) => positions.get(k),
+                    None => draws.places.get(k),
+                };
+                from.set(lane, place);
+                facing.set(lane, normals.get(k));
+                corners.set(lane, shape.corner);
+                e1.set(lane, shape.edges[0]);
+                e2.set(lane, shape.edges[1]);
+                shape_normals.set(lane, shape.normal);
+                (x[lane], y[lane]) = (draws.numbers[0][k], draws.numbers[1][k]);
+                (before[lane], share[lane]) = (shape.before, shape.share);
+                twice[lane] = shape.twice;
+                back[lane] = if elements[element].two_sided {
+                    -1.0
+                } else {
+                    0.0
+                };
+                lane += 1;
             }
-        };
-        Some(Sent {
-            incident: Incident::new(irradiance, self.received.wavelength_scale(w)),
-            l: l.unit(),
-            d: d.unit(),
-            distance: distance * ratio * SHORTER,
-            shadows: element.shadows,
-            density: density * distance * distance / (w * w * cosine_there),
-        })
+
+            let (mut us, mut vs) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (mut ls, mut ds) = (Vectors::ZERO, Vectors::ZERO);
+            let (mut distances, mut ratios) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let (mut factors, mut densities) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..BLOCK {
+                // From what is left of the number that chose the element, where on it.
+                let root = unit_interval((x[k] - before[k]) / share[k]).sqrt();
+                let (u, v) = (root * (1.0 - y[k]), root * y[k]);
+                // k in G, where the element does not move.
+                let place = corners.get(k) + e1.get(k) * u + e2.get(k) * v;
+                let (in_light, distance) = unit_and_length_or_nan(place - from.get(k));
+                let cosine_there = -shape_normals.get(k).dot(in_light) / twice[k];
+                let opposite = cosine_there * back[k];
+                let cosine_there = if cosine_there > opposite {
+                    cosine_there
+                } else {
+                    opposite
+                };
+                // Towards it in the world and in F, with ω_G/ω_world = 1/ratio.
+                let (d, ratio) = to_world.direction(Direction::from_unit(in_light));
+                let (l, rho) = match from_world {
+                    Some(boost) => boost.direction(d),
+                    None => (Direction::from_unit(d.unit()), 1.0),
+                };
+                let cosine = facing.get(k).dot(l.unit());
+                let w = 1.0 / (ratio * rho);
+                let density = share[k] / (0.5 * twice[k]);
+                let factor = cosine_there * cosine / (distance * distance * density);
+                (us[k], vs[k]) = (u, v);
+                ls.set(k, l.unit());
+                ds.set(k, d.unit());
+                distances[k] = distance * ratio * SHORTER;
+                ratios[k] = w;
+                // Also for NaN, where the point is on the element.
+                let falls = (cosine_there > 0.0) & (cosine > 0.0);
+                factors[k] = if falls { factor } else { 0.0 };
+                densities[k] = density * distance * distance / (w * w * cosine_there);
+            }
+
+            let mut lane = 0;
+            while lane < count {
+                let k = draws.chosen[begin + lane] as usize;
+                (draws.u[k], draws.v[k]) = (us[lane], vs[lane]);
+                draws.l.set(k, ls.get(lane));
+                draws.d.set(k, ds.get(lane));
+                draws.distances[k] = distances[lane];
+                draws.ratios[k] = ratios[lane];
+                draws.factors[k] = factors[lane];
+                draws.densities[k] = densities[lane];
+                lane += 1;
+            }
+            begin += BLOCK;
+        }
     }
+}
+
+/// As near to x as numbers from 0 to 1 are, without a branch.
+#[inline(always)]
+fn unit_interval(x: f64) -> f64 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    if x < 1.0 { x } else { 1.0 }
 }
 
 /// The sky as a light of surfaces.

@@ -18,6 +18,8 @@ pub struct OcclusionQueries {
     d: Columns,
     /// Metres of the world.
     distance: Vec<f64>,
+    /// Frame and triangle at which each ends; none where there are none.
+    ends: Vec<(u32, u32)>,
     /// The answers, in the same order.
     blocked: Vec<bool>,
     /// Those that are not blocked yet: their rays in the frame that is asked.
@@ -33,6 +35,8 @@ pub struct OcclusionQueries {
 /// Whose surfaces may be in the way, and how points and directions are seen there.
 pub(super) struct Obstacles<'a, S> {
     pub bvh: &'a Bvh,
+    /// Index of their frame.
+    pub frame: u32,
     /// From the world to the frame where they rest, and the index of the medium; none where they rest in the world.
     pub boost: Option<(&'a Boost<Rest, World>, f64)>,
     /// Where the points are in that frame.
@@ -62,6 +66,7 @@ impl OcclusionQueries {
         self.points.clear();
         self.d.clear();
         self.distance.clear();
+        self.ends.clear();
         self.blocked.clear();
     }
 
@@ -71,6 +76,13 @@ impl OcclusionQueries {
         self.points.push(point as u32);
         self.d.push(d);
         self.distance.push(distance);
+    }
+
+    /// The same about the way to triangle `end` of a frame, which is not in the way itself. All queries have an end, or none.
+    #[inline(always)]
+    pub(super) fn push_to(&mut self, point: usize, d: DVec3, distance: f64, end: (u32, u32)) {
+        self.push(point, d, distance);
+        self.ends.push(end);
     }
 
     /// A box of the world about all of them, in a medium of index `index`.
@@ -148,6 +160,10 @@ impl OcclusionQueries {
                 },
                 s_max: self.distance[query as usize],
                 skip: obstacles.own.map(|triangles| triangles[point]),
+                end: match self.ends.get(query as usize) {
+                    Some((frame, triangle)) if *frame == obstacles.frame => Some(*triangle),
+                    _ => None,
+                },
             });
         }
         self.open.truncate(near);

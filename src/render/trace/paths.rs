@@ -70,16 +70,18 @@
 //! Ruder, ACM TOG 18(3), 1999 (radiance and solid angle); Jarabo et al., ACM TOG 33(6), 2014 (time-resolved transport).
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::DVec3;
 
 use super::base_colours::{BaseColours, Finish};
 use super::camera_rays::{LeftTriangle, Rays, Samples};
 use super::emitted::{
-    Colouring, Drawn, Emission, Emitted, Level, Met, MetSurface, Paths, Response,
+    Colouring, Drawn, Emission, Emitted, Level, Met, MetPatch, MetSurface, Paths, Response,
 };
 use super::lamps;
 use super::point::SurfacePoint;
+use super::points::Points;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
@@ -127,6 +129,14 @@ impl PathTraced {
     }
 }
 
+/// Points of a run that are on one patch: runs of paths go over all patches of a frame that the same lamps light.
+struct Part<'a> {
+    patch: &'a Patch,
+    finish: &'a Finish,
+    /// Which points.
+    points: Range<usize>,
+}
+
 impl Radiance for PathTraced {
     fn has_gaps(&self) -> bool {
         self.light.has_gaps()
@@ -142,15 +152,20 @@ impl Radiance for PathTraced {
             return self.light.emit(run, emitted, meter);
         };
         emitted.start(response.clone());
-        self.receive(finish, lamps, run, emitted, meter);
+        let whole = [Part {
+            patch: run.patch,
+            finish,
+            points: 0..run.count(),
+        }];
+        self.receive(&whole, lamps, run, emitted, meter);
         self.follow(run, emitted, meter);
         self.add_own(finish, run, emitted);
     }
 }
 
 impl PathTraced {
-    /// Forgets the light of the last run, and notes how the points of `run` reflect.
-    fn start(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
+    /// Forgets the light of the last run, and notes how the points of `run` reflect, part by part.
+    fn start(&self, parts: &[Part], run: &Run, emitted: &mut Emitted) {
         emitted.points.fill(run);
         emitted.incident.clear();
         emitted.incident.resize(run.count(), Default::default());
@@ -158,20 +173,18 @@ impl PathTraced {
         emitted.added.resize(run.count(), [0.0; 3]);
         emitted.reflections.clear();
         emitted.points.views(&mut emitted.views);
-        for k in 0..run.count() {
-            let Some(hit) = run.hit(k) else {
-                continue;
-            };
-            let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
-            let place = (run.rest, run.patch, &hit);
-            let reflection = reflection(
-                &self.light.base,
-                finish,
-                place,
-                (normal, view),
-                self.near(run, k),
-            );
-            emitted.reflections.push(reflection);
+        for part in parts {
+            for k in part.points.clone() {
+                let Some(hit) = run.hit(k) else {
+                    continue;
+                };
+                let (view, normal) = (emitted.views.get(k), emitted.points.normals.get(k));
+                let place = (run.rest, part.patch, &hit);
+                let near = self.near(run, k);
+                let base = &self.light.base;
+                let reflection = reflection(base, part.finish, place, (normal, view), near);
+                emitted.reflections.push(reflection);
+            }
         }
     }
 
@@ -208,8 +221,9 @@ impl PathTraced {
             false => 1.0,
         };
         if let Some(areas) = areas {
+            let draws = &mut *emitted.draws;
+            run.each_on_path(AREA, &mut emitted.keys, &mut draws.numbers);
             areas.illuminate_by(
-                |k| run.on_path(k, AREA),
                 |reflection, sent| weight(reflection, sent.l, sent.density, sent.shadows),
                 base,
                 run,
@@ -247,7 +261,7 @@ impl PathTraced {
         let mut paths = emitted.paths.take().unwrap_or_default();
         let first = level(&mut paths.levels, 0);
         first.start(depth + 1);
-        first.draw(run, &emitted.reflections, |k| k as u32);
+        first.draw(run, emitted, |k| k as u32);
         let mut count = 0;
         while !level(&mut paths.levels, count).drawn.is_empty() {
             self.meet(&mut paths, count, run.traced, meter);
@@ -329,31 +343,65 @@ impl PathTraced {
             None => Met::Light(self.escaped(drawn)),
             Some(_) => Met::Nothing,
         }));
-        // Rays that have met one patch, together.
-        for group in order.chunk_by(|a, b| a.0 == b.0 && a.1 == b.1) {
-            let (frame, triangle, _) = group[0];
-            let rest = traced.surfaces.rest(frame);
+        // Rays that have met surfaces of one frame that the same lamps light, together; and those that have met one of other patches.
+        let by_patch: Vec<&[MetPatch]> = order.chunk_by(|a, b| a.place == b.place).collect();
+        let patch = |group: &[MetPatch]| {
+            traced
+                .surfaces
+                .rest(group[0].frame())
+                .patch(group[0].triangle())
+        };
+        let emitter = |group: &[MetPatch]| &self.light.emitters[patch(group).emitter as usize].0;
+        let alike = |a: &&[MetPatch], b: &&[MetPatch]| match (emitter(a), emitter(b)) {
+            (Emitter::Lit { lamps, .. }, Emitter::Lit { lamps: others, .. }) => {
+                a[0].frame() == b[0].frame() && lamps == others
+            }
+            _ => false,
+        };
+        for groups in by_patch.chunk_by(alike) {
+            let frame = groups[0][0].frame();
             members.clear();
-            members.extend(group.iter().map(|(_, _, ray)| *ray));
+            members.extend(groups.iter().copied().flatten().map(|met| met.ray));
             let run = Run {
                 traced: &traced,
                 members,
-                patch: rest.patch(triangle),
-                rest,
+                patch: patch(groups[0]),
+                rest: traced.surfaces.rest(frame),
                 frame,
             };
             run.ratios(ratios, wavelength_ratios);
-            match &self.light.emitters[run.patch.emitter as usize].0 {
-                Emitter::Lit { finish, lamps } => {
-                    self.weigh_own(&run, drawn, wavelength_ratios, emitted);
-                    self.receive(finish, lamps, &run, emitted, meter);
-                    if self.goes_on(*depth) {
-                        next[0].draw(&run, &emitted.reflections, |k| run.members[k]);
+            emitted.own_weights.clear();
+            match emitter(groups[0]) {
+                Emitter::Lit { lamps, .. } => {
+                    let mut parts = Vec::with_capacity(groups.len());
+                    let mut end = 0;
+                    for group in groups {
+                        let points = end..end + group.len();
+                        end = points.end;
+                        if let Emitter::Lit { finish, .. } = emitter(group) {
+                            parts.push(Part {
+                                patch: patch(group),
+                                finish,
+                                points,
+                            });
+                        }
                     }
-                    self.note_surfaces(finish, &run, (wavelength_ratios, emitted), met);
+                    for part in &parts {
+                        let shines = part.finish.emission.is_some();
+                        let points = part.points.clone();
+                        self.weigh_own((&run, points), shines, drawn, wavelength_ratios, emitted);
+                    }
+                    self.receive(&parts, lamps, &run, emitted, meter);
+                    if self.goes_on(*depth) {
+                        next[0].draw(&run, emitted, |k| run.members[k]);
+                    }
+                    self.note_surfaces(&parts, &run, (wavelength_ratios, emitted), met);
                 }
-                _ => {
-                    self.weigh_own(&run, drawn, wavelength_ratios, emitted);
+                other => {
+                    // With a spectrum, it may be drawn.
+                    let shines = matches!(other, Emitter::Base(_));
+                    let points = 0..run.count();
+                    self.weigh_own((&run, points), shines, drawn, wavelength_ratios, emitted);
                     self.light.emit(&run, emitted, meter);
                     self.note_light(&run, (wavelength_ratios, emitted), met);
                 }
@@ -365,14 +413,14 @@ impl PathTraced {
     /// none.
     fn receive(
         &self,
-        finish: &Finish,
+        parts: &[Part],
         lamps: &[usize],
         run: &Run,
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
         if run.traced.rays.samples.depth <= self.bounces {
-            self.start(finish, run, emitted);
+            self.start(parts, run, emitted);
             self.illuminate(lamps, run, emitted, meter);
         }
     }
@@ -380,24 +428,26 @@ impl PathTraced {
     /// Takes down the points of `run`, their W and the light that `emitted` has gathered at them.
     fn note_surfaces(
         &self,
-        finish: &Finish,
+        parts: &[Part],
         run: &Run,
         (ratios, emitted): (&[f64], &Emitted),
         met: &mut [Met],
     ) {
         let receives = run.traced.rays.samples.depth <= self.bounces;
-        for (at, ray) in run.members.iter().enumerate() {
-            let (reflected, incident) = match receives {
-                true => (emitted.added[at], emitted.incident[at]),
-                false => Default::default(),
-            };
-            met[*ray as usize] = Met::Surface(MetSurface {
-                emitter: run.patch.emitter,
-                ratio: ratios[at],
-                reflected,
-                own: self.own(finish, run, at, emitted),
-                incident,
-            });
+        for part in parts {
+            for at in part.points.clone() {
+                let (reflected, incident) = match receives {
+                    true => (emitted.added[at], emitted.incident[at]),
+                    false => Default::default(),
+                };
+                met[run.members[at] as usize] = Met::Surface(MetSurface {
+                    emitter: part.patch.emitter,
+                    ratio: ratios[at],
+                    reflected,
+                    own: self.own((part.finish, part.patch), run, at, emitted),
+                    incident,
+                });
+            }
         }
     }
 
@@ -480,20 +530,25 @@ impl PathTraced {
         Incident::new(radiance, boosted.received().wavelength_scale(w))
     }
 
-    /// Notes what the points of `run` shine of their own counts for, where each was met along one of `drawn` and could have been drawn
-    /// itself; `ratios` are W.
-    fn weigh_own(&self, run: &Run, drawn: &[Drawn], ratios: &[f64], emitted: &mut Emitted) {
-        emitted.own_weights.clear();
-        let emitter = &self.light.emitters[run.patch.emitter as usize].0;
-        let shines = match emitter {
-            Emitter::Lit { finish, .. } => finish.emission.is_some(),
-            // With a spectrum, it may be drawn.
-            emitter => matches!(emitter, Emitter::Base(_)),
-        };
+    /// Notes what `points` of `run` shine of their own counts for, if they do, where each was met along one of `drawn` and could have been
+    /// drawn itself; `ratios` are W.
+    fn weigh_own(
+        &self,
+        (run, points): (&Run, Range<usize>),
+        shines: bool,
+        drawn: &[Drawn],
+        ratios: &[f64],
+        emitted: &mut Emitted,
+    ) {
+        let weights = &mut emitted.own_weights;
         let Some(areas) = self.light.areas.as_ref().filter(|_| shines) else {
+            weights.resize(weights.len() + points.len(), 1.0);
             return;
         };
-        for (at, point) in run.points().enumerate() {
+        for at in points {
+            let Some(point) = run.point(at) else {
+                continue;
+            };
             let by_material = drawn[run.members[at] as usize].scattered.density;
             let by_area = areas.density(run.frame, point.hit.triangle);
             let weight = match by_area {
@@ -509,17 +564,23 @@ impl PathTraced {
                     balance(by_material, by_light)
                 }
             };
-            emitted.own_weights.push(weight);
+            weights.push(weight);
         }
     }
 
     /// What point `at` of `run` shines of its own, as far as it counts.
-    fn own(&self, finish: &Finish, run: &Run, at: usize, emitted: &Emitted) -> [f64; 3] {
+    fn own(
+        &self,
+        (finish, patch): (&Finish, &Patch),
+        run: &Run,
+        at: usize,
+        emitted: &Emitted,
+    ) -> [f64; 3] {
         let (Some(emission), Some(hit)) = (&finish.emission, run.hit(at)) else {
             return [0.0; 3];
         };
         let base = &self.light.base;
-        let own = base.colour_at(emission, run.rest, run.patch, &hit);
+        let own = base.colour_at(emission, run.rest, patch, &hit);
         let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
         own.map(|c| weight * c)
     }
@@ -527,7 +588,7 @@ impl PathTraced {
     /// Ends the points of `run`: what they reflect, and what they shine of their own.
     fn add_own(&self, finish: &Finish, run: &Run, emitted: &mut Emitted) {
         for k in 0..run.count() {
-            let own = self.own(finish, run, k, emitted);
+            let own = self.own((finish, run.patch), run, k, emitted);
             let reflected = emitted.added[k];
             let wavelength_scale = emitted.incident[k].wavelength_scale();
             emitted.push(Emission {
@@ -610,10 +671,13 @@ impl Level {
         self.pixels.clear();
     }
 
-    /// Draws a direction at each point of `run`, which reflect so; `from`: what levels know the points by.
-    fn draw(&mut self, run: &Run, reflections: &[Reflection], from: impl Fn(usize) -> u32) {
-        for (k, point) in run.points().enumerate() {
-            let drawn = reflections[k].sample(run.on_path(k, ONWARD));
+    /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
+    fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
+        let numbers = &mut emitted.draws.numbers;
+        run.each_on_path(ONWARD, &mut emitted.keys, numbers);
+        let [x, y] = &*numbers;
+        for (k, reflection) in emitted.reflections.iter().enumerate() {
+            let drawn = reflection.sample([x[k], y[k]]);
             let Some(scattered) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0))
             else {
                 continue;
@@ -621,30 +685,31 @@ impl Level {
             self.drawn.push(Drawn {
                 from: from(k),
                 frame: run.frame,
-                cosine: reflections[k].normal().dot(scattered.l),
+                cosine: reflection.normal().dot(scattered.l),
                 scattered,
             });
-            self.push(k, &scattered, run, &point);
+            self.push(k, &scattered, run, &emitted.points);
         }
     }
 
-    /// Adds the ray from `point`, the k-th of `run`, along `drawn`.
-    fn push(&mut self, k: usize, drawn: &Scattered, run: &Run, point: &SurfacePoint) {
+    /// Adds the ray from the k-th of `points`, which are those of `run`, along `drawn`.
+    fn push(&mut self, k: usize, drawn: &Scattered, run: &Run, points: &Points) {
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
         let (d, ratio, delay) = along(run, drawn);
         // From the event of the shot to the point, and off its surface.
-        let way = point.origin.displacement + point.ray.tangent * point.hit.s;
+        let ray = run.members[k] as usize;
+        let way = run.traced.rays.origin(ray).displacement + points.offset(k);
         let gamma = run.rest.frame.velocity().gamma();
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
-            + point.local.origin.x.abs().max_element()
-            + point.rest_event().x.abs().max_element();
-        let side = match point.facing_normal().dot(drawn.l) < 0.0 {
+            + points.eye(k).abs().max_element()
+            + points.positions.get(k).abs().max_element();
+        let normal = points.normals.get(k);
+        let side = match normal.dot(drawn.l) < 0.0 {
             true => -CLEARANCE,
             false => CLEARANCE,
         };
-        let off = point.facing_normal() * (side * size);
-        let off = world_from_rest.displacement(Displacement::new(0.0, off));
+        let off = world_from_rest.displacement(Displacement::new(0.0, normal * (side * size)));
         self.directions.push(d.unit());
         self.ratios.push(ratio);
         self.origins.push(RayOrigin {
@@ -654,9 +719,8 @@ impl Level {
         });
         self.left.push(LeftTriangle {
             frame: run.frame,
-            slot: point.hit.slot,
+            slot: points.slots[k],
         });
-        let ray = run.members[k] as usize;
         self.pixels.push(run.traced.rays.samples.pixel(ray));
     }
 }
@@ -680,7 +744,7 @@ fn along(run: &Run, drawn: &Scattered) -> (Direction<World>, f64, f64) {
 }
 
 /// Puts the rays that have met something into `order`, by patch. Black backs are nothing that shines.
-fn sort(traced: &TracedRays, order: &mut Vec<(u32, u32, u32)>) {
+fn sort(traced: &TracedRays, order: &mut Vec<MetPatch>) {
     order.clear();
     for (ray, hit) in traced.hits.hits().iter().enumerate() {
         let Some(hit) = hit else {
@@ -689,7 +753,7 @@ fn sort(traced: &TracedRays, order: &mut Vec<(u32, u32, u32)>) {
         let frame = traced.hits.frame(ray);
         let patch = traced.surfaces.rest(frame).patch(hit.triangle);
         if hit.front || !patch.black_back {
-            order.push((frame, patch.first, ray as u32));
+            order.push(MetPatch::new(frame, patch.first, ray as u32));
         }
     }
     order.sort_unstable();

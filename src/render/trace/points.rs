@@ -14,6 +14,8 @@ use crate::spacetime::{Displacement, Event, World};
 pub(super) struct Points {
     /// Their triangles.
     pub triangles: Vec<u32>,
+    /// Their places in the tree.
+    pub slots: Vec<u32>,
     /// Where they are in their rest frame.
     pub positions: Columns,
     /// Unit normals there, on the side that the camera sees.
@@ -63,6 +65,7 @@ impl Points {
             e2.set(k, c - a);
             self.sides[k] = if hit.front { 1.0 } else { -1.0 };
             self.triangles[k] = hit.triangle;
+            self.slots[k] = hit.slot;
             self.s[k] = hit.s;
         }
         dispatch(Normals {
@@ -127,10 +130,16 @@ impl Points {
         }
     }
 
+    /// From where its ray leaves to point `k`, in the world.
+    #[inline(always)]
+    pub(super) fn offset(&self, k: usize) -> Displacement<World> {
+        Displacement::new(self.offsets.ct[k], self.offsets.x.get(k))
+    }
+
     /// Point `k` in the world, at the emission of its light.
     #[inline(always)]
     pub(super) fn event(&self, k: usize) -> Event<World> {
-        let offset = Displacement::new(self.offsets.ct[k], self.offsets.x.get(k));
+        let offset = self.offset(k);
         match self.own_origins {
             true => Event::new(self.origins.ct[k], self.origins.x.get(k)) + offset,
             false => self.shot + offset,
@@ -148,6 +157,7 @@ impl Points {
 
     fn resize(&mut self, count: usize) {
         self.triangles.resize(count, 0);
+        self.slots.resize(count, 0);
         self.sides.resize(count, 1.0);
         self.s.resize(count, 0.0);
         self.positions.resize(count);
@@ -165,6 +175,7 @@ impl Default for Points {
     fn default() -> Self {
         Points {
             triangles: Vec::new(),
+            slots: Vec::new(),
             positions: Columns::default(),
             tangents: Columns::default(),
             normals: Columns::default(),

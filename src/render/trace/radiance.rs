@@ -192,6 +192,7 @@ fn project(
                 ray: shadow_ray(points.eye(k), from, capture.eye() - from),
                 s_max: 1.0,
                 skip: Some(points.triangles[k]),
+                end: None,
             });
         }
         located.push(at);

@@ -92,6 +92,13 @@ impl<'a> Run<'a> {
         self.traced.hits.hits()[self.members[k] as usize]
     }
 
+    /// Point `k`.
+    pub(super) fn point(&self, k: usize) -> Option<SurfacePoint<'a>> {
+        let ray = self.members[k] as usize;
+        let hit = self.traced.hits.hits()[ray]?;
+        Some(self.traced.point(ray, hit, self.frame, self.patch).0)
+    }
+
     /// The points, in order.
     #[inline(always)]
     pub fn points(&self) -> impl Iterator<Item = SurfacePoint<'a>> + use<'a> {
@@ -186,6 +193,17 @@ impl<'a> Run<'a> {
     pub(super) fn on_path(&self, k: usize, dimension: u32) -> [f64; 2] {
         let ray = self.members[k] as usize;
         self.traced.rays.samples.on_path(ray, dimension)
+    }
+
+    /// The same for all members; `keys` are a buffer.
+    pub(super) fn each_on_path(
+        &self,
+        dimension: u32,
+        keys: &mut Vec<u64>,
+        numbers: &mut [Vec<f64>; 2],
+    ) {
+        let samples = &self.traced.rays.samples;
+        samples.each_on_path(self.members, dimension, keys, numbers);
     }
 
     /// The same as [`Run::random`], one of `count` for each sample.

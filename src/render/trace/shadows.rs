@@ -23,6 +23,7 @@ impl Surfaces<'_> {
             Frames::Still(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
+                    frame: 0,
                     boost: None,
                     places: points,
                     own: Some(&points.triangles),
@@ -32,6 +33,7 @@ impl Surfaces<'_> {
             Frames::One(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
+                    frame: 0,
                     boost: Some((only.boost(), index)),
                     places: points,
                     own: Some(&points.triangles),
@@ -48,6 +50,7 @@ impl Surfaces<'_> {
                     if k as u32 == run.frame {
                         let obstacles = Obstacles {
                             bvh,
+                            frame: k as u32,
                             boost,
                             places: points,
                             own: Some(&points.triangles),
@@ -56,6 +59,7 @@ impl Surfaces<'_> {
                     } else {
                         let obstacles = Obstacles {
                             bvh,
+                            frame: k as u32,
                             boost,
                             places: InOther { frame, run, points },
                             own: None,

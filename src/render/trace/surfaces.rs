@@ -188,6 +188,11 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// Whether points of frame `own` are where they are in frame `frame`, too.
+    pub(super) fn shares_places(&self, frame: u32, own: u32) -> bool {
+        !matches!(&self.0, Frames::Many(_)) || frame == own
+    }
+
     /// The event of `point` in rest frame `frame`.
     #[inline]
     pub(super) fn event(&self, frame: u32, point: &SurfacePoint) -> Event<Rest> {

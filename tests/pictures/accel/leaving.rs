@@ -117,6 +117,7 @@ fn connect(bvh: &Bvh, ids: &[u32], rays: &Leaving) -> usize {
                 },
                 s_max: if k % 2 == 0 { 1.0 - 1e-6 } else { 0.7 },
                 skip: Some(ids[k]),
+                end: (k % 4 == 0).then_some(ids[(k * 7 + 3) % count]),
             }
         })
         .collect();

@@ -30,6 +30,7 @@ fn segment(origin: DVec3, direction: DVec3, s_max: f64, skip: Option<u32>) -> Se
         },
         s_max,
         skip,
+        end: None,
     }
 }
 

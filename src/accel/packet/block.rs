@@ -38,9 +38,6 @@ const FAR: f64 = power_of_two(10);
 const SPREAD: f32 = 4.0;
 /// Directions differ by no more than this along any axis: (K2).
 const COHERENT: f32 = 0.75;
-/// In a tree of no more leaves than these they may differ as they like: all triangles of such a tree, tested for 64 rays together, cost
-/// less than 64 ways through it (measured on boxes in a room).
-const SMALL: usize = 48;
 /// (K3).
 const ABOVE: f32 = 1.001;
 
@@ -127,8 +124,11 @@ impl Block {
         let unit = power_of_two(-exponent(first));
         self.tau_from_s = space.scale * power_of_two(exponent(first));
         self.load_directions(k, rays, unit);
-        let small = bvh.wide.leaves.len() <= SMALL;
-        let apart = if small { f32::INFINITY } else { COHERENT };
+        let apart = if bvh.is_small() {
+            f32::INFINITY
+        } else {
+            COHERENT
+        };
         let directions = self.direction_intervals(k, apart)?;
         self.load_left(rays);
         let mut bounds = BlockBounds {

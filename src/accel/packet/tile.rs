@@ -13,6 +13,8 @@ pub(super) struct Tile {
     count: usize,
     /// Of a block's rays, from its first one on.
     places: [u32; RAYS],
+    /// The rays in another order; empty where they are taken as they come.
+    order: Vec<u32>,
 }
 
 /// Pixels of a block's side.
@@ -63,6 +65,36 @@ impl Tile {
                 SIDES => USUAL_PLACES,
                 width => places(width),
             },
+            order: Vec::new(),
+        }
+    }
+
+    /// Rays that go all ways, by the signs of their directions: next to one another those that differ in one sign (Gray's code), so that
+    /// blocks of rays have signs in common, by which they miss boxes.
+    pub fn by_signs(count: usize, direction: impl Fn(usize) -> DVec3) -> Tile {
+        const GRAY: [u8; 8] = [0, 1, 3, 2, 7, 6, 4, 5];
+        let key = |ray: usize| {
+            let d = direction(ray);
+            let bits = usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1;
+            usize::from(GRAY[bits | usize::from(d.z < 0.0) << 2])
+        };
+        // As many as there are before those of each key, and then each to its place.
+        let mut ends = [0; 9];
+        for ray in 0..count {
+            ends[key(ray) + 1] += 1;
+        }
+        for k in 1..9 {
+            ends[k] += ends[k - 1];
+        }
+        let mut order = vec![0; count];
+        for ray in 0..count {
+            let place = &mut ends[key(ray)];
+            order[*place] = ray as u32;
+            *place += 1;
+        }
+        Tile {
+            order,
+            ..Tile::new(0, count)
         }
     }
 
@@ -76,6 +108,14 @@ impl Tile {
 
     /// Fills the block's order with the rays of its part `at`.
     pub fn select(&self, at: usize, block: &mut Block) {
+        if !self.order.is_empty() {
+            let rays = &self.order[at * RAYS..];
+            block.in_fours = false;
+            block.count = rays.len().min(RAYS);
+            block.order[..block.count].copy_from_slice(&rays[..block.count]);
+            block.order[block.count..].fill(rays[0]);
+            return;
+        }
         let columns = self.width.div_ceil(SIDE).max(1);
         let (x, y) = (at % columns * SIDE, at / columns * SIDE);
         let first = if self.width == 0 {

@@ -192,14 +192,10 @@ pub(super) struct MetPatch {
     /// Its frame in the upper half, and its first triangle.
     pub place: u64,
     pub ray: u32,
+    pub emitter: u32,
 }
 
 impl MetPatch {
-    pub fn new(frame: u32, triangle: u32, ray: u32) -> Self {
-        let place = u64::from(frame) << 32 | u64::from(triangle);
-        MetPatch { place, ray }
-    }
-
     pub fn frame(self) -> u32 {
         (self.place >> 32) as u32
     }

@@ -111,6 +111,8 @@ pub struct PathTraced {
     received: Vec<Received>,
     /// Whether there is light that rays can only find by meeting it.
     shines: bool,
+    /// By emitter, the first that the same lamps light; none of those that lamps do not light.
+    alike: Vec<Option<u32>>,
 }
 
 impl PathTraced {
@@ -120,11 +122,22 @@ impl PathTraced {
         let shines = light.areas.is_some()
             || light.sky.is_some()
             || emitters.any(|(emitter, _)| !matches!(emitter, Emitter::Lit { .. }));
+        let lamps = |(emitter, _): &(Emitter, Response)| match emitter {
+            Emitter::Lit { lamps, .. } => Some(lamps.clone()),
+            _ => None,
+        };
+        let lamps: Vec<_> = light.emitters.iter().map(lamps).collect();
+        let first = |own: &Option<Vec<usize>>| {
+            let place = own.as_ref().and(lamps.iter().position(|all| all == own));
+            place.map(|first| first as u32)
+        };
+        let alike = lamps.iter().map(first).collect();
         PathTraced {
             light,
             bounces,
             received,
             shines,
+            alike,
         }
     }
 }
@@ -346,17 +359,13 @@ impl PathTraced {
         // Rays that have met surfaces of one frame that the same lamps light, together; and those that have met one of other patches.
         let by_patch: Vec<&[MetPatch]> = order.chunk_by(|a, b| a.place == b.place).collect();
         let patch = |group: &[MetPatch]| {
-            traced
-                .surfaces
-                .rest(group[0].frame())
-                .patch(group[0].triangle())
+            let place = group[0];
+            traced.surfaces.rest(place.frame()).patch(place.triangle())
         };
-        let emitter = |group: &[MetPatch]| &self.light.emitters[patch(group).emitter as usize].0;
-        let alike = |a: &&[MetPatch], b: &&[MetPatch]| match (emitter(a), emitter(b)) {
-            (Emitter::Lit { lamps, .. }, Emitter::Lit { lamps: others, .. }) => {
-                a[0].frame() == b[0].frame() && lamps == others
-            }
-            _ => false,
+        let emitter = |group: &[MetPatch]| &self.light.emitters[group[0].emitter as usize].0;
+        let lit = |group: &[MetPatch]| self.alike[group[0].emitter as usize];
+        let alike = |a: &&[MetPatch], b: &&[MetPatch]| {
+            a[0].frame() == b[0].frame() && lit(a).is_some() && lit(a) == lit(b)
         };
         for groups in by_patch.chunk_by(alike) {
             let frame = groups[0][0].frame();
@@ -753,7 +762,11 @@ fn sort(traced: &TracedRays, order: &mut Vec<MetPatch>) {
         let frame = traced.hits.frame(ray);
         let patch = traced.surfaces.rest(frame).patch(hit.triangle);
         if hit.front || !patch.black_back {
-            order.push(MetPatch::new(frame, patch.first, ray as u32));
+            order.push(MetPatch {
+                place: u64::from(frame) << 32 | u64::from(patch.first),
+                ray: ray as u32,
+                emitter: patch.emitter,
+            });
         }
     }
     order.sort_unstable();

@@ -121,11 +121,20 @@ fn connect(bvh: &Bvh, ids: &[u32], rays: &Leaving) -> usize {
             }
         })
         .collect();
-    let single = |s: &Segment| bvh.any(&s.ray, s.s_max, s.skip);
-    let expected: Vec<bool> = segments.iter().map(single).collect();
-    for kernel in Kernel::ALL {
+    let ask = |kernel| {
         let mut blocked = vec![false; segments.len()];
         bvh.any_by(certified(kernel), &segments, &mut blocked, &mut NoTally);
+        blocked
+    };
+    let expected = ask(Kernel::Scalar);
+    for (segment, expected) in segments.iter().zip(&expected) {
+        // What ends somewhere is blocked by nothing more than what does not.
+        let any = bvh.any(&segment.ray, segment.s_max, segment.skip);
+        assert!(any || !expected);
+        assert!(segment.end.is_some() || any == *expected);
+    }
+    for kernel in Kernel::ALL {
+        let blocked = ask(kernel);
         for (k, segment) in segments.iter().enumerate() {
             assert_eq!(blocked[k], expected[k], "{kernel:?}: {k}, {segment:?}");
         }
@@ -184,6 +193,46 @@ fn walls_that_show_one_side_let_the_same_rays_through_with_every_kernel() {
         sides[1] += blocked;
     }
     assert!(sides[0] > 10_000 && sides[1] > 1_000, "{sides:?}");
+}
+
+#[test]
+fn rays_on_both_sides_of_a_plane_through_their_middle_each_see_their_own_side_of_it() {
+    let mut random = Random(73);
+    // Squares of both orientations in the plane y = 0 (or a little off it) that show their fronts only, and boxes.
+    for off in [0.0, -0.0, 1e-300, -1e-12] {
+        let corner = |x: f64, z: f64| DVec3::new(x, off, z);
+        let mut triangles = Vec::new();
+        for k in 0..8 {
+            let (x, z) = (f64::from(k % 4) - 2.0, f64::from(k / 4) - 1.0);
+            let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            let [a, b, c, d] = square.map(|(u, v)| corner(x + u, z + v));
+            match k % 3 {
+                0 => triangles.extend([[a, b, c], [a, c, d]]),
+                _ => triangles.extend([[a, c, b], [a, d, c]]),
+            }
+        }
+        triangles.extend(cuboid(DVec3::new(0.0, -0.5, 0.0), DVec3::splat(0.2), 0.3));
+        let bvh = Bvh::build(triangles, |_| Facing::FrontOnly);
+        // Each ray with its image in a mirror: the middle of their origins is in the plane.
+        let mut rays = Leaving {
+            origins: Vec::new(),
+            directions: Vec::new(),
+            slots: vec![NO_SLOT; 2048],
+        };
+        for _ in 0..1024 {
+            let (origin, direction) = (random.vector(), random.direction());
+            for sign in [1.0, -1.0] {
+                let mirror = DVec3::new(1.0, sign, 1.0);
+                rays.origins.push(origin * mirror);
+                rays.directions.push(direction * mirror);
+            }
+        }
+        let hits = closest(&bvh, &rays, &mut Counts::default());
+        assert!(hits.iter().flatten().all(|hit| hit.front));
+        assert!(hits.iter().flatten().count() > 200);
+        let ids = vec![u32::MAX; 2048];
+        assert!(connect(&bvh, &ids, &rays) > 100);
+    }
 }
 
 #[test]

@@ -34,17 +34,17 @@
 //! Where no θ₂ exists, all is reflected. A film without thickness lets light through unbent; with the reflections between its two faces its F
 //! is 2F/(1 + F). Neglected: dispersion (one index for all wavelengths), absorption between surfaces, polarization, and interference.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
-use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch, load};
 
 /// α is no smaller than this: a mirror keeps a highlight of some arc minutes.
 const SMOOTHEST: f64 = 1e-3;
 
 /// The reflection of a point of a surface towards the observer.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Reflection {
     normal: DVec3,
     view: DVec3,
@@ -58,7 +58,7 @@ pub struct Reflection {
     /// Whether the specular part is that of a mirror.
     is_mirror: bool,
     /// What goes through.
-    through: Option<Through>,
+    through: Option<Box<Through>>,
     /// Refractive index on the side of the observer, over that of the medium of the scene.
     near: f64,
 }
@@ -158,12 +158,12 @@ impl Reflection {
         Reflection {
             diffuse: self.diffuse.map(|c| c * (1.0 - transmission)),
             is_mirror: true,
-            through: Some(Through {
+            through: Some(Box::new(Through {
                 colour: self.diffuse.map(|c| c * transmission * ratio * ratio),
                 far: if solid { far } else { self.near },
                 reflected,
                 l,
-            }),
+            })),
             ..self
         }
     }
@@ -275,7 +275,7 @@ impl Reflection {
         if x < share && self.is_mirror {
             let f0 = self.specular?;
             let weight = schlick(self.facing);
-            let reflected = match self.through {
+            let reflected = match &self.through {
                 None => f0.map(|f| f + (1.0 - f) * weight),
                 Some(glass) => [glass.reflected; 3],
             };
@@ -291,7 +291,7 @@ impl Reflection {
             false => {
                 let x = (x - share) / (1.0 - share);
                 let part = self.share_through();
-                if let Some(glass) = self.through.filter(|_| x < part) {
+                if let Some(glass) = self.through.as_ref().filter(|_| x < part) {
                     let weight = (1.0 - glass.reflected) / ((1.0 - share) * part);
                     return Some(Scattered {
                         l: glass.l?,
@@ -307,6 +307,28 @@ impl Reflection {
                 by_cosine(self.normal, [x, y])
             }
         };
+        self.scattered(l)
+    }
+
+    /// Whether it is diffuse, and nothing else.
+    #[inline]
+    pub(crate) fn is_diffuse(&self) -> bool {
+        self.specular.is_none() && self.through.is_none()
+    }
+
+    /// The direction `l` as one that was drawn with [`Reflection::density`]; none where it goes into the surface.
+    #[inline]
+    pub(crate) fn scattered(&self, l: DVec3) -> Option<Scattered> {
+        if self.is_diffuse() {
+            // (c/π) (n·l)/p with p = (n·l)/π.
+            let cosine = self.normal.dot(l);
+            return (cosine > 0.0).then_some(Scattered {
+                l,
+                weight: self.diffuse,
+                density: cosine * FRAC_1_PI,
+                index: self.near,
+            });
+        }
         let (cosine, density) = (self.normal.dot(l), self.density(l));
         let is_drawn = cosine > 0.0 && density > 0.0;
         is_drawn.then(|| Scattered {
@@ -466,13 +488,96 @@ fn mean([r, g, b]: [f64; 3]) -> f64 {
     (r + g + b) / 3.0
 }
 
-/// A direction about `n`, drawn with the cosine by two numbers in [0, 1).
-#[inline]
+/// A direction about `n` by two numbers in [0, 1), with a density as the cosine.
+#[inline(always)]
 pub(super) fn by_cosine(n: DVec3, [x, y]: [f64; 2]) -> DVec3 {
     let (tangent, bitangent) = n.any_orthonormal_pair();
-    let (sine, cosine) = libm::sincos(TAU * y);
-    let radius = x.sqrt();
-    tangent * (radius * cosine) + bitangent * (radius * sine) + n * (1.0 - x).max(0.0).sqrt()
+    let (sine, cosine) = sine_and_cosine_of_turn(y);
+    let (radius, rest) = (x.sqrt(), 1.0 - x);
+    let height = if rest > 0.0 { rest } else { 0.0 };
+    tangent * (radius * cosine) + bitangent * (radius * sine) + n * height.sqrt()
+}
+
+/// [`by_cosine`] for many normals and pairs of numbers, in a loop.
+pub(crate) fn each_by_cosine(normals: &Columns, numbers: &[Vec<f64>; 2], l: &mut Columns) {
+    l.resize(normals.len());
+    dispatch(EachByCosine {
+        normals,
+        numbers,
+        l,
+    });
+}
+
+struct EachByCosine<'a> {
+    normals: &'a Columns,
+    numbers: &'a [Vec<f64>; 2],
+    l: &'a mut Columns,
+}
+
+impl VectorLoop for EachByCosine<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.normals.len() {
+            let mut normals = self.normals.load(begin);
+            let x = load(&self.numbers[0], begin);
+            let y = load(&self.numbers[1], begin);
+            for k in 0..BLOCK {
+                normals.set(k, by_cosine(normals.get(k), [x[k], y[k]]));
+            }
+            self.l.store(&normals, begin);
+            begin += BLOCK;
+        }
+    }
+}
+
+/// 1/(2k(2k + 1)) and 1/((2k − 1) 2k) for k from 1 on.
+const SINE: [f64; TERMS] = reciprocals(2, 3);
+const COSINE: [f64; TERMS] = reciprocals(1, 2);
+const TERMS: usize = 8;
+
+const fn reciprocals(first: usize, second: usize) -> [f64; TERMS] {
+    let mut terms = [0.0; TERMS];
+    let mut k = 0;
+    while k < TERMS {
+        terms[k] = 1.0 / ((first + 2 * k) * (second + 2 * k)) as f64;
+        k += 1;
+    }
+    terms
+}
+
+/// sin 2πy and cos 2πy for y from 0 to 1, without a branch, for loops over many.
+///
+/// With q the nearest quarter turn, a = 2π(y − q/4) is within π/4, where Taylor's series up to a¹⁷ and a¹⁶ are off by less than
+/// (π/4)¹⁸/18! < 2⁻⁵⁸; then q quarter turns more.
+#[inline(always)]
+fn sine_and_cosine_of_turn(y: f64) -> (f64, f64) {
+    let quarter = (4.0 * y + 0.5).floor();
+    let a = TAU * (y - 0.25 * quarter);
+    let b = a * a;
+    let (mut sine, mut cosine) = (1.0, 1.0);
+    // From the last term on: 1 − b/(2k(2k + 1)) (…) and 1 − b/((2k − 1) 2k) (…).
+    let mut k = TERMS;
+    while k > 0 {
+        k -= 1;
+        sine = 1.0 - b * SINE[k] * sine;
+        cosine = 1.0 - b * COSINE[k] * cosine;
+    }
+    let sine = a * sine;
+    // Odd quarters exchange the two; of 1 and 2 the cosine, of 2 and 3 the sine turns its sign.
+    let odd = quarter == 1.0 || quarter == 3.0;
+    let (s, c) = if odd { (cosine, sine) } else { (sine, cosine) };
+    let s = if quarter == 2.0 || quarter == 3.0 {
+        -s
+    } else {
+        s
+    };
+    let c = if quarter == 1.0 || quarter == 2.0 {
+        -c
+    } else {
+        c
+    };
+    (s, c)
 }
 
 /// (1 − c)⁵.
@@ -486,6 +591,26 @@ fn schlick(cosine: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sines_and_cosines_of_turns_are_those_of_the_library() {
+        for k in 0..=4096 {
+            for y in [
+                f64::from(k) / 4096.0,
+                (f64::from(k) / 4096.0).next_down().abs(),
+            ] {
+                let (sine, cosine) = sine_and_cosine_of_turn(y);
+                // The product 2πy of the other way is rounded, too.
+                let (s, c) = libm::sincos(TAU * y);
+                assert!(
+                    (sine - s).abs() < 1e-15 && (cosine - c).abs() < 1e-15,
+                    "{y}"
+                );
+            }
+        }
+        assert_eq!(sine_and_cosine_of_turn(0.0), (0.0, 1.0));
+        assert_eq!(sine_and_cosine_of_turn(0.75), (-1.0, 0.0));
+    }
 
     /// Of a grid of n × n points in the unit square.
     fn grid(n: usize) -> impl Iterator<Item = [f64; 2]> {
@@ -609,7 +734,7 @@ mod tests {
         let expected = 0.5 * ((n * n - 1.0) / (n * n + 1.0)).powi(2);
         assert!((reflected(glass(brewster, 1.0, n)) - expected).abs() < 1e-15);
         let beyond = glass(view(0.74), n, 1.0);
-        assert!(0.74f64 < (1.0 - 1.0 / (n * n)).sqrt() && reflected(beyond) == 1.0);
+        assert!(0.74f64 < (1.0 - 1.0 / (n * n)).sqrt() && reflected(beyond.clone()) == 1.0);
         assert!(beyond.sample([0.999, 0.5]).unwrap().l.z > 0.0);
         // A direction through: n₁ sin θ₁ = n₂ sin θ₂ on the other side, and radiance as n².
         let s = glass(view(0.6), 1.0, n).sample([0.95, 0.5]).unwrap();

@@ -124,16 +124,8 @@ impl Samples<'_> {
         sobol(self.pixel(ray), self.index, dimension)
     }
 
-    /// [`Samples::on_path`] for each of `rays`; `keys` are a buffer.
-    pub(super) fn each_on_path(
-        &self,
-        rays: &[u32],
-        dimension: u32,
-        keys: &mut Vec<u64>,
-        numbers: &mut [Vec<f64>; 2],
-    ) {
-        keys.clear();
-        keys.extend(rays.iter().map(|ray| self.pixel(*ray as usize)));
+    /// The same for rays of these keys.
+    pub(super) fn each_on_path(&self, keys: &[u64], dimension: u32, numbers: &mut [Vec<f64>; 2]) {
         let dimension = self.depth * DRAWN_AT_A_SURFACE + dimension;
         sobol_of_each(keys, self.index, dimension, numbers);
     }

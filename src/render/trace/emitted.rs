@@ -141,8 +141,11 @@ pub struct Emitted {
     pub(super) views: Columns,
     /// What comes of one lamp.
     pub(super) falling: Falling,
-    /// Keys of the points' pixels.
+    /// Directions about the points' normals, drawn as the cosine.
+    pub(super) by_cosine: Columns,
+    /// Keys of the points' pixels, and two random numbers of each.
     pub(super) keys: Vec<u64>,
+    pub(super) numbers: [Vec<f64>; 2],
     /// What is drawn of area lights.
     pub(super) draws: Box<AreaDraws>,
     /// Of one light that is drawn, by the point that it may fall on, and the direction towards it in the rest frame.
@@ -292,7 +295,9 @@ impl Default for Emitted {
             points: Points::default(),
             views: Columns::default(),
             falling: Falling::default(),
+            by_cosine: Columns::default(),
             keys: Vec::new(),
+            numbers: Default::default(),
             draws: Box::default(),
             arriving: Vec::new(),
             incident: Vec::new(),

@@ -18,7 +18,6 @@ use glam::DVec3;
 use super::base_colours::{BaseColour, BaseColours};
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
-use super::points::Points;
 use super::run::Run;
 use super::stats::Meter;
 use crate::accel::Hit;
@@ -126,8 +125,6 @@ impl Shape {
 /// What area lights send to the points of a run, by point: one drawn point of all elements for each.
 #[derive(Debug, Default)]
 pub(super) struct AreaDraws {
-    /// What is drawn by.
-    pub numbers: [Vec<f64>; 2],
     /// The element.
     elements: Vec<u32>,
     /// Points whose element is in one frame, and, where that is not their own, where they are in it.
@@ -221,7 +218,7 @@ impl AreaLights {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
-        let [x, y] = &mut emitted.draws.numbers;
+        let [x, y] = &mut emitted.numbers;
         x.clear();
         y.clear();
         for k in 0..run.count() {
@@ -232,7 +229,7 @@ impl AreaLights {
         self.illuminate_by(|_, _| 1.0, base, run, index, emitted, meter);
     }
 
-    /// The same by the numbers in `emitted.draws`, each point's light weighted by `weight`.
+    /// The same by `emitted.numbers`, each point's light weighted by `weight`.
     pub(super) fn illuminate_by(
         &self,
         weight: impl Fn(Option<&Reflection>, &Sent) -> f64,
@@ -242,7 +239,7 @@ impl AreaLights {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
-        self.draw(run, &emitted.points, &mut emitted.draws);
+        self.draw(run, emitted);
         for shadows in [true, false] {
             let Emitted {
                 draws,
@@ -278,13 +275,19 @@ impl AreaLights {
         }
     }
 
-    /// Draws a point of all elements for each of the points of `run`, which are `points`.
-    fn draw(&self, run: &Run, points: &Points, draws: &mut AreaDraws) {
+    /// Draws a point of all elements for each of the points of `run`, by `emitted.numbers`.
+    fn draw(&self, run: &Run, emitted: &mut Emitted) {
+        let Emitted {
+            points,
+            numbers,
+            draws,
+            ..
+        } = emitted;
         draws.resize(run.count());
         let last = self.cumulative.len() - 1;
         let at = |x: &f64| self.cumulative.partition_point(|sum| sum <= x).min(last) as u32;
         draws.elements.clear();
-        draws.elements.extend(draws.numbers[0].iter().map(at));
+        draws.elements.extend(numbers[0].iter().map(at));
         let surfaces = run.traced.surfaces;
         for frame in self.frames.iter().copied() {
             draws.chosen.clear();
@@ -311,6 +314,7 @@ impl AreaLights {
                 from_world: surfaces.boost(run.frame),
                 positions: is_own.then_some(&points.positions),
                 normals: &points.normals,
+                numbers,
                 draws,
             });
         }
@@ -375,6 +379,7 @@ struct Draws<'a> {
     /// Where points are, if not as `draws` says.
     positions: Option<&'a Columns>,
     normals: &'a Columns,
+    numbers: &'a [Vec<f64>; 2],
     draws: &'a mut AreaDraws,
 }
 
@@ -388,6 +393,7 @@ impl VectorLoop for Draws<'_> {
             from_world,
             positions,
             normals,
+            numbers,
             draws,
         } = self;
         let mut begin = 0;
@@ -415,7 +421,7 @@ impl VectorLoop for Draws<'_> {
                 e1.set(lane, shape.edges[0]);
                 e2.set(lane, shape.edges[1]);
                 shape_normals.set(lane, shape.normal);
-                (x[lane], y[lane]) = (draws.numbers[0][k], draws.numbers[1][k]);
+                (x[lane], y[lane]) = (numbers[0][k], numbers[1][k]);
                 (before[lane], share[lane]) = (shape.before, shape.share);
                 twice[lane] = shape.twice;
                 back[lane] = if elements[element].two_sided {
@@ -538,11 +544,10 @@ impl SkyLight {
         }
     }
 
-    /// Adds the light of one drawn direction to each point of `run`, drawn by `random` and weighted by `weight` of how the point
-    /// reflects, the direction and its density.
+    /// Adds the light of one drawn direction to each point of `run`, drawn by `emitted.numbers` and weighted by `weight` of how the
+    /// point reflects, the direction and its density.
     pub(super) fn illuminate_by(
         &self,
-        random: impl Fn(usize) -> [f64; 2],
         weight: impl Fn(Option<&Reflection>, DVec3, f64) -> f64,
         run: &Run,
         index: f64,
@@ -554,7 +559,8 @@ impl SkyLight {
         emitted.queries.clear();
         for k in 0..run.count() {
             let n = emitted.points.normals.get(k);
-            let Some(sample) = boosted.sample(n, random(k)) else {
+            let numbers = [emitted.numbers[0][k], emitted.numbers[1][k]];
+            let Some(sample) = boosted.sample(n, numbers) else {
                 continue;
             };
             let l = sample.in_rest;

@@ -85,13 +85,13 @@ use super::points::Points;
 use super::radiance::Radiance;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::{Run, TracedRays};
-use super::stats::Meter;
+use super::stats::{Meter, Stage};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::Hit;
 use crate::camera::RayOrigin;
 use crate::light::Received;
 use crate::light::lamp::{Incident, Irradiance};
-use crate::light::reflection::{Reflection, Scattered};
+use crate::light::reflection::{Reflection, Scattered, each_by_cosine};
 use crate::light::time_texture::CaptureView;
 use crate::spacetime::{Direction, Displacement, Rest, World};
 
@@ -234,8 +234,7 @@ impl PathTraced {
             false => 1.0,
         };
         if let Some(areas) = areas {
-            let draws = &mut *emitted.draws;
-            run.each_on_path(AREA, &mut emitted.keys, &mut draws.numbers);
+            run.each_on_path(AREA, emitted);
             areas.illuminate_by(
                 |reflection, sent| weight(reflection, sent.l, sent.density, sent.shadows),
                 base,
@@ -248,8 +247,8 @@ impl PathTraced {
         let is_drawn =
             |sky: &&super::SkyLight| !sky.shadows || sky.frames[run.frame as usize].is_uneven();
         if let Some(sky) = sky.as_ref().filter(is_drawn) {
+            run.each_on_path(SKY, emitted);
             sky.illuminate_by(
-                |k| run.on_path(k, SKY),
                 |reflection, l, density| weight(reflection, l, density, sky.shadows),
                 run,
                 *index,
@@ -341,6 +340,7 @@ impl PathTraced {
                 cells: None,
             },
         };
+        meter.lap(Stage::Radiance);
         before.surfaces.nearest(&rays, hits, meter);
         let traced = TracedRays {
             surfaces: before.surfaces,
@@ -682,11 +682,21 @@ impl Level {
 
     /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
     fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
-        let numbers = &mut emitted.draws.numbers;
-        run.each_on_path(ONWARD, &mut emitted.keys, numbers);
-        let [x, y] = &*numbers;
-        for (k, reflection) in emitted.reflections.iter().enumerate() {
-            let drawn = reflection.sample([x[k], y[k]]);
+        run.each_on_path(ONWARD, emitted);
+        let Emitted {
+            points,
+            numbers,
+            reflections,
+            by_cosine,
+            ..
+        } = emitted;
+        each_by_cosine(&points.normals, numbers, by_cosine);
+        let gamma = run.rest.frame.velocity().gamma();
+        for (k, reflection) in reflections.iter().enumerate() {
+            let drawn = match reflection.is_diffuse() {
+                true => reflection.scattered(by_cosine.get(k)),
+                false => reflection.sample([numbers[0][k], numbers[1][k]]),
+            };
             let Some(scattered) = drawn.filter(|drawn| drawn.weight.iter().any(|w| *w > 0.0))
             else {
                 continue;
@@ -697,19 +707,18 @@ impl Level {
                 cosine: reflection.normal().dot(scattered.l),
                 scattered,
             });
-            self.push(k, &scattered, run, &emitted.points);
+            self.push(k, &scattered, (run, gamma), points);
         }
     }
 
-    /// Adds the ray from the k-th of `points`, which are those of `run`, along `drawn`.
-    fn push(&mut self, k: usize, drawn: &Scattered, run: &Run, points: &Points) {
+    /// Adds the ray from the k-th of `points`, which are those of `run` in a frame of this γ, along `drawn`.
+    fn push(&mut self, k: usize, drawn: &Scattered, (run, gamma): (&Run, f64), points: &Points) {
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
         let (d, ratio, delay) = along(run, drawn);
         // From the event of the shot to the point, and off its surface.
         let ray = run.members[k] as usize;
         let way = run.traced.rays.origin(ray).displacement + points.offset(k);
-        let gamma = run.rest.frame.velocity().gamma();
         let size = gamma * (way.ct.abs() + way.x.abs().max_element())
             + points.eye(k).abs().max_element()
             + points.positions.get(k).abs().max_element();

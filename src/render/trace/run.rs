@@ -1,6 +1,7 @@
 //! Runs: points of one patch that consecutive rays of a batch have hit.
 
 use super::camera_rays::Rays;
+use super::emitted::Emitted;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::rest_frame::{Patch, RestFrame};
@@ -188,22 +189,13 @@ impl<'a> Run<'a> {
         self.one_random_of(k, dimension, 0, 1)
     }
 
-    /// Two numbers in [0, 1) of member `k` for what `dimension` counts at this surface of its path.
-    #[inline]
-    pub(super) fn on_path(&self, k: usize, dimension: u32) -> [f64; 2] {
-        let ray = self.members[k] as usize;
-        self.traced.rays.samples.on_path(ray, dimension)
-    }
-
-    /// The same for all members; `keys` are a buffer.
-    pub(super) fn each_on_path(
-        &self,
-        dimension: u32,
-        keys: &mut Vec<u64>,
-        numbers: &mut [Vec<f64>; 2],
-    ) {
+    /// Fills `emitted.numbers` with two numbers in [0, 1) of each member for what `dimension` counts at this surface of its path.
+    pub(super) fn each_on_path(&self, dimension: u32, emitted: &mut Emitted) {
+        let Emitted { keys, numbers, .. } = emitted;
         let samples = &self.traced.rays.samples;
-        samples.each_on_path(self.members, dimension, keys, numbers);
+        keys.clear();
+        keys.extend(self.members.iter().map(|ray| samples.pixel(*ray as usize)));
+        samples.each_on_path(keys, dimension, numbers);
     }
 
     /// The same as [`Run::random`], one of `count` for each sample.

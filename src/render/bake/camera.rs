@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::part::{Part, Summary, kept};
 use super::{Baked, Bins, PARTS, baked, check, paths};
-use crate::accel::{Hit, Ray};
+use crate::accel::{NoTally, Origins};
 use crate::error::{Error, Result};
 use crate::render::film::Tile;
 use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, pixel_key, samples_per_part};
-use crate::render::trace::{CameraRays, RayGenerator, RestFrame, TimedPaths};
+use crate::render::trace::{CameraRays, RayGenerator, Seen, Start, TimedPaths};
 use crate::scene::model::{Motion, ProjectionKind, Scene};
 use crate::spacetime::Direction;
 
@@ -91,32 +91,32 @@ fn sample_tile(
     let frame = &paths.rest.frame;
     let boost = frame.frame_from_world();
     let shot = frame.event_from_world(prepared.camera.shot.event);
-    let traced = rays.rays(prepared.method);
-    let keys = tile.coordinates();
-    for (ray, ((column, row), pixel)) in keys.zip(pixels).enumerate() {
-        pixel.found += 1;
-        let origin = traced.origin(ray);
-        let d = Direction::from_unit(traced.directions[ray]);
-        let d = boost.direction(d).0.unit();
-        let origin = shot.x + boost.displacement(origin.displacement).x;
-        let Some(hit) = nearest(paths.rest, origin, d) else {
-            continue;
-        };
-        let clock = paths.clock(paths.rest.patch(hit.triangle));
-        let key = (pixel_key(column, row) ^ salt, within);
-        paths.follow((origin, d), hit, key, |lamp, light, delay| {
-            pixel.add(bins, lamp, light, delay + clock);
-        });
-    }
-}
+    // A plain camera: all rays leave one event.
+    let direction = |d: &DVec3| boost.direction(Direction::from_unit(*d)).0.unit();
+    let directions: Vec<_> = rays.directions.iter().map(direction).collect();
+    let mut hits = vec![None; directions.len()];
+    let from = Origins::Shared(shot.x);
+    let (bvh, method) = (&paths.rest.bvh, prepared.method);
+    bvh.closest_by(method, from, &directions, &mut hits, &mut NoTally, |_| ());
 
-fn nearest(rest: &RestFrame, origin: DVec3, direction: DVec3) -> Option<Hit> {
-    let ray = Ray {
-        origin,
-        direction,
-        s_min: 0.0,
-    };
-    rest.bvh.closest(&ray, f64::INFINITY)
+    // The paths that meet something, and their pixels.
+    let (mut starts, mut met) = (Vec::new(), Vec::new());
+    let keys = tile.coordinates().zip(hits).zip(&directions);
+    for (k, (((column, row), hit), d)) in keys.enumerate() {
+        pixels[k].found += 1;
+        if let Some(hit) = hit {
+            starts.push(Start {
+                hit,
+                seen: Seen::From(shot.x, *d),
+                sample: (pixel_key(column, row) ^ salt, within),
+            });
+            met.push(k);
+        }
+    }
+    paths.follow(&starts, |path, lamp, light, delay| {
+        let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
+        pixels[met[path]].add(bins, lamp, light, delay + clock);
+    });
 }
 
 /// The pinhole of the camera as [`camera_cube`] has it, where a capture camera is given: in the world, or in the coordinates of the

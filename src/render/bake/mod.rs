@@ -204,6 +204,7 @@ fn paths<'a>(scene: &Scene, prepared: &'a Prepared) -> Result<TimedPaths<'a>> {
             rest,
             light,
             bounces: scene.bounces,
+            method: prepared.method,
         }),
         _ => Err(Error::invalid(
             &scene.name,

@@ -13,7 +13,7 @@ use crate::render::journal::Journal;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
 use crate::render::sampler::{Sampler, pixel_key, samples_per_part, sobol};
-use crate::render::trace::{Patch, RestFrame, TimedPaths};
+use crate::render::trace::{Patch, RestFrame, Seen, Start, TimedPaths};
 use crate::scene::model::{Object, Scene};
 
 /// What of an object is baked onto its texture.
@@ -270,25 +270,41 @@ impl<'a> Charts<'a> {
         (sampler, samples): (Sampler, u32),
         texel: &mut Histogram,
     ) -> Result<()> {
-        for sample in 0..samples {
-            let (within, salt) = sampler.replicate(sample);
-            let key = pixel_key(j as u32, i as u32) ^ salt;
-            let [x, y] = sobol(key, within, IN_TEXEL);
-            let point = DVec2::new(j as f64 + x, i as f64 + y);
-            if let Some(hit) = self.locate([j, i], point)? {
-                texel.found += 1;
-                let clock = paths.clock(paths.rest.patch(hit.triangle));
-                paths.follow_from(hit, (key, within), |lamp, light, delay| {
-                    texel.add(bins, lamp, light, delay + clock);
-                });
+        // Part by part, and of a large part so many paths at a time.
+        let (per_part, mut begin) = (sampler.samples(), 0);
+        while begin < samples {
+            let end = (begin + TOGETHER).min((begin / per_part + 1) * per_part);
+            let end = end.min(samples);
+            let mut starts = Vec::new();
+            for sample in begin..end {
+                let (within, salt) = sampler.replicate(sample);
+                let key = pixel_key(j as u32, i as u32) ^ salt;
+                let [x, y] = sobol(key, within, IN_TEXEL);
+                let point = DVec2::new(j as f64 + x, i as f64 + y);
+                if let Some(hit) = self.locate([j, i], point)? {
+                    starts.push(Start {
+                        hit,
+                        seen: Seen::Diffuse,
+                        sample: (key, within),
+                    });
+                }
             }
-            if within + 1 == sampler.samples() {
+            texel.found += starts.len() as u32;
+            paths.follow(&starts, |path, lamp, light, delay| {
+                let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
+                texel.add(bins, lamp, light, delay + clock);
+            });
+            if end.is_multiple_of(per_part) {
                 texel.end_part();
             }
+            begin = end;
         }
         Ok(())
     }
 }
+
+/// Paths of a texel that are followed together.
+const TOGETHER: u32 = 1024;
 
 /// What random numbers of a texel are for, beside those of its paths.
 const IN_TEXEL: u32 = 1 << 16;

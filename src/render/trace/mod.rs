@@ -59,4 +59,4 @@ pub(crate) use stats::Counter;
 pub use stats::{Meter, Stage, Stats};
 pub(crate) use surfaces::Surfaces;
 pub use time_resolved::{CapturedCube, Emitter, TimeResolved};
-pub(crate) use timed_paths::TimedPaths;
+pub(crate) use timed_paths::{Seen, Start, TimedPaths};

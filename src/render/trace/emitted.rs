@@ -190,7 +190,7 @@ pub(super) struct Paths {
 }
 
 /// The patch that a ray has met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct MetPatch {
     /// Its frame in the upper half, and its first triangle.
     pub place: u64,

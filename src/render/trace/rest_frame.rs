@@ -115,7 +115,12 @@ impl RestFrame {
     /// The same, and the first triangle after it.
     #[inline]
     pub(super) fn patch_and_end(&self, triangle: u32) -> (&Patch, u32) {
-        let after = self.patches.partition_point(|p| p.first <= triangle);
+        let is_begun = |patch: &Patch| patch.first <= triangle;
+        // Of few patches all are asked, without a branch that could be foretold wrongly.
+        let after = match self.patches.len() {
+            0..=16 => self.patches.iter().map(|p| usize::from(is_begun(p))).sum(),
+            _ => self.patches.partition_point(is_begun),
+        };
         let after = after.max(1);
         let end = self.patches.get(after).map_or(u32::MAX, |next| next.first);
         (&self.patches[after - 1], end)

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::area_draws::AreaDraws;
 use super::blend::Blend;
 use super::camera_rays::LeftTriangle;
 use super::falling::Falling;
 use super::hits::HitBuffer;
-use super::lights::AreaDraws;
 use super::occlusion::OcclusionQueries;
 use super::points::Points;
 use crate::accel::Segment;

@@ -15,6 +15,7 @@
 
 use glam::DVec3;
 
+use super::area_draws::AreaDraws;
 use super::base_colours::{BaseColour, BaseColours};
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
@@ -118,48 +119,6 @@ impl Shape {
             twice: normal.length(),
             before,
             share,
-        }
-    }
-}
-
-/// What area lights send to the points of a run, by point: one drawn point of all elements for each.
-#[derive(Debug, Default)]
-pub(super) struct AreaDraws {
-    /// The element.
-    elements: Vec<u32>,
-    /// Points whose element is in one frame, and, where that is not their own, where they are in it.
-    chosen: Vec<u32>,
-    places: Columns,
-    /// Barycentrics of the point that is drawn.
-    u: Vec<f64>,
-    v: Vec<f64>,
-    /// Towards it in the point's rest frame, and in the world.
-    l: Columns,
-    d: Columns,
-    /// As far as something may be in the way, metres of the world.
-    distances: Vec<f64>,
-    /// W.
-    ratios: Vec<f64>,
-    /// cos θ_y cos θ_F/r² over the density per area; 0 where no light falls.
-    factors: Vec<f64>,
-    /// Per solid angle of the point's rest frame.
-    densities: Vec<f64>,
-}
-
-impl AreaDraws {
-    fn resize(&mut self, count: usize) {
-        self.l.resize(count);
-        self.d.resize(count);
-        self.places.resize(count);
-        for numbers in [
-            &mut self.u,
-            &mut self.v,
-            &mut self.distances,
-            &mut self.ratios,
-            &mut self.factors,
-            &mut self.densities,
-        ] {
-            numbers.resize(count, 0.0);
         }
     }
 }

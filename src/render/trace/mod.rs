@@ -12,6 +12,7 @@
 //! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays
 //! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
 
+mod area_draws;
 mod base_colours;
 mod blend;
 mod camera_rays;

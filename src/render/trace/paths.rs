@@ -234,7 +234,7 @@ impl PathTraced {
             false => 1.0,
         };
         if let Some(areas) = areas {
-            run.each_on_path(AREA, emitted);
+            run.each_on_path(AREA, &mut emitted.keys, &mut emitted.numbers);
             areas.illuminate_by(
                 |reflection, sent| weight(reflection, sent.l, sent.density, sent.shadows),
                 base,
@@ -247,7 +247,7 @@ impl PathTraced {
         let is_drawn =
             |sky: &&super::SkyLight| !sky.shadows || sky.frames[run.frame as usize].is_uneven();
         if let Some(sky) = sky.as_ref().filter(is_drawn) {
-            run.each_on_path(SKY, emitted);
+            run.each_on_path(SKY, &mut emitted.keys, &mut emitted.numbers);
             sky.illuminate_by(
                 |reflection, l, density| weight(reflection, l, density, sky.shadows),
                 run,
@@ -682,7 +682,7 @@ impl Level {
 
     /// Draws a direction at each point of `run`, which `emitted` knows; `from`: what levels know the points by.
     fn draw(&mut self, run: &Run, emitted: &mut Emitted, from: impl Fn(usize) -> u32) {
-        run.each_on_path(ONWARD, emitted);
+        run.each_on_path(ONWARD, &mut emitted.keys, &mut emitted.numbers);
         let Emitted {
             points,
             numbers,

@@ -1,7 +1,6 @@
 //! Runs: points of one patch that consecutive rays of a batch have hit.
 
 use super::camera_rays::Rays;
-use super::emitted::Emitted;
 use super::hits::{HitBuffer, SurfaceHit};
 use super::point::{EmissionClock, ObservedPoint, SurfacePoint};
 use super::rest_frame::{Patch, RestFrame};
@@ -189,9 +188,13 @@ impl<'a> Run<'a> {
         self.one_random_of(k, dimension, 0, 1)
     }
 
-    /// Fills `emitted.numbers` with two numbers in [0, 1) of each member for what `dimension` counts at this surface of its path.
-    pub(super) fn each_on_path(&self, dimension: u32, emitted: &mut Emitted) {
-        let Emitted { keys, numbers, .. } = emitted;
+    /// Fills `numbers` with two in [0, 1) of each member for what `dimension` counts at this surface of its path; `keys` are a buffer.
+    pub(super) fn each_on_path(
+        &self,
+        dimension: u32,
+        keys: &mut Vec<u64>,
+        numbers: &mut [Vec<f64>; 2],
+    ) {
         let samples = &self.traced.rays.samples;
         keys.clear();
         keys.extend(self.members.iter().map(|ray| samples.pixel(*ray as usize)));

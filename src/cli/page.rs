@@ -107,10 +107,10 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
             .iter()
             .map(|shot| shot.velocity.beta().length())
             .collect(),
+        diagrams: diagrams(arguments, &still, &times)?,
         times,
         size: scene.camera.size,
         pictures: pictures.collect::<Result<_>>()?,
-        diagrams: diagrams(arguments, &still)?,
         grid: arguments.grid.unwrap_or_default(),
         probes: probes(arguments, scene, &shots)?,
     };
@@ -158,15 +158,25 @@ fn times(arguments: &PageArguments, scene: &Scene) -> Result<Vec<f64>> {
         .collect())
 }
 
-/// The scene's diagram in the frame of each speed.
-fn diagrams(arguments: &PageArguments, shots: &[Shot]) -> Result<Vec<String>> {
+/// The scene's diagram at each time, in the frame of each speed.
+fn diagrams(arguments: &PageArguments, shots: &[Shot], times: &[f64]) -> Result<Vec<String>> {
     let Some(last) = shots.last().filter(|_| !arguments.no_diagram) else {
         return Ok(Vec::new());
     };
-    let overrides = arguments.changes.overrides();
     let path = arguments.scene.path();
-    let series = motion::boosts(path, &overrides, last.velocity.beta(), shots.len() as u32);
-    series?.map(|drawing| svg::write(&drawing?)).collect()
+    let mut all = Vec::with_capacity(times.len() * shots.len());
+    for time in times {
+        let overrides = Overrides {
+            time: Some(format!("{time:?} m")),
+            ..arguments.changes.overrides()
+        };
+        let series = motion::boosts(path, &overrides, last.velocity.beta(), shots.len() as u32)?;
+        for drawing in series {
+            interrupt::check()?;
+            all.push(svg::write(&drawing?)?);
+        }
+    }
+    Ok(all)
 }
 
 /// The diagrams of the pixels in the middle of the cells of the grid, for each picture.

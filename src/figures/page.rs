@@ -25,7 +25,7 @@ pub struct Page {
     pub size: [u32; 2],
     /// PNG files: for each time, one for each speed.
     pub pictures: Vec<Vec<u8>>,
-    /// SVG texts of the scene's space-time diagram, for each speed; none or all.
+    /// SVG texts of the scene's space-time diagram: for each time, one for each speed, as the pictures; none or all.
     pub diagrams: Vec<String>,
     /// Columns and rows of the grid of pixels that have diagrams; 0 where there is none.
     pub grid: [u32; 2],
@@ -43,7 +43,7 @@ pub fn html(page: &Page) -> Result<String> {
     let fits = speeds > 0
         && times > 0
         && page.pictures.len() == speeds * times
-        && (page.diagrams.is_empty() || page.diagrams.len() == speeds)
+        && (page.diagrams.is_empty() || page.diagrams.len() == speeds * times)
         && page.probes.len() == cells * speeds * times;
     if !fits {
         let what = format!(

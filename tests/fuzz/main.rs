@@ -7,6 +7,7 @@
 mod counting;
 mod farm;
 mod mutate;
+mod schema;
 #[path = "../../fuzz/src/targets.rs"]
 mod targets;
 mod watch;
@@ -14,6 +15,8 @@ mod watch;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use nullray::figures::diagram;
+use nullray::scene::Overrides;
 use targets::{TARGETS, Target};
 
 #[global_allocator]
@@ -83,6 +86,40 @@ fn the_corpus_is_read_or_refused_without_a_panic_and_without_much_memory() {
 fn a_first_harvest_of_the_farm_has_no_finding() {
     let report = farm::run(&TARGETS, seeds, farm::Until::Inputs(300), 1);
     assert!(report.findings.is_empty(), "{:#?}", report.findings);
+}
+
+/// Files of the schema, of which hardly one is a scene without a mistake; `NULLRAY_FUZZ_SCENES` says how many.
+#[test]
+fn scenes_made_of_the_schema_are_read_or_refused() {
+    let count = std::env::var("NULLRAY_FUZZ_SCENES").map_or(2000, |text| text.parse().unwrap());
+    let mut maker = schema::Maker::new(1);
+    let mut diagrams = 0;
+    let run = |name: &str| {
+        TARGETS
+            .iter()
+            .find(|target| target.name == name)
+            .unwrap()
+            .run
+    };
+    for k in 0..count {
+        let text = maker.scene();
+        let begin = Instant::now();
+        let peak = counting::peak_of(|| {
+            let outcome = std::panic::catch_unwind(|| {
+                run("scene")(text.as_bytes());
+                run("diagram")(text.as_bytes());
+            });
+            assert!(outcome.is_ok(), "scene {k} of the schema:\n{text}");
+        });
+        assert!(peak < watch::MOST_MEMORY, "{peak} bytes:\n{text}");
+        let seconds = begin.elapsed().as_secs();
+        assert!(seconds < 20, "{seconds} s:\n{text}");
+        let (name, base) = ("schema", Path::new("scenes"));
+        diagrams += u32::from(diagram::parse(&text, name, base, &Overrides::default()).is_ok());
+    }
+    // Those that are read show that what is made is not refused by its first key.
+    println!("of {count}: {diagrams} diagrams are read");
+    assert!(diagrams > count / 20, "{diagrams} of {count}");
 }
 
 /// `NULLRAY_FUZZ_SECONDS`, `NULLRAY_FUZZ_SEED`, `NULLRAY_FUZZ_TARGETS` say for how long, from which number, and which.

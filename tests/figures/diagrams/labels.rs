@@ -29,6 +29,8 @@ fn drawn(model: &Diagram) -> Drawing {
 struct Page {
     texts: Vec<(String, Rect)>,
     pieces: Vec<[[f64; 2]; 2]>,
+    /// Those of thinner ones, down to the edges of planes, that are opaque enough to be read through words.
+    thin: Vec<[[f64; 2]; 2]>,
     /// Lines from labels to what they are of.
     leaders: Vec<[[f64; 2]; 2]>,
 }
@@ -65,7 +67,8 @@ impl Page {
                     path,
                     stroke: Some(stroke),
                     ..
-                } if stroke.width >= 0.7 && stroke.colour.alpha == 255 => {
+                } if stroke.width >= 0.4 && stroke.colour.alpha >= 170 => {
+                    let is_line = stroke.width >= 0.7 && stroke.colour.alpha == 255;
                     let mut last = [0.0; 2];
                     for segment in &path.0 {
                         match *segment {
@@ -75,7 +78,11 @@ impl Page {
                                 if let Some([s, t]) = within(clip, &piece) {
                                     let at =
                                         |t: f64| [0, 1].map(|i| last[i] + t * (p[i] - last[i]));
-                                    self.pieces.push([at(s), at(t)]);
+                                    let pieces = match is_line {
+                                        true => &mut self.pieces,
+                                        false => &mut self.thin,
+                                    };
+                                    pieces.push([at(s), at(t)]);
                                 }
                                 last = p;
                             }
@@ -166,6 +173,18 @@ fn labels_of_the_classics_are_on_no_label_no_title_and_no_line() {
         assert_eq!(page.struck(), Vec::<String>::new(), "{file}");
         assert_eq!(page.led_over(), Vec::<String>::new(), "{file}");
     }
+}
+
+#[test]
+fn labels_of_the_classics_are_on_no_edge_of_a_plane_and_no_area_s() {
+    let mut found = Vec::new();
+    for (name, model) in classics() {
+        let page = Page::of(&drawn(&model));
+        let is_crossed = |rect: &Rect| page.thin.iter().any(|piece| crosses(rect, piece));
+        let crossed = page.texts.iter().filter(|(_, rect)| is_crossed(rect));
+        found.extend(crossed.map(|(text, _)| format!("{name}: {text}")));
+    }
+    assert_eq!(found, Vec::<String>::new());
 }
 
 /// A sequence that is the same everywhere: x ← 6364136223846793005 x + 1442695040888963407 (Knuth's MMIX).
@@ -396,4 +415,63 @@ fn no_line_is_drawn_twice() {
             assert!(seen.insert(data.to_string()), "{file}: {line}");
         }
     }
+}
+
+/// Filled shapes as large as dots: their places and colours.
+fn dots(items: &[Item]) -> Vec<([f64; 2], nullray::figures::drawing::Colour)> {
+    let of = |item: &Item| match item {
+        Item::Clip { items, .. } => dots(items),
+        Item::Path {
+            path,
+            fill: Some(fill),
+            stroke: None,
+        } => {
+            let rect = path.bounds().unwrap();
+            let [w, h] = [0, 1].map(|k| rect.max[k] - rect.min[k]);
+            let middle = [0, 1].map(|k| 0.5 * (rect.min[k] + rect.max[k]));
+            let is_dot = w < 8.0 && (w - h).abs() < 1e-6;
+            is_dot
+                .then_some((middle, fill.colour))
+                .into_iter()
+                .collect()
+        }
+        _ => Vec::new(),
+    };
+    items.iter().flat_map(of).collect()
+}
+
+#[test]
+fn numbers_of_figure_9_stand_nearest_to_dots_of_their_own_colour() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/paper/figure-09.toml");
+    let drawing = drawn(&diagram::load(&path, &Default::default()).unwrap());
+    let dots = dots(&drawing.items);
+    assert_eq!(dots.len(), 10);
+    let mut found = 0;
+    for item in &drawing.items {
+        let Item::Text(text) = item else { continue };
+        if !name(text).starts_with("0.") {
+            continue;
+        }
+        let rect = text.bounds().unwrap();
+        let away = |at: &[f64; 2]| {
+            let off = [0, 1].map(|k| (rect.min[k] - at[k]).max(at[k] - rect.max[k]).max(0.0));
+            // Beside counts before above and below.
+            off[0].hypot(off[1])
+        };
+        let mut near: Vec<_> = dots
+            .iter()
+            .map(|(at, colour)| (away(at), *colour))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert_eq!(near[0].1, text.colour, "{}", name(text));
+        // And no other is nearly as near.
+        assert!(
+            near[1].0 > 1.5 * near[0].0,
+            "{}: {:?}",
+            name(text),
+            &near[..2]
+        );
+        found += 1;
+    }
+    assert!(found >= 3, "{found}");
 }

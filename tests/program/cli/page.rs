@@ -36,7 +36,7 @@ fn a_page_is_one_file_that_refers_to_nothing() {
     }
     let count = |what: &str| html.matches(what).count();
     // The first picture stands in the page's text, too.
-    assert_eq!(count("\"data:image/svg+xml;base64,"), SPEEDS);
+    assert_eq!(count("\"data:image/svg+xml;base64,"), 2 * SPEEDS);
     assert_eq!(
         count("\"data:image/png;base64,"),
         2 * SPEEDS + 2 * 4 * SPEEDS + 1
@@ -80,15 +80,16 @@ fn a_page_that_is_too_large_is_refused_and_its_pictures_are_kept() {
 
 /// Moves the sliders through all their values, clicks on a pixel, and says in the title what happened.
 const VISITOR: &str = r##"<script>
-const shown = new Set();
+const shown = new Set(), drawn = new Set();
 for (let j = 0; j <= Number(time.max); j++) for (let i = 0; i <= Number(speed.max); i++) {
   time.value = j; speed.value = i;
   speed.dispatchEvent(new Event("input"));
+  drawn.add(at("diagram").src);
   shown.add(at("picture").src + at("speed-said").value + at("time-said").value + at("diagram").src.length);
 }
 document.querySelectorAll("#cells button")[3].click();
 const loaded = performance.getEntriesByType("resource").filter(entry => !entry.name.startsWith("data:"));
-setTimeout(() => document.title = `shown ${shown.size}, probe ${at("probe").hidden}, ` +
+setTimeout(() => document.title = `shown ${shown.size}, drawn ${drawn.size}, probe ${at("probe").hidden}, ` +
   `${at("probe-picture").naturalWidth > 100}, failed ${failed.length}, loaded ${loaded.length}`, 500);
 </script></body>"##;
 
@@ -142,7 +143,7 @@ fn a_page_lives_in_a_browser() {
     let title = title.map_or("", |(title, _)| title);
     assert_eq!(
         title,
-        "shown 6, probe false, true, failed 0, loaded 0",
+        "shown 6, drawn 6, probe false, true, failed 0, loaded 0",
         "{}",
         Path::new(browser).display()
     );

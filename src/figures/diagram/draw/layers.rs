@@ -12,8 +12,10 @@ pub(super) const DOT: f64 = 1.7;
 pub(super) const BEAD: f64 = 2.5;
 /// Half the length of a tick, points.
 pub(super) const TICK: f64 = 2.4;
-/// The least height of a signal that has a head half way, points.
+/// Signals of less height have a smaller head half way, points.
 const HEADED: f64 = 14.0;
+/// Those of less have none.
+const HEADLESS: f64 = 3.0;
 
 /// What a panel's lines are drawn with.
 pub(super) struct Pen<'a> {
@@ -89,11 +91,12 @@ pub(super) fn cone_fill(theme: &Theme) -> Colour {
     theme.light.with_alpha(theme.shade)
 }
 
-/// The tip of the head that a signal has about half way; none for a short one.
-pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<Point> {
+/// The tip of the head that a signal has about half way, and its size in that of others; none for a very short one.
+pub(super) fn head(panel: &Panel, map: &Map, ends: [Point; 2]) -> Option<(Point, f64)> {
     let [from, to] = panel.limits.segment(ends[0], ends[1])?;
     let height = map.at(to)[1] - map.at(from)[1];
-    (height.abs() > HEADED).then(|| from.plus(0.55, to.from(from)))
+    let size = (height.abs() / HEADED).min(1.0);
+    (height.abs() > HEADLESS).then(|| (from.plus(0.55, to.from(from)), size))
 }
 
 impl Pen<'_> {
@@ -150,10 +153,10 @@ impl Pen<'_> {
             };
             // Light is seen through what is translucent: whole, since pieces of it would look like several signals.
             items.push(self.line(signal.ends, stroke));
-            if let Some(tip) = head(self.panel, self.map, signal.ends) {
+            if let Some((tip, size)) = head(self.panel, self.map, signal.ends) {
                 let head = thin(colour).ending(Arrow {
-                    length: 6.4,
-                    width: 4.8,
+                    length: 6.4 * size,
+                    width: 4.8 * size,
                 });
                 // The shaft is drawn already.
                 let [from, _] = self.map.points(&[signal.ends[0], tip])[..] else {
@@ -161,7 +164,8 @@ impl Pen<'_> {
                 };
                 let at = self.map.at(tip);
                 let way = (at[0] - from[0]).hypot(at[1] - from[1]);
-                let back = [0, 1].map(|i| at[i] - (at[i] - from[i]) * 7.0 / way.max(7.0));
+                let back =
+                    [0, 1].map(|i| at[i] - (at[i] - from[i]) * 7.0 * size / way.max(7.0 * size));
                 items.push(Item::stroked(Path::line(back, at), head));
             }
         }

@@ -11,6 +11,8 @@ use crate::figures::text::Rect;
 /// How much a label is disturbed by thin lines, and by the faint ones of a grid.
 const THIN: f64 = 0.8;
 const FAINT: f64 = 0.15;
+/// By the dotted lines down to a floor and the shadows on it.
+const DOTTED: f64 = 0.4;
 /// Of the head of a signal's arrow, points.
 const HEAD: f64 = 3.0;
 
@@ -31,8 +33,8 @@ pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) 
         ground.dot(map.at(bead.at), BEAD * theme.width);
     }
     for signal in &panel.signals {
-        if let Some(head) = head(panel, map, signal.ends) {
-            ground.dot(map.at(head), HEAD);
+        if let Some((head, size)) = head(panel, map, signal.ends) {
+            ground.dot(map.at(head), HEAD * size);
         }
     }
 }
@@ -56,6 +58,8 @@ fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
     }
     for area in &panel.areas {
         ground.area(map.points(&area.edge), area_fill(panel, theme, area));
+        let edge = area.edge.iter().chain(area.edge.first());
+        ground.line(edge.map(|point| map.at(*point)).collect(), THIN);
     }
 }
 
@@ -112,6 +116,15 @@ fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
         ground.line(map.points(&nappe.far), THIN);
     }
     for plane in &panel.planes {
-        ground.line(map.points(&plane.corners), THIN);
+        let corners = plane.corners.iter().chain(plane.corners.first());
+        ground.line(corners.map(|corner| map.at(*corner)).collect(), THIN);
+    }
+    if let Some(solid) = &panel.solid {
+        for drop in &solid.drops {
+            ground.line(map.points(drop), DOTTED);
+        }
+        for shadow in &solid.shadows {
+            ground.line(map.points(&shadow.points), DOTTED);
+        }
     }
 }

@@ -13,6 +13,17 @@ use crate::figures::drawing::Colour;
 const SMALL: f64 = 0.8;
 /// Distances of a label from what it names, points.
 const NEAR: [f64; 6] = [4.5, 7.0, 11.0, 20.0, 30.0, 42.0];
+/// Directions around an event between the eight.
+const BETWEEN: [[f64; 2]; 8] = [
+    [0.9, -0.45],
+    [0.9, 0.45],
+    [-0.9, -0.45],
+    [-0.9, 0.45],
+    [0.45, -0.9],
+    [0.45, 0.9],
+    [-0.45, -0.9],
+    [-0.45, 0.9],
+];
 /// Beside the upper end of a line first.
 const ALONG: [f64; 9] = [0.93, 0.85, 0.97, 0.77, 0.68, 0.58, 0.48, 0.35, 0.2];
 /// Beside the middle of a segment first.
@@ -81,6 +92,7 @@ impl Words<'_> {
                 [0.9, 0.0],
                 [-0.8, 0.8],
                 [-0.8, 2.4],
+                [-0.8, -0.8],
             ];
             let back = [
                 [0.9, -0.3],
@@ -90,14 +102,17 @@ impl Words<'_> {
                 [0.0, 1.0],
                 [-0.9, -2.0],
             ];
-            let depth = axes.depth.as_ref().map(|axis| (axis, back));
-            let two = [(&axes.time, up), (&axes.space, right)];
+            let depth = axes.depth.as_ref().map(|axis| (axis, &back[..]));
+            let two = [(&axes.time, &up[..]), (&axes.space, &right[..])];
             for (axis, directions) in two.into_iter().chain(depth) {
-                let tip = self.map.at(axis.ends[1]);
+                // Long ones may find their place farther back along the axis.
+                let [from, to] = axis.ends;
+                let back = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5];
+                let anchors = back.map(|part| self.map.at(to.plus(part, from.from(to))));
                 all.push(Request {
                     directions: directions.to_vec(),
                     distances: vec![5.0, 8.0, 12.0],
-                    ..self.request(&axis.label, colour, vec![tip])
+                    ..self.request(&axis.label, colour, anchors.to_vec())
                 });
             }
         }
@@ -169,7 +184,13 @@ impl Words<'_> {
         let requests = seen.filter_map(|event| {
             let at = vec![self.map.at(event.at)];
             let colour = self.theme.colour(event.colour.unwrap_or(Name::Black));
-            Some(self.request(event.label.as_deref()?, colour, at))
+            // Words that are long get past lines near by where they are higher or lower, or farther off.
+            let directions = AROUND.iter().chain(&BETWEEN).copied().collect();
+            Some(Request {
+                directions,
+                distances: NEAR.into_iter().chain([54.0]).collect(),
+                ..self.request(event.label.as_deref()?, colour, at)
+            })
         });
         requests.collect()
     }

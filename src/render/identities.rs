@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::render::prepare::Prepared;
 use crate::render::progress::Progress;
-use crate::render::trace::{CameraRays, HitBuffer, Meter, RayGenerator, Surfaces, TracedRays};
+use crate::render::trace::{CameraRays, HitBuffer, Meter, RayGenerator, Surfaces};
 
 /// Points of one batch.
 const BATCH: usize = 4096;
@@ -20,7 +20,7 @@ pub fn objects_at(
     points: &[[f64; 2]],
     progress: &dyn Progress,
 ) -> Result<Vec<Option<u32>>> {
-    let surfaces = Surfaces::new(&scene.frames, scene.camera.shot.event, scene.ray_index);
+    let surfaces = scene.surfaces();
     let batches = points.par_chunks(BATCH).map(|points| {
         progress.check()?;
         Ok(batch(scene, &surfaces, points))
@@ -33,14 +33,7 @@ fn batch(scene: &Prepared, surfaces: &Surfaces, points: &[[f64; 2]]) -> Vec<Opti
     let (mut camera_rays, mut hits) = (CameraRays::default(), HitBuffer::default());
     scene.camera.view.through(&mut camera_rays, points);
     let rays = camera_rays.rays(scene.method);
-    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
-    let traced = TracedRays {
-        surfaces,
-        rays,
-        hits: &hits,
-        event: scene.camera.shot.event,
-        index: scene.ray_index,
-    };
+    let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
     let object = |(ray, ratio): (usize, &f64)| {
         let sees = traced.rays.origin(ray).sees();
         let observed = traced.observed(ray, *ratio).filter(|_| sees)?;

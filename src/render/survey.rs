@@ -20,7 +20,7 @@ use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     Background, CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
-    TimeResolved, TracedRays,
+    TimeResolved,
 };
 use crate::scene::model::{Beam, Clock, LightKind, Mapping, Scene, SourceKind, TimeBins};
 use crate::spacetime::{Event, World};
@@ -127,15 +127,13 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
     let Some(light) = prepared.light.time_resolved() else {
         return Vec::new();
     };
-    let surfaces = Surfaces::new(
-        &prepared.frames,
-        prepared.camera.shot.event,
-        prepared.ray_index,
-    );
+    let surfaces = prepared.surfaces();
+    // Light without a spectrum is seen at any W.
     let has_spectrum = |k: &usize| match &scene.lights[*k].kind {
         LightKind::Lamp(lamp) => lamp.spectrum.is_some(),
         LightKind::Area { .. } => false,
     };
+    // Lamps are numbered after the sources.
     let of_lamp = |k: usize| {
         let index = scene.sources.len() + k;
         let lamp = light.lamps.get(index)?.as_ref()?;
@@ -152,6 +150,7 @@ pub fn unseen_lamps(scene: &Scene, prepared: &Prepared) -> Vec<(usize, [f64; 2])
                     let Some((arrival, _)) = arrival else {
                         return;
                     };
+                    // W of light that arrives, from the lamp's frame to the surface's.
                     let rho = surfaces.direction(point.frame, arrival.d).1;
                     let w = arrival.wavelength_ratio(rho);
                     range = [range[0].min(w), range[1].max(w)];
@@ -187,8 +186,7 @@ fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
     let Some(light) = scene.light.time_resolved() else {
         return Vec::new();
     };
-    let event = scene.camera.shot.event;
-    let surfaces = Surfaces::new(&scene.frames, event, scene.ray_index);
+    let surfaces = scene.surfaces();
     let tiles = 0..Tile::count(scene.layout.size).div_ceil(every);
     let survey = |index| {
         tile(
@@ -209,7 +207,7 @@ fn seen_times_among(scene: &Prepared, every: u64) -> Vec<SeenTimes> {
 /// The least and the greatest W = λ′/λ of what rays through the centres of pixels meet, a sky too; none where they meet
 /// nothing.
 pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
-    let surfaces = Surfaces::new(&scene.frames, scene.camera.shot.event, scene.ray_index);
+    let surfaces = scene.surfaces();
     let range = |index| {
         let range = std::cell::Cell::new(None);
         let tile = Tile::of_image(scene.layout.size, index);
@@ -477,14 +475,7 @@ fn each_point(
     let view = &scene.camera.view;
     view.generate(&mut camera_rays, &Sampler::centred(), tile, 0);
     let rays = camera_rays.rays(scene.method);
-    surfaces.nearest(&rays, &mut hits, &mut Meter::off());
-    let traced = TracedRays {
-        surfaces,
-        rays,
-        hits: &hits,
-        event: scene.camera.shot.event,
-        index: scene.ray_index,
-    };
+    let traced = scene.trace(surfaces, rays, &mut hits, &mut Meter::off());
     for (ray, ratio) in camera_rays.ratios.iter().enumerate() {
         if !traced.rays.origin(ray).sees() {
             continue;

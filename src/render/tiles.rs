@@ -13,7 +13,7 @@ use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     CameraRays, Cells, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
-    TracedRays, record,
+    record,
 };
 use crate::spacetime::Direction;
 
@@ -116,11 +116,10 @@ pub(super) struct Buffers {
 
 impl<'a> Pipeline<'a> {
     pub(super) fn new(scene: &'a Prepared, sampler: Sampler) -> Self {
-        let event = scene.camera.shot.event;
         Pipeline {
             scene,
             sampler,
-            surfaces: Surfaces::new(&scene.frames, event, scene.ray_index),
+            surfaces: scene.surfaces(),
         }
     }
 
@@ -140,6 +139,7 @@ impl<'a> Pipeline<'a> {
             hits,
             shading,
         } = buffers;
+        // Camera rays, and where footprints are asked for also those beside them along both axes of the film.
         meter.start();
         scene
             .camera
@@ -151,6 +151,7 @@ impl<'a> Pipeline<'a> {
             }
         }
         meter.lap(Stage::CameraRays);
+        // What a sample stands for: a part of the exposure, and a cell of the pixel.
         let mut rays = camera_rays.rays(scene.method);
         let duration = scene.integrated_exposure;
         rays.samples.exposure =
@@ -160,20 +161,16 @@ impl<'a> Pipeline<'a> {
             beside,
             size: self.sampler.cell(),
         });
-        surfaces.nearest(&rays, hits, meter);
-        let traced = TracedRays {
-            surfaces,
-            rays,
-            hits,
-            event: scene.camera.shot.event,
-            index: scene.ray_index,
-        };
+        // Hits, and their radiance.
+        let traced = scene.trace(surfaces, rays, hits, meter);
         let (radiance, ratios) = (scene.light.radiance(), &camera_rays.ratios);
         shading.shade(radiance, &traced, &scene.background, ratios, film, meter);
+        // Channels last: they are of the same rays, and most pictures have none.
         let channels = scene.layout.channels.as_slice();
         if !channels.is_empty() {
             for (ray, ratio) in ratios.iter().enumerate() {
                 let sees = traced.rays.origin(ray).sees();
+                // An element of a sensor that sees nothing has hits all the same, which no channel shows.
                 let observed = traced.observed(ray, *ratio).filter(|_| sees);
                 let d = Direction::from_unit(camera_rays.directions[ray]);
                 let offset = camera_rays.offset(ray);

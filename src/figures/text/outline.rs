@@ -55,17 +55,6 @@ impl Segment {
     }
 }
 
-impl Outline {
-    /// The outline moved by (x, y).
-    pub fn translated(&self, x: f64, y: f64) -> Outline {
-        let segments = self.segments.iter();
-        Outline {
-            segments: segments.map(|s| s.map(|[a, b]| [a + x, b + y])).collect(),
-            width: self.width,
-        }
-    }
-}
-
 impl Rect {
     /// Width and height.
     pub fn size(&self) -> [f64; 2] {

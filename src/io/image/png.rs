@@ -30,17 +30,7 @@ pub fn write(
     rgb: &[u8],
     text: &[(String, String)],
 ) -> Result<()> {
-    if rgb.len() != 3 * pixel_count(width, height)? {
-        let what = format!("{} bytes for {width} × {height} RGB pixels", rgb.len());
-        return Err(Error::invalid(path, "", what, ""));
-    }
-    for (key, value) in text {
-        check_metadata(key, value)?;
-    }
-    write_atomically(path, |writer| {
-        let encoded = encode(writer, [width, height], BitDepth::Eight, rgb, text);
-        encoded.map_err(|e| failure(path, e))
-    })
+    write_codes(path, [width, height], BitDepth::Eight, rgb, text)
 }
 
 /// The same with 16 bits per sample.
@@ -54,17 +44,29 @@ pub fn write_16(
     rgb: &[u16],
     text: &[(String, String)],
 ) -> Result<()> {
-    if rgb.len() != 3 * pixel_count(width, height)? {
-        let what = format!("{} samples for {width} × {height} RGB pixels", rgb.len());
+    // Most significant byte first.
+    let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_be_bytes()).collect();
+    write_codes(path, [width, height], BitDepth::Sixteen, &bytes, text)
+}
+
+fn write_codes(
+    path: &Path,
+    [width, height]: [u32; 2],
+    depth: BitDepth,
+    bytes: &[u8],
+    text: &[(String, String)],
+) -> Result<()> {
+    let of_pixel = 3 * (depth as usize / 8);
+    if bytes.len() != of_pixel * pixel_count(width, height)? {
+        let samples = 3 * bytes.len() / of_pixel;
+        let what = format!("{samples} samples for {width} × {height} RGB pixels");
         return Err(Error::invalid(path, "", what, ""));
     }
     for (key, value) in text {
         check_metadata(key, value)?;
     }
-    // Most significant byte first.
-    let bytes: Vec<u8> = rgb.iter().flat_map(|code| code.to_be_bytes()).collect();
     write_atomically(path, |writer| {
-        let encoded = encode(writer, [width, height], BitDepth::Sixteen, &bytes, text);
+        let encoded = encode(writer, [width, height], depth, bytes, text);
         encoded.map_err(|e| failure(path, e))
     })
 }

@@ -17,7 +17,7 @@ use crate::render::film::Layout;
 use crate::render::plan::Plan;
 use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
-use crate::render::trace::{Background, RestFrame};
+use crate::render::trace::{Background, HitBuffer, Meter, Rays, RestFrame, Surfaces, TracedRays};
 use crate::scene::model::Scene;
 
 /// A scene with everything loaded and built that its plan lists.
@@ -60,6 +60,7 @@ impl Prepared {
         let mut warnings = Vec::new();
         let mut built_in = 0.0;
         let mut frames = Vec::with_capacity(plan.frames.len());
+        // A frame for each velocity: meshes, their materials, and a tree.
         for planned in &plan.frames {
             progress.check()?;
             frames.push(geometry::frame(
@@ -75,6 +76,7 @@ impl Prepared {
         let sky = sky::load(scene, plan)?;
         let around = (camera.shot.event, sky.as_ref());
         let light = light.finish(plan, &frames, around, &mut warnings, progress)?;
+        // Retardation that is turned off is light without delay.
         let ray_index = if scene.effects.retardation {
             scene.medium_index
         } else {
@@ -102,6 +104,29 @@ impl Prepared {
             built_in,
             memory_left: plan.memory_left(),
         })
+    }
+
+    /// All surfaces, as rays that leave the shot meet them.
+    pub(crate) fn surfaces(&self) -> Surfaces<'_> {
+        Surfaces::new(&self.frames, self.camera.shot.event, self.ray_index)
+    }
+
+    /// Traces camera rays to their nearest hits on `surfaces`, which are those of [`Prepared::surfaces`].
+    pub(crate) fn trace<'a>(
+        &self,
+        surfaces: &'a Surfaces<'a>,
+        rays: Rays<'a>,
+        hits: &'a mut HitBuffer,
+        meter: &mut Meter,
+    ) -> TracedRays<'a> {
+        surfaces.nearest(&rays, hits, meter);
+        TracedRays {
+            surfaces,
+            rays,
+            hits,
+            event: self.camera.shot.event,
+            index: self.ray_index,
+        }
     }
 
     /// Has the next picture taken by the camera of `scene`, which may differ from that of the scene that was

@@ -240,44 +240,31 @@ pub trait RayGenerator: Sync {
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]);
 }
 
+/// The view within, whose loops are compiled for its kind.
+fn of(view: &AnyView) -> &dyn RayGenerator {
+    match view {
+        AnyView::Still(view) => view,
+        AnyView::Moving(view) => view,
+        AnyView::Unaberrated(view) => view,
+        AnyView::Inertial(view) => view,
+        AnyView::Accelerated(view) => view.as_ref(),
+        AnyView::Turning(view) => view,
+        AnyView::Stereo(view) => view,
+        AnyView::Paper(view) => view,
+    }
+}
+
 impl RayGenerator for AnyView {
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32) {
-        match self {
-            AnyView::Still(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Moving(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Unaberrated(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Inertial(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Accelerated(view) => view.as_ref().generate(rays, sampler, tile, index),
-            AnyView::Turning(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Stereo(view) => view.generate(rays, sampler, tile, index),
-            AnyView::Paper(view) => view.generate(rays, sampler, tile, index),
-        }
+        of(self).generate(rays, sampler, tile, index);
     }
 
-    fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize) {
-        match self {
-            AnyView::Still(view) => view.beside(rays, of, axis),
-            AnyView::Moving(view) => view.beside(rays, of, axis),
-            AnyView::Unaberrated(view) => view.beside(rays, of, axis),
-            AnyView::Inertial(view) => view.beside(rays, of, axis),
-            AnyView::Accelerated(view) => view.as_ref().beside(rays, of, axis),
-            AnyView::Turning(view) => view.beside(rays, of, axis),
-            AnyView::Stereo(view) => view.beside(rays, of, axis),
-            AnyView::Paper(view) => view.beside(rays, of, axis),
-        }
+    fn beside(&self, rays: &mut CameraRays, middle: &CameraRays, axis: usize) {
+        of(self).beside(rays, middle, axis);
     }
 
     fn through(&self, rays: &mut CameraRays, points: &[[f64; 2]]) {
-        match self {
-            AnyView::Still(view) => view.through(rays, points),
-            AnyView::Moving(view) => view.through(rays, points),
-            AnyView::Unaberrated(view) => view.through(rays, points),
-            AnyView::Inertial(view) => view.through(rays, points),
-            AnyView::Accelerated(view) => view.as_ref().through(rays, points),
-            AnyView::Turning(view) => view.through(rays, points),
-            AnyView::Stereo(view) => view.through(rays, points),
-            AnyView::Paper(view) => view.through(rays, points),
-        }
+        of(self).through(rays, points);
     }
 }
 
@@ -370,9 +357,11 @@ impl<V: View, P: Projection> VectorLoop for Generate<'_, V, P> {
 #[inline(always)]
 fn film_points(pixels: &[u64], in_x: &[f64], in_y: &[f64], x: &mut [f64], y: &mut [f64]) {
     let count = pixels.len();
+    // Slices of one length have no checks of bounds within the loop, which then goes in vectors.
     let (in_x, in_y) = (&in_x[..count], &in_y[..count]);
     let (x, y) = (&mut x[..count], &mut y[..count]);
     for k in 0..count {
+        // A key has the column in its lower half and the row in its upper one.
         x[k] = f64::from(pixels[k] as u32) + in_x[k];
         y[k] = f64::from((pixels[k] >> 32) as u32) + in_y[k];
     }

@@ -28,7 +28,7 @@
 //! | exposure | light is multiplied by one factor |
 //! | motion, by light | the light is that of the scene without retardation, with another aberration, or with an object at rest or reversed; needs the scene, where no channel says so |
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
-//! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity |
+//! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate nowhere |
 //! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //!
@@ -36,6 +36,7 @@
 //! brightness, places) is not diagnosed again.
 
 mod channels;
+mod events;
 mod film;
 mod light;
 mod motion;
@@ -183,7 +184,7 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         motion::velocities,
         motion::changes,
         |case| film::scaled(case).into_iter().collect(),
-        motion::elsewhere,
+        events::elsewhere,
     ];
     if let Some(found) = causes
         .iter()

@@ -1,5 +1,5 @@
 //! Wrong velocities: of the camera by look directions, of objects by wavelength ratios, of both by where points of a
-//! known scene are shown.
+//! known scene are shown. By events of the world: `events`.
 //!
 //! # By wavelength ratios
 //!
@@ -14,29 +14,22 @@
 //! object that takes up little of the view determines them badly; so hypotheses are compared by how well they
 //! reproduce W where the object is seen, not by the fitted numbers.
 //!
-//! # By events
-//!
-//! Events of the world do not say which point of a moving object emits there, but in the object's frame all of them lie on
-//! its surface: p = Λ(β)(E − O). Where a candidate has taken another velocity, they do so in the frame of that one. The
-//! surface is that of the reference's points; where these are hidden nothing is told of it, and as other sides of it may be seen, velocities are
-//! told by the boxes around all points.
-//!
 //! # By places
 //!
 //! In a known scene the map π from points of objects to the film is known for any velocity of the camera and of the
 //! objects, and for light that takes no time. The candidate's points are seen where it shows them under the
 //! change that it has made.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 use super::super::known::{Change, KnownScene};
 use super::super::picture::{Picture, Plane};
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, NEAR, Tally, time};
+use super::{Case, Diagnosis, Kind, NEAR, Tally};
 use crate::render::aov::Aov;
-use crate::spacetime::{Boost, Camera, Direction, Event, InertialFrame, Rest, Velocity, World};
+use crate::spacetime::{Boost, Camera, Direction, Velocity, World};
 
 /// Errors of directions that storage in single precision makes, radians.
 const DIRECTION_ROUNDING: f64 = 1e-5;
@@ -108,7 +101,7 @@ pub(super) fn camera_velocity(picture: &Picture) -> Option<Velocity> {
 }
 
 /// An object has to have so many pixels.
-const FEWEST: usize = 24;
+pub(super) const FEWEST: usize = 24;
 /// The rms of W's relative error that a fit may leave.
 const FITS: f64 = 1e-4;
 /// W's relative errors below this are none.
@@ -286,290 +279,6 @@ fn seen(case: &Case, which: usize) -> Option<BTreeMap<i64, Seen>> {
         }
     }
     Some(objects)
-}
-
-/// The most of an object's points that may be off its surface, by events: means over pixels are, where these show several
-/// parts of it. Of an object with another velocity fewer are, for its sides move along themselves.
-const OFF_SURFACE: f64 = 1.0 / 3.0;
-const OFF_BY_VELOCITY: f64 = 0.1;
-/// How far the boxes around an object's points may be apart, in parts of the diagonal: other sides of it are seen. Another
-/// velocity has to leave this part of what the right one does.
-const SAME_BOX: f64 = 0.05;
-const NEARER: f64 = 0.3;
-
-/// Objects whose events are those of another velocity, and objects whose events are not on the surface that the reference
-/// shows; for candidates that say of events of the world alone. Wrong times put all that moves elsewhere, and are said by themselves.
-pub(super) fn elsewhere(case: &Case) -> Vec<Diagnosis> {
-    let [r, c] = &case.points;
-    let (Some(_), Some(_), Some(_), None) = (r.object, c.object, c.world, c.material) else {
-        return Vec::new();
-    };
-    if time::instant(case)
-        .or_else(|| time::shifted(case))
-        .is_some()
-    {
-        return Vec::new();
-    }
-    let mut pixels: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
-    for i in case.region.pixels(r.size()) {
-        for (which, points) in [r, c].into_iter().enumerate() {
-            if let Some(object) = points.object_at(i).filter(|object| *object >= 0.0) {
-                pixels.entry(object as usize).or_default()[which].push(i);
-            }
-        }
-    }
-    let enough = |pixels: &[Vec<usize>; 2]| pixels.iter().all(|pixels| pixels.len() >= FEWEST);
-    let found = pixels.iter().filter(|(_, pixels)| enough(pixels));
-    found
-        .filter_map(|(object, pixels)| off_surface(case, *object, pixels))
-        .collect()
-}
-
-/// Of the candidate's pixels of an object, those whose points the reference would show, were they on its surface: those at which
-/// it shows the object, too, or what is farther away (light from there left earlier), or nothing. Where something nearer hides
-/// the object, it says nothing; and pixels at the object's rim may be means of several surfaces.
-fn told(case: &Case, object: usize, in_c: &[usize]) -> Vec<usize> {
-    let [r, c] = &case.points;
-    let [width, height] = r.size();
-    let times = case.pair.map(|p| Plane::aov(&p.layers, Aov::EventCt));
-    let is_nearer = |i: usize| match times {
-        [Some(r), Some(c)] => c.at(i) > r.at(i),
-        _ => false,
-    };
-    let is_inside = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-        rows.into_iter().all(|y| {
-            let mut row = x.saturating_sub(1)..=(x + 1).min(width - 1);
-            row.all(|x| c.object_at(y * width + x) == Some(object as f64))
-        })
-    };
-    let is_told = |i: usize| match r.object_at(i) {
-        Some(id) if id == object as f64 => true,
-        Some(id) => id < 0.0 || is_nearer(i),
-        None => false,
-    };
-    let inside = in_c.iter().copied().filter(|i| is_inside(*i));
-    inside.filter(|i| is_told(*i)).collect()
-}
-
-fn off_surface(case: &Case, object: usize, [in_r, in_c]: &[Vec<usize>; 2]) -> Option<Diagnosis> {
-    let frame = case.known.and_then(|known| known.frame(object));
-    let velocity = frame.map_or(Velocity::REST, InertialFrame::velocity);
-    let own = |which: usize, velocity: Velocity| {
-        let world = case.points[which].world;
-        let time = Plane::aov(&case.pair[which].layers, Aov::EventCt);
-        move |i: usize| {
-            let x = place(&world?, i);
-            // Of what rests, and of scenes that are not known, places say all.
-            let Some(frame) = frame.filter(|_| !velocity.is_rest()) else {
-                return Some(x - frame.map_or(DVec3::ZERO, |frame| frame.origin().x));
-            };
-            let event = Event::new(time?.at(i), x);
-            let frame = InertialFrame::<Rest>::new(velocity, frame.origin());
-            Some(frame.event_from_world(event).x)
-        }
-    };
-    let surface = Cloud::of(in_r, case.points[0].size(), own(0, velocity));
-    let with_velocity = another_velocity(&surface, in_r, in_c, velocity, own);
-    if let Some((part, reversed, [is, left])) = with_velocity {
-        let (kind, what) = match reversed {
-            false => (
-                Kind::VelocityMissing,
-                format!(
-                    "the velocity of object {object} is missing: its events are those of its rest"
-                ),
-            ),
-            true => (
-                Kind::VelocityWrong,
-                format!(
-                    "the velocity of object {object} is reversed: its events are those of −β for β"
-                ),
-            ),
-        };
-        let evidence = vec![
-            (PART_OFF, part),
-            ("the box around its points is off by (m)", is),
-            ("and with that velocity by (m)", left),
-            ("beta", velocity.beta().length()),
-        ];
-        return Some(Diagnosis {
-            kind,
-            what,
-            evidence,
-        });
-    }
-    let part = surface.part_off(&told(case, object, in_c), own(1, velocity))?;
-    (part > OFF_SURFACE).then(|| Diagnosis {
-        kind: Kind::ObjectElsewhere,
-        what: format!(
-            "object {object} is elsewhere: by their events, {:.0} % of its points are not on the surface that the reference shows",
-            100.0 * part
-        ),
-        evidence: vec![(PART_OFF, part)],
-    })
-}
-
-const PART_OFF: &str = "part of its points that are off the surface";
-
-/// Whether the candidate's events of an object that moves are those of its rest, or (true) of the opposite velocity: the part of
-/// its points that are off the surface, and how far the boxes around all points are apart, with the right velocity and that one.
-fn another_velocity<P: Fn(usize) -> Option<DVec3>>(
-    surface: &Cloud,
-    in_r: &[usize],
-    in_c: &[usize],
-    velocity: Velocity,
-    own: impl Fn(usize, Velocity) -> P,
-) -> Option<(f64, bool, [f64; 2])> {
-    (!velocity.is_rest()).then_some(())?;
-    let part = surface.part_off(in_c, own(1, velocity))?;
-    let right = bounds(in_r.iter().copied().filter_map(own(0, velocity)));
-    let apart = |velocity| {
-        let [low, high] = bounds(in_c.iter().copied().filter_map(own(1, velocity)));
-        let [low, high] = [low - right[0], high - right[1]];
-        low.abs().max(high.abs()).max_element()
-    };
-    let [is, rest, reversed] = [velocity, Velocity::REST, -velocity].map(apart);
-    let nearest = rest.min(reversed);
-    let same = SAME_BOX * (right[1] - right[0]).length();
-    let is_wrong = part > OFF_BY_VELOCITY || is > same;
-    let explains = is_wrong && nearest <= same.min(NEARER * is);
-    explains.then_some((part, reversed < rest, [is, nearest]))
-}
-
-/// The least box around points.
-fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
-    let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let finite = points.filter(|p| p.is_finite());
-    finite.fold(none, |[low, high], p| [low.min(p), high.max(p)])
-}
-
-/// How much farther than its neighbours a point of the surface reaches: samples lie anywhere in their pixels.
-const REACH: f64 = 1.5;
-fn longer(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    [a, b].into_iter().flatten().reduce(f64::max)
-}
-
-/// Of two steps along an axis the shorter counts where the longer one is more than so many times as long, for that leads from
-/// one part of the object to another.
-const CONNECTED: f64 = 3.0;
-
-/// The surface that points of neighbouring pixels make: balls around them that reach to the neighbours, across and down, so that
-/// they are large where a surface is far away or grazed. They are found by grids whose cells are powers of two.
-struct Cloud {
-    /// The point of each pixel that shows the object, how far its ball reaches, and the farthest of its neighbours.
-    balls: HashMap<usize, Ball>,
-    /// Pixels by cell, for each power of two.
-    grids: BTreeMap<i32, HashMap<[i64; 3], Vec<usize>>>,
-}
-
-/// Cells with more balls are full: what is in them, or beside them, is on the surface.
-const FULL: usize = 256;
-
-struct Ball {
-    point: DVec3,
-    reach: f64,
-    farthest: f64,
-}
-
-impl Cloud {
-    /// That of the points of these pixels of a picture of this size.
-    fn of(
-        pixels: &[usize],
-        [width, _]: [usize; 2],
-        point: impl Fn(usize) -> Option<DVec3>,
-    ) -> Cloud {
-        let points: HashMap<usize, DVec3> = pixels
-            .iter()
-            .filter_map(|i| Some((*i, point(*i).filter(|p| p.is_finite())?)))
-            .collect();
-        let mut cloud = Cloud {
-            balls: HashMap::new(),
-            grids: BTreeMap::new(),
-        };
-        for i in pixels {
-            let Some(&point) = points.get(i) else {
-                continue;
-            };
-            let step = |dx: isize, dy: isize| {
-                let x = (i % width).checked_add_signed(dx).filter(|x| *x < width)?;
-                let y = (i / width).checked_add_signed(dy)?;
-                Some((*points.get(&(y * width + x))? - point).length())
-            };
-            let along = |dx, dy| match [step(dx, dy), step(-dx, -dy)] {
-                [Some(a), Some(b)] if a.max(b) > CONNECTED * a.min(b) => Some(a.min(b)),
-                [a, b] => longer(a, b),
-            };
-            let reach = REACH * longer(along(1, 0), along(0, 1)).unwrap_or(0.0);
-            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [dx, dy]));
-            let farthest = around
-                .filter_map(|[dx, dy]| step(dx, dy))
-                .fold(0.0, f64::max);
-            if reach > 0.0 {
-                let level = Cloud::level(reach);
-                let cell = Cloud::cell(point, level);
-                let cells = cloud.grids.entry(level).or_default();
-                cells.entry(cell).or_default().push(*i);
-            }
-            let ball = Ball {
-                point,
-                reach,
-                farthest,
-            };
-            cloud.balls.insert(*i, ball);
-        }
-        cloud
-    }
-
-    /// The power of two that is not below a length.
-    fn level(length: f64) -> i32 {
-        libm::log2(length).ceil() as i32
-    }
-
-    fn cell(p: DVec3, level: i32) -> [i64; 3] {
-        let size = libm::exp2(f64::from(level));
-        (p / size).to_array().map(|x| x.floor() as i64)
-    }
-
-    /// Whether the point that pixel `i` shows is near that of the reference there, or in any ball.
-    fn has(&self, i: usize, p: DVec3) -> bool {
-        let is_near = |ball: &Ball| (p - ball.point).length() <= ball.farthest.max(ball.reach);
-        if self.balls.get(&i).is_some_and(is_near) {
-            return true;
-        }
-        let is_in = |i: &usize| {
-            let ball = &self.balls[i];
-            (p - ball.point).length() <= ball.reach
-        };
-        self.grids.iter().any(|(level, cells)| {
-            let [x, y, z] = Cloud::cell(p, *level);
-            let around =
-                (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
-            let mut around = around.map(|[i, j, k]| {
-                [
-                    x.saturating_add(i),
-                    y.saturating_add(j),
-                    z.saturating_add(k),
-                ]
-            });
-            around.any(|cell| {
-                let found = cells.get(&cell);
-                found.is_some_and(|found| found.len() > FULL || found.iter().any(is_in))
-            })
-        })
-    }
-
-    /// The part of the points of these pixels that are not on the surface; none of too few.
-    fn part_off(&self, pixels: &[usize], point: impl Fn(usize) -> Option<DVec3>) -> Option<f64> {
-        let (mut all, mut off) = (0usize, 0usize);
-        for i in pixels {
-            if let Some(p) = point(*i).filter(|p| p.is_finite()) {
-                all += 1;
-                off += usize::from(!self.has(*i, p));
-            }
-        }
-        (all >= FEWEST && !self.balls.is_empty()).then(|| off as f64 / all as f64)
-    }
 }
 
 /// Displacements that are notable, pixels, rms.

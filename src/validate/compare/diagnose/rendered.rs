@@ -109,6 +109,7 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
         true => b,
         false => a,
     });
+    // A missing retardation shows by what moves fastest.
     if let Some(fastest) = fastest {
         add(
             Change::Instant,

@@ -1,43 +1,77 @@
-"""Direct light of a panel and an even sky on a floor, a box and a metal ball, by Mitsuba 3 (pip install mitsuba numpy)."""
+"""Direct light on a floor, a box and metal balls, by Mitsuba 3 (pip install mitsuba numpy): of a panel and an even sky together, and
+of a point lamp, parallel light and a picture of a sky, one at a time."""
 import math
 import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
 T = mi.ScalarTransform4f
-width, height = 40, 30
-scene = mi.load_dict({
-    "type": "scene",
-    "integrator": {"type": "direct"},
-    "sensor": {
-        "type": "perspective", "fov": 50, "fov_axis": "x",
-        "to_world": T().look_at(origin=[0.5, 2.2, 5], target=[0, 0.6, 0], up=[0, 1, 0]),
-        "sampler": {"type": "independent", "sample_count": 4096},
-        "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
-    },
-    "sky": {"type": "constant", "radiance": {"type": "rgb", "value": [0.3, 0.4, 0.6]}},
+
+
+def rgb(value):
+    return {"type": "rgb", "value": value}
+
+
+def diffuse(colour):
+    return {"type": "diffuse", "reflectance": rgb(colour)}
+
+
+def ball(centre, radius, alpha):
+    return {
+        "type": "sphere", "center": centre, "radius": radius,
+        "bsdf": {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha},
+    }
+
+
+def sky(rows):
+    """L = 0.5 + 0.3 y + 0.15 x − 0.1 z along (x, y, z), by (1, 0.8, 0.6): row 0 is +Y, the middle −Z, and right of that +X."""
+    i, j = np.meshgrid(np.arange(rows), np.arange(2 * rows), indexing="ij")
+    latitude, longitude = math.pi * (0.5 - (i + 0.5) / rows), math.pi * ((j + 0.5) / rows - 1)
+    x, y, z = np.cos(latitude) * np.sin(longitude), np.sin(latitude), -np.cos(latitude) * np.cos(longitude)
+    return ((0.5 + 0.3 * y + 0.15 * x - 0.1 * z)[..., None] * np.array([1, 0.8, 0.6])).astype(np.float32)
+
+
+def render(name, width, height, parts):
+    """The floor and the box with these lights and balls, as `name`.npy of shape (height, width, 3)."""
+    scene = mi.load_dict({
+        "type": "scene",
+        "integrator": {"type": "direct"},
+        "sensor": {
+            "type": "perspective", "fov": 50, "fov_axis": "x",
+            "to_world": T().look_at(origin=[0.5, 2.2, 5], target=[0, 0.6, 0], up=[0, 1, 0]),
+            "sampler": {"type": "independent", "sample_count": 4096},
+            "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
+        },
+        "floor": {
+            "type": "rectangle", "to_world": T().rotate([1, 0, 0], -90).scale([6, 6, 1]), "bsdf": diffuse([0.6, 0.5, 0.4]),
+        },
+        "box": {
+            "type": "cube", "to_world": T().translate([1.1, 0.5, -0.2]).scale([0.5, 0.5, 0.5]), "bsdf": diffuse([0.3, 0.7, 0.4]),
+        },
+        **parts,
+    })
+    image = np.array(mi.render(scene, seed=1), dtype=np.float32)
+    assert image.shape == (height, width, 3)
+    np.save(f"{name}.npy", image)
+    print(name, image.mean(axis=(0, 1)), image.max())
+
+
+render("direct", 40, 30, {
+    "sky": {"type": "constant", "radiance": rgb([0.3, 0.4, 0.6])},
     "panel": {
         "type": "rectangle",
         "to_world": T().translate([0, 3, 0.5]).rotate([1, 0, 0], 90).scale([0.6, 0.4, 1]),
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
-        "light": {"type": "area", "radiance": {"type": "rgb", "value": [9, 7, 5]}},
+        "bsdf": diffuse(0.0),
+        "light": {"type": "area", "radiance": rgb([9, 7, 5])},
     },
-    "floor": {
-        "type": "rectangle",
-        "to_world": T().rotate([1, 0, 0], -90).scale([6, 6, 1]),
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.6, 0.5, 0.4]}},
-    },
-    "box": {
-        "type": "cube",
-        "to_world": T().translate([1.1, 0.5, -0.2]).scale([0.5, 0.5, 0.5]),
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.3, 0.7, 0.4]}},
-    },
-    "ball": {
-        "type": "sphere", "center": [-0.9, 0.8, 0.2], "radius": 0.8,
-        "bsdf": {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": 0.25},
-    },
+    "ball": ball([-0.9, 0.8, 0.2], 0.8, 0.25),
 })
-image = np.array(mi.render(scene, seed=1), dtype=np.float32)
-assert image.shape == (height, width, 3)
-np.save("direct.npy", image)
-print(image.mean(axis=(0, 1)))
+lamps = {
+    "point": {"type": "point", "position": [1.5, 3, 2], "intensity": rgb([20, 18, 15])},
+    "directional": {"type": "directional", "direction": [-0.4, -1, -0.3], "irradiance": rgb([2, 1.8, 1.5])},
+    # Mitsuba has −Z at the left edge of its pictures.
+    "environment": {"type": "envmap", "bitmap": mi.Bitmap(sky(64)), "to_world": T().rotate([0, 1, 0], 180)},
+}
+for name, lamp in lamps.items():
+    balls = {"smooth": ball([-0.9, 0.8, 0.2], 0.8, 0.09), "rough": ball([0.3, 0.4, 1.3], 0.4, 0.36)}
+    render(name, 28, 21, {"light": lamp, **balls})

@@ -13,25 +13,25 @@ pub struct BakeArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Where to write: .npz with the array radiance (H, W, T, 3) of energies per bin, f32, its standard_error by bin and
-    /// metadata, or .npy with the energies alone; with several objects, one file for each, by their names. What is done is kept in
-    /// FILE.parts until all is: the same command goes on where it was stopped.
+    /// metadata, or .npy with the energies alone; with several objects, one file for each, by their names. Finished parts are kept in
+    /// FILE.parts until the bake is complete: run the same command again to resume.
     /// Default: the scene's name with -light.npz, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Bake what the scene's camera sees, which rests with the objects, by the times of arrival; not the objects' surfaces.
+    /// Bake what the scene's camera sees, by times of arrival, and not the objects' surfaces. The camera has to rest with the objects.
     #[arg(long, conflicts_with_all = ["object", "texels", "uv", "atlas"])]
     pub camera: bool,
-    /// Bake the surface of this object. Default: all that reflect light. Repeatable.
+    /// Bake the surface of this object. Default: all objects that reflect light. Repeatable.
     #[arg(long, value_name = "NAME")]
     pub object: Vec<String>,
     /// Columns and rows of texels of a surface.
     #[arg(long, value_name = "WxH", value_parser = values::size, default_value = "64x64", allow_hyphen_values = true)]
     pub texels: [u32; 2],
-    /// The set of texture coordinates of surfaces; no two places of an object may share theirs. Default: 0, or an atlas for objects
+    /// The set of texture coordinates, in which no two places of an object may overlap. Default: 0, or an atlas for objects
     /// without any.
     #[arg(long, value_name = "SET")]
     pub uv: Option<u8>,
-    /// Make texture coordinates, in which every place has its own: an atlas of flat charts. They are written with the light, as array
+    /// Make texture coordinates that do not overlap: an atlas of flat charts. They are written with the light, as array
     /// texture_coordinates of an .npz file.
     #[arg(long, conflicts_with = "uv")]
     pub atlas: bool,

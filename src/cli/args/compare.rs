@@ -17,12 +17,12 @@ pub struct CompareArguments {
     /// The picture to test against it.
     #[arg(value_name = "CANDIDATE")]
     pub candidate: PathBuf,
-    /// Channels, or groups of channels, to compare, which both pictures must have: "radiance,event". Default: those
-    /// that both have.
+    /// Channels, or groups of channels, to compare: "radiance,event". Both pictures must have them. Default: all that
+    /// both have.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub channels: Vec<String>,
-    /// The scene of which the reference is. Default: the one that its metadata hold, as far as that goes without meshes
-    /// and cubes. Geometric errors are those of this scene then, and diagnoses render it where they need to.
+    /// The scene that the reference shows. Default: the one in its metadata, as far as that works without meshes
+    /// and cubes. Geometric errors are measured in this scene, and diagnoses render it where they need to.
     #[arg(long, value_name = "FILE.toml")]
     pub scene: Option<PathBuf>,
     /// A picture of the same size; only pixels where it is bright are compared.
@@ -38,7 +38,7 @@ pub struct CompareArguments {
     /// Default: refuse.
     #[arg(long, value_name = "POLICY", value_parser = values::nan)]
     pub nan: Option<NotFinite>,
-    /// What `object` and `primitive` hold where nothing is met, beside −1 and the largest number of an unsigned type.
+    /// What `object` and `primitive` hold where nothing is hit, besides −1 and the largest number of an unsigned type.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub no_hit: Option<i64>,
     /// Width of a time bin, with its unit: "5 mm" or "16 ps". Errors of emission times are then reported in bins too.

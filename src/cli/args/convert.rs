@@ -15,14 +15,14 @@ pub struct ConvertArguments {
     /// A .npy, .npz, .ti or HDF5 file, a folder of Zarr or of numbered pictures, or a pattern for their names.
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
-    /// A .npy, .npz or .h5 file to write, a new folder of Zarr (.zarr), or, of a name without an extension, a new folder of EXR
+    /// A .npy, .npz or .h5 file to write, a new folder of Zarr (.zarr), or, for a name without an extension, a new folder of EXR
     /// frames.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// The array of an .npz or HDF5 file that holds several; with the entry of axes named L, like "H[3]".
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
-    /// The order of the input's axes, like "T H W". Default: "H W T [C]"; of pictures "T H W".
+    /// The order of the input's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
     /// How codes of PNG and TIFF pictures stand for radiance.
@@ -31,13 +31,13 @@ pub struct ConvertArguments {
     /// Bins in which the sensor counted nothing, counted from 0: they are filled from their neighbours in time.
     #[arg(long, value_name = "BINS", value_delimiter = ',')]
     pub dead_bins: Vec<usize>,
-    /// What becomes of samples below 0. Default: they are kept.
+    /// What to do with samples below 0. Default: keep.
     #[arg(long, value_name = "HOW")]
     pub negative: Option<NegativeArgument>,
     /// The order of the output's axes, H or T first. Default: "H W T C".
     #[arg(long, value_name = "AXES")]
     pub to_axes: Option<Axes>,
-    /// Keep these rows: the first, and the first that is left out, counted from 0.
+    /// Keep these rows: the first, and the one after the last, counted from 0.
     #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
     pub rows: Option<Range<usize>>,
     /// Keep these columns.
@@ -55,7 +55,7 @@ pub struct ConvertArguments {
     /// The type of samples. Default: the input's.
     #[arg(long = "type", value_name = "TYPE")]
     pub sample_type: Option<SampleType>,
-    /// From times of arrival at the capture camera to times of emission: take off the way. FILE holds the distance (not
+    /// Turn times of arrival at the capture camera into times of emission. FILE holds the distance (not
     /// the depth) of every pixel in metres: a .npy file, a picture rendered from the capture camera as .npz, or an HDF5
     /// file of a capture that says where its sensor and its points are.
     #[arg(long, value_name = "FILE", conflicts_with = "warp")]
@@ -63,7 +63,7 @@ pub struct ConvertArguments {
     /// The reverse of --unwarp.
     #[arg(long, value_name = "FILE")]
     pub warp: Option<PathBuf>,
-    /// Also write the surface that the points of the pixels are on, where the file says them, as a .glb file with texture
+    /// Also write the surface through the points of the pixels, where the file gives them, as a .glb file with texture
     /// coordinates into the output.
     #[arg(long, value_name = "FILE")]
     pub surface: Option<PathBuf>,
@@ -73,7 +73,7 @@ pub struct ConvertArguments {
     /// Width of the input's bins, like "0.05 m" or "4 ps"; needed for --unwarp and --warp unless the file says it.
     #[arg(long, value_name = "TIME")]
     pub bin_width: Option<Time>,
-    /// Time at the start of the input's bin 0, to be told that of the output.
+    /// Time at the start of the input's bin 0; the program then says where the output starts.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Time>,
     #[command(flatten)]

@@ -16,8 +16,8 @@ pub struct DiagramArguments {
     /// on standard output. Repeatable. Default: the scene's name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Text of an .svg or a .pdf as text, to be searched and edited: in the fonts of whoever shows the .svg, in its own in a
-    /// .pdf. Default: outlines, which look the same everywhere.
+    /// Keep text in .svg and .pdf as text that can be searched and edited: an .svg uses the viewer's fonts, a .pdf embeds
+    /// its own. Default: outlines, which look the same everywhere.
     #[arg(long)]
     pub text: bool,
     /// Draw in the coordinates of this frame: "world", "camera", or one of the file's; with --pixel also the
@@ -28,7 +28,7 @@ pub struct DiagramArguments {
     #[arg(long, value_name = "NAME")]
     pub boost_to: Option<String>,
     /// Pictures A to B of the animation, B not included, as numbered files ("name-####.svg"); a film
-    /// holds these alone.
+    /// holds only these.
     #[arg(long, value_name = "A..B", value_parser = values::frames, allow_hyphen_values = true)]
     pub frames: Option<Range<u64>>,
     /// Pictures per second in a film. Default: diagram.animation.fps.

@@ -19,8 +19,8 @@ pub struct ExportArguments {
     /// Copy stored cubes, or only refer to them by path and SHA-256.
     #[arg(long, value_name = "WHAT", default_value = "copy")]
     pub cubes: CubesArgument,
-    /// Write test vectors too: vertices, and in which event, where on the film and with which wavelength ratio they are
-    /// seen, as JSON for unit tests in any language.
+    /// Write test vectors too, as JSON for unit tests in any language: vertices, the events at which they are seen, where
+    /// on the film, and with which wavelength ratio.
     #[arg(long)]
     pub vectors: bool,
     /// Replace an export of this name.

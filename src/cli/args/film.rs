@@ -47,8 +47,8 @@ pub struct FilmArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motions")]
 pub struct MotionArguments {
-    /// Pass the scene's camera position at this speed v/c. In the middle of the film, what the camera looks at is seen in the middle of
-    /// the picture: by aberration, that is long after it was passed.
+    /// Pass the scene's camera position at this speed v/c. Half way through the film, the point that the camera looks at is in the middle
+    /// of the picture; because of aberration, that is long after the camera has passed it.
     #[arg(
         long,
         value_name = "BETA",
@@ -72,7 +72,7 @@ pub struct MotionArguments {
         allow_negative_numbers = true
     )]
     pub speeds: Option<f64>,
-    /// Leave the camera to its own motion while light passes by.
+    /// Keep the scene's own camera while light passes by.
     #[arg(long, group = "moves")]
     pub light: bool,
     /// Where the camera moves to: x, y, z, -x, -y, -z or a vector like 1,0,-1. Default: to its right for --flyby, else ahead.

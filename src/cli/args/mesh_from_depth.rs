@@ -19,7 +19,7 @@ pub struct MeshFromDepthArguments {
     /// The .glb file to write. Default: FILE with that extension, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// What tells how far surfaces are.
+    /// What the distances come from.
     #[arg(long, value_name = "WHAT", default_value = "first-light")]
     pub from: DepthKind,
     /// Position of the camera's pinhole, metres.
@@ -34,16 +34,16 @@ pub struct MeshFromDepthArguments {
     /// Field of view, like "40 deg"; pixels are square.
     #[arg(long, value_name = "ANGLE")]
     pub fov: Angle,
-    /// The axis of the film along which that is.
+    /// The axis of the film along which --fov is measured.
     #[arg(long, value_name = "AXIS", default_value = "x")]
     pub fov_axis: FovAxisArgument,
     /// Depth of the near plane on which the capture's rays began, metres.
     #[arg(long, value_name = "METRES", default_value_t = 0.0)]
     pub near_clip: f64,
-    /// Where the pulse of light was sent, metres: of --from first-light.
+    /// Where the pulse of light was emitted, metres; for --from first-light.
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub lamp: Option<DVec3>,
-    /// When its centre was sent. Default: "0 m".
+    /// When the centre of the pulse was emitted. Default: "0 m".
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub lamp_time: Option<Time>,
     /// Time at the start of bin 0, by arrival at the camera. Default: what the file says, or "0 m".
@@ -55,20 +55,20 @@ pub struct MeshFromDepthArguments {
     /// The array of an .npz file that holds several.
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
-    /// The order of the cube's axes, like "T H W". Default: "H W T [C]"; of pictures "T H W".
+    /// The order of the cube's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
     /// Refractive index of the medium.
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = values::positive)]
     pub medium_index: f64,
-    /// The first maximum of a pixel counts from this part of its highest value on.
+    /// The first maximum of a pixel counts only above this part of its highest value.
     #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = values::positive)]
     pub rise: f64,
-    /// Pixels below this part of the brightest are dark, and leave holes: shadow, where light came over other surfaces only.
+    /// Pixels below this part of the brightest are left out: they lie in shadow, where only indirect light arrives.
     #[arg(long, value_name = "PART", default_value_t = 0.02, value_parser = values::positive)]
     pub least: f64,
-    /// Neighbours are not joined where their distances differ by more than so many widths of a pixel, and by more than
-    /// a plane's would.
+    /// Neighbours are not joined if their distances differ by more than this many pixel widths, and by more than on a
+    /// plane.
     #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = values::positive)]
     pub tear: f64,
     #[command(flatten)]

@@ -59,13 +59,13 @@ pub enum Command {
     /// Make a film of a scene in one line: a fly-by, an acceleration, a row of speeds, or light in flight.
     #[command(after_help = help::FILM)]
     Film(Box<FilmArguments>),
-    /// Make a page of HTML with a slider for the speed of the camera, which needs no network.
+    /// Make an HTML page with a slider for the speed of the camera; it needs no network.
     #[command(after_help = help::PAGE)]
     Page(Box<PageArguments>),
     /// Render the panels of scenes to contact sheets: one labelled page for each scene.
     #[command(after_help = help::SHEET)]
     Sheet(SheetArguments),
-    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]: of what rests relative to each other.
+    /// Bake the light of pulsed lamps, with its delays and bounces, into cubes for [[source]]; lamps and objects have to rest relative to each other.
     #[command(after_help = help::BAKE)]
     Bake(BakeArguments),
     /// Draw the space-time diagram of a scene's world lines, or of a file's own [diagram].
@@ -77,7 +77,7 @@ pub enum Command {
     /// Convert a cube of time-resolved data: its format, axes, part, bins, precision, clock.
     #[command(after_help = help::CONVERT)]
     Convert(ConvertArguments),
-    /// Make a mesh of what a capture camera measured: when light first came back, or distances, along its pixels' rays.
+    /// Make a mesh from what a capture camera measured along its pixels' rays: when light first came back, or distances.
     #[command(after_help = help::MESH_FROM_DEPTH)]
     MeshFromDepth(MeshFromDepthArguments),
     /// Compare a picture with its reference: errors, maps, a report, tolerances.

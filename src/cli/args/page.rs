@@ -50,7 +50,7 @@ pub struct PageArguments {
     /// Times of the second slider.
     #[arg(long, value_name = "N", default_value_t = 9, requires = "from", value_parser = clap::value_parser!(u32).range(2..=200))]
     pub times: u32,
-    /// Diagrams of so many columns and rows of pixels, which a click on the picture shows: 4x3.
+    /// A grid of pixels, columns x rows, with a diagram each that a click on the picture shows: 4x3.
     #[arg(long, value_name = "CxR", value_parser = values::grid, allow_hyphen_values = true)]
     pub grid: Option<[u32; 2]>,
     /// No space-time diagram beside the picture.
@@ -64,7 +64,7 @@ pub struct PageArguments {
     pub text: Option<String>,
     #[command(flatten)]
     pub exposure: ExposureArgument,
-    /// The most that the page may have, megabytes.
+    /// Maximum size of the page, megabytes.
     #[arg(long, value_name = "MB", default_value_t = 10.0, value_parser = values::seconds)]
     pub max_size: f64,
     #[command(flatten)]

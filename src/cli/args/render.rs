@@ -22,7 +22,7 @@ pub struct RenderArguments {
     pub changes: Changes,
     #[command(flatten)]
     pub channels: ChannelArguments,
-    /// Where to write: .png (display), .exr (linear, all channels), .npz (f64); of a sequence also a film, .apng or .y4m,
+    /// Where to write: .png (display), .exr (linear, all channels), .npz (f64); for a sequence also a film, .apng or .y4m,
     /// or - for .y4m on standard output. Repeatable.
     /// Default: the scene's name with .png, in the current directory.
     /// An existing file is replaced once the new one is complete.
@@ -50,7 +50,7 @@ pub struct RenderArguments {
     pub half: bool,
     #[command(flatten)]
     pub exposure: ExposureArgument,
-    /// Beneath each picture (.png) and those of a film: these words, the camera's time and, where it moves, its speed (β and γ);
+    /// Write beneath each picture (.png, films): these words, the camera's time and, where it moves, its speed (β and γ);
     /// "" for time and speed alone. Default: the scene's display.caption, or nothing.
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
@@ -68,8 +68,8 @@ pub struct RenderArguments {
     /// Write the same statistics as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub stats_json: Option<PathBuf>,
-    /// Print the scene, with all that options change of it, and render nothing. Of a model without a scene it is the
-    /// scene that this stands for; saved in the current directory, it renders the same picture.
+    /// Print the scene with all changes made by options, and render nothing. For a model without a scene, prints the
+    /// scene that it stands for; saved in the current directory, this renders the same picture.
     #[arg(long)]
     pub print_scene: bool,
     #[command(flatten)]
@@ -84,15 +84,15 @@ pub struct RenderArguments {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Pictures that improve")]
 pub struct PassArguments {
-    /// Go on until the standard error of each tile of 16 x 16 pixels is at most this part of its radiance, or of the picture's mean
-    /// where that is more: "1 %". Passes of --spp samples, more of them where there is more noise. The files improve as they are
-    /// done; after Ctrl-C, the same command goes on where it stopped.
+    /// Render passes of --spp samples until the standard error of each tile of 16 x 16 pixels is at most this part of its radiance, or of
+    /// the picture's mean where that is more: "1 %". Noisy tiles get more passes. The files improve with every pass; after
+    /// Ctrl-C, run the same command again to resume.
     #[arg(long, value_name = "PERCENT", value_parser = values::relative_error)]
     pub error: Option<f64>,
-    /// Go on for this long: "60 s", "5 min" or "1 h". Two passes are the least.
+    /// Render passes for this long: "60 s", "5 min" or "1 h"; two at least.
     #[arg(long, value_name = "TIME", value_parser = values::work_time)]
     pub budget: Option<f64>,
-    /// Go on for so many passes at most, an even number. A file tells how many it has (`nullray info`): so many passes have its bits.
+    /// Render at most this many passes, an even number. `nullray info` says how many a file has; the same number gives the same bits.
     #[arg(long, value_name = "N", value_parser = values::passes)]
     pub passes: Option<u32>,
 }
@@ -120,7 +120,7 @@ pub struct ModelArguments {
     /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
     pub direction: Option<Heading>,
-    /// Pass the model by, in a sequence of 48 pictures (or those that --frames takes of it).
+    /// Fly past the model, in a sequence of 48 pictures (or those chosen by --frames).
     #[arg(long)]
     pub flyby: bool,
 }

@@ -165,6 +165,7 @@ fn samples(
             return Err(Error::Cancelled);
         }
         let tile = Tile::of_image(size, index);
+        // Centres of pixels, at the moment of the shot.
         let centre = |(column, row): (u32, u32)| [column, row].map(|p| f64::from(p) + 0.5);
         let look = |[x, y]: [f64; 2]| prepared.camera.view.ray(x, y, 0.0).d.unit();
         let directions: Vec<_> = tile.coordinates().map(centre).map(look).collect();
@@ -191,6 +192,7 @@ fn samples(
             });
         Ok(met.collect::<Vec<_>>())
     };
+    // Tiles come back in their order, whichever thread was first.
     let tiles = (0..Tile::count(size))
         .into_par_iter()
         .map_init(HitBuffer::default, tile)

@@ -39,6 +39,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         job.surface
             .map_or(scene.camera.size, |surface| surface.size)
     };
+    // Memory: each thread has a texel or tile of its own beside the cube.
     let threads = arguments
         .work
         .threads
@@ -63,6 +64,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     if arguments.plan {
         return print(&planned(&plan, &jobs, &size, &bins, arguments.half));
     }
+    // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
     interrupt::can_resume("run the same command again to go on where it stopped");

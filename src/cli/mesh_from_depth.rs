@@ -105,6 +105,7 @@ fn by_first_light(
             "add its place, like --lamp 1.2,2.8,1",
         ));
     };
+    // What the file says of its times is overruled by the options.
     let said = cube::times(&arguments.input, arguments.array.as_deref())?;
     let metres = |time: &Time| time.metres(SPEED_OF_LIGHT);
     let width = (arguments.bin_width.as_ref().map(metres)).or(said.map(|said| said.width));
@@ -117,6 +118,7 @@ fn by_first_light(
         ));
     };
     let start = (arguments.start.as_ref().map(metres)).or(said.map(|said| said.start));
+    // Memory is taken from the budget before anything is read.
     let wanted = Wanted {
         array: arguments.array.as_deref(),
         axes: arguments.axes.as_ref(),

@@ -65,6 +65,7 @@ fn check(arguments: &PageArguments, scene: &Scene, option: &str, path: &Path) ->
 fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path) -> Result<()> {
     let quiet = arguments.work.quiet.on;
     let steps = arguments.steps;
+    // A picture for every speed and time of the sliders.
     let still = motion::speeds("--beta", arguments.direction, scene, arguments.beta, steps)?;
     let times = times(arguments, scene)?;
     let moment = |time: &f64| {

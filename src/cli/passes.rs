@@ -33,12 +33,14 @@ pub fn one(
     quiet: bool,
 ) -> Result<()> {
     let began = Instant::now();
+    // The sums of the passes count as memory beside the scene, so the plan is made twice.
     let layout = Plan::new(scene, &request)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
     let plan = Plan::new(scene, &request)?;
     overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);
     check_all([outputs.clone()], &read)?;
+    // Refused before anything is loaded: outputs that would overwrite inputs or each other.
     let sums = sums_of(outputs);
     check_beside(&sums, outputs, &read)?;
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());

@@ -56,6 +56,7 @@ struct Image {
 /// # Errors
 /// The files cannot be read or are broken; there is no such image; its camera is no pinhole in the middle of its picture.
 pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
+    // The image names its camera, so images are read first.
     let (images, is_binary) = file(folder, "images")?;
     let found = match is_binary {
         true => binary_image(&images, image)?,
@@ -66,11 +67,13 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
         true => binary_camera(&cameras, found.camera)?,
         false => text_camera(&cameras, found.camera)?,
     };
+    // A rotation is a unit quaternion; numbers this far from length 1 are something else.
     let length = found.rotation.length();
     if !((length - 1.0).abs() < 1e-3 && found.translation.is_finite()) {
         let what = format!("the pose of {image:?} is no rotation and translation");
         return Err(broken(&images, what));
     }
+    // x_camera = R x + t with y down: rows of R are the camera's axes in the world.
     let rotation = DMat3::from_quat(found.rotation.normalize());
     let [right, down, forward] = [0, 1, 2].map(|row| rotation.row(row));
     Ok(ColmapPose {
@@ -125,8 +128,10 @@ fn line(reader: &mut impl BufRead, file: &Path) -> Result<Option<String>> {
         let end = buffer.iter().position(|byte| *byte == b'\n');
         let part = end.unwrap_or(buffer.len());
         is_any |= !buffer.is_empty();
+        // A line of points may be megabytes long, and nobody needs it: it is read past, not kept.
         let room = LONGEST - kept.len();
         kept.extend_from_slice(&buffer[..part.min(room)]);
+        // The end of line is used up with its line, and is not of it.
         let used = end.map_or(part, |end| end + 1);
         reader.consume(used);
         if end.is_some() || used == 0 {
@@ -148,6 +153,7 @@ fn text_image(file: &Path, image: &str) -> Result<Image> {
         if text.is_empty() || is_comment(&text) {
             continue;
         }
+        // The name is the rest of the line, as it may hold spaces.
         let mut rest = text.as_str();
         let mut words = Vec::new();
         for _ in 0..9 {
@@ -166,6 +172,7 @@ fn text_image(file: &Path, image: &str) -> Result<Image> {
                 camera,
             });
         }
+        // The line of points is there even where it is empty.
         note(&mut names, rest);
         line(&mut reader, file)?;
     }
@@ -183,6 +190,7 @@ fn text_camera(file: &Path, camera: u32) -> Result<[f64; 2]> {
         if is_comment(&text) || id.parse() != Ok(camera) {
             continue;
         }
+        // Only the camera that is wanted has to be of a model that is known.
         let known = MODELS.iter().find(|known| known.0 == *model);
         let numbers: Option<Vec<f64>> = numbers.iter().map(|n| n.parse().ok()).collect();
         return match (known, numbers.as_deref()) {
@@ -218,13 +226,16 @@ fn field_of_view(
             format!("this is no camera of the model {name}"),
         ));
     }
+    // Every model has its focal lengths, two numbers of the centre, and then distortion.
     let (lengths, rest) = numbers.split_at(*focal);
     let (centre, distortion) = rest.split_at(2);
     let refuse = |what: String, help: &str| Err(Error::unsupported(file, "", what, help));
+    // Fisheyes bend even with all coefficients 0; the others are pinholes then.
     let is_fisheye = name.ends_with("FISHEYE") || *name == "FOV";
     if is_fisheye || distortion.iter().any(|n| *n != 0.0) {
         return refuse(format!("a camera of the model {name} distorts"), UNDISTORT);
     }
+    // Captures have square pixels, so both focal lengths have to be the same: to a thousandth.
     let f = lengths[0];
     let is_positive = f > 0.0;
     if !is_positive || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
@@ -233,6 +244,7 @@ fn field_of_view(
             UNDISTORT,
         );
     }
+    // Captures look along the middle of their film: half a pixel beside it is let through.
     let middle = [0.5 * width, 0.5 * height];
     let apart = centre.iter().zip(middle).map(|(c, m)| (c - m).abs());
     if apart.fold(0.0, f64::max) > 0.5 {
@@ -308,6 +320,7 @@ fn binary_image(file: &Path, image: &str) -> Result<Image> {
     let mut from = binary(file)?;
     let mut names = Vec::new();
     for _ in 0..from.u64()? {
+        // The number of the image, which nothing here asks for.
         from.u32()?;
         let mut numbers = [0.0; 7];
         for number in &mut numbers {

@@ -45,6 +45,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<[f64; 2]>> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.trim();
+        // The first line may name the columns.
         let is_words = number == 1 && line.starts_with(|c: char| c.is_alphabetic() || c == '"');
         if line.is_empty() || line.starts_with('#') || is_words {
             continue;

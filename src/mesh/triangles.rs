@@ -217,6 +217,7 @@ impl Mesh {
             let what = format!("{colours} colours for {vertices} vertices");
             return refuse("colours".into(), what);
         }
+        // Parts stand one behind the other: each triangle has one material.
         let mut next = 0;
         for (i, part) in self.parts.iter().enumerate() {
             if u64::from(part.first_triangle) != next {

@@ -339,6 +339,7 @@ impl TileFilm {
         numbers: &mut dyn FnMut(&mut [f64]),
         counts: &mut dyn FnMut(&mut u64),
     ) {
+        // Taken apart by name: a field that is forgotten here does not compile.
         let Coverage {
             held,
             before,
@@ -354,6 +355,7 @@ impl TileFilm {
         numbers(&mut self.nearest);
         self.aovs.iter_mut().for_each(|aov| numbers(aov));
         counts(&mut self.unmet);
+        // Files hold counts as 64 bits; in memory 32 are enough.
         for hits in &mut self.hits {
             let mut count = u64::from(*hits);
             counts(&mut count);

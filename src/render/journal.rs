@@ -125,11 +125,14 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, 
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
         Err(error) => return Err(error),
     };
+    // A journal of other work, or none at all, is begun anew: nothing of it is kept.
     if !is_ours {
         return Ok((found, 0));
     }
     let mut at = head.len() as u64;
     let mut block = vec![0; 1 << 16];
+    // Parts one behind the other, as far as they are whole and their sums are right: what a kill left of the last
+    // part is written over.
     while let Some(after) = at.checked_add(HEAD as u64).filter(|after| *after <= length) {
         let mut crc = flate2::Crc::new();
         let mut numbers = [0; HEAD];
@@ -140,11 +143,13 @@ fn scan(file: &mut File, fingerprint: &[u8; FINGERPRINT]) -> io::Result<(Found, 
             u64::from_le_bytes(bytes)
         };
         let (index, bytes) = (number(0), number(8));
+        // Lengths are of the file, which may be damaged: none is believed beyond its end.
         let end = after.checked_add(bytes).and_then(|end| end.checked_add(4));
         let (Some(end), Ok(size)) = (end.filter(|end| *end <= length), usize::try_from(bytes))
         else {
             break;
         };
+        // By pieces, so that a part of any size is checked in the same memory.
         let mut left = size;
         while left > 0 {
             let piece = left.min(block.len());

@@ -122,6 +122,7 @@ pub(super) fn scene(
     allow_outside: bool,
 ) -> Result<Scene> {
     let file: file::Scene = report.read()?;
+    // Every file that the scene names is looked for here: what resolves it is told, and opens nothing.
     let mut inputs = Inputs::new(base.clone(), memory.clone());
     inputs.reach = (!allow_outside).then(|| reach.clone());
     let meshes = file.object.iter().filter_map(|at| at.value.gltf.as_ref());

@@ -80,6 +80,7 @@ fn hash_cube(hash: &mut Sha256, cube: &Cube) {
 }
 
 fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
+    // Taken apart by name, as what is forgotten here would make two meshes one.
     let Mesh {
         positions,
         uvs,
@@ -92,6 +93,7 @@ fn hash_mesh(hash: &mut Sha256, mesh: &Mesh) {
         add(hash, positions, |p| p[axis].to_le_bytes());
         add(hash, triangles, |t| t[axis].to_le_bytes());
     }
+    // How many sets there are, as they stand one behind the other.
     hash.update((uvs.len() as u64).to_le_bytes());
     for set in uvs {
         add(hash, set, |uv| uv[0].to_le_bytes());

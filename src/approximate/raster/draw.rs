@@ -258,6 +258,7 @@ impl Stage<'_> {
         };
         let (radiance, background) = (scene.light.radiance(), &scene.background);
         let (ratios, meter) = (&rays.ratios, &mut Meter::off());
+        // One ray for each pixel, or several parts that are blended: then background counts by pixel, not by part.
         if rays.parts.is_empty() {
             shading.shade(radiance, &traced, background, ratios, film, meter);
         } else {
@@ -271,6 +272,7 @@ impl Stage<'_> {
             shading.shade(radiance, &traced, background, ratios, &mut blend, meter);
             blend.finish();
         }
+        // Channels have one value for a pixel, that of its first part.
         let channels = scene.layout.channels.as_slice();
         if channels.is_empty() {
             return;

@@ -117,6 +117,7 @@ impl TileBuffers {
         self.functions.clear();
         let [left, top] = tile.corner;
         let [right, bottom] = [left + tile.size[0] - 1, top + tile.size[1] - 1];
+        // What may reach the tile, with the pixels that it may cover there.
         for (at, batch) in batches.iter().enumerate() {
             for &index in batch.bins.of(size, tile) {
                 let [a, b, c, d] = batch.pieces[index as usize].reach.map(u32::from);
@@ -129,10 +130,12 @@ impl TileBuffers {
                 self.triangles.push(Gathered {
                     batch: at as u32,
                     piece: index,
+                    // A tile is less than 256 pixels wide.
                     pixels: pixels.map(|p| p as u8),
                 });
             }
         }
+        // Edge functions by lots, as columns: they are set up in vectors.
         self.functions.resize(self.triangles.len(), NEVER);
         for (triangles, functions) in self
             .triangles

@@ -48,6 +48,7 @@ impl<'a> Triangles<'a> {
         raster: &Raster,
         progress: &dyn Progress,
     ) -> Result<Self> {
+        // Apparent places of all vertices first, as triangles share them.
         let projections = scene.frames.iter().map(|f| observer.projection(&f.frame));
         let projections = projections.collect::<Result<Vec<_>>>()?;
         let frames = &scene.frames;
@@ -55,6 +56,7 @@ impl<'a> Triangles<'a> {
         let seen = seen.map(|(f, p)| transformed(p, &f.shared_vertices().positions));
         let seen: Vec<_> = seen.collect();
         let size = scene.layout.size;
+        // Triangles are cut until they are straight enough; one limit of memory for all frames.
         let cuts = Cuts::within(scene.memory_left);
         let mut batches = Vec::new();
         for (frame, (rest, projection)) in frames.iter().zip(&projections).enumerate() {
@@ -74,6 +76,7 @@ impl<'a> Triangles<'a> {
         if cuts.are_too_many() {
             return Err(cuts.refusal());
         }
+        // Depths in units of the farthest vertex are of the order of 1 in scenes of any size.
         let all = seen.iter().flatten();
         let farthest = all.fold(0.0, |far: f64, vertex| far.max(vertex.film.z.abs()));
         Ok(Triangles {

@@ -156,6 +156,7 @@ fn chain(document: &Document, node: usize) -> Result<Vec<usize>> {
 /// The channels of an animation that move one of the nodes.
 fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Result<Vec<Channel>> {
     let name = animation_label(document, animation);
+    // Taken out of the document first, as reading accessors borrows it.
     let described = document.root.animations[animation].channels.iter();
     let described: Vec<_> = described
         .enumerate()
@@ -169,6 +170,7 @@ fn channels(document: &mut Document, animation: usize, nodes: &[usize]) -> Resul
             let help = "\"translation\", \"rotation\", \"scale\" or \"weights\"";
             return Err(document.invalid(place, "its path is not of glTF", help));
         };
+        // Weights move no node.
         if property == Property::MorphTargetWeights {
             continue;
         }
@@ -215,6 +217,7 @@ fn read(
     let [input, output] = [(input, Purpose::Times), (output, purpose)]
         .map(|(index, purpose)| Layout::new(document, index, purpose, place));
     let (input, output) = (input?, output?);
+    // A cubic spline has a tangent before and one behind each value (glTF 2.0, appendix C).
     let per_time = match interpolation {
         Interpolation::CubicSpline => 3,
         _ => 1,
@@ -224,6 +227,7 @@ fn read(
         let help = format!("{per_time} values for each time, and at most {MOST} times");
         return Err(document.invalid(place, what, help));
     }
+    // `MOST` bounds both counts by now, whatever the file says.
     let mut times = vec![0.0; input.count as usize];
     let mut values = vec![[0.0; 4]; output.count as usize];
     let mut buffers = Buffers::new(document);

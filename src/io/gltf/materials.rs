@@ -100,6 +100,7 @@ pub(super) fn resolve(
 }
 
 fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -> Result<Resolved> {
+    // An index that does not fit 32 bits is out of any list, and is refused as that.
     let number = Index::<material::Material>::new(u32::try_from(index).unwrap_or(u32::MAX));
     let material = document.get(number, "material", "materials")?;
     let mut reader = Reader {
@@ -109,6 +110,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
     };
     reader.warn(material, warnings);
     let pbr = &material.pbr_metallic_roughness;
+    // The alpha of a mask is in the texture of its base colour, so it is loaded even where colours are not wanted.
     let alpha_mode = reader.alpha_mode(material)?;
     let [r, g, b, alpha] = pbr.base_color_factor.0;
     let masked = matches!(alpha_mode, AlphaMode::Mask { .. });
@@ -136,6 +138,7 @@ fn one(document: &Document, index: usize, want: Want, warnings: &mut Warnings) -
             solid: reader.number(material, "KHR_materials_volume", "thicknessFactor", 0.0) > 0.0,
             alpha: reader.fraction(alpha, "the alpha of its base colour")?,
             alpha_mode,
+            // The thickness is the whole sign of a body: without one the glass is a film, which does not refract.
             unlit: (material.extensions.as_ref()).is_some_and(|all| all.unlit.is_some()),
             double_sided: material.double_sided,
         },
@@ -256,6 +259,7 @@ impl Reader<'_, '_> {
         let document = self.document;
         let place = format!("{}, texture {}", self.place, info.index.value());
         let texture = document.get(info.index, "texture", &place)?;
+        // The parser has this number for a texture without `source`.
         if texture.source.value() == u32::MAX as usize {
             return Err(document.unsupported(
                 place,
@@ -264,6 +268,7 @@ impl Reader<'_, '_> {
             ));
         }
         document.get(texture.source, "image", &place)?;
+        // Without a sampler both axes repeat (glTF 2.0 §3.8.4.5).
         let wrap = match texture.sampler {
             Some(sampler) => {
                 let sampler = document.get(sampler, "sampler", &place)?;
@@ -275,6 +280,7 @@ impl Reader<'_, '_> {
             let help = "wrapS and wrapT must be 10497, 33071 or 33648";
             return Err(document.invalid(place, "its sampler's wrapping is not of glTF", help));
         };
+        // The extension may name another set than the texture does, so the limit is on that one.
         let (set, transform) = transform(document, info, &place)?;
         if set >= MOST_SETS {
             let what = format!("it uses TEXCOORD_{set}");
@@ -339,6 +345,7 @@ fn transform(document: &Document, info: &Info, place: &str) -> Result<(u32, Opti
         cos,
         sin,
     };
+    // The identity takes no set of its own: vertices keep their coordinates to the bit.
     let identity = rotation == 0.0 && offset == [0.0; 2] && scale == [1.0; 2];
     Ok((set, (!identity).then_some(transform)))
 }

@@ -260,6 +260,7 @@ pub(super) fn local(
         let help = "a rotation is a quaternion x, y, z, w of length 1";
         return invalid("its rotation has no direction", help);
     }
+    // Single precision and rounding by exporters stay far below this.
     if (norm - 1.0).abs() > 2e-3 {
         let what = "the rotation is not of length 1: used at length 1";
         warnings.add(what, &document.node_label(index));

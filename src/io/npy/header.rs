@@ -114,6 +114,7 @@ fn fill(reader: &mut dyn Read, bytes: &mut [u8], place: &Place) -> Result<()> {
 
 /// The header of the array `name` that `text` describes, or what is wrong with the text.
 fn parse(text: &str, name: Option<String>) -> Result<Header, String> {
+    // The header is a Python literal: a dictionary of these three entries, in any order.
     let inside = text
         .trim()
         .strip_prefix('{')

@@ -122,6 +122,7 @@ pub fn check(scene: &Scene) -> Result<()> {
     let Some(first) = scene.objects.first() else {
         return Ok(());
     };
+    // Bins are of one clock: all that is baked has one rest frame.
     let moves = |velocity: Velocity| {
         let difference = velocity.rapidity() - first.velocity.rapidity();
         difference.length() > 1e-12
@@ -131,6 +132,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         let help = "bake what rests relative to each other, each in a scene of its own, or follow light with `render.bounces`";
         return refuse(format!("object \"{}\"", other.name), what, help);
     }
+    // Light that never ends would need infinitely many bins.
     for light in &scene.lights {
         let place = format!("light \"{}\"", light.name);
         let LightKind::Lamp(lamp) = &light.kind else {
@@ -157,6 +159,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         let what = "it lights surfaces steadily, which has no place in bins of time";
         return refuse("sky".into(), what.into(), "set sky.lights = false");
     }
+    // Pulses have their place in the world's frame, which the objects have to share.
     let pulses = scene
         .sources
         .iter()

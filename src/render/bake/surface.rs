@@ -53,6 +53,7 @@ pub fn surface_cube(
     let paths = paths(scene, prepared)?;
     let charts = Charts::new(scene, paths.rest, surface)?;
     let [width, height] = surface.size.map(|n| n as usize);
+    // A row of texels is the part that a journal keeps, and that threads share out.
     let row = width * bins.count * 3;
     let mut values = vec![0f32; height * row];
     let sampler = Sampler::stratified(samples_per_part(prepared.layout.samples, PARTS));
@@ -67,6 +68,7 @@ pub fn surface_cube(
         }
         Ok(part)
     };
+    // Rows come back in their order, so that sums do not depend on the number of threads.
     let rows: Vec<(Summary, Vec<bool>)> = values
         .par_chunks_mut(row)
         .enumerate()
@@ -78,6 +80,7 @@ pub fn surface_cube(
         })
         .collect::<Result<_>>()?;
     let (summaries, covered): (Vec<Summary>, Vec<Vec<bool>>) = rows.into_iter().unzip();
+    // Bilinear lookups at the edge of a chart reach texels beyond it.
     fill_gutters(
         &mut values,
         covered.concat(),

@@ -522,11 +522,13 @@ impl Stores {
         let texture = TimeTexture::new(self.load(cube, held)?, TimeAxis::from(cube), scene.outside)
             .map_err(|e| refused(scene, source, e))?
             .with_reconstruction(cube.reconstruction);
+        // Sums along time, for lookups that are means over spans of it.
         let texture = match cube.is_read_over_spans(&scene.camera) {
             true => texture.with_sums(),
             false => texture,
         };
         let size = texture.size();
+        // What looks wrong about the samples, or was assumed of them.
         let (mut assumed, mut negative) = (Order::Stated, None);
         if let CubeData::File(file) = &cube.data {
             negative = file.negative;
@@ -540,6 +542,7 @@ impl Stores {
         }
         let remarks = survey::of_samples_with(texture.cube(), assumed, negative);
         self.warn(scene, source, remarks);
+        // Cameras and clocks of the file are of the world or of the objects; lookups are in the rest frame.
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
         let index = self.cubes.len();
@@ -554,6 +557,7 @@ impl Stores {
                     eye: place.eye(camera.eye),
                     ..camera.clone()
                 };
+                // Times of arrival get the delay to the capture camera taken off.
                 let warped = cube.clock == Clock::Capture;
                 let trace = |origin, direction| place.seen(origin, direction);
                 let capture = Capture::new(&camera, size, warped, scene.medium_index, trace);

@@ -27,6 +27,7 @@ pub(super) fn frame(
     warnings: &mut Vec<String>,
     built_in: &mut f64,
 ) -> Result<RestFrame> {
+    // Objects of one velocity share the frame of the first; the others keep their own origins in it.
     let first = &scene.objects[planned.objects[0]];
     let frame = InertialFrame::new(first.velocity, first.origin);
     let mut gathered = Gathered::default();
@@ -50,6 +51,7 @@ pub(super) fn frame(
         culled,
         meshes,
     } = gathered;
+    // Patches stand in the order of their triangles.
     let facing = |triangle: u32| {
         let patch = patches
             .partition_point(|p| p.first <= triangle)

@@ -41,11 +41,13 @@ impl TimeResolved {
         emitted: &mut Emitted,
         meter: &mut Meter,
     ) {
+        // Taken out while `emitted` lends its other buffers, and put back at the end for the next run.
         let mut blends = std::mem::take(&mut emitted.blends);
         blends.clear();
         blends.resize(run.count(), Blend::default());
         emitted.points.fill(run);
         let read = Cell::new(0);
+        // Each capture in turn: what it may have seen, what stands between, then the lookups.
         for (index, captured) in captures.iter().enumerate() {
             let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
             emitted.located.clear();

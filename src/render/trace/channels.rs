@@ -53,6 +53,7 @@ fn value(
     observed: Option<&ObservedPoint>,
 ) -> Option<f64> {
     let point = observed.map(|o| &o.point);
+    // Each is computed only where a channel asks: most pictures have none of them.
     let uv = || Some(point?.uv(0).unwrap_or(glam::DVec2::NAN));
     let event = || Some(point?.event());
     let object_event = || point.map(|p| p.rest_event() - p.patch.object_origin);
@@ -84,6 +85,7 @@ fn value(
         Aov::CaptureFootprint => Some(capture()?.footprint),
         Aov::CaptureCosine => Some(capture()?.cosine),
         Aov::CaptureSource => Some(radiance.capture_source(point?)? as f64),
+        // Masks count from 1, as 0 is what no object covers.
         Aov::ObjectId => Some(point.map_or(0.0, |p| f64::from(p.patch.object) + 1.0)),
         Aov::Alpha => Some(f64::from(observed.is_some())),
         Aov::Coverage

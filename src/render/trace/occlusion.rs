@@ -118,6 +118,7 @@ impl OcclusionQueries {
                 self.towards.push(self.d.get(query));
             }
         }
+        // Where the rays start, in the frame of the obstacles.
         let point = |query: &u32| self.points[*query as usize] as usize;
         self.eyes.clear();
         self.from.clear();
@@ -125,6 +126,7 @@ impl OcclusionQueries {
         obstacles
             .places
             .add(&mut points, &mut self.eyes, &mut self.from);
+        // Directions are boosted as they are, not made unit vectors: along each the parameter stays metres of the world.
         if let Some((boost, index)) = obstacles.boost {
             dispatch(BoostDirections {
                 boost,
@@ -132,6 +134,7 @@ impl OcclusionQueries {
                 directions: &mut self.towards,
             });
         }
+        // From where on a ray can meet anything: where it enters the ball about the obstacles, or never.
         self.starts.resize(self.open.len(), 0.0);
         dispatch(Starts {
             ball: Ball::about(obstacles.bvh),
@@ -167,6 +170,7 @@ impl OcclusionQueries {
             });
         }
         self.open.truncate(near);
+        // Answers come in the order of the segments, which is that of `open` by now.
         any_hit(
             obstacles.bvh,
             method,

@@ -116,6 +116,7 @@ fn look_up(
     if run.filters(texture) {
         return footprint::look_up(texture, set, clock, run, emitted, meter);
     }
+    // Exposures that data are integrated over: the mean from the beginning to the end of each sample's part.
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
         run.times(clock, 0, &mut emitted.times);
@@ -133,6 +134,7 @@ fn look_up(
         }
         return;
     }
+    // Otherwise by batches, whose times and lookups go in vectors.
     let mut begin = 0;
     while begin < run.count() {
         let count = (run.count() - begin).min(BATCH);
@@ -152,6 +154,7 @@ fn look_up(
         emitted
             .radiance
             .extend(radiance.map(|[r, g, b, _]| [*r, *g, *b]));
+        // Only lookups that are not wholly within the data say more than their radiance.
         let details = lookups.others.iter().map(|(at, sampled)| Detail {
             at: begin + at,
             unscaled: sampled.unscaled,

@@ -20,6 +20,7 @@ impl Surfaces<'_> {
     ) {
         let method = run.traced.rays.method;
         match &self.0 {
+            // All rests in the world: no boost, and the surface that a ray leaves is passed by its number.
             Frames::Still(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
@@ -30,6 +31,7 @@ impl Surfaces<'_> {
                 };
                 queries.ask(&obstacles, method, meter.occlusion());
             }
+            // One frame that moves: directions and delays are those of its own axes.
             Frames::One(only) => {
                 let obstacles = Obstacles {
                     bvh: &only.rest.bvh,
@@ -41,12 +43,15 @@ impl Surfaces<'_> {
                 queries.ask(&obstacles, method, meter.occlusion());
             }
             Frames::Many(Many { frames, tubes, .. }) => {
+                // Several frames: each is asked about what no frame before it blocks, and not at all where all rays pass by the
+                // tube that its bodies sweep.
                 let bundle = queries.bundle(points, index);
                 for (k, frame) in frames.iter().enumerate() {
                     if !tubes.may_meet(k, &bundle) {
                         continue;
                     }
                     let (bvh, boost) = (&frame.rest.bvh, Some((frame.boost(), index)));
+                    // In their own frame the points are there already, with the triangles that they lie on.
                     if k as u32 == run.frame {
                         let obstacles = Obstacles {
                             bvh,

@@ -188,6 +188,7 @@ pub(super) fn give_spectra(
             "an area light",
             (quantity, continuation),
         )?;
+        // Shining surfaces have one spectrum, by whichever of the two tables it is given.
         if let (Some(spectrum), Some(_)) = (&said.spectrum, &object.spectrum) {
             let what = format!("{} has a spectrum of its own", quoted(&object.name));
             let help = "leave `spectrum` out here or there: the light has that of its object";
@@ -202,6 +203,7 @@ pub(super) fn give_spectra(
             return Err(cx.report.refuse(&span(at), what, help));
         }
         object.spectrum = own.or(object.spectrum.take());
+        // A spectrum has its own colour; what multiplies it is grey.
         let (Brightness::Radiance([r, g, b]) | Brightness::Power([r, g, b])) = *brightness;
         if object.spectrum.is_some() && !(r == g && g == b) {
             let what = "the factor on a spectrum is one number";
@@ -229,6 +231,7 @@ fn lamp(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<Lamp> {
     only_one_way(cx, &mover)?;
     let start = path::start(cx, &mover)?;
     let position = start.as_ref().or(light.position.as_ref());
+    // Parallel light has no place; its clock is that of the origin.
     let position = match (position, beam) {
         (Some(position), _) => position.value.vec(),
         (None, Beam::Parallel(_)) => DVec3::ZERO,

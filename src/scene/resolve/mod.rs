@@ -45,6 +45,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         .ok_or_else(|| without_camera(&cx, file))?;
     let camera = camera::resolve(&cx, said)?;
     let continuation = radiance::continuation(&file.radiance);
+    // Objects first: lights and sources name them.
     let mut objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
     let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;
     let quantity = radiance::resolve(&cx, &file.radiance)?;
@@ -95,6 +96,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         name: cx.report.name.clone(),
         folder: cx.inputs.reach.clone(),
     };
+    // What only the whole scene can tell.
     refuse_two_backgrounds(&cx, file)?;
     sky::check(&cx, file, &scene)?;
     equations::check(&cx, file, &scene)?;

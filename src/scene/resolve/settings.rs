@@ -188,6 +188,7 @@ pub(super) fn isochrones(
             "leave `isochrones` out: those of the light in the picture are of any bodies",
         ));
     }
+    // Times of arrival are of one place: a pinhole that stays where it is.
     let rests =
         camera.velocity.is_rest() && camera.motion == Motion::Inertial && camera.stereo.is_none();
     let clock = match clock.as_ref().map(|at| at.value) {

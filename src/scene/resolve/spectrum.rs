@@ -98,6 +98,7 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
     if let Some(table) = &said.table {
         return cx.spectrum_table(table).map(Shape::Table);
     }
+    // A flat spectrum is a table of two rows.
     if let Some(flat) = &said.flat {
         let [from, to] = &flat.value;
         let (first, last) = (wavelength(cx, from)?, wavelength(cx, to)?);

@@ -85,6 +85,7 @@ pub fn compare(
     if let Some(colours) = candidate.in_colours(reference) {
         return of_grey(&candidate.name, compare(reference, &colours, options));
     }
+    // Channels, pixel by pixel.
     let matched = matching::matched(reference, candidate, options)?;
     let [r, c] = matched.layers();
     let size = [r.width as usize, r.height as usize];
@@ -106,6 +107,7 @@ pub fn compare(
             map: options.maps,
         }))
     });
+    // Geometry: where the points that each pixel shows lie on their objects, and how far apart they are.
     let pair = [reference, candidate];
     let points = pair.map(|picture| Points::new(&picture.layers));
     let known = known(reference, &points[0], options)?;
@@ -116,6 +118,7 @@ pub fn compare(
     }
     let (surface, geometric_map) =
         surface::compare([r, c], &points, field.as_ref(), region, options.bin_width);
+    // What would explain the difference.
     let case = diagnose::Case {
         pair,
         points,

@@ -382,6 +382,7 @@ fn gaps(d: &Distribution) -> Option<String> {
             "of {noun} {objects}, which the reference shows at {pixels} pixels and the candidate at {shown} of them, no pixel has a value{moving}"
         ));
     }
+    // No object is missing altogether; pixels may be.
     let part = d.count as f64 / d.surfaces as f64;
     (part < LEAST_MEASURED).then(|| {
         format!(

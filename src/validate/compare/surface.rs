@@ -275,6 +275,7 @@ fn distribution(
         for x in 0..width {
             let i = y * width + x;
             let object = points[0].object_at(i).filter(|_| chosen[x]);
+            // A displacement is measured along one object: where another is shown there is none.
             chosen[x] &= points[0].same_object(&points[1], i);
             row[x] = value(chosen[x], i);
             let is_measured = chosen[x] && !row[x].is_nan();

@@ -190,6 +190,7 @@ fn filled(
         let help = "leave out --vectors, or the sensor, the shutter and the projection";
         return Err(Error::unsupported(&scene.name, "camera", what, help));
     }
+    // Geometry goes first: the description refers to its files, and test vectors are of the vertices as they were written.
     let seen = options.vectors.then_some((&shot, &camera));
     let (objects, tested) = objects(scene, seen, &mut files, &mut warnings, progress)?;
     if options.vectors {
@@ -208,6 +209,7 @@ fn filled(
         ),
         false => (None, Vec::new()),
     };
+    // The description goes last, as it holds the sums of all other files.
     files.text(TEXT, &scene.text)?;
     files.text("README.md", README)?;
     #[cfg(feature = "schema")]
@@ -255,6 +257,7 @@ fn objects(
             .map_err(|what| unfit(scene, &object.name, what))?;
         let name = format!("geometry/{index:03}.glb");
         files.bytes(&name, &bytes)?;
+        // GLB files have single precision: where that loses digits, the vertices stand beside it in double precision.
         let positions = (!gltf::glb::is_exact(&mesh)).then(|| format!("geometry/{index:03}.npy"));
         if let Some(name) = &positions {
             let rows: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();

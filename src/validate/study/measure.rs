@@ -36,8 +36,10 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
     let once = once(&prepared);
     let prepare_seconds = start.elapsed().as_secs_f64();
     Observer::new(&prepared)?;
+    // Methods that cannot render this scene are left out, with the reason.
     let (able, left_out) = geometries(&mut prepared, &plan, options, progress)?;
     let start = Instant::now();
+    // All are measured against the ray tracer with many samples.
     let truth = picture(
         &mut prepared,
         &Subject::REFERENCE,
@@ -49,6 +51,7 @@ pub fn study(scene: &Scene, options: &StudyOptions, progress: &dyn Progress) -> 
         samples: options.reference_samples,
         seconds: start.elapsed().as_secs_f64(),
     };
+    // Rounds go through all methods in turn, so that what slows the machine down slows all of them.
     let mut rounds = Rounds::new(options, &able);
     let was_cut_short = rounds.run(&mut prepared, options, &truth, progress)?;
     let jobs = rounds.jobs.into_iter();

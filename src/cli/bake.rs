@@ -67,7 +67,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
     // A journal is gone on with only where all that it depends on is the same.
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(&scene, &request, &Outputs::default(), &inputs);
-    interrupt::can_resume("run the same command again to go on where it stopped");
+    interrupt::can_resume("run the same command again to resume");
     let quiet = arguments.work.quiet.on;
     in_pool(arguments.work.threads.count, || {
         let samples = u64::from(plan.film.samples);
@@ -79,10 +79,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             let what = format!("baked {:?} {bins:?} {}", job.surface, plan.film.samples);
             let journal = Journal::open(&job.unfinished(), &identity.of_sums(&what))?;
             if journal.found() > 0 {
-                say(
-                    quiet,
-                    &format!("goes on where it stopped with {}\n", job.path.display()),
-                )?;
+                say(quiet, &format!("resuming {}\n", job.path.display()))?;
             }
             let kept = Some(&journal);
             let baked = match &job.surface {

@@ -105,7 +105,7 @@ fn takes(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<Take>> {
 }
 
 fn no_motion() -> Error {
-    let what = "it is not said how the camera moves";
+    let what = "no motion of the camera is given";
     let help = "give --flyby 0.9, --accelerate 0.9, --speeds 0.9 or --light";
     refused("film", what, help)
 }

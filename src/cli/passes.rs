@@ -101,7 +101,7 @@ impl Work<'_> {
     /// Takes up what was stopped.
     fn resume(&mut self, prepared: &Prepared) -> Result<()> {
         if self.passes.resume(&self.sums, &self.fingerprint)? {
-            let text = format!("goes on after pass {}\n", self.passes.done());
+            let text = format!("resuming after pass {}\n", self.passes.done());
             say(self.quiet, &text)?;
         } else {
             // What was read of another's sums is forgotten.
@@ -185,7 +185,7 @@ impl Work<'_> {
     fn missing(&self) -> String {
         let error = 100.0 * self.wanted.error.unwrap_or_default();
         format!(
-            "warning: {} tiles have not reached an error of {error} % yet: the same command goes on from {}; light that only a few \
+            "warning: {} tiles have not reached an error of {error} % yet: run the same command again to continue from {}; light that only a few \
              of many paths find, as through mirrors and glass from small lamps, may never converge\n",
             self.passes.unsettled(),
             self.sums.display()

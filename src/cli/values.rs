@@ -137,7 +137,7 @@ pub fn bytes(text: &str) -> Result<u64, String> {
         "m" | "mb" | "mib" => 1 << 20,
         "g" | "gb" | "gib" => 1 << 30,
         "t" | "tb" | "tib" => 1 << 40,
-        other => return Err(format!("\"{other}\" is no unit of memory; write 16GiB")),
+        other => return Err(format!("\"{other}\" is not a unit of memory; write 16GiB")),
     };
     let number = digits
         .trim()

@@ -70,7 +70,7 @@ pub fn pose(folder: &Path, image: &str) -> Result<ColmapPose> {
     // A rotation is a unit quaternion; numbers this far from length 1 are something else.
     let length = found.rotation.length();
     if !((length - 1.0).abs() < 1e-3 && found.translation.is_finite()) {
-        let what = format!("the pose of {image:?} is no rotation and translation");
+        let what = format!("the pose of {image:?} is not a rotation and translation");
         return Err(broken(&images, what));
     }
     // x_camera = R x + t with y down: rows of R are the camera's axes in the world.
@@ -223,7 +223,7 @@ fn field_of_view(
     if numbers.len() != *count || !is_finite || !(width >= 1.0 && height >= 1.0) {
         return Err(broken(
             file,
-            format!("this is no camera of the model {name}"),
+            format!("this is not a camera of the model {name}"),
         ));
     }
     // Every model has its focal lengths, two numbers of the centre, and then distortion.
@@ -240,7 +240,7 @@ fn field_of_view(
     let is_positive = f > 0.0;
     if !is_positive || lengths.iter().any(|other| (other / f - 1.0).abs() > 1e-3) {
         return refuse(
-            format!("focal lengths of {lengths:?} pixels are no square ones"),
+            format!("focal lengths of {lengths:?} pixels mean that pixels are not square"),
             UNDISTORT,
         );
     }

@@ -157,7 +157,7 @@ fn captures_take_pose_and_field_of_view_of_an_image() {
         ),
         (
             "pose = { quaternion = [1, 0, 0, 0], translation = [0, 0, 0] }, hfov = \"40 deg\"",
-            "not said",
+            "the convention of the pose is missing",
         ),
     ] {
         let error = scene(capture).unwrap_err().to_string();

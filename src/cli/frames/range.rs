@@ -200,7 +200,7 @@ fn pace(arguments: &FrameArguments, scene: &Scene) -> Result<Pace> {
 }
 
 fn not_after() -> nullray::Error {
-    let what = "it is not after --from, so that there is no frame between them";
+    let what = "it is not after --from, so there is no frame between them";
     refused("--to", what, "give a later time")
 }
 

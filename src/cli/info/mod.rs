@@ -192,7 +192,7 @@ impl Kind {
                 _ => Err(Error::unsupported(
                     path,
                     "",
-                    "this is no kind of file that nullray knows",
+                    "nullray does not know this kind of file",
                     "give a .gltf, .glb, .npy, .npz, .ti, .h5, .hdf5, .mat, .exr, .png, .hdr, .tif, a folder of numbered pictures or of Zarr, or a scene (.toml)",
                 )),
             },

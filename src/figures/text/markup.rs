@@ -214,7 +214,11 @@ impl Parser<'_> {
         let Some((_, sign)) = SIGNS.iter().find(|(known, _)| *known == name) else {
             let help =
                 "names of Greek letters, and of signs such as \\times; {} after a name ends it";
-            return Err(self.wrong(at, &format!("there is no sign of the name \\{name}"), help));
+            return Err(self.wrong(
+                at,
+                &format!("there is no symbol with the name \\{name}"),
+                help,
+            ));
         };
         self.push(level, *sign);
         Ok(())

@@ -135,7 +135,7 @@ impl<'d, 'a> Buffers<'d, 'a> {
             false => Err(document.invalid(
                 place,
                 format!(
-                    "it is said to have {} bytes and has {length}",
+                    "it should have {} bytes and has {length}",
                     buffer.byte_length.0
                 ),
                 "the data are truncated: copy the file with its data again, or export it again",

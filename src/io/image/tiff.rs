@@ -101,7 +101,7 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Tiff> {
     };
     let (stored, pixels) = (stored as usize, width as usize * height as usize);
     if pixels == 0 || samples.len() != pixels * stored {
-        let what = "it has not the samples that it says";
+        let what = "it does not have the samples that it declares";
         return Err(Error::invalid(
             path,
             "",

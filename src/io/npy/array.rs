@@ -73,11 +73,11 @@ pub(super) fn read(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<
 pub(super) fn text(stored: &mut Stored, file: &Path, budget: &Budget) -> Result<String> {
     let mut array = Array::open(stored, file, budget)?;
     let Dtype::Other(descr) = &array.header.dtype else {
-        return Err(unsupported(&array.stored.place, "is no single text"));
+        return Err(unsupported(&array.stored.place, "is not a single text"));
     };
     let length = descr.strip_prefix("<U").and_then(|n| n.parse().ok());
     let Some(length) = length.filter(|_| array.header.shape.is_empty()) else {
-        return Err(unsupported(&array.stored.place, "is no single text"));
+        return Err(unsupported(&array.stored.place, "is not a single text"));
     };
     array.count = length;
     let characters = array.samples(|c| char::from_u32(u32::from_le_bytes(c)))?;

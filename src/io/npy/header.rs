@@ -121,7 +121,7 @@ fn parse(text: &str, name: Option<String>) -> Result<Header, String> {
         .and_then(|t| t.strip_suffix('}'));
     let entries = inside.and_then(parts).ok_or_else(|| {
         let start: String = text.trim().chars().take(20).collect();
-        format!("{start:?} is no dictionary")
+        format!("{start:?} is not a dictionary")
     })?;
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);
     for entry in entries {
@@ -135,9 +135,7 @@ fn parse(text: &str, name: Option<String>) -> Result<Header, String> {
         };
         if !is_new {
             let key = key.unwrap_or(entry);
-            return Err(format!(
-                "the entry {key:?} is not of the format, or stands twice"
-            ));
+            return Err(format!("the entry {key:?} is unknown, or given twice"));
         }
     }
     let (Some(descr), Some(order), Some(shape)) = (descr, fortran_order, shape) else {
@@ -192,11 +190,11 @@ fn sizes(text: &str) -> Result<Vec<usize>, String> {
     let inside = text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
     let sizes = inside
         .and_then(parts)
-        .ok_or_else(|| format!("the shape {text:?} is no tuple"))?;
+        .ok_or_else(|| format!("the shape {text:?} is not a tuple"))?;
     let size = |text: &str| text.strip_suffix('L').unwrap_or(text).parse().ok();
     let all = sizes
         .iter()
-        .map(|text| size(text).ok_or_else(|| format!("{text:?} is no size of an array")));
+        .map(|text| size(text).ok_or_else(|| format!("{text:?} is not the size of an array")));
     all.collect()
 }
 

@@ -72,7 +72,7 @@ pub fn load_numbers(path: &Path, array: Option<&str>, budget: &Budget) -> Result
 /// The text that the array named `array` of a `.npz` file is.
 ///
 /// # Errors
-/// The file cannot be read; there is no such array; it is no single text.
+/// The file cannot be read; there is no such array; it is not a single text.
 pub fn load_text(path: &Path, array: &str, budget: &Budget) -> Result<String> {
     let (file, _) = open_regular(path)?;
     let read = |stored: &mut Stored| array::text(stored, path, budget);

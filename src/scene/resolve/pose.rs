@@ -86,7 +86,7 @@ pub(super) fn given(cx: &Context, at: &At<GivenPose>, keys: &Keys) -> Result<Pos
     let (rotation, translation) = rotation_and_translation(cx, at)?;
     let Some(convention) = at.value.convention else {
         let help = "add convention = \"opengl\", \"opencv\", \"mitsuba\" or \"colmap\"";
-        return Err(cx.refuse(at, "what the pose means is not said", help));
+        return Err(cx.refuse(at, "the convention of the pose is missing", help));
     };
     let (rotation, eye) = match convention {
         PoseConvention::Colmap => (rotation.transpose(), -(rotation.transpose() * translation)),
@@ -125,7 +125,7 @@ fn of_colmap(cx: &Context, at: &At<GivenPose>, colmap: &At<String>) -> Result<Po
     }
     let Some(image) = image else {
         let help = "add image = \"…\", the name of one of its images";
-        return Err(cx.refuse(colmap, "which image of it is meant is not said", help));
+        return Err(cx.refuse(colmap, "the name of the image is missing", help));
     };
     cx.optional_text(&Some(image.clone()), "the name of the image")?;
     cx.pose_of(colmap)
@@ -161,7 +161,7 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
             let length = rotation.length();
             let is_unit = (length - 1.0).abs() < TOLERANCE;
             if !is_unit {
-                let what = format!("a quaternion of length {length} is no rotation");
+                let what = format!("a quaternion of length {length} is not a rotation");
                 return Err(cx.refuse(at, what, "give a unit quaternion [w, x, y, z]"));
             }
             let rotation = DMat3::from_quat(rotation.normalize());
@@ -183,7 +183,7 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
     let within = translation.to_array().iter().all(|x| x.abs() <= LARGEST);
     match is_rotation && is_affine && within {
         true => Ok((rotation, translation)),
-        false => Err(cx.refuse(at, "this matrix is no pose", NO_ROTATION)),
+        false => Err(cx.refuse(at, "this matrix is not a pose", NO_ROTATION)),
     }
 }
 

@@ -132,7 +132,7 @@ fn random(cx: &Context, stars: &file::Stars) -> Result<Catalogue> {
     let faintest = stars.faintest.as_ref();
     if let Some(faintest) = faintest.filter(|m| m.value.0.abs() > 30.0) {
         let help = "magnitudes are from -30 to 30, like 6.5";
-        return Err(cx.refuse(faintest, "this is no magnitude of a star", help));
+        return Err(cx.refuse(faintest, "this is not the magnitude of a star", help));
     }
     Ok(Catalogue::Random {
         count: count.map_or(5000, |count| count.value),

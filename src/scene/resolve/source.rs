@@ -237,7 +237,10 @@ fn edges(cx: &Context, cube: &file::Cube) -> Result<Option<TimeBins>> {
     let ascends = times.windows(2).all(|pair| pair[1] > pair[0]);
     let within = times.iter().all(|time| time.abs() <= LARGEST);
     if times.len() < 2 || !ascends || !within {
-        let what = format!("{} is no table of edges", quoted(&table.value.file.value));
+        let what = format!(
+            "{} is not a table of edges",
+            quoted(&table.value.file.value)
+        );
         let help = "an array of one axis with two or more times that ascend: the start of each bin, and the end of the last";
         return Err(cx.refuse(&table.value.file, what, help));
     }
@@ -427,7 +430,7 @@ fn fov_axis(cx: &Context, camera: &file::Capture) -> Result<FovAxis> {
     match (&camera.fov_axis, &camera.fov) {
         (Some(axis), _) => Ok(axis.value),
         (None, Some(fov)) => {
-            let what = "the axis of this field of view is not said";
+            let what = "the axis of this field of view is missing";
             let help = "add fov_axis = \"x\", \"y\", \"diagonal\", \"smaller\" or \"larger\"";
             Err(cx.refuse(fov, what, help))
         }

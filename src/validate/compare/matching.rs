@@ -207,7 +207,7 @@ fn unread(pair: [&Picture; 2]) -> Vec<String> {
     some.map(|picture| {
         let names: Vec<&str> = picture.unread.iter().map(String::as_str).collect();
         format!(
-            "not read of {}, as they are no channels of a picture: {}",
+            "not read of {}, as they are not channels of a picture: {}",
             picture.name,
             list(&names)
         )

@@ -448,7 +448,7 @@ fn names(name: Option<&str>, depth: usize, is_alone: bool) -> Option<Vec<String>
 
 fn no_picture(path: &Path, name: Option<&str>, shape: &[usize]) -> Error {
     let place = name.map_or(String::new(), |name| format!("array {name:?}"));
-    let what = format!("an array of shape {shape:?} is no picture");
+    let what = format!("an array of shape {shape:?} is not a picture");
     let help = "(H, W) or (H, W, 1) for one channel; (H, W, 3) or (H, W, 4) for the array \"radiance\"; (H, W, n) for an \
                 array that is named like a group of n channels, like (H, W, 4) for \"event\"";
     Error::unsupported(path, place, what, help)

@@ -139,7 +139,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
     }
     let Some(listed) = listed(target) else {
         return refused(
-            "there is a directory of this name that is no export, and it is not empty".into(),
+            "there is a directory of this name that is not an export, and it is not empty".into(),
             "name a new directory",
         );
     };

@@ -236,7 +236,7 @@ fn one_picture_is_no_animation() {
     check(
         "event = [{ name = \"A\", at = [0, 0] }]\nanimation = { frames = 1, now = { from = 0, to = 1 } }\n",
         "diagram.animation.frames",
-        "1 pictures are no animation",
+        "1 pictures do not make an animation",
         "2 to 10000",
     );
 }

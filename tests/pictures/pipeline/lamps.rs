@@ -386,7 +386,7 @@ fn what_no_light_can_be_is_refused_in_words() {
         ),
         (
             "[[light]]\ntype = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, 1, 0]\nouter = \"95 deg\"",
-            "no cone",
+            "not a cone",
         ),
         (
             "[[light]]\nposition = [0, 1, 0]\nemission = { train = { sigma = \"1 m\", period = \"0.5 m\" } }",

@@ -188,7 +188,7 @@ fn what_cannot_be_framed_is_refused() {
     folder.write("model.bin", [0; 72]);
     refused(&["model.gltf"], "its triangles have no extent");
     folder.write("model.bin", [0; 7]);
-    refused(&["model.gltf"], "it is said to have 72 bytes and has 7");
+    refused(&["model.gltf"], "it should have 72 bytes and has 7");
 }
 
 #[test]

@@ -51,7 +51,11 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     );
     for passes in ["2", "8", "16", "24"] {
         let said = parts.ok(&[&TO_NPZ[..], &goal, &[passes]].concat());
-        assert_eq!(said.contains("goes on after pass"), passes != "2", "{said}");
+        assert_eq!(
+            said.contains("resuming after pass"),
+            passes != "2",
+            "{said}"
+        );
     }
     assert!(whole.read("a.npz") == parts.read("a.npz"));
     assert!(parts.path("a.npz.passes").exists());
@@ -59,7 +63,7 @@ fn an_error_that_is_not_reached_is_taken_up_again_with_the_bits_of_work_that_did
     parts.write("soft.toml", SOFT.replace("radiance = 3", "radiance = 4"));
     let said = parts.ok(&[&TO_NPZ[..], &["--error", "60 %"]].concat());
     assert!(
-        !said.contains("goes on") && said.contains("8 passes"),
+        !said.contains("resuming") && said.contains("8 passes"),
         "{said}"
     );
     assert!(!parts.path("a.npz.passes").exists());

@@ -165,8 +165,8 @@ fn what_is_no_picture_is_refused_with_what_it_is() {
         ("<f16", "(1, 1)", 16, "more than 64 bits (<f16)"),
         ("|O", "(1, 1)", 8, "Python objects"),
         ("<U4", "(1, 1)", 16, "texts"),
-        ("<f4", "(4,)", 16, "shape [4] is no picture"),
-        ("<f4", "(1, 1, 5)", 20, "shape [1, 1, 5] is no picture"),
+        ("<f4", "(4,)", 16, "shape [4] is not a picture"),
+        ("<f4", "(1, 1, 5)", 20, "shape [1, 1, 5] is not a picture"),
     ] {
         let message = read(descr, "False", shape, &vec![0; bytes]).unwrap_err();
         assert!(message.contains(words), "{descr} {shape}: {message}");

@@ -76,7 +76,7 @@ fn a_list_that_leads_out_of_the_directory_removes_nothing() {
         let list = serde_json::json!({ "format": "nullray-bundle", "files": [{ "path": path }] });
         fs::write(target.join("bundle.json"), list.to_string()).unwrap();
         let refused = write(&target, true, &Silent).unwrap_err().to_string();
-        assert!(refused.contains("no export"), "{refused}");
+        assert!(refused.contains("not an export"), "{refused}");
         assert!(mine.exists());
     }
 }
@@ -92,7 +92,7 @@ fn a_directory_that_is_no_export_is_never_replaced() {
     )
     .unwrap();
     let refused = write(&target, true, &Silent).unwrap_err();
-    assert!(refused.to_string().contains("no export"), "{refused}");
+    assert!(refused.to_string().contains("not an export"), "{refused}");
     assert_eq!(names(&target), ["bundle.json"]);
     assert_eq!(names(folder.path()), ["mine"]);
 }

@@ -42,7 +42,7 @@ fn frames(names: &Names, at: &Option<At<u32>>) -> Result<u32> {
         None => Ok(DEFAULT_FRAMES),
         Some(at) if (2..=MOST).contains(&at.value) => Ok(at.value),
         Some(at) => {
-            let what = format!("{} pictures are no animation", at.value);
+            let what = format!("{} pictures do not make an animation", at.value);
             Err(names.cx.refuse(at, what, format!("give 2 to {MOST}")))
         }
     }

@@ -285,7 +285,7 @@ fn to_vertex(
 fn nonzero(names: &Names, at: &At<Number>) -> Result<f64> {
     match at.value.0 {
         0.0 => {
-            let what = "an interval of 0 is the light cone, which is no hyperbola";
+            let what = "an interval of 0 is the light cone, which is not a hyperbola";
             Err(names.cx.refuse(at, what, "give another number"))
         }
         number => Ok(number * names.unit),

@@ -333,7 +333,7 @@ impl Projection<'_> {
 
     /// The image of the point at `c`.
     #[inline]
-    pub fn image_of(&self, c: DVec3) -> Option<Image> {
+    pub(crate) fn image_of(&self, c: DVec3) -> Option<Image> {
         let length = c.length();
         let (d, s) = self.apparent.look(c, length);
         let film = self.apparent.homogeneous_from_camera * self.apparent.seen(d, s);
@@ -402,7 +402,7 @@ impl Projection<'_> {
 
     /// By how much film coordinates (x, y, pixels) of a point seen at `film` change per metre that its |c|
     /// is too long, in the limit of small errors; none behind the camera.
-    pub fn slide(&self, film: DVec3) -> Option<[f64; 2]> {
+    pub(crate) fn slide(&self, film: DVec3) -> Option<[f64; 2]> {
         Some(self.apparent.slide(film, film_point(film)?))
     }
 }

@@ -44,13 +44,13 @@ impl AnyProjection {
     }
 
     /// That of the whole film of a capture camera whose cube has `size` columns and rows.
-    pub fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
+    pub(crate) fn of_capture(camera: &CaptureCamera, size: [usize; 2]) -> Self {
         let (fov, film) = (camera.horizontal_fov(size), camera.film(size));
         AnyProjection::of_kind(camera.projection, camera.axes, fov, film)
     }
 
     /// Whether some point of the film sees nothing: it is so in a corner, if anywhere.
-    pub fn has_blind_points(&self) -> bool {
+    pub(crate) fn has_blind_points(&self) -> bool {
         self.corners().into_iter().any(|[x, y]| !self.sees(x, y))
     }
 

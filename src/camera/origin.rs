@@ -15,7 +15,7 @@ pub struct RayOrigin {
 
 impl RayOrigin {
     /// The event of the shot, from which all rays of a point camera leave.
-    pub const AT_SHOT: RayOrigin = RayOrigin {
+    pub(crate) const AT_SHOT: RayOrigin = RayOrigin {
         displacement: Displacement::new(0.0, glam::DVec3::ZERO),
         delay: 1.0,
         weight: 1.0,

@@ -9,7 +9,7 @@ use super::open::open_regular;
 use crate::error::{Error, Result};
 
 /// The most rows of a table: more than any spectrometer of visible light resolves, and few enough to integrate over.
-pub const MOST_ROWS: usize = 4096;
+pub(crate) const MOST_ROWS: usize = 4096;
 
 /// The longest file, bytes.
 const LONGEST: u64 = 1 << 20;

@@ -70,7 +70,7 @@ impl Temporary {
     }
 
     /// Gives it the name `target`, in place of the file that has it.
-    pub fn persist(self, target: &Path) -> io::Result<()> {
+    pub(crate) fn persist(self, target: &Path) -> io::Result<()> {
         // What has its name is not found under the temporary one when this is dropped.
         fs::rename(&self.path, target)
     }

@@ -162,7 +162,7 @@ impl Aov {
     }
 
     /// Whether the channel holds integers.
-    pub fn is_identity(self) -> bool {
+    pub(crate) fn is_identity(self) -> bool {
         self.combine() == Combine::NearestIdentity
     }
 }
@@ -197,7 +197,7 @@ fn group(name: &str) -> &str {
 }
 
 /// The channels of the group of this name, in order; a channel that has no dot is a group of its own.
-pub fn group_of(name: &str) -> Vec<Aov> {
+pub(crate) fn group_of(name: &str) -> Vec<Aov> {
     let all = Aov::ALL.iter().copied();
     all.filter(|aov| group(aov.name()) == name).collect()
 }

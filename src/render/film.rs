@@ -68,7 +68,7 @@ impl Tile {
     }
 
     /// The index of the tile of an image of `size` pixels that holds this pixel.
-    pub fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
+    pub(crate) fn holding(size: [u32; 2], [column, row]: [u32; 2]) -> u64 {
         let corner = [column / TILE * TILE, row / TILE * TILE];
         let tile = Tile {
             corner,
@@ -123,7 +123,7 @@ impl Layout {
     }
 
     /// Bytes of the sums of all tiles, where they are kept from pass to pass.
-    pub fn bytes_of_passes(&self) -> u64 {
+    pub(crate) fn bytes_of_passes(&self) -> u64 {
         // Radiance, its halves and their spread; what is missing and its parts; hits and the nearest.
         let pixel = 24 + 48 + 40 + 40 + 12 + 8 * self.channels.len();
         self.size[0] as u64 * self.size[1] as u64 * pixel as u64
@@ -309,7 +309,7 @@ impl TileFilm {
     }
 
     /// Ends sample `index` of all pixels.
-    pub fn end_sample(&mut self, index: u32) {
+    pub(crate) fn end_sample(&mut self, index: u32) {
         if let Some(parts) = &mut self.parts
             && (index + 1).is_multiple_of(parts.samples)
         {
@@ -382,13 +382,13 @@ impl TileFilm {
     }
 
     /// Notes samples that hit nothing.
-    pub fn add_unmet(&mut self, samples: u64) {
+    pub(crate) fn add_unmet(&mut self, samples: u64) {
         self.unmet += samples;
     }
 
     /// Adds how much of one sample's radiance is known.
     #[inline]
-    pub fn add_coverage(&mut self, pixel: usize, coverage: Coverage) {
+    pub(crate) fn add_coverage(&mut self, pixel: usize, coverage: Coverage) {
         self.coverage += coverage;
         if let Some(held) = self.held.get_mut(pixel) {
             *held += coverage.held;
@@ -408,7 +408,7 @@ impl TileFilm {
     }
 
     /// Notes one sample, in each of `pixels`, whose radiance is fully known.
-    pub fn add_held(&mut self, pixels: &[u32]) {
+    pub(crate) fn add_held(&mut self, pixels: &[u32]) {
         // Counted rather than added up: exact, however many.
         self.coverage.held += pixels.len() as f64;
         if !self.held.is_empty() {
@@ -565,7 +565,7 @@ impl Film {
     }
 
     /// The relative error that tiles were to reach, where they were.
-    pub fn error_asked_for(&self) -> Option<f64> {
+    pub(crate) fn error_asked_for(&self) -> Option<f64> {
         self.error
     }
 
@@ -579,7 +579,7 @@ impl Film {
     }
 
     /// Whether the one sample of each pixel is at its centre.
-    pub fn is_centred(&self) -> bool {
+    pub(crate) fn is_centred(&self) -> bool {
         self.layout.pixel_centers
     }
 

@@ -15,7 +15,7 @@ const BATCH: usize = 4096;
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
-pub fn objects_at(
+pub(crate) fn objects_at(
     scene: &Prepared,
     points: &[[f64; 2]],
     progress: &dyn Progress,

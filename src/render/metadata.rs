@@ -263,7 +263,7 @@ pub fn sha256(bytes: &[u8]) -> String {
 ///
 /// # Errors
 /// Those of `reader`.
-pub fn sha256_of(reader: &mut impl Read) -> io::Result<(u64, String)> {
+pub(crate) fn sha256_of(reader: &mut impl Read) -> io::Result<(u64, String)> {
     let mut hasher = Sha256::new();
     let mut block = vec![0; 1 << 16];
     let mut length = 0;

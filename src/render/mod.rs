@@ -8,7 +8,7 @@ pub mod aov;
 pub mod bake;
 pub mod film;
 mod foretell;
-pub mod identities;
+pub(crate) mod identities;
 pub mod journal;
 pub mod metadata;
 pub mod passes;
@@ -22,4 +22,5 @@ pub mod tonemap;
 pub mod trace;
 
 pub use foretell::foretell;
-pub use tiles::{render, render_tiles, render_with_stats};
+pub(crate) use tiles::render_tiles;
+pub use tiles::{render, render_with_stats};

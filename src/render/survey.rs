@@ -54,7 +54,7 @@ impl SeenTimes {
 
 impl SeenTimes {
     /// Whether they are those of a cube.
-    pub fn is_of_cube(&self, scene: &Scene) -> bool {
+    pub(crate) fn is_of_cube(&self, scene: &Scene) -> bool {
         let source = scene.sources.get(self.source);
         source.is_some_and(|source| matches!(source.kind, SourceKind::Cube(_)))
     }

@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::scene::model::Exposure;
 
 /// Pixels without a number, to be noticed: magenta.
-pub const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
+pub(crate) const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
 
 /// What a display shows, and by which factor.
 #[derive(Debug, Clone, PartialEq)]

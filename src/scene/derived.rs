@@ -6,18 +6,6 @@ use super::model::{Assembly, CameraModel, Motion, Object, ProjectionKind, Scene,
 use crate::spacetime::worldline::{WorldLine, WorldLineError};
 use crate::spacetime::{Camera, Event, InertialFrame, Rest, Velocity, World};
 
-impl Scene {
-    /// Seconds for a time of `metres` (ct), with the scene's speed of light.
-    pub fn seconds_from_metres(&self, metres: f64) -> f64 {
-        metres / self.speed_of_light
-    }
-
-    /// Metres (ct) for a time of `seconds`, with the scene's speed of light.
-    pub fn metres_from_seconds(&self, seconds: f64) -> f64 {
-        seconds * self.speed_of_light
-    }
-}
-
 impl CameraModel {
     /// The frame in which the camera rests when its clock shows 0, at all times where it does not
     /// accelerate. Its origin is the pinhole then.
@@ -208,12 +196,5 @@ shape = { sphere = { radius = 1 } }
             "{x} {y} {w}"
         );
         assert!((w - 4.0).abs() < 1e-6 && (z - 3.98).abs() < 1e-6);
-    }
-
-    #[test]
-    fn metres_become_seconds_with_the_scenes_own_speed_of_light() {
-        let scene = parse(TEXT, "test", Path::new(""), &Overrides::default()).unwrap();
-        assert_eq!(scene.seconds_from_metres(3.0), 1.5);
-        assert_eq!(scene.metres_from_seconds(1.5), 3.0);
     }
 }

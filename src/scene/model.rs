@@ -247,7 +247,7 @@ pub struct CubeSource {
 impl CubeSource {
     /// Whether lookups may be means over spans of time, through `camera`: over parts of an exposure, or over what samples
     /// stand for.
-    pub fn is_read_over_spans(&self, camera: &CameraModel) -> bool {
+    pub(crate) fn is_read_over_spans(&self, camera: &CameraModel) -> bool {
         camera.integrated_exposure().is_some() || self.reconstruction == Reconstruction::Footprint
     }
 }

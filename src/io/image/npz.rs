@@ -66,7 +66,7 @@ fn write_archive(
 ///
 /// # Errors
 /// I/O errors.
-pub fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
+pub(crate) fn write_vectors(path: &Path, rows: &[[f64; 3]]) -> Result<()> {
     write_atomically(path, |writer| {
         let shape = format!("({}, 3)", rows.len());
         write_all(writer, path, &npy_header("<f8", &shape))?;

@@ -114,7 +114,7 @@ impl Texture {
     }
 
     /// The same of a texture whose values are no colours but linear, from 0 to 1.
-    pub fn sample_linear(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> [f64; 3] {
+    pub(crate) fn sample_linear(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> [f64; 3] {
         let u = taps(uv[0], self.width, wrap[0]);
         let v = taps(uv[1], self.height, wrap[1]);
         let texel = |j, i| match &self.texels {

@@ -36,7 +36,7 @@ impl Dtype {
     }
 
     /// The largest number of an unsigned type, as it is read: `u8` in the range of `u4`.
-    pub fn largest_unsigned(&self) -> Option<f64> {
+    pub(crate) fn largest_unsigned(&self) -> Option<f64> {
         let Dtype::Other(descr) = self else {
             return None;
         };

@@ -78,7 +78,7 @@ impl Plan {
     ///
     /// # Errors
     /// More than the memory limit.
-    pub fn holding(mut self, beside: u64, working: u64) -> Result<Plan> {
+    pub(crate) fn holding(mut self, beside: u64, working: u64) -> Result<Plan> {
         let memory = &mut self.memory;
         memory.beside = memory.beside.saturating_add(beside);
         memory.temporary = memory.temporary.max(working);
@@ -87,7 +87,7 @@ impl Plan {
     }
 
     /// What the memory limit leaves, bytes.
-    pub fn memory_left(&self) -> u64 {
+    pub(crate) fn memory_left(&self) -> u64 {
         self.memory_limit.saturating_sub(self.memory.total())
     }
 

@@ -185,7 +185,7 @@ pub enum Elements {
 
 impl CameraModel {
     /// How long the shutter is open, where samples take means over parts of that.
-    pub fn integrated_exposure(&self) -> Option<f64> {
+    pub(crate) fn integrated_exposure(&self) -> Option<f64> {
         let shutter = self.shutter?;
         (shutter.integration == Integration::Means).then_some(shutter.duration)
     }

@@ -28,6 +28,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     if !arguments.quiet.on {
         warn(false, &info.remarks)?;
     }
+    // Refusals come before the first sample is read.
     let times = Times::of(arguments)?;
     refuse_input(arguments)?;
     let [h, w, ..] = info.shape;

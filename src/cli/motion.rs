@@ -354,6 +354,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
     let count = u64::from(arguments.pictures);
     let folder = Folder::of(&arguments.output)?;
     let request = arguments.changes.request();
+    // Pictures of all takes go into the folder first: what is there already is not rendered again.
     for take in takes {
         let outputs = Outputs {
             images: vec![folder.pattern(take.name)],
@@ -378,6 +379,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         Some(Beside::Diagram) => diagrams(arguments, scene)?,
         _ => Vec::new(),
     };
+    // Then they are put side by side, one picture of the film at a time.
     let picture = |k: u64| {
         let mut panels = Vec::new();
         for take in takes {

@@ -25,6 +25,7 @@ use super::{builtin, exposure, inputs, panels, passes, print, say};
 pub const PLAY_FPS: f64 = 24.0;
 
 pub fn run(mut arguments: RenderArguments) -> Result<()> {
+    // Films are made of the pictures of a sequence; all other outputs are written picture by picture.
     let (films, images) = arguments
         .output
         .into_iter()
@@ -35,6 +36,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     let overrides = arguments.changes.overrides();
     let file = file(arguments, &overrides)?;
     let scene = file.scene(&overrides)?;
+    // Everything that can be refused is refused before anything heavy is loaded.
     if arguments.changes.pixel_centers && scene.camera.shutter.is_some() {
         return Err(refused(
             "--pixel-centers",
@@ -46,6 +48,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
         return print(&scene.text);
     }
     let mut outputs = outputs(arguments, &scene);
+    // A film alone leaves no numbered pictures behind.
     if !films.is_empty() && arguments.output.is_empty() {
         outputs.images.clear();
     }
@@ -59,6 +62,7 @@ pub fn run(mut arguments: RenderArguments) -> Result<()> {
     };
     film.check(frames.is_some())?;
     check_caption(arguments, &outputs, &films)?;
+    // Three ways from here: a sequence, all panels, or one picture, which passes may improve.
     let of_panels = !scene.panels.is_empty() || !arguments.panel.is_empty();
     if let Some(path) = &arguments.stats_json {
         let plan = Plan::new(&scene, &request(arguments, &outputs, &scene))?;

@@ -57,6 +57,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             camera.horizontal_fov.to_string(),
         ),
     ];
+    // Keys of what is not there are left out.
     let has_rgb = scene.quantity == Quantity::Rgb
         || scene.sources.iter().any(|s| s.quantity == Quantity::Rgb);
     let continuation = has_rgb.then(|| {

@@ -48,7 +48,11 @@ pub fn render_with_stats(scene: &Prepared, progress: &dyn Progress) -> Result<(F
 ///
 /// # Errors
 /// As [`render`].
-pub(crate) fn render_tiles(scene: &Prepared, tiles: Range<u64>, progress: &dyn Progress) -> Result<Film> {
+pub(crate) fn render_tiles(
+    scene: &Prepared,
+    tiles: Range<u64>,
+    progress: &dyn Progress,
+) -> Result<Film> {
     tiles_with(scene, tiles, progress, None)
 }
 

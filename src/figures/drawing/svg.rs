@@ -183,6 +183,7 @@ impl Svg {
     }
 
     fn words(&mut self, text: &Text) {
+        // SVG places text by its baseline.
         let [_, down] = text.anchor.offset(0.0, text.size);
         let anchor = match text.anchor.x {
             AnchorX::Start => "start",
@@ -203,6 +204,7 @@ impl Svg {
             let turn = number(-text.angle.to_degrees());
             self.attribute("transform", &format!("rotate({turn} {x} {y})"));
         }
+        // A stroke lies half inside its outline, hence twice the width.
         if let Some((colour, width)) = text.halo.filter(|(_, width)| *width > 0.0) {
             self.attribute("paint-order", "stroke");
             self.colour("stroke", colour);
@@ -211,6 +213,7 @@ impl Svg {
         }
         self.colour("fill", text.colour);
         self.text.push('>');
+        // `dy` moves what follows, too: each run says by how much it differs from the one before.
         let mut raised = 0.0;
         for (words, leans, scale, rise) in text.text.runs() {
             self.text.push_str("<tspan");

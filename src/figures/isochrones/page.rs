@@ -44,6 +44,7 @@ impl Page {
         title: &str,
         values: Values,
     ) -> Result<Page> {
+        // Small pictures are enlarged by whole factors, so that pixels stay squares.
         let scale = (COMFORTABLE / width.max(height)).max(1);
         let [w, h] = [width, height].map(|n| f64::from(n) * f64::from(scale));
         let em = (0.035 * h).clamp(15.0, 40.0);
@@ -60,6 +61,7 @@ impl Page {
             )?),
             None => None,
         };
+        // The page is as large as the picture, the title or the legend needs.
         let title_width = RichText::plain(title)?.width(1.25 * em)?;
         let right = legend.as_ref().map_or(margin + w, Legend::extent);
         let bottom = legend.as_ref().map_or(0.0, |l| l.bottom + 0.5 * em);

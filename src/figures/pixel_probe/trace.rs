@@ -57,6 +57,7 @@ pub fn trace(
         memory_limit,
         beside: 0,
     };
+    // The light is followed back to where it left, which takes geometry alone.
     let mut plan = Plan::new(scene, &request)?;
     plan.cubes.iter_mut().for_each(|cube| *cube = None);
     for object in &mut plan.objects {
@@ -64,6 +65,7 @@ pub fn trace(
     }
     let mut prepared = Prepared::new(scene, &plan, progress)?;
     let (ray, moment) = camera_ray(&prepared, pixel);
+    // Behind a finite pinhole some elements of the sensor get no light.
     if !ray.origin.sees() || !ray.d.unit().is_finite() {
         let what = "no light reaches this element of the sensor through the pinhole";
         let help = "take another pixel, or another time";

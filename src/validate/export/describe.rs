@@ -45,9 +45,11 @@ pub(super) fn camera(scene: &Scene, camera: &Camera) -> CameraEntry {
     let film = &camera.shot.projection;
     let [width, height] = model.size.map(f64::from);
     let velocity = camera.shot.frame.velocity();
+    // A sensor given in the world is longer or shorter in its own frame; the projection has that in its vectors.
     let stretch = model.sensor.map_or(1.0, |sensor| {
         sensor.own_focal_length(film.forward(), velocity) / sensor.focal_length
     });
+    // Right and up of a plane by its film points, of other projections by their axes.
     let from_middle = |x, y| film.vector(x, y) - film.vector(0.5 * width, 0.5 * height);
     let (right, x) = unit(from_middle(width, 0.5 * height));
     let (up, y) = unit(from_middle(0.5 * width, 0.0));

@@ -127,6 +127,7 @@ impl ErrorMap {
                 },
             },
         ];
+        // At most one label for two lines of text.
         let step = round_step((self.most / (bar_height / em / 2.0).min(STEPS)).max(1e-13));
         let mut widest: f64 = 0.0;
         for i in 0..=(self.most / step + 1e-9) as u32 {

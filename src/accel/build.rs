@@ -91,6 +91,7 @@ impl Bvh {
         let Some((lo, hi)) = bounds(&triangles, &solid) else {
             return Bvh::empty();
         };
+        // Each list goes as soon as the next one stands, as meshes may fill half of the memory.
         let space = TreeSpace::new(lo, hi);
         let tree = build_tree(&triangles, &solid, &space, preset);
         let layout = Layout::of(&tree);
@@ -112,6 +113,7 @@ impl Bvh {
             space,
             bounds: (lo, hi),
         };
+        // A leaf is read up to the tag that ends it.
         for &slot in &layout.last_of_leaf {
             bvh.tags[slot as usize].end_leaf();
         }

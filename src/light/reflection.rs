@@ -271,6 +271,7 @@ impl Reflection {
     /// A direction drawn for all of f by two numbers in [0, 1); none where it goes into the surface, or all is black.
     #[inline]
     pub fn sample(&self, [x, y]: [f64; 2]) -> Option<Scattered> {
+        // One number decides between mirror, glass and diffuse; what is left of it is uniform again.
         let share = self.specular_share();
         if x < share && self.is_mirror {
             let f0 = self.specular?;

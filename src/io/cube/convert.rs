@@ -287,6 +287,7 @@ impl<'a> Work<'a> {
         let slots = axes.slots();
         let help = "name H, W, T and C once each, H or T first, like \"T H W C\"; C may be left out where there is one channel";
         let refuse = |what: String| Err(Error::invalid(to, format!("axes {axes}"), what, help));
+        // Parts are written as they come, so that the first axis is one along which a cube can be cut.
         let by_time = match slots.first() {
             Some(Some(0)) => false,
             Some(Some(2)) => true,

@@ -106,12 +106,14 @@ impl Selection {
             let what = format!("an array of shape {sizes:?} has no samples");
             return Err((what, "every axis must have a size of at least 1".into()));
         }
+        // Products of sizes are safe from here on.
         let count = sizes.iter().try_fold(1u64, |n, size| n.checked_mul(*size));
         if count.is_none_or(|count| count > LONGEST) {
             let what = format!("the shape {sizes:?} has more samples than can be used");
             return Err((what, "check the file".into()));
         }
         let sizes: Vec<usize> = sizes.iter().map(|size| *size as usize).collect();
+        // What becomes of each axis: kept, summed, or one entry of it.
         let (mut roles, mut kept, mut lies) = (Vec::new(), Vec::new(), Vec::new());
         let mut choices = taken.choices.iter();
         for (number, (&axis, &size)) in taken.axes.iter().zip(&sizes).enumerate() {

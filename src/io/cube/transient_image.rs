@@ -74,6 +74,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
     let failed = || Error::io(file, "cannot read");
     let length = reader.seek(SeekFrom::End(0)).map_err(failed())?;
     reader.rewind().map_err(failed())?;
+    // The magic says the version, and the version what follows.
     let invalid = |what: String| Error::invalid(file, "header", what, HELP);
     let mut magic = [0; 4];
     let short = |error: std::io::Error| match error.kind() {
@@ -116,6 +117,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
                 block,
             }
         }
+        // The same three sizes, in another order.
         b"TI00" | b"TI01" => {
             let [a, b, c] = [next()?, next()?, next()?].map(|n| u32::from_le_bytes(n) as usize);
             let (bins, columns, rows) = if magic[3] == b'0' {
@@ -140,6 +142,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
             ));
         }
     };
+    // Nothing is allocated yet: sizes whose samples are not in the file end here, overflow included.
     let count = [header.rows, header.columns, header.bins]
         .iter()
         .try_fold(4u64, |n, k| n.checked_mul(*k as u64));

@@ -151,6 +151,7 @@ impl<F: Filter<N>, const N: usize> VectorLoop for Plan<'_, F, N> {
             self.count,
             places,
         );
+        // The types of samples and the numbers of channels are told apart once for a batch.
         let factor = self.texture.factor();
         let cube = match self.texture.cube() {
             CubeStore::Memory(cube) => cube,

@@ -193,6 +193,7 @@ pub(super) fn index(
     at_start: bool,
 ) -> Result<Index, Broken> {
     let failed = |error: std::io::Error| format!("the index of the shard cannot be read: {error}");
+    // An offset and a length for each chunk, 8 bytes each, and perhaps a CRC-32C of 4.
     let bytes = 16 * count + if has_checksum { 4 } else { 0 };
     let length = reader.seek(SeekFrom::End(0)).map_err(failed)?;
     let start = match at_start {
@@ -221,6 +222,7 @@ pub(super) fn index(
         .0
         .iter()
         .map(|[offset, bytes]| match (*offset, *bytes) {
+            // The specification's mark of a chunk that is not there.
             (u64::MAX, u64::MAX) => Ok(None),
             (offset, bytes) if offset.checked_add(bytes).is_some_and(|end| end <= length) => {
                 Ok(Some((offset, bytes)))

@@ -137,6 +137,7 @@ impl Reading<'_> {
             ));
         }
         let number = self.number(document)?;
+        // Chunks: a regular grid, in files named by their places.
         let (name, grid) = self.named(document.get("chunk_grid"), "chunk_grid")?;
         if name != "regular" {
             let what = format!("chunks in a grid called {name:?} are not read");
@@ -156,6 +157,7 @@ impl Reading<'_> {
                 ));
             }
         };
+        // The default of "default" is a slash, and that of "v2" a dot.
         let separator = match keys.get("separator").and_then(Value::as_str) {
             Some("/") => '/',
             Some(".") => '.',
@@ -172,6 +174,7 @@ impl Reading<'_> {
             Some(Value::Object(attributes)) => attributes.clone(),
             _ => Map::new(),
         };
+        // Names of axes by the format's own key, or else by the attribute that xarray writes.
         let names = [
             ("dimension_names", document.get("dimension_names")),
             (
@@ -320,6 +323,7 @@ impl Reading<'_> {
         let Some(list) = value.and_then(Value::as_array) else {
             return Err(self.invalid("codecs", "there is no list of them"));
         };
+        // First codecs from array to array, then one to bytes, then those from bytes to bytes; `chunk` is the shape so far.
         let mut codecs: Vec<Codec> = Vec::new();
         let mut chunk = chunk.to_vec();
         for entry in list {
@@ -363,6 +367,7 @@ impl Reading<'_> {
                             format!("a shard of {chunk:?} does not consist of chunks of {inner:?}");
                         return Err(self.invalid("codecs", what));
                     }
+                    // A shard within a shard would need an index for each level.
                     let nested = |entry: &Value| {
                         entry.get("name").and_then(Value::as_str) == Some("sharding_indexed")
                     };
@@ -378,6 +383,7 @@ impl Reading<'_> {
                         ));
                     }
                     let index = self.codecs(configuration.get("index_codecs"), &[], Number::U64)?;
+                    // The index is read at a known place, so that its length must be known: nothing that compresses.
                     let is_plain = |codec: &Codec| {
                         matches!(codec, Codec::Bytes { is_big: false } | Codec::Crc32c)
                     };

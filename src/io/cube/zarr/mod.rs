@@ -340,6 +340,7 @@ impl Array {
             } => Some((inner, codecs, *has_checksum, *at_start)),
             _ => None,
         });
+        // A unit is a chunk, or a chunk of a shard: `outer` is its file.
         let per_shard: Vec<usize> = chunk
             .iter()
             .zip(&self.unit)
@@ -360,6 +361,7 @@ impl Array {
         }
         let (mut reader, length) = open_regular(&file)?;
         let failed = || Error::io(&file, "cannot read");
+        // Compression may make a chunk longer, but not by much: a file that is larger is not read.
         let most = (chunk.iter().product::<usize>() * number.bytes()) as u64 * 2 + (1 << 20);
         let (bytes, codecs) = match sharding {
             None => {
@@ -382,6 +384,7 @@ impl Array {
                         .map_err(broken)?;
                     self.index = Some((outer.clone(), index));
                 }
+                // Within a shard chunks are counted in C order.
                 let inside = place
                     .iter()
                     .zip(&per_shard)

@@ -91,7 +91,7 @@ impl Bvh {
         let Some((lo, hi)) = bounds(&triangles, &solid) else {
             return Bvh::empty();
         };
-        // Each list goes as soon as the next one stands, as meshes may fill half of the memory.
+        // Each list is dropped once the next one is made from it: meshes of 10⁸ triangles have to fit.
         let space = TreeSpace::new(lo, hi);
         let tree = build_tree(&triangles, &solid, &space, preset);
         let layout = Layout::of(&tree);

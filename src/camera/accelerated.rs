@@ -142,7 +142,8 @@ impl Accelerated {
         moment: f64,
     ) -> CameraRay {
         let seen = film.direction(at[0], at[1]);
-        let (moved, d, ratio) = stretch.look(self.moment(moment), seen);
+        let time = self.moment(moment);
+        let (moved, d, ratio) = stretch.nearest(time).look(time, seen);
         self.point_ray(film, at, (seen, d, ratio, moved))
     }
 

@@ -91,17 +91,11 @@ impl Stretch {
         })
     }
 
-    /// What is seen along `seen` of the comoving frame at a proper time of the stretch: from the reference to the
-    /// line's event then, the look direction in the world, and ω_world/ω_comoving of light from there.
+    /// The anchor nearest to a proper time of the stretch.
     #[inline(always)]
-    pub fn look(
-        &self,
-        proper_time: f64,
-        seen: Direction<Camera>,
-    ) -> (Displacement<World>, Direction<World>, f64) {
+    pub fn nearest(&self, proper_time: f64) -> &Anchor {
         let nearest = ((proper_time - self.begin) * self.density) as usize;
-        let anchor = &self.anchors[nearest.min(self.anchors.len() - 1)];
-        anchor.look(proper_time, seen)
+        &self.anchors[nearest.min(self.anchors.len() - 1)]
     }
 
     /// The anchor, where there is but one.
@@ -131,7 +125,8 @@ impl Anchor {
         }
     }
 
-    /// What [`Stretch::look`] says of a proper time near this one.
+    /// What is seen along `seen` of the comoving frame at a proper time near this one: from the reference to the
+    /// line's event then, the look direction in the world, and ω_world/ω_comoving of light from there.
     #[inline(always)]
     pub fn look(
         &self,
@@ -226,7 +221,7 @@ mod tests {
                     for c in seen {
                         let c = Direction::new(c).unwrap();
                         let (d, ratio) = boost.direction(c);
-                        let (moved, own, own_ratio) = stretch.look(t, c);
+                        let (moved, own, own_ratio) = stretch.nearest(t).look(t, c);
                         let away = moved - (state.event - reference);
                         let size = 1.0 + state.event.ct.abs() + reference.ct.abs();
                         assert!(

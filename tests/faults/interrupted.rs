@@ -1,6 +1,6 @@
 //! Killed at any instant.
 
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,16 @@ fn killed(folder: &Folder, arguments: &[&str], after: Duration) -> bool {
     child.kill().unwrap();
     child.wait().unwrap();
     was_at_work
+}
+
+/// Starts a sequence, and waits for its first frame.
+fn started(folder: &Folder, sequence: &[&str]) -> Child {
+    let mut command = folder.program(sequence);
+    let child = command.stdout(Stdio::piped()).spawn().unwrap();
+    while !folder.path("f-00.png").exists() {
+        sleep(Duration::from_millis(1));
+    }
+    child
 }
 
 #[test]
@@ -166,14 +176,7 @@ fn a_scene_that_is_edited_during_its_sequence_is_rendered_as_it_was_and_that_is_
     assert!(before != after);
     let folder = Folder::new();
     folder.write("a.toml", &scene);
-    let child = folder
-        .program(&sequence)
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    while !folder.path("f-00.png").exists() {
-        sleep(Duration::from_millis(1));
-    }
+    let child = started(&folder, &sequence);
     folder.write("a.toml", &edited);
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
@@ -241,14 +244,7 @@ fn inputs_that_vanish_once_they_are_read_are_not_missed() {
         "--spp",
         "9",
     ];
-    let child = folder
-        .program(&sequence)
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    while !folder.path("f-00.png").exists() {
-        sleep(Duration::from_millis(1));
-    }
+    let child = started(&folder, &sequence);
     std::fs::remove_file(folder.path("a.glb")).unwrap();
     std::fs::remove_file(folder.path("a.toml")).unwrap();
     let output = child.wait_with_output().unwrap();

@@ -391,13 +391,7 @@ fn what_cannot_be_used_is_refused_with_what_would_be_right() {
 /// Bytes of small files changed and cut: an answer, and no more memory than the file is worth.
 #[test]
 fn damaged_files_are_refused_or_read_but_never_break_the_reader() {
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state as usize
-    };
+    let mut random = crate::random_numbers();
     for name in [
         "tal_3.hdf5",
         "zaragoza_7.hdf5",

@@ -60,13 +60,7 @@ fn frames_of_all_kinds_of_samples_are_read() {
 
 #[test]
 fn damaged_pictures_are_refused_or_read_but_never_break_the_reader() {
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state as usize
-    };
+    let mut random = crate::random_numbers();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
     for name in ["f32_001.tif", "u16_001.tiff", "rgb_001.tif"] {

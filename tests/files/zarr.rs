@@ -328,13 +328,7 @@ fn what_is_broken_or_not_known_is_refused_by_name() {
 /// Bytes of chunks and of the description changed: an answer, and no more memory than that of a chunk.
 #[test]
 fn damaged_arrays_are_refused_or_read_but_never_break_the_reader() {
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
-    let mut random = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state as usize
-    };
+    let mut random = crate::random_numbers();
     for (name, chunk) in [
         ("zstd", "c/0/0/0"),
         ("gzip", "c/0/0/0"),

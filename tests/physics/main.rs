@@ -3,6 +3,7 @@
 #[path = "../common"]
 mod common {
     pub mod exact;
+    pub mod sequence;
     pub mod table;
     pub mod worst;
 }

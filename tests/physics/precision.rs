@@ -12,29 +12,9 @@ use nullray::spacetime::{
     Boost, Camera, Direction, Displacement, MAX_RAPIDITY, Rest, Velocity, World,
 };
 
-/// A fixed sequence of numbers in [0, 1) (splitmix64).
-struct Sequence(u64);
+use crate::common::sequence::Sequence;
 
 impl Sequence {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * EPS
-    }
-
-    fn unit(&mut self) -> DVec3 {
-        let (z, azimuth) = (2.0 * self.next() - 1.0, std::f64::consts::TAU * self.next());
-        let r = (1.0 - z * z).sqrt();
-        DVec3::new(r * azimuth.cos(), r * azimuth.sin(), z)
-    }
-
-    /// Log-uniform in [`low`, `high`).
-    fn scale(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-
     fn pick<const N: usize>(&mut self, choices: [f64; N]) -> f64 {
         choices[(self.next() * N as f64) as usize]
     }

@@ -6,7 +6,9 @@ use nullray::io::cube::{Cube, Samples};
 use nullray::light::time_texture::{
     Capture, Coverage, Sampled, SeenPoint, SurfacePoint, TimeAxis, TimeTexture,
 };
-use nullray::scene::model::{BinValues, CaptureCamera, Fill, Outside, TimeBins, TimeFilter};
+use nullray::scene::model::{BinValues, CaptureCamera, Fill, TimeBins, TimeFilter};
+
+use crate::time_texture::{everywhere, filled};
 
 const SIZE: usize = 192;
 const BINS: usize = 160;
@@ -58,15 +60,6 @@ fn occluded(point: DVec3, eye: DVec3) -> bool {
 
 fn nothing_occludes(_: DVec3, _: DVec3) -> bool {
     false
-}
-
-fn everywhere(fill: Fill) -> Outside {
-    Outside {
-        before: fill,
-        after: fill,
-        off_texture: fill,
-        occluded: fill,
-    }
 }
 
 /// A capture of the scene: its camera with the pixels' distances, and the recorded cube.
@@ -302,14 +295,6 @@ fn constant(fill: Fill) -> (Capture, TimeTexture) {
         capture,
         TimeTexture::new(cube, axis, everywhere(fill)).unwrap(),
     )
-}
-
-fn filled(fill: Fill, held: f64) -> ([f64; 3], [f64; 3]) {
-    match fill {
-        Fill::Black => ([0.0; 3], [0.0; 3]),
-        Fill::Mark(colour) => ([0.0; 3], colour),
-        Fill::Hold => ([held; 3], [0.0; 3]),
-    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ const FILTERS: [TimeFilter; 4] = [
     TimeFilter::CubicMeans,
 ];
 
-fn everywhere(fill: Fill) -> Outside {
+pub fn everywhere(fill: Fill) -> Outside {
     Outside {
         before: fill,
         after: fill,
@@ -190,7 +190,7 @@ fn each_side_of_time_is_filled_by_its_own_policy() {
             let texture = TimeTexture::new(cube, axis(TimeFilter::Linear), outside).unwrap();
             for (t, fill, held) in [(6.5, before, 3.0), (8.0, after, 5.0)] {
                 let sampled = texture.sample_uv(DVec2::splat(0.5), t);
-                let (radiance, unscaled) = expected(fill, held);
+                let (radiance, unscaled) = filled(fill, held);
                 assert_eq!((sampled.radiance, sampled.unscaled), (radiance, unscaled));
                 let one = if t < 7.0 {
                     sampled.coverage.before
@@ -203,7 +203,8 @@ fn each_side_of_time_is_filled_by_its_own_policy() {
     }
 }
 
-fn expected(fill: Fill, held: f64) -> ([f64; 3], [f64; 3]) {
+/// What a lookup without data gives: radiance, and what is not scaled.
+pub fn filled(fill: Fill, held: f64) -> ([f64; 3], [f64; 3]) {
     match fill {
         Fill::Black => ([0.0; 3], [0.0; 3]),
         Fill::Mark(colour) => ([0.0; 3], colour),
@@ -223,7 +224,7 @@ fn off_the_texture_is_filled_and_held_places_are_clamped() {
             (0.1, f64::NAN, 3.0),
         ] {
             let sampled = texture.sample_uv(DVec2::new(u, v), 7.1);
-            assert_eq!((sampled.radiance, sampled.unscaled), expected(fill, held));
+            assert_eq!((sampled.radiance, sampled.unscaled), filled(fill, held));
             assert_eq!(sampled.coverage, Coverage::OFF_TEXTURE);
         }
     }
@@ -238,7 +239,7 @@ fn a_held_place_at_a_missing_time_is_filled_as_that_time_is() {
     let cube = Cube::new([1, 1, 1, 1], Samples::F64(vec![3.0])).unwrap();
     let texture = TimeTexture::new(cube, axis(TimeFilter::Nearest), outside).unwrap();
     let sampled = texture.sample_uv(DVec2::new(2.0, 0.5), 100.0);
-    assert_eq!((sampled.radiance, sampled.unscaled), expected(MARK, 0.0));
+    assert_eq!((sampled.radiance, sampled.unscaled), filled(MARK, 0.0));
     assert_eq!(sampled.coverage, Coverage::OFF_TEXTURE);
 }
 

@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
-/// SplitMix64.
-pub struct Random(pub u64);
+use crate::common::sequence::Sequence;
+
+pub struct Random(Sequence);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Random(Sequence(seed))
+    }
+
     /// In [0, 1).
     pub fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        self.0.next()
     }
 
     /// In [−1, 1).
@@ -55,7 +56,7 @@ impl Random {
 
 /// The inputs of case `index` of `family`.
 pub fn inputs(family: &str, index: usize) -> Vec<f64> {
-    let mut random = Random(index as u64 * 0x51ed + family.len() as u64);
+    let mut random = Random::new(index as u64 * 0x51ed + family.len() as u64);
     let r = &mut random;
     match family {
         "look-1e4" => look(r, 1e4),

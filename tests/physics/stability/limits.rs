@@ -25,7 +25,7 @@ fn rows() -> Vec<[f64; 3]> {
 /// The largest shift of the picture, pixels, over directions that a camera of 60° may look in.
 fn shift(gamma: f64, n: impl Fn(&mut Random) -> DVec3) -> f64 {
     let picture = REGIMES.iter().find(|r| r.name == "picture-1e12").unwrap();
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let phi = libm::acosh(gamma).min(MAX_RAPIDITY * 0.999_999);
     let cases = (0..2000).map(|_| {
         let w = n(&mut random) * phi;

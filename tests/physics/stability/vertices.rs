@@ -53,7 +53,7 @@ fn hits(bvh: &Bvh, origin: DVec3, directions: &[DVec3]) -> Vec<Option<(u32, f64)
 
 #[test]
 fn odd_vertices_in_a_tree_hide_none_of_the_others_and_end_no_traversal_late() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let good: Vec<[DVec3; 3]> = (0..300)
         .map(|_| {
             let at = random.vector();
@@ -83,7 +83,7 @@ fn odd_vertices_in_a_tree_hide_none_of_the_others_and_end_no_traversal_late() {
 
 #[test]
 fn odd_rays_into_a_tree_of_odd_vertices_return() {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let mut odd = || ODD[(random.share() * 9.0) as usize];
     let mut point = || DVec3::new(odd(), odd(), odd());
     let mut mesh: Vec<[DVec3; 3]> = (0..500).map(|_| [point(), point(), point()]).collect();

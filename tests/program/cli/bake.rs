@@ -25,6 +25,17 @@ intensity = 5
 emission = { gaussian = { sigma = "30 cm" } }
 "#;
 
+/// That two scenes of a folder have the same mean, to 2 %.
+fn assert_as_bright(folder: &Folder, a: &str, b: &str) {
+    let [a, b] = [a, b].map(|scene| {
+        folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
+        let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
+        let radiance = layers.radiance().unwrap();
+        radiance.iter().map(|rgb| rgb[0]).sum::<f64>() / radiance.len() as f64
+    });
+    assert!(b > 0.0 && (a / b - 1.0).abs() < 0.02, "{a} {b}");
+}
+
 #[test]
 fn what_bake_prints_reads_what_it_has_written() {
     for (options, file) in [
@@ -46,17 +57,7 @@ fn what_bake_prints_reads_what_it_has_written() {
         // The picture through the cube is that of the light itself, but for the width of its bins and texels.
         let source = said.split_once("\n\n").unwrap().1;
         folder.write("baked.toml", FLASH.to_string() + source);
-        let mean = |scene: &str| {
-            folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
-            let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
-            let radiance = layers.radiance().unwrap();
-            radiance.iter().map(|rgb| rgb[0]).sum::<f64>() / radiance.len() as f64
-        };
-        let (baked, lit) = (mean("baked.toml"), mean("lit.toml"));
-        assert!(
-            lit > 0.0 && (baked / lit - 1.0).abs() < 0.02,
-            "{baked} {lit}"
-        );
+        assert_as_bright(&folder, "baked.toml", "lit.toml");
     }
 }
 
@@ -125,17 +126,7 @@ fn an_atlas_is_written_with_the_light_and_read_by_the_object() {
     let (_, key) = tables.split_once("# Give object \"floor\"\n# ").unwrap();
     let (key, source) = key.split_once('\n').unwrap();
     folder.write("baked.toml", format!("{boxed}{key}\n{source}"));
-    let mean = |scene: &str| {
-        folder.ok(&["render", scene, "-o", "a.exr", "--spp", "16", "-q"]);
-        let layers = exr::read(&folder.path("a.exr"), &Budget::new(1 << 30)).unwrap();
-        let radiance = layers.radiance().unwrap();
-        radiance.iter().map(|rgb| rgb[0]).sum::<f64>() / radiance.len() as f64
-    };
-    let (baked, lit) = (mean("baked.toml"), mean("lit.toml"));
-    assert!(
-        lit > 0.0 && (baked / lit - 1.0).abs() < 0.02,
-        "{baked} {lit}"
-    );
+    assert_as_bright(&folder, "baked.toml", "lit.toml");
     // Another mesh is not the one of these coordinates.
     let other = boxed.replace("box = { size = [4, 0.2, 4] }", "plane = { size = [4, 4] }");
     folder.write("other.toml", format!("{other}{key}\n{source}"));

@@ -23,6 +23,32 @@ pub fn refused(folder: &Folder, arguments: &[&str], parts: &[&str]) {
     assert_eq!(folder.names(), before, "{arguments:?}");
 }
 
+/// The corner with a copy of a cube of the repository, named `name`.
+fn write_corner(folder: &Folder, scene: &str, cube: &str, name: &str) {
+    let glb = "scenes/corner/corner.glb";
+    fs::copy(repository(glb), folder.path("corner.glb")).unwrap();
+    fs::copy(repository(cube), folder.path(name)).unwrap();
+    folder.write(
+        scene,
+        format!(
+            r#"
+[camera]
+eye = [1.6, 1.9, 2.6]
+look_at = [1, 1.6, 1.7]
+hfov = "60 deg"
+size = [32, 24]
+[[object]]
+gltf = "corner.glb"
+[[source]]
+[source.cube]
+file = "{name}"
+bin_width = "0.1 m"
+uv = 0
+"#
+        ),
+    );
+}
+
 #[test]
 fn wrong_values_of_options_are_refused() {
     let folder = Folder::new();
@@ -178,32 +204,11 @@ fn what_the_scene_is_made_of_is_not_overwritten() {
     );
     assert_eq!(folder.read("scene.png"), SMALL.as_bytes());
 
-    fs::copy(
-        repository("scenes/corner/corner.glb"),
-        folder.path("corner.glb"),
-    )
-    .unwrap();
-    fs::copy(
-        repository("scenes/corner/capture_rgb.npz"),
-        folder.path("data.npz"),
-    )
-    .unwrap();
-    folder.write(
+    write_corner(
+        &folder,
         "cube.toml",
-        r#"
-[camera]
-eye = [1.6, 1.9, 2.6]
-look_at = [1, 1.6, 1.7]
-hfov = "60 deg"
-size = [32, 24]
-[[object]]
-gltf = "corner.glb"
-[[source]]
-[source.cube]
-file = "data.npz"
-bin_width = "0.1 m"
-uv = 0
-"#,
+        "scenes/corner/capture_rgb.npz",
+        "data.npz",
     );
     refused(
         &folder,
@@ -275,33 +280,12 @@ fn scenes_that_cannot_be_read_are_refused() {
 #[test]
 fn a_failure_midway_leaves_an_existing_output_as_it_was() {
     let folder = Folder::empty();
-    fs::copy(
-        repository("scenes/corner/corner.glb"),
-        folder.path("corner.glb"),
-    )
-    .unwrap();
     // A header as it should be, and a sample that is not: found when the data are loaded.
-    fs::copy(
-        repository("tests/data/invalid/sample-nan.npy"),
-        folder.path("data.npy"),
-    )
-    .unwrap();
-    folder.write(
+    write_corner(
+        &folder,
         "scene.toml",
-        r#"
-[camera]
-eye = [1.6, 1.9, 2.6]
-look_at = [1, 1.6, 1.7]
-hfov = "60 deg"
-size = [32, 24]
-[[object]]
-gltf = "corner.glb"
-[[source]]
-[source.cube]
-file = "data.npy"
-bin_width = "0.1 m"
-uv = 0
-"#,
+        "tests/data/invalid/sample-nan.npy",
+        "data.npy",
     );
     folder.write("old.png", "precious");
     refused(

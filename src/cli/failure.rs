@@ -3,7 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | `compare` exceeded a tolerance, or a check of `selftest` failed |
+//! | 1 | `compare` exceeded a tolerance or could not judge it, or a check of `selftest` failed |
 //! | 2 | wrong command line, bad input, a file that cannot be read or written |
 //! | 101 | a bug in nullray |
 //! | 130 | stopped by Ctrl-C or a termination signal |

@@ -10,7 +10,7 @@ Examples:
   nullray render scene.toml          write scene.png
   nullray render model.glb --beta 0.9  see a model at 0.9 c, without a scene
   nullray film scene.toml --flyby 0.9  make a film, scene.apng
-  nullray page scene.toml -o DIR     make a page of HTML with a slider for the speed
+  nullray page scene.toml -o DIR     make an HTML page with a slider for the speed
   nullray sheet scene.toml           write its panels on one labelled page, scene-sheet.png
   nullray diagram scene.toml         draw its world lines, scene.svg
   nullray export scene.toml -o DIR   write it for other renderers, with reference pictures
@@ -20,7 +20,7 @@ Examples:
   nullray selftest                   test this build on this machine
   nullray help render                all options, examples and channel names
 
-Exit codes: 0 done; 1 `compare` exceeded a --tolerance, or a check of `selftest` failed; 2 wrong arguments, bad input, \
+Exit codes: 0 done; 1 `compare` exceeded a --tolerance or could not judge it, or a check of `selftest` failed; 2 wrong arguments, bad input, \
 or a file that cannot be read or written; 101 a bug in nullray; 130 stopped by Ctrl-C, with no unfinished file left.
 
 No environment variable changes what is computed; NO_COLOR turns off colours in messages.";
@@ -54,8 +54,8 @@ Examples:
 
 An .apng plays in every browser. A .y4m is 8-bit YCbCr 4:4:4 by BT.709 in the limited range, for any encoder. The finished \
 pictures of a film are kept in FILE.frames until it is complete: to resume after an interruption, run the same command again. \
-All pictures have one exposure, but those of --speeds, which each have their own; --white sets it, and \
---set \"display.logarithmic=[1e-6,1e4]\" has room for any speeds on one scale.
+All pictures share one exposure, except with --speeds, where each has its own; --white gives them one, and \
+--set \"display.logarithmic=[1e-6,1e4]\" shows any speeds on one scale.
 
 --time gives the moment at which --flyby passes the camera's position, and at which the others begin, as world time after camera.clock_zero.";
 
@@ -113,8 +113,8 @@ Examples:
   nullray bake scene.toml --object floor --texels 128x128 --bin-width \"5 cm\" -o floor.npy
 
 Each sample is a path of `render.bounces` surfaces after the first, and its light goes into all bins of time in which it arrives. \
-What was written is told as a [[source]] table for a scene file. How much of the energy the bins miss is told too: then move --start, \
-or give more or wider bins.";
+`bake` prints the [[source]] table that reads its file in a scene, and how much of the energy the bins miss: if it is much, move \
+--start, or give more or wider bins.";
 
 pub const CONVERT: &str = "\
 Examples:
@@ -123,20 +123,20 @@ Examples:
   nullray convert capture.npy -o small.npz --rows 0:64 --columns 0:64 --merge 2
   nullray convert capture.npy --unwarp seen.npz --bin-width \"0.05 m\" --start \"7 m\" -o world.npy
 
-Data go through in parts, so that files larger than memory can be converted; what is not in place in a file (archives, \
-pictures) is written to a temporary file first. A picture of distances comes from rendering the scene as the capture camera \
-sees it: nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Bins that a shift splits are shared out, so that \
-sums stay what they are. Outputs appear once they are complete.";
+Files larger than memory are converted in parts; archives and pictures are unpacked to a temporary file first. \
+To make a picture of distances, render the scene as the capture camera sees it: \
+nullray render scene.toml --aovs distance --pixel-centers -o seen.npz. Where a shift splits a bin, both halves get their share, so that \
+sums stay the same. Outputs appear once they are complete.";
 
 pub const MESH_FROM_DEPTH: &str = "\
 Examples:
   nullray mesh-from-depth capture.npz --eye 3.2,3,4.6 --look-at -0.4,1,-0.6 --fov \"45 deg\" --start \"7.2 m\" --bin-width \"0.05 m\" --lamp 1.2,2.8,1 -o wall.glb
   nullray mesh-from-depth seen.npz --from distance --eye 0,1,5 --look-at 0,0,0 --fov \"60 deg\" -o seen.glb
 
-A vertex lies in the centre of each pixel, with the texture coordinates of that place in the picture: a cube of the same camera by \
-times of emission is addressed by `uv = 0`, and one by times of arrival by `capture` with the same camera. Surfaces are torn where \
-they end before others. The light that came first is that which a surface sent on directly; where only light over other \
-surfaces arrived the distance would be too long, so that dark pixels are left out (--least).";
+There is a vertex at the centre of each pixel, with the texture coordinates of that place in the picture. For a cube of the same camera \
+by times of emission use `uv = 0`, for one by times of arrival `capture` with the same camera. The mesh is torn where one surface ends \
+in front of another. The distance is that of the light that came first, straight from the surface. Dark pixels are left out (--least): \
+where only indirect light arrives, the distance would be too long.";
 
 pub const STUDY: &str = "\
 Examples:
@@ -164,8 +164,7 @@ Examples:
 
 Channels are matched by name. Metrics of --tolerance:";
 
-const COMPARE_EXIT: &str =
-    "Exit codes: 0 within all tolerances; 1 a tolerance is exceeded; 2 bad input.";
+const COMPARE_EXIT: &str = "Exit codes: 0 within all tolerances; 1 a tolerance is exceeded, or too little could be measured to judge it; 2 bad input.";
 
 pub const PLAN: &str = "\
 Examples:
@@ -183,8 +182,8 @@ every point within --pixels of its true position; how many parts its longest edg
 halved; the largest error without any cuts; and the triangle and the pixel that need the shortest edges.";
 
 pub const INFO: &str = "\
-Of a mesh: triangles, materials, nodes, cameras. Of arrays: shape, type, and whether they can be used as \
-time-resolved radiance. Of pictures: size, channels with their ranges, metadata. Of a scene: camera, \
+For a mesh: triangles, materials, nodes, cameras. For arrays: shape, type, and whether they can be used as \
+time-resolved radiance. For pictures: size, channels with their ranges, metadata. For a scene: camera, \
 objects, sources. Only headers are read, except of .exr.";
 
 pub const SELFTEST: &str = "\
@@ -214,16 +213,16 @@ numbered k whatever part of the sequence is rendered, so two machines can render
 sequence. Frames whose files are already complete, from the same version, scene and options, are skipped: to \
 resume after an interruption, run the same command again.
 
-Films: -o FILE.apng (animated PNG) or FILE.y4m (raw video: 8-bit YCbCr 4:4:4, BT.709, limited range; - for standard output) puts \
-the frames of a sequence together, --play-fps of them a second. Unless -o also names a .png, they are kept in FILE.frames \
-until the film is complete, to be resumed from.
+Films: -o FILE.apng (animated PNG) or FILE.y4m (raw video: 8-bit YCbCr 4:4:4, BT.709, limited range; - for standard output) joins \
+the frames of a sequence, --play-fps of them a second. Unless -o also names a .png, the frames are kept in FILE.frames \
+until the film is complete, so that it can be resumed.
 
 Panels: a scene with [[panel]] tables is rendered panel by panel, with the panel's name added before the \
 extension. With a single --panel and -o, the file name is used as given.";
 
 const METHODS: &str = "
-Methods (--method): all but the first approximate geometry and visibility, with samples, radiance and channels \
-of the same definition.
+Methods (--method): all but the first approximate geometry and visibility. Samples, radiance and channels are \
+defined alike.
   trace                     rays; exact
   raster:none               vertices at their apparent positions, flat triangles between them
   raster:uniform=0.05       the same, triangles cut until no edge is longer than 0.05 m in its rest frame

@@ -145,7 +145,10 @@ fn captures_take_pose_and_field_of_view_of_an_image() {
         camera("pose = { colmap = \"sparse\", image = \"the second.png\" }, hfov = \"40 deg\"");
     assert!((own.fov - 40f64.to_radians()).abs() < 1e-12);
     for (capture, wrong) in [
-        ("pose = { colmap = \"sparse\" }", "name of the image is missing"),
+        (
+            "pose = { colmap = \"sparse\" }",
+            "name of the image is missing",
+        ),
         ("pose = { colmap = \"sparse\", image = \"x\" }", "no image"),
         (
             "pose = { colmap = \"dense\", image = \"x\" }",

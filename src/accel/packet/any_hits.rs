@@ -248,7 +248,11 @@ impl<'a, T: Tally> AnyQuery<'a, T> {
                         let numbers = (edge_functions, delta, k.abs(volume));
                         self.block_rays(k, &triangle, slot, (first, inside_of_own), numbers);
                     }
+                    // Those that may start in its plane, but for those that leave it.
                     let mut doubtful = (inside | other_inside) & !(ahead | behind);
+                    if doubtful != 0 {
+                        doubtful &= !self.block.leaving::<K>(first, tag.id());
+                    }
                     while doubtful != 0 {
                         let lane = doubtful.trailing_zeros() as usize;
                         doubtful &= doubtful - 1;

@@ -59,7 +59,7 @@ pub(super) struct Block {
     pub slots: [u32; RAYS],
     /// The ray's index in the batch.
     pub order: [u32; RAYS],
-    /// The slot of the triangle that the ray leaves, if rays leave any.
+    /// The triangle that the ray leaves, if rays leave any.
     left: Option<[u32; RAYS]>,
     /// How many rays there are; the rest repeat the first, and don't count.
     pub count: usize,
@@ -160,13 +160,13 @@ impl Block {
         }
     }
 
-    /// The rays from `first` on that leave the triangle in `slot`, as bits.
+    /// The rays from `first` on that leave this triangle, as bits.
     #[inline(always)]
-    pub fn leaving<K: Simd>(&self, first: usize, slot: u32) -> u32 {
+    pub fn leaving<K: Simd>(&self, first: usize, triangle: u32) -> u32 {
         let mut bits = 0;
         if let Some(left) = &self.left {
             for (lane, left) in left[first..][..K::LANES].iter().enumerate() {
-                bits |= u32::from(*left == slot) << lane;
+                bits |= u32::from(*left == triangle) << lane;
             }
         }
         bits

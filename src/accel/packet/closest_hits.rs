@@ -259,8 +259,12 @@ impl<T: Tally, R: RaySet, const CERTIFIED: bool> ClosestQuery<'_, T, R, CERTIFIE
             if inside | other_inside != 0 {
                 let volume = triangle.volume::<R>(self.block, first);
                 let unsure = triangle.volume_slack(volume);
-                let ahead = k.le(unsure, volume);
-                let behind = k.le(unsure, k.sub(k.splat(0.0), volume));
+                // An origin that all share is within the bound.
+                let (mut ahead, mut behind) = (0, 0);
+                if R::OWN_ORIGINS {
+                    ahead = k.le(unsure, volume);
+                    behind = k.le(unsure, k.sub(k.splat(0.0), volume));
+                }
                 // Rays that certainly start on one side.
                 let inside_of_own = (inside & ahead) | (other_inside & behind);
                 if inside_of_own != 0 {

@@ -152,6 +152,17 @@ impl RaySet for Segments<'_> {
     }
 
     #[inline(always)]
+    fn leaves(self) -> bool {
+        true
+    }
+
+    /// Its id, in place of the slot.
+    #[inline(always)]
+    fn left(self, ray: usize) -> u32 {
+        self.segments[ray].skip.unwrap_or(NO_SLOT)
+    }
+
+    #[inline(always)]
     fn direction(self, ray: usize) -> DVec3 {
         let direction = self.segments[ray].ray.direction;
         if self.reversed { -direction } else { direction }

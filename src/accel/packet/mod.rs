@@ -6,8 +6,8 @@
 //! (`refine`): the triangle that is hit, and s, u and v, are those of single rays, bit for bit, with every kernel.
 //!
 //! Rays may share their origin or have their own; the farther those are from one another, the less a block
-//! culls. Rays that are incoherent go through the wide tree one by one (`walk`); origins more than 2¹⁰ scene sizes away, through the
-//! binary tree.
+//! culls. Rays that are incoherent go through the wide tree one by one (`walk`), but in a small tree together, 64 whose directions have
+//! signs in common (`tile`); origins more than 2¹⁰ scene sizes away go through the binary tree.
 
 mod any_hits;
 mod batch;

@@ -14,6 +14,10 @@
 //! of n·a − n·δ, says, a hit with s > 0 has the sign σ in Δ, hence in U, V and W: with all multiplied by σ it is a
 //! hit iff none is negative. Lengths are in tree space.
 //!
+//! Rays of a block may start on both sides of a triangle's plane. Then each has a σ of its own, the sign of its n·a − n·δ where that is beyond
+//! its bound δᵥ; where σ is the opposite of the block's, U, V, W, Δ and n·a − n·δ turn their signs, and their bounds stay. Where it is within
+//! the bound the ray may start in the plane, and f64 decides; a ray that leaves a triangle does not meet it again, and is not asked.
+//!
 //! **Bounds.** Let v = 2⁻²⁴, |d|∞ ≤ D, |m|∞ ≤ M, |δᵢ| ≤ ωᵢ, ω = |ω|₁, η what is unknown about a corner's place relative to the
 //! point, Aₒ the leaf's centre relative to it (rounded: v|Aₒ|), lᵢ = |eᵢ|₁, L = l₁ + l₂ ≥ l₃ and
 //! T = |a|₁ + l₁ + |Aₒ|∞. Corners are off by η + v T at most, edges by 2 η + v lᵢ. With

@@ -1,51 +1,200 @@
-//! Whether floating-point samples were read with their bytes in the wrong order.
+//! Whether samples were read with their bytes in the wrong order.
 //!
-//! In the other order the exponent of a sample is its lowest mantissa bits. Where those are as good as random, exponents are
-//! evenly spread over all that there are, so that 2 · 44/254 = 0.34 of single samples lie outside 10⁻²⁵ … 10²⁵, and
+//! **Single and double precision.** In the other order the exponent of a sample is its lowest mantissa bits. Where those are as good as
+//! random, exponents are evenly spread over all that there are, so that 2 · 44/254 = 0.34 of single samples lie outside 10⁻²⁵ … 10²⁵, and
 //! 2 · 691/2046 = 0.67 of double ones outside 10⁻¹⁰⁰ … 10¹⁰⁰; where samples have few digits these bits are 0, and all samples
 //! lie outside. Radiance in any unit that people use does not. So samples of which more than a fifth lie outside, and less than a
 //! tenth once their bytes are turned round, were read wrongly. Those read rightly are not taken for such even if they are tiny:
 //! turned round, a third of them or more lies outside.
+//!
+//! **Half precision** has no room for unusual sizes. Where mantissas are as good as random, exponents in the other order are evenly spread
+//! over 0 … 31, and log₂ of the samples has a standard deviation of 32/√12 = 9; data have that over nine decades only. So where it is
+//! above 6, and no more than half of it with bytes turned round, they were read wrongly; and so they were where samples have so few
+//! digits that in the other order their exponent and first two mantissa bits are 0: below 2⁻¹⁶ nine tenths of them, and above 2⁻⁸ with bytes turned round.
+//!
+//! **Integers** of two or four bytes: small ones have a highest byte of 0 (or 255, below 0), which in the other order is the lowest. Of
+//! numbers as good as random 1/256 has that; so where more than half of the samples have it, and less than a tenth with bytes turned
+//! round, they were read wrongly. Larger ones vary less from bin to bin than they are large. In the other order they are as good as
+//! random, for which Σ|b − a| / Σ(|a| + |b|) of neighbours is 1/3: where it is above 0.3, and less than half as much turned round, they
+//! were read wrongly. Half precision has this, too, above 0.5. What is noise from bin to bin has as much in either order, and stays untold.
 
-/// What tells of a wrong order of bytes: parts of the samples that are not 0.
+/// What tells of a wrong order of bytes: parts of the samples that are not 0, or a size, as they were read and with their bytes in the
+/// other order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ByteOrder {
-    /// Outside of all usual sizes as they were read.
+    /// What it is that tells.
+    pub sign: Sign,
+    /// As they were read.
     pub now: f64,
-    /// The same with their bytes in the other order.
+    /// With their bytes in the other order.
     pub turned: f64,
+}
+
+/// By what a wrong order of bytes is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sign {
+    /// The part that is outside of all usual sizes.
+    Sizes,
+    /// The part whose lowest byte is that of small numbers in the other order; of half precision, the part that is too small.
+    Bytes,
+    /// The standard deviation of log₂.
+    Spread,
+    /// By how much neighbours differ, over the sum of both.
+    Steps,
 }
 
 /// Fewer samples tell nothing.
 const FEWEST: usize = 64;
 
 impl ByteOrder {
-    /// Of floating-point samples that take so many bytes in their file, four or eight; none where their order is as likely right.
-    pub fn of(samples: impl Iterator<Item = f64>, bytes: usize) -> Option<ByteOrder> {
-        let most = match bytes {
-            4 => 1e25,
-            8 => 1e100,
-            _ => return None,
-        };
-        // NaN is outside.
-        let outside = |x: f64| !(x.abs() <= most && x.abs() >= 1.0 / most);
-        let turned = |x: f64| match bytes {
-            4 => f64::from(f32::from_bits((x as f32).to_bits().swap_bytes())),
-            _ => f64::from_bits(x.to_bits().swap_bytes()),
-        };
-        let (mut count, mut now, mut then) = (0usize, 0usize, 0usize);
-        for x in samples.filter(|x| *x != 0.0) {
-            count += 1;
-            now += usize::from(outside(x));
-            then += usize::from(outside(turned(x)));
+    /// Of samples that are held in so many bytes, two, four or eight, of which `apart`-th ones are neighbours in time; none where their
+    /// order is as likely right. Where all of them are integers, they are taken for such of their file.
+    pub fn of(samples: &[f64], bytes: usize, apart: usize) -> Option<ByteOrder> {
+        let any = samples.iter().filter(|x| **x != 0.0).count();
+        if any < FEWEST {
+            return None;
         }
-        let part = |n: usize| n as f64 / count as f64;
-        let found = ByteOrder {
-            now: part(now),
-            turned: part(then),
+        let all = |low: f64, high: f64| {
+            let is_one = |x: &f64| x.fract() == 0.0 && (low..=high).contains(x);
+            samples.iter().all(is_one)
         };
-        (count >= FEWEST && found.now > 0.2 && found.turned < 0.1).then_some(found)
+        let steps = |turned: &dyn Fn(f64) -> f64, most: f64| steps(samples, turned, apart, most);
+        match bytes {
+            2 => half_precision(samples).or_else(|| steps(&|x| turned_half(x).to_f64(), 0.5)),
+            4 if all(0.0, 65535.0) => {
+                let turned = |x: f64| f64::from((x as u16).swap_bytes());
+                bytes_of(samples, turned, |x| (x as u16) & 255, false)
+                    .or_else(|| steps(&turned, 0.3))
+            }
+            4 if all(-32768.0, 32767.0) => {
+                let turned = |x: f64| f64::from((x as i16).swap_bytes());
+                bytes_of(samples, turned, |x| (x as i16 as u16) & 255, true)
+                    .or_else(|| steps(&turned, 0.3))
+            }
+            8 if all(0.0, f64::from(u32::MAX)) => {
+                let turned = |x: f64| f64::from((x as u32).swap_bytes());
+                bytes_of(samples, turned, |x| (x as u32 & 255) as u16, false)
+                    .or_else(|| steps(&turned, 0.3))
+            }
+            8 if all(f64::from(i32::MIN), f64::from(i32::MAX)) => {
+                let turned = |x: f64| f64::from((x as i32).swap_bytes());
+                bytes_of(samples, turned, |x| (x as i32 as u32 & 255) as u16, true)
+                    .or_else(|| steps(&turned, 0.3))
+            }
+            4 => sizes(samples, 1e25, |x| {
+                f64::from(f32::from_bits((x as f32).to_bits().swap_bytes()))
+            }),
+            8 => sizes(samples, 1e100, |x| f64::from_bits(x.to_bits().swap_bytes())),
+            _ => None,
+        }
     }
+}
+
+/// The parts of those samples that are `counted` for which something holds, as they are and turned round.
+fn parts(
+    samples: &[f64],
+    turned: impl Fn(f64) -> f64,
+    counted: impl Fn(f64) -> bool,
+    holds: impl Fn(f64) -> bool,
+) -> [f64; 2] {
+    let (mut count, mut now, mut then) = (0usize, 0usize, 0usize);
+    for x in samples.iter().copied().filter(|x| counted(*x)) {
+        count += 1;
+        now += usize::from(holds(x));
+        then += usize::from(holds(turned(x)));
+    }
+    [now, then].map(|n| n as f64 / count.max(1) as f64)
+}
+
+/// By samples outside of all usual sizes, from 1/`most` to `most`.
+fn sizes(samples: &[f64], most: f64, turned: impl Fn(f64) -> f64) -> Option<ByteOrder> {
+    // NaN is outside.
+    let outside = |x: f64| !(x.abs() <= most && x.abs() >= 1.0 / most);
+    let [now, turned] = parts(samples, turned, |x| x != 0.0, outside);
+    let sign = Sign::Sizes;
+    (now > 0.2 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
+}
+
+/// By lowest bytes of integers that are those of small ones in the other order.
+fn bytes_of(
+    samples: &[f64],
+    turned: impl Fn(f64) -> f64,
+    lowest: impl Fn(f64) -> u16,
+    is_signed: bool,
+) -> Option<ByteOrder> {
+    let is_small = |x: f64| match lowest(x) {
+        0 => true,
+        byte => byte == 255 && is_signed,
+    };
+    // 0 and −1 are the same in either order.
+    let [now, turned] = parts(samples, &turned, |x| turned(x) != x, is_small);
+    let sign = Sign::Bytes;
+    (now > 0.5 && turned < 0.1).then_some(ByteOrder { sign, now, turned })
+}
+
+/// Below this, half precision has eight bits; and below the other one few samples of few digits are.
+const LOW: f64 = 1.0 / 65536.0;
+const USUAL: f64 = 1.0 / 256.0;
+
+fn turned_half(x: f64) -> half::f16 {
+    half::f16::from_bits(half::f16::from_f64(x).to_bits().swap_bytes())
+}
+
+/// By highest bytes of 0, or by how far sizes are spread.
+fn half_precision(samples: &[f64]) -> Option<ByteOrder> {
+    let turned = |x: f64| turned_half(x).to_f64();
+    let below = |most: f64| {
+        let is_below = |x: f64| x.abs() < most;
+        parts(samples, turned, |x| x != 0.0, is_below)
+    };
+    let ([now, _], [_, then]) = (below(LOW), below(USUAL));
+    if now > 0.9 && then < 0.1 {
+        return Some(ByteOrder {
+            sign: Sign::Bytes,
+            now,
+            turned: then,
+        });
+    }
+    let spread = |of: &dyn Fn(f64) -> f64| {
+        let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        for x in samples
+            .iter()
+            .map(|x| of(*x).abs())
+            .filter(|x| *x > 0.0 && x.is_finite())
+        {
+            let size = libm::log2(x);
+            (count, sum, squares) = (count + 1.0, sum + size, squares + size * size);
+        }
+        (squares / count - (sum / count) * (sum / count))
+            .max(0.0)
+            .sqrt()
+    };
+    let [now, turned] = [spread(&|x| x), spread(&turned)];
+    let sign = Sign::Spread;
+    (now > 6.0 && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
+}
+
+/// By differences of neighbours.
+fn steps(
+    samples: &[f64],
+    turned: &dyn Fn(f64) -> f64,
+    apart: usize,
+    most: f64,
+) -> Option<ByteOrder> {
+    let (mut sums, mut differences) = ([0.0; 2], [0.0; 2]);
+    let later = samples.get(apart..).unwrap_or_default();
+    for (a, b) in samples.iter().zip(later) {
+        let pairs = [[*a, *b], [turned(*a), turned(*b)]];
+        if pairs.iter().flatten().all(|x| x.is_finite()) {
+            for (k, [a, b]) in pairs.into_iter().enumerate() {
+                sums[k] += a.abs() + b.abs();
+                differences[k] += (b - a).abs();
+            }
+        }
+    }
+    let [now, turned] = [0, 1].map(|k| differences[k] / sums[k]);
+    let sign = Sign::Steps;
+    (now > most && turned < 0.5 * now).then_some(ByteOrder { sign, now, turned })
 }
 
 #[cfg(test)]
@@ -70,26 +219,24 @@ mod tests {
                 (0..12).map(|k| noise(12 * n + k)).sum::<f64>() - 6.0
             }),
             ("counts", |n| (noise(n) * 40.0).floor()),
-            ("half precision", |n| half::f16::from_f64(noise(n)).to_f64()),
+            ("few digits", |n| half::f16::from_f64(noise(n)).to_f64()),
             ("a decay over ten decades", |n| 10f64.powf(-10.0 * noise(n))),
             ("another unit", |n| 1e-12 * noise(n)),
         ];
         for (name, kind) in kinds {
-            let singles: Vec<f32> = (0..4000).map(|n| kind(n) as f32).collect();
-            let doubles: Vec<f64> = (0..4000).map(kind).collect();
             let read = |turn: bool| {
-                let single = |x: &f32| match turn {
-                    true => f64::from(f32::from_bits(x.to_bits().swap_bytes())),
-                    false => f64::from(*x),
+                let single = |n| {
+                    let x = kind(n) as f32;
+                    let bits = x.to_bits();
+                    f64::from(f32::from_bits(if turn { bits.swap_bytes() } else { bits }))
                 };
-                let double = |x: &f64| match turn {
-                    true => f64::from_bits(x.to_bits().swap_bytes()),
-                    false => *x,
+                let double = |n| {
+                    let bits = kind(n).to_bits();
+                    f64::from_bits(if turn { bits.swap_bytes() } else { bits })
                 };
-                [
-                    ByteOrder::of(singles.iter().map(single), 4),
-                    ByteOrder::of(doubles.iter().map(double), 8),
-                ]
+                let singles: Vec<f64> = (0..4000).map(single).collect();
+                let doubles: Vec<f64> = (0..4000).map(double).collect();
+                [ByteOrder::of(&singles, 4, 1), ByteOrder::of(&doubles, 8, 1)]
             };
             assert_eq!(read(false), [None, None], "{name}");
             assert!(
@@ -100,11 +247,103 @@ mod tests {
         }
         // Tiny and huge ones, tails of a Gaussian down to nothing, and too few to tell.
         for size in [1e-35, 1e35] {
-            let samples = (0..4000).map(|n| f64::from((size * noise(n)) as f32));
-            assert_eq!(ByteOrder::of(samples, 4), None);
+            let samples: Vec<f64> = (0..4000)
+                .map(|n| f64::from((size * noise(n)) as f32))
+                .collect();
+            assert_eq!(ByteOrder::of(&samples, 4, 1), None);
         }
-        let tails = (0..4000).map(|n| f64::from((-80.0 * noise(n)).exp() as f32));
-        assert_eq!(ByteOrder::of(tails, 4), None);
-        assert_eq!(ByteOrder::of([1e-40; 63].into_iter(), 4), None);
+        let tails: Vec<f64> = (0..4000)
+            .map(|n| f64::from((-80.0 * noise(n)).exp() as f32))
+            .collect();
+        assert_eq!(ByteOrder::of(&tails, 4, 1), None);
+        assert_eq!(ByteOrder::of(&[1e-40; 63], 4, 1), None);
+    }
+
+    /// Pulses with a tail, a line of 100 bins after the other.
+    fn pulse(n: u64) -> f64 {
+        let t = (n % 100) as f64 - 20.0 - 10.0 * noise(n / 100);
+        match t > 0.0 {
+            true => (-t / 25.0).exp(),
+            false => (-t * t / 8.0).exp(),
+        }
+    }
+
+    /// The samples of a line each by what bits the file has, in the right order and the other.
+    fn told(bytes: usize, read: impl Fn(u64, bool) -> f64) -> [bool; 2] {
+        [false, true].map(|turn| {
+            let samples: Vec<f64> = (0..4000).map(|n| read(n, turn)).collect();
+            ByteOrder::of(&samples, bytes, 1).is_some()
+        })
+    }
+
+    type Kind = (&'static str, fn(u64) -> f64);
+
+    /// Of such that no order of bytes shows in, or of samples that are right, nothing is said.
+    #[test]
+    fn a_wrong_order_is_told_of_samples_in_half_precision() {
+        let kinds: [Kind; 8] = [
+            ("noise", noise),
+            ("noise about 0", |n| noise(n) - 0.5),
+            ("pulses", pulse),
+            ("bright pulses", |n| 3e4 * pulse(n)),
+            ("faint pulses", |n| 1e-3 * pulse(n)),
+            ("noisy pulses", |n| pulse(n) * (0.9 + 0.2 * noise(n))),
+            ("counts", |n| (noise(n) * 40.0).floor()),
+            ("few counts", |n| (pulse(n) * 4.0 * noise(n)).floor()),
+        ];
+        for (name, kind) in kinds {
+            let read = |n, turn: bool| {
+                let bits = half::f16::from_f64(kind(n)).to_bits();
+                half::f16::from_bits(if turn { bits.swap_bytes() } else { bits }).to_f64()
+            };
+            assert_eq!(told(2, read), [false, true], "{name}");
+        }
+        let tiny = |n, _| half::f16::from_f64(1e-6 * pulse(n)).to_f64();
+        assert_eq!(told(2, tiny), [false; 2]);
+    }
+
+    #[test]
+    fn a_wrong_order_is_told_of_integers() {
+        let kinds: [Kind; 6] = [
+            ("counts", |n| (noise(n) * 40.0).floor()),
+            ("few counts", |n| (pulse(n) * 4.0 * noise(n)).floor()),
+            ("pulses up to 300", |n| (300.0 * pulse(n)).floor()),
+            ("pulses up to 5000", |n| (5000.0 * pulse(n)).floor()),
+            ("noisy pulses", |n| {
+                (30000.0 * pulse(n) * (0.9 + 0.1 * noise(n))).floor()
+            }),
+            ("less a background", |n| {
+                (90.0 * pulse(n) - 9.0 * noise(n)).floor()
+            }),
+        ];
+        for (name, kind) in kinds {
+            let is_signed = name.starts_with("less");
+            let turned = |n: u64| {
+                [
+                    f64::from((kind(n) as u16).swap_bytes()),
+                    f64::from((kind(n) as i16).swap_bytes()),
+                    f64::from((kind(n) as u32).swap_bytes()),
+                    f64::from((kind(n) as i32).swap_bytes()),
+                ]
+            };
+            for (number, bytes) in [4, 4, 8, 8].into_iter().enumerate() {
+                let unsigned = number % 2 == 0;
+                if unsigned && is_signed {
+                    continue;
+                }
+                let read = |n, turn: bool| if turn { turned(n)[number] } else { kind(n) };
+                assert_eq!(told(bytes, read), [false, true], "{name} {number}");
+            }
+        }
+        // What is large in four bytes: 16 bits that a sum has shifted.
+        let large = |n: u64| (5e8 * pulse(n)).floor();
+        let read = |n, turn: bool| match turn {
+            true => f64::from((large(n) as u32).swap_bytes()),
+            false => large(n),
+        };
+        assert_eq!(told(8, read), [false, true]);
+        // Twelve bits at the upper end of sixteen, and counts in single precision.
+        let upper = |n, _| 16.0 * (4000.0 * pulse(n)).floor();
+        assert_eq!(told(4, upper), [false; 2]);
     }
 }

@@ -39,7 +39,7 @@ use absent::zarr;
 
 pub use axes::{Axes, Axis};
 pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
-pub use byte_order::ByteOrder;
+pub use byte_order::{ByteOrder, Sign};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};

@@ -142,9 +142,9 @@ fn finite<const N: usize, T: Copy + Default + Into<f64>>(
             return Ok(());
         };
         let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
-        let numbers = piece.iter().map(|sample| Into::<f64>::into(*sample));
-        let is_float = matches!(layout.number, Number::F32 | Number::F64);
-        let help = match is_float && ByteOrder::of(numbers, N).is_some() {
+        // Integers are all finite.
+        let numbers: Vec<f64> = piece.iter().map(|sample| (*sample).into()).collect();
+        let help = match ByteOrder::of(&numbers, N, 1).is_some() {
             true => {
                 "the samples make sense with their bytes in the other order: numpy.save(path, a.view(a.dtype.newbyteorder()))"
             }

@@ -19,7 +19,7 @@ use glam::DVec3;
 
 use super::capture::Capture;
 use super::texture::TimeTexture;
-use crate::io::cube::{BelowZero, ByteOrder, CubeStore, Negative, Peeked};
+use crate::io::cube::{BelowZero, ByteOrder, CubeStore, Negative, Peeked, Sign};
 use crate::scene::model::TimeBins;
 
 /// Pixels that are looked at.
@@ -176,22 +176,40 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
     let (mut samples, mut line) = (Vec::new(), Vec::new());
     for pixel in lines.pixels() {
         lines.all(pixel, &mut line);
-        samples.extend(line.iter().copied().filter(|x| *x != 0.0));
+        samples.extend_from_slice(&line);
         if samples.len() > MOST_SIZES {
             break;
         }
     }
-    let found = ByteOrder::of(samples.into_iter(), bytes)?;
-    let usual = if bytes == 4 {
-        "1e-25 to 1e25"
-    } else {
-        "1e-100 to 1e100"
+    let ByteOrder { sign, now, turned } = ByteOrder::of(&samples, bytes, lines.store.shape()[3])?;
+    let [now_part, turned_part] = [now, turned].map(percent);
+    let seen = match (sign, bytes) {
+        (Sign::Sizes, 4) => {
+            format!(
+                "{now_part} of the samples are not of a size from 1e-25 to 1e25, and {turned_part}"
+            )
+        }
+        (Sign::Sizes, _) => {
+            format!(
+                "{now_part} of the samples are not of a size from 1e-100 to 1e100, and {turned_part}"
+            )
+        }
+        (Sign::Bytes, 2) => {
+            format!("{now_part} of the samples are below 1.6e-5, and {turned_part}")
+        }
+        (Sign::Bytes, _) => {
+            format!("{now_part} of the samples are multiples of 256, and {turned_part}")
+        }
+        (Sign::Spread, _) => format!(
+            "the sizes of samples are spread by factors of 2^{now:.0}, and of 2^{turned:.0}"
+        ),
+        (Sign::Steps, _) => format!(
+            "samples of neighbouring bins differ by {now_part} of their sum, as unrelated ones do, and by {turned_part}"
+        ),
     };
     Some(format!(
-        "{} of the samples are not of a size from {usual}, and {} with their bytes in the other order: the file says the wrong one; \
-         in numpy, array.view(array.dtype.newbyteorder()) has the right one",
-        percent(found.now),
-        percent(found.turned)
+        "{seen} with their bytes in the other order: the file says the wrong one; \
+         in numpy, array.view(array.dtype.newbyteorder()) has the right one"
     ))
 }
 

@@ -44,6 +44,9 @@ use crate::io::gltf::{self, BadVertices, GltfLight, GltfLightKind, Want};
 use crate::mesh::Mesh;
 use crate::spacetime::{Velocity, World};
 
+/// The first line of such a scene.
+pub(crate) const MADE_FOR_MODEL: &str = "# Made by nullray for a model without a scene.";
+
 /// How a model is looked at that comes without a scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelView {
@@ -114,7 +117,7 @@ pub fn model_scene(path: &Path, view: &ModelView, budget: &Budget) -> Result<Str
         (true, Some(motion)) => passing(&ball, motion),
         (_, motion) => framing(&ball, motion, size),
     };
-    let mut text = String::from("# Made by nullray for a model without a scene.\n");
+    let mut text = format!("{MADE_FOR_MODEL}\n");
     // Writing to a text does not fail.
     let _ = camera.write(&mut text, size);
     let _ = write!(

@@ -61,6 +61,10 @@ impl Draft {
     }
 }
 
+/// What is said of the lights of a file.
+pub(crate) const LIGHTS_UNREAD: &str =
+    "the lights of a scene are its [[light]] tables, and not those of the file";
+
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {
     for name in document.unread_extensions() {
@@ -75,9 +79,8 @@ fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: 
     let lights: Vec<Placed> = placed.iter().copied().filter(has_light).collect();
     // Without shading nothing is lit, so that no light is missed.
     if let Some(first) = lights.first().filter(|_| want.shading) {
-        let what = "the lights of a scene are its [[light]] tables, and not those of the file";
         let place = document.node_label(first.node);
-        warnings.add_many(what, &place, lights.len() as u64);
+        warnings.add_many(LIGHTS_UNREAD, &place, lights.len() as u64);
     }
 }
 

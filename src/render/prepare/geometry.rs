@@ -15,6 +15,7 @@ use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
 use crate::render::plan::{Plan, PlannedFrame};
 use crate::render::trace::{Patch, RestFrame};
+use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
@@ -40,7 +41,12 @@ pub(super) fn frame(
             shading: scene.is_lit(),
             bad_vertices: object.bad_vertices,
         };
-        let (mesh, images) = object_mesh(object, want, warnings)?;
+        let mut told = Vec::new();
+        let (mesh, images) = object_mesh(object, want, &mut told)?;
+        // A scene that was made for a model has the lights of its file.
+        let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
+        told.retain(|what| !has_lights || !what.contains(gltf::LIGHTS_UNREAD));
+        warnings.append(&mut told);
         let emitters = light.materials(index, &mesh, images)?;
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);

@@ -14,7 +14,8 @@ use crate::error::Result;
 use crate::scene::at::At;
 use crate::scene::file::{self, LightType};
 use crate::scene::model::{
-    Beam, Brightness, EmissionProfile, Lamp, Light, LightKind, Motion, Object,
+    Beam, Binding, Brightness, EmissionProfile, Lamp, Light, LightKind, Motion, Object, Source,
+    SourceKind,
 };
 use crate::scene::names;
 use crate::scene::suggest::did_you_mean;
@@ -212,6 +213,39 @@ pub(super) fn give_spectra(
             return Err(cx
                 .report
                 .refuse(at.map_or(&light.span, |at| &at.span), what, help));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses area lights that are surfaces which show a cube: what was recorded is all light that leaves the surface, what it shines
+/// with among it, so that one of the two would do nothing.
+pub(super) fn refuse_those_of_cubes(
+    cx: &Context,
+    lights: &[Light],
+    sources: &[Source],
+    objects: &[Object],
+) -> Result<()> {
+    let cubes = || {
+        let is_cube = |source: &&Source| matches!(source.kind, SourceKind::Cube(_));
+        sources.iter().filter(is_cube)
+    };
+    for light in lights {
+        let LightKind::Area { object, .. } = &light.kind else {
+            continue;
+        };
+        let shows = |source: &&Source| match &source.binding {
+            Binding::All => true,
+            Binding::Only { objects, .. } => objects.contains(object),
+        };
+        if let Some(cube) = cubes().find(shows) {
+            let what = format!(
+                "{} shows a cube, which is all light that leaves it, what it shines with among it",
+                quoted(&objects[*object].name)
+            );
+            let help = "leave out this light, or give the cube's source `objects` without that one";
+            let other = (&cube.span, "the cube");
+            return Err(cx.report.refuse_two(&light.span, other, what, help));
         }
     }
     Ok(())

@@ -59,6 +59,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
     let spectral = (quantity, continuation);
     light::give_spectra(&cx, &file.light, &lights, &mut objects, spectral)?;
     let sources = source::resolve_all(&cx, &file.source, &objects, quantity)?;
+    light::refuse_those_of_cubes(&cx, &lights, &sources, &objects)?;
     let scene = Scene {
         speed_of_light: cx.speed_of_light,
         medium_index,

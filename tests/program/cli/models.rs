@@ -214,7 +214,16 @@ fn the_lights_of_a_model_are_lights_of_its_scene_in_place_of_a_sun() {
     let light = "[[light]]\ntype = \"spot\"\ndirection = [0.0, 0.0, -1.0]\ninner = \"0.0 deg\"\n\
                  outer = \"28.64788975654116 deg\"\nposition = [3.0, 1.0, 4.0]\nintensity = [5.0, 5.0, 5.0]\n";
     assert!(said.contains(light) && !said.contains("sun"), "{said}");
-    render(&folder, &["model.gltf", "-o", "a.exr"]);
+    let mut arguments = vec!["render", "model.gltf", "-o", "a.exr"];
+    arguments.extend(SIZE);
+    let said = folder.ok(&arguments);
+    assert!(!said.contains("not those of the file"), "{said}");
+    // A scene that somebody wrote has its own.
+    let own = "[camera]\neye = [3, 1, 4]\nlook_at = [3, 1, -2]\nsize = [8, 6]\n[sky]\ngradient = {}\n\
+               [[object]]\ngltf = \"model.gltf\"\n";
+    folder.write("own.toml", own);
+    let said = folder.ok(&["render", "own.toml", "-o", "b.exr"]);
+    assert!(said.contains("not those of the file"), "{said}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use nullray::io::cube::{self, Axes, Cube, Samples, Transfer, Wanted};
-use nullray::io::image::png;
+use nullray::io::image::{Channel, Layers, exr, png};
 use nullray::scene::model::{SourceKind, TimeBins};
 use nullray::scene::{self, Overrides};
 
@@ -73,6 +73,126 @@ fn frames_without_numbers_between_are_refused_by_name() {
     fs::write(folder.path().join("002.exr"), "no picture").unwrap();
     let error = load(folder.path(), None, None).unwrap_err();
     assert!(error.contains("002.exr"), "{error}");
+}
+
+/// Frames of other sizes than the first, or that end before they should, and what is asked of a sequence that it has not.
+#[test]
+fn frames_that_do_not_fit_together_are_refused_by_name() {
+    let frames = Path::new("tests/data/mitransient/frames");
+    let folder = tempfile::tempdir().unwrap();
+    let copy = |number: u8| {
+        let name = format!("{number:03}.exr");
+        fs::copy(frames.join(&name), folder.path().join(&name)).unwrap();
+    };
+    (0..3).for_each(copy);
+    assert_eq!(
+        load(folder.path(), None, None).unwrap().shape,
+        [16, 20, 3, 1]
+    );
+    // A picture that was cut anywhere: in its header, its table of places, its samples, or at their very end.
+    let whole = fs::read(frames.join("001.exr")).unwrap();
+    for length in [0, 3, 100, whole.len() / 2, whole.len() - 1] {
+        fs::write(folder.path().join("001.exr"), &whole[..length]).unwrap();
+        let error = load(folder.path(), None, None).unwrap_err();
+        assert!(error.contains("001.exr"), "{length}: {error}");
+    }
+    // Another size, which the message has with that of the first.
+    let name = folder.path().join("001.exr");
+    let layers = Layers {
+        width: 5,
+        height: 4,
+        channels: vec![Channel {
+            name: "Y".into(),
+            samples: nullray::io::image::Samples::F32(vec![1.0; 20]),
+        }],
+        metadata: Vec::new(),
+    };
+    exr::write(&name, &layers).unwrap();
+    let error = load(folder.path(), None, None).unwrap_err();
+    let parts = ["001.exr", "5 × 4 pixels", "000.exr", "20 × 16"];
+    assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    // Pictures have no arrays, and one axis of files.
+    copy(1);
+    let asked = Wanted {
+        array: Some("data"),
+        ..Wanted::default()
+    };
+    let error = cube::load(folder.path(), asked).unwrap_err().to_string();
+    assert!(error.contains("no arrays with names"), "{error}");
+    let error = load(folder.path(), Some("T H"), None).unwrap_err();
+    assert!(error.contains("(files, rows, columns, colours)"), "{error}");
+    // In streaks a file is a row.
+    assert_eq!(
+        load(folder.path(), Some("H W T"), None).unwrap().shape,
+        [3, 16, 20, 1]
+    );
+}
+
+/// Numbers in single precision, as numpy saves them.
+fn npy(path: &Path, shape: &str, count: usize) {
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{header:<117}\n").bytes());
+    bytes.extend((0..count).flat_map(|n| (n as f32 + 1.0).to_le_bytes()));
+    fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn pictures_without_time_are_steady_cubes_where_their_axes_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    for (shape, axes, count, expected) in [
+        ("(4, 5)", "H W", 20, [4, 5, 1, 1]),
+        ("(4, 5, 3)", "H W C", 60, [4, 5, 1, 3]),
+        ("(3, 4, 5)", "C H W", 60, [4, 5, 1, 3]),
+        ("(5, 4)", "W H", 20, [4, 5, 1, 1]),
+    ] {
+        npy(&path, shape, count);
+        let cube = load(&path, Some(axes), None).unwrap();
+        assert_eq!(cube.shape, expected, "{axes}");
+        // Row 1, column 2, channel 0: where the array has it.
+        let place = match axes {
+            "H W" => 5 + 2,
+            "H W C" => 3 * (5 + 2),
+            "C H W" => 5 + 2,
+            _ => 2 * 4 + 1,
+        };
+        let sample = (5 + 2) * expected[3];
+        assert_eq!(single(&cube)[sample], place as f32 + 1.0, "{axes}");
+    }
+    // A scene: no time is asked for, and none may be given.
+    let scene = |more: &str| {
+        let text = format!(
+            "[[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n[[source]]\n[source.cube]\n\
+             file = \"a.npy\"\naxes = \"W H\"\nuv = 0\n{more}"
+        );
+        scene::parse(&text, "scene", folder.path(), &Overrides::default())
+    };
+    scene("").unwrap_or_else(|e| panic!("{e} {}", e.help()));
+    for key in ["start = \"1 m\"", "bin_width = \"1 m\""] {
+        assert!(scene(key).is_err(), "{key}");
+    }
+}
+
+#[test]
+fn films_of_other_quantities_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.npy");
+    for (channels, words) in [
+        (12, "a polarised film in colours"),
+        (4, "a polarised film"),
+        (2, "a phasor film"),
+        (5, "means 5 channels"),
+    ] {
+        npy(&path, &format!("(4, 5, 6, {channels})"), 120 * channels);
+        let error = load(&path, Some("H W T C"), None).unwrap_err();
+        assert!(error.contains(words), "{channels}: {error}");
+        let inspected = cube::inspect(&path, Wanted::default());
+        assert!(inspected.is_err(), "{channels}");
+    }
+    // The intensity alone, as the message has it.
+    npy(&path, "(4, 5, 6, 1)", 120);
+    load(&path, Some("H W T C"), None).unwrap();
 }
 
 /// sRGB: ((188/255 + 0.055)/1.055)^2.4 = 0.502886.

@@ -102,6 +102,21 @@ fn y_tal_is_read_in_all_its_formats() {
 }
 
 #[test]
+fn confocal_captures_are_said_to_be_of_as_many_flashes_as_points() {
+    let path = |point: DVec3| 2.0 * point.distance(HIDDEN);
+    let cube = load("tal_confocal.hdf5", Wanted::default());
+    assert_arrivals("tal_confocal", &cube, path, 1e-6);
+    let is_said = |name: &str| {
+        let info = cube::inspect(&data(name), Wanted::default()).unwrap();
+        info.notes.iter().any(|note| note.contains("confocal"))
+    };
+    assert!(is_said("tal_confocal.hdf5"));
+    for other in ["tal_1.hdf5", "tal_3.hdf5", "zaragoza_5.hdf5"] {
+        assert!(!is_said(other), "{other}");
+    }
+}
+
+#[test]
 fn bounces_of_the_zaragoza_data_set_are_added_up() {
     for name in ["zaragoza_5.hdf5", "zaragoza_7.hdf5"] {
         let cube = load(name, Wanted::default());

@@ -54,6 +54,8 @@ many = np.stack([[histogram(paths(lasers[i, j], False)) for j in range(2)] for i
 tal.io.write_capture("tal_2.hdf5", tal_data(np.moveaxis(many, 2, 0), HFormat.T_Lx_Ly_Sx_Sy, False, lasers, False))
 tal.io.write_capture("tal_3.hdf5", tal_data(one.reshape(BINS, -1), HFormat.T_Si, False, LIT.reshape(1, 3), True))
 tal.io.write_capture("tal_4.hdf5", tal_data(np.moveaxis(many, 2, 0).reshape(BINS, 4, -1), HFormat.T_Li_Si, False, lasers.reshape(4, 3), True))
+# Confocal: the laser lights each point while that is recorded.
+tal.io.write_capture("tal_confocal.hdf5", tal_data(histogram(2 * far(WALL, HIDDEN)), HFormat.T_Sx_Sy, False, WALL, False))
 # Written by hand: the other spelling.
 with h5py.File("tal_1_both.hdf5") as source, h5py.File("tal_spelling.hdf5", "w") as target:
     for key in source:

@@ -67,6 +67,12 @@ impl Sampler {
         self.cell
     }
 
+    /// Width and height of the part of a pixel, and the part of the time, that a sample of an exposure stands for: of each column
+    /// of cells one sample lies in each of as many parts of the time as there are rows, so that these are all of both.
+    pub(crate) fn cell_in_time(&self) -> [f64; 3] {
+        [self.cell[0], 1.0, self.cell[1]]
+    }
+
     /// Samples per pixel of one replicate.
     pub fn samples(&self) -> u32 {
         self.columns * self.rows

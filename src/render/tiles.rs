@@ -13,7 +13,7 @@ use crate::render::progress::Progress;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
     CameraRays, Cells, Counter, HitBuffer, Meter, RayGenerator, Shading, Stage, Stats, Surfaces,
-    record,
+    TIME, record,
 };
 use crate::spacetime::Direction;
 
@@ -113,7 +113,7 @@ pub(super) struct Pipeline<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     camera_rays: CameraRays,
-    beside: [CameraRays; 2],
+    beside: [CameraRays; 3],
     hits: HitBuffer,
     shading: Shading,
 }
@@ -149,6 +149,17 @@ impl<'a> Pipeline<'a> {
             .camera
             .view
             .generate(camera_rays, &self.sampler, tile, index);
+        let exposure = scene
+            .integrated_exposure
+            .and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
+        // Along the axes of the film, and in time where that is integrated over.
+        let (beside, size) = match exposure {
+            Some(_) => (&mut beside[..], self.sampler.cell_in_time()),
+            None => {
+                let [width, height] = self.sampler.cell();
+                (&mut beside[..TIME], [width, height, 1.0])
+            }
+        };
         if scene.light.has_footprints() {
             for (axis, beside) in beside.iter_mut().enumerate() {
                 scene.camera.view.beside(beside, camera_rays, axis);
@@ -157,13 +168,11 @@ impl<'a> Pipeline<'a> {
         meter.lap(Stage::CameraRays);
         // What a sample stands for: a part of the exposure, and a cell of the pixel.
         let mut rays = camera_rays.rays(scene.method);
-        let duration = scene.integrated_exposure;
-        rays.samples.exposure =
-            duration.and_then(|duration| camera_rays.exposure(duration, self.sampler.samples()));
+        rays.samples.exposure = exposure;
         rays.samples.cells = scene.light.has_footprints().then_some(Cells {
             rays: camera_rays,
             beside,
-            size: self.sampler.cell(),
+            size,
         });
         // Hits, and their radiance.
         let traced = scene.trace(surfaces, rays, hits, meter);

@@ -190,6 +190,18 @@ fn pictures_from_bricks_have_the_bits_of_those_from_memory() {
         &["nearest", "linear", "cubic", "cubic_means"],
         &[UV, CAPTURE, &sharp],
     );
+    // Means over what samples stand for, and over an exposure.
+    let mappings =
+        [UV, CAPTURE].map(|mapping| format!("reconstruction = \"footprint\"\n{mapping}"));
+    let exposed = |mapping: &str| {
+        format!("{mapping}\n[camera.shutter]\nduration = \"0.1 m\"\nintegration = \"means\"")
+    };
+    let [uv, capture, sharp_means] = [&mappings[0], &mappings[1], &sharp].map(|m| exposed(m));
+    same_bits(
+        &stored,
+        &["cubic_means"],
+        &[&mappings[0], &mappings[1], &uv, &capture, &sharp_means],
+    );
 }
 
 #[test]

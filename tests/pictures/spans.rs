@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::DVec2;
 use nullray::io::cube::{Cube, Samples};
-use nullray::light::time_texture::{Sampled, TimeAxis, TimeTexture};
+use nullray::light::time_texture::{Near, Sampled, TimeAxis, TimeTexture};
 use nullray::scene::model::{BinValues, Fill, Outside, TimeBins, TimeFilter};
 
 const FILTERS: [TimeFilter; 4] = [
@@ -79,7 +79,8 @@ fn prefix_sums_equal_sums_of_bins() {
                     let uv = DVec2::new(noise(3 * n), noise(3 * n + 1));
                     let from = -8.0 + 44.0 * noise(3 * n + 2);
                     let to = from + 1e-3 + 50.0 * noise(7 * n + 5).powi(3);
-                    let [a, b] = [&direct, &summed].map(|t| t.mean_uv(uv, [from, to]));
+                    let [a, b] =
+                        [&direct, &summed].map(|t| t.mean_uv(uv, [from, to], &Near::default()));
                     // Values are of the size of 15.
                     let error = difference(&a, &b);
                     assert!(error <= 1e-12, "{filter:?} {from} {to}: {error:e}");
@@ -121,7 +122,7 @@ fn means_are_those_of_what_lookups_find() {
                     sum.coverage += coverage * part;
                 }
                 // Steps (of nearest, and at black ends) fall on one lookup or the next.
-                let error = difference(&texture.mean_uv(uv, [from, to]), &sum);
+                let error = difference(&texture.mean_uv(uv, [from, to], &Near::default()), &sum);
                 assert!(error < 0.02, "{filter:?} {fills:?} {from} {to}: {error:e}");
             }
         }
@@ -142,7 +143,7 @@ fn long_spans_cost_no_more_than_short_ones() {
                 let from = 0.5 + noise(n);
                 let span = [from, from + 0.1 * bins as f64];
                 sum += texture
-                    .mean_uv(DVec2::new(0.4, noise(n + 9)), span)
+                    .mean_uv(DVec2::new(0.4, noise(n + 9)), span, &Near::default())
                     .radiance[0];
             }
             assert!(sum > 0.0);

@@ -117,13 +117,13 @@ struct Room {
 }
 
 impl Room {
-    /// So many bytes for chunks that take `each`. Every thread may have bricks at hand for lookups of two kinds.
+    /// So many bytes for chunks that take `each`. Every thread may have bricks at hand for lookups of three kinds.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn new(bytes: u64, each: u64) -> Room {
         let bricks = bytes / each;
         let at_hand = (bricks / 8 / threads()).clamp(1, AT_HAND as u64);
         let shards = (bricks / 16).clamp(1, SHARDS as u64);
-        let kept = bricks.saturating_sub(2 * at_hand * threads() + shards);
+        let kept = bricks.saturating_sub(3 * at_hand * threads() + shards);
         Room {
             kept: kept as usize,
             shards: shards as usize,
@@ -289,6 +289,11 @@ impl Bricks {
     /// H, W, T, C.
     pub fn shape(&self) -> [usize; 4] {
         self.shape
+    }
+
+    /// How many bricks a thread has at hand, at most.
+    pub fn at_hand(&self) -> usize {
+        self.at_hand
     }
 
     /// Bytes of its samples as they are held.
@@ -496,6 +501,11 @@ impl Bricks {
 }
 
 impl Held {
+    /// Lets go of all.
+    pub fn clear(&mut self) {
+        self.0.fill(None);
+    }
+
     #[inline]
     fn slot(of: &Bricks, brick: u64) -> usize {
         let mixed = (brick + (of.number << 40)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;

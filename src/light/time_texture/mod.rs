@@ -17,7 +17,7 @@
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
 //! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, and `capture_lookups` many points of theirs at a time; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
-//! lookups at a time, with `places` for where they read and `gather` for what. `axis` gives out short runs of bins with
+//! lookups at a time, with `places` for where they read and `gather` for what, and `near` brings together what single ones read from disk. `axis` gives out short runs of bins with
 //! weights; `spans` means over spans of time, of any length, by prefix sums.
 
 mod axis;
@@ -28,6 +28,7 @@ mod coverage;
 mod gather;
 mod irregular;
 mod lookups;
+mod near;
 mod places;
 mod reader;
 mod sharp;
@@ -41,5 +42,6 @@ pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};
 pub use capture_lookups::CaptureLookups;
 pub use coverage::Coverage;
 pub use lookups::Lookups;
+pub use near::Near;
 pub use places::BATCH;
 pub use texture::{Located, Sampled, TimeTexture};

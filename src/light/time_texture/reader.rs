@@ -3,8 +3,9 @@
 
 use super::axis::Moment;
 use super::bilinear::Tap;
+use super::near::Near;
 use super::weights::BinWeights;
-use crate::io::cube::{Bricks, Cube, CubeStore, Held, Samples};
+use crate::io::cube::{Bricks, Cube, CubeStore, Samples};
 
 /// A stored number.
 pub(super) trait Sample: Copy {
@@ -58,10 +59,15 @@ impl Sample for f64 {
 
 /// The weighted sum over taps and over the bins of each; one channel is given to all three.
 #[inline]
-pub(super) fn read(cube: &CubeStore, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+pub(super) fn read(
+    cube: &CubeStore,
+    taps: &[Tap; 4],
+    moments: [&Moment; 4],
+    near: &Near,
+) -> [f64; 3] {
     let cube = match cube {
         CubeStore::Memory(cube) => cube,
-        CubeStore::Disk(bricks) => return read_from_disk(bricks, taps, moments),
+        CubeStore::Disk(bricks) => return read_from_disk(bricks, taps, moments, near),
     };
     match &cube.samples {
         Samples::F16(samples) => by_channels(samples, cube.shape, taps, moments),
@@ -71,10 +77,10 @@ pub(super) fn read(cube: &CubeStore, taps: &[Tap; 4], moments: [&Moment; 4]) -> 
 }
 
 /// The weighted sum over the bins of one texel; one channel is given to all three.
-pub(super) fn read_texel(cube: &CubeStore, texel: usize, moment: &Moment) -> [f64; 3] {
+pub(super) fn read_texel(cube: &CubeStore, texel: usize, moment: &Moment, near: &Near) -> [f64; 3] {
     match cube {
         CubeStore::Memory(cube) => read_texel_in_memory(cube, texel, moment),
-        CubeStore::Disk(bricks) => texel_on_disk(bricks, texel, &moment.bins),
+        CubeStore::Disk(bricks) => texel_on_disk(bricks, texel, &moment.bins, near),
     }
 }
 
@@ -100,10 +106,15 @@ fn read_texel_in_memory(cube: &Cube, texel: usize, moment: &Moment) -> [f64; 3] 
 
 /// As [`read`], operation by operation, from bricks.
 #[cold]
-fn read_from_disk(bricks: &Bricks, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f64; 3] {
+fn read_from_disk(
+    bricks: &Bricks,
+    taps: &[Tap; 4],
+    moments: [&Moment; 4],
+    near: &Near,
+) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for (tap, moment) in taps.iter().zip(moments) {
-        let texel = texel_on_disk(bricks, tap.texel, &moment.bins);
+        let texel = texel_on_disk(bricks, tap.texel, &moment.bins, near);
         for (sum, value) in sum.iter_mut().zip(texel) {
             *sum += tap.weight * value;
         }
@@ -111,11 +122,11 @@ fn read_from_disk(bricks: &Bricks, taps: &[Tap; 4], moments: [&Moment; 4]) -> [f
     sum
 }
 
-fn texel_on_disk(bricks: &Bricks, texel: usize, run: &BinWeights) -> [f64; 3] {
+fn texel_on_disk(bricks: &Bricks, texel: usize, run: &BinWeights, near: &Near) -> [f64; 3] {
     let channels = bricks.shape()[3];
     let mut values = [0.0; 6 * 3];
     let values = &mut values[..run.count * channels];
-    bricks.samples(&mut Held::default(), texel, run.first, values);
+    near.samples(bricks, texel, run.first, values);
     if channels == 3 {
         return weighted::<f64, 3>(values.as_chunks().0, &run.weights);
     }

@@ -14,6 +14,7 @@
 
 use super::bilinear::Tap;
 use super::capture::{Aim, Capture};
+use super::near::Near;
 use super::texture::{Sampled, TimeTexture, When};
 use super::weights::catmull_rom;
 
@@ -53,6 +54,7 @@ impl TimeTexture {
         (place, all): ([f64; 2], bool),
         taps: &[Tap; 4],
         when: impl Fn(usize) -> W,
+        near: &Near,
     ) -> Sampled {
         let mut sampled = Sampled::default();
         // Parts without data are weighed as bilinear interpolation has them, so that none is negative.
@@ -60,8 +62,8 @@ impl TimeTexture {
             self.account_for(&mut sampled, tap.weight, &when(tap.texel));
         }
         match bicubic(place, self.size()).filter(|_| all) {
-            Some(taps) => self.add_means(&mut sampled.radiance, capture, &taps, when),
-            None => self.add_means(&mut sampled.radiance, capture, taps, when),
+            Some(taps) => self.add_means(&mut sampled.radiance, capture, &taps, when, near),
+            None => self.add_means(&mut sampled.radiance, capture, taps, when, near),
         }
         sampled
     }
@@ -72,9 +74,10 @@ impl TimeTexture {
         capture: &Capture,
         taps: &[Tap],
         when: impl Fn(usize) -> W,
+        near: &Near,
     ) {
         for tap in taps.iter().filter(|tap| tap.weight != 0.0) {
-            let value = self.less_spread(capture, tap.texel, &when(tap.texel));
+            let value = self.less_spread(capture, tap.texel, &when(tap.texel), near);
             for (sum, value) in sum.iter_mut().zip(value) {
                 *sum += tap.weight * self.factor() * value;
             }
@@ -82,8 +85,14 @@ impl TimeTexture {
     }
 
     /// a − (δ_xx a + δ_yy a)/24 of a pixel at one capture time.
-    fn less_spread(&self, capture: &Capture, pixel: usize, when: &impl When) -> [f64; 3] {
-        let read = |pixel| when.texel(self, pixel);
+    fn less_spread(
+        &self,
+        capture: &Capture,
+        pixel: usize,
+        when: &impl When,
+        near: &Near,
+    ) -> [f64; 3] {
+        let read = |pixel| when.texel(self, pixel, near);
         let own = read(pixel);
         let mut sharp = own;
         let apart = [1, self.size()[0]];

@@ -22,7 +22,8 @@
 use rayon::prelude::*;
 
 use super::axis::{Phase, Reading, Timeline};
-use crate::io::cube::{Cube, CubeStore, Held};
+use super::near::Near;
+use crate::io::cube::{Cube, CubeStore};
 use crate::scene::model::{Fill, TimeFilter};
 
 /// Bins between prefix sums.
@@ -222,7 +223,13 @@ impl Span {
     }
 
     /// The weighted sum over the bins of a texel of `cube`, whose prefix sums are `sums`; one channel is given to all three.
-    pub fn texel(&self, cube: &CubeStore, sums: Option<&PrefixSums>, texel: usize) -> [f64; 3] {
+    pub fn texel(
+        &self,
+        cube: &CubeStore,
+        sums: Option<&PrefixSums>,
+        texel: usize,
+        near: &Near,
+    ) -> [f64; 3] {
         let [_, _, bins, channels] = cube.shape();
         let mut rgb = [0.0; 3];
         let mut fill = |value: &dyn Fn(usize, usize) -> f64| {
@@ -240,7 +247,7 @@ impl Span {
                 let run = self.run();
                 let mut values = vec![0.0; run.len() * channels];
                 if !run.is_empty() {
-                    bricks.samples(&mut Held::default(), texel, run.start, &mut values);
+                    near.samples(bricks, texel, run.start, &mut values);
                 }
                 fill(&|bin, channel| values[(bin - run.start) * channels + channel]);
             }

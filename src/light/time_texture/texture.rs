@@ -11,6 +11,7 @@ use super::axis::{Moment, Phase, Reading, Timeline};
 use super::bilinear::{Tap, taps};
 use super::capture::{Aim, Capture, SurfacePoint};
 use super::coverage::Coverage;
+use super::near::Near;
 use super::reader;
 use super::spans::{PrefixSums, Span};
 use super::weights::bins_of;
@@ -79,14 +80,14 @@ pub struct TimeTexture {
 /// When lookups of texels read: at a moment, or over a span.
 pub(super) trait When {
     /// The weighted sum over the bins of a texel.
-    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3];
+    fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3];
     /// Its parts by where they lie.
     fn parts(&self) -> [(Phase, f64); 3];
 }
 
 impl When for Moment {
-    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
-        reader::read_texel(&texture.cube, texel, self)
+    fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3] {
+        reader::read_texel(&texture.cube, texel, self, near)
     }
 
     fn parts(&self) -> [(Phase, f64); 3] {
@@ -96,8 +97,8 @@ impl When for Moment {
 }
 
 impl When for Span {
-    fn texel(&self, texture: &TimeTexture, texel: usize) -> [f64; 3] {
-        Span::texel(self, texture.cube(), texture.sums(), texel)
+    fn texel(&self, texture: &TimeTexture, texel: usize, near: &Near) -> [f64; 3] {
+        Span::texel(self, texture.cube(), texture.sums(), texel, near)
     }
 
     fn parts(&self) -> [(Phase, f64); 3] {
@@ -229,9 +230,15 @@ impl TimeTexture {
     /// Coordinates outside [0, 1] are off the texture, with no tiling; [`Fill::Hold`] clamps them.
     #[inline]
     pub fn sample_uv(&self, uv: DVec2, t: f64) -> Sampled {
+        self.sample_uv_near(uv, t, &Near::default())
+    }
+
+    /// [`TimeTexture::sample_uv`] with bricks at hand.
+    #[inline]
+    pub fn sample_uv_near(&self, uv: DVec2, t: f64, near: &Near) -> Sampled {
         let [width, height] = self.size().map(|n| n as f64);
         let on_texture = uv.x >= 0.0 && uv.x <= 1.0 && uv.y >= 0.0 && uv.y <= 1.0;
-        let read = || self.sample_texels([uv.x * width, uv.y * height], t);
+        let read = || self.sample_texels([uv.x * width, uv.y * height], t, near);
         if on_texture {
             read()
         } else {
@@ -241,15 +248,15 @@ impl TimeTexture {
 
     /// The mean of [`TimeTexture::sample_uv`] over the times from `from` to `to`, which ascend. Where bins differ in width, it
     /// is what there is in the middle of that time.
-    pub fn mean_uv(&self, uv: DVec2, [from, to]: [f64; 2]) -> Sampled {
+    pub fn mean_uv(&self, uv: DVec2, [from, to]: [f64; 2], near: &Near) -> Sampled {
         let Some(span) = self.timeline.span(from, to) else {
-            return self.sample_uv(uv, 0.5 * (from + to));
+            return self.sample_uv_near(uv, 0.5 * (from + to), near);
         };
         let [width, height] = self.size();
         let on_texture = uv.x >= 0.0 && uv.x <= 1.0 && uv.y >= 0.0 && uv.y <= 1.0;
         let read = || {
             let taps = taps(uv.x * width as f64, uv.y * height as f64, width, height);
-            self.gather(&taps, |_| span.clone())
+            self.gather(&taps, |_| span.clone(), near)
         };
         if on_texture {
             read()
@@ -265,38 +272,48 @@ impl TimeTexture {
         located: &Located,
         [from, to]: [f64; 2],
         occluded: bool,
+        near: &Near,
     ) -> Sampled {
         let span = |texel: usize| {
             let delay = capture.delay_of(texel);
             self.timeline.span(from + delay, to + delay)
         };
         // Places without data are filled as at a moment.
-        let middle = || self.sample_located(capture, located, 0.5 * (from + to), occluded);
+        let middle = || self.sample_located(capture, located, 0.5 * (from + to), occluded, near);
         if occluded || span(0).is_none() {
             return middle();
         }
         let when = |texel| span(texel).unwrap_or_default();
         match &located.0 {
-            Spot::Seen(_, taps, _) => self.gather(taps, when),
+            Spot::Seen(_, taps, _) => self.gather(taps, when, near),
             Spot::Sharp(place, taps, _, all) => {
-                self.sample_means(capture, (*place, *all), taps, when)
+                self.sample_means(capture, (*place, *all), taps, when, near)
             }
             Spot::Unseen(_) | Spot::Beside(_) | Spot::Behind => middle(),
         }
     }
 
     /// Taps, each when it is read.
-    fn gather<W: When>(&self, taps: &[Tap; 4], when: impl Fn(usize) -> W) -> Sampled {
+    fn gather<W: When>(&self, taps: &[Tap; 4], when: impl Fn(usize) -> W, near: &Near) -> Sampled {
         let mut sampled = Sampled::default();
         for tap in taps.iter().filter(|tap| tap.weight != 0.0) {
             let when = when(tap.texel);
-            let value = when.texel(self, tap.texel);
+            let value = when.texel(self, tap.texel, near);
             for (sum, value) in sampled.radiance.iter_mut().zip(value) {
                 *sum += tap.weight * self.factor * value;
             }
             self.account_for(&mut sampled, tap.weight, &when);
         }
         sampled
+    }
+
+    /// Carries out `count` lookups in this cube, by number; of cubes on disk each is carried out twice, and counts where
+    /// `near` [is not asking](Near::is_asking).
+    pub fn look_up_each(&self, near: &Near, count: usize, look_up: impl FnMut(usize)) {
+        match &self.cube {
+            CubeStore::Memory(_) => (0..count).for_each(look_up),
+            CubeStore::Disk(bricks) => near.look_up_each(bricks, count, look_up),
+        }
     }
 
     /// Books a tap's weight where its times lie.
@@ -328,7 +345,7 @@ impl TimeTexture {
     ) -> Sampled {
         let located = self.locate(capture, point);
         let occluded = located.is_seen() && occluded(point.position, capture.eye());
-        self.sample_located(capture, &located, t, occluded)
+        self.sample_located(capture, &located, t, occluded, &Near::default())
     }
 
     /// Where `point` lies in the image of `capture`, and whether a pixel saw its surface.
@@ -377,21 +394,22 @@ impl TimeTexture {
         located: &Located,
         t: f64,
         occluded: bool,
+        near: &Near,
     ) -> Sampled {
         match &located.0 {
-            Spot::Seen(_, taps, _) if !occluded => self.sample_pixels(capture, taps, t),
+            Spot::Seen(_, taps, _) if !occluded => self.sample_pixels(capture, taps, t, near),
             Spot::Sharp(place, taps, _, all) if !occluded => {
                 let when = |texel| self.timeline.moment(t + capture.delay_of(texel));
-                self.sample_means(capture, (*place, *all), taps, when)
+                self.sample_means(capture, (*place, *all), taps, when, near)
             }
             Spot::Seen(place, ..) | Spot::Sharp(place, ..) | Spot::Unseen(place) => {
                 self.fill(self.outside.occluded, Coverage::OCCLUDED, || {
-                    self.sample_anything(capture, *place, t)
+                    self.sample_anything(capture, *place, t, near)
                 })
             }
             Spot::Beside(place) => {
                 self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
-                    self.sample_anything(capture, *place, t)
+                    self.sample_anything(capture, *place, t, near)
                 })
             }
             Spot::Behind => self.fill(self.outside.off_texture, Coverage::OFF_TEXTURE, || {
@@ -419,9 +437,9 @@ impl TimeTexture {
     }
 
     /// The nearest pixels that saw anything.
-    fn sample_anything(&self, capture: &Capture, place: [f64; 2], t: f64) -> Sampled {
+    fn sample_anything(&self, capture: &Capture, place: [f64; 2], t: f64, near: &Near) -> Sampled {
         match self.taps_where(place, |pixel| capture.distance(pixel).is_some()) {
-            Some((taps, _)) => self.sample_pixels(capture, &taps, t),
+            Some((taps, _)) => self.sample_pixels(capture, &taps, t, near),
             None => Sampled::default(),
         }
     }
@@ -459,33 +477,33 @@ impl TimeTexture {
 
     /// All taps at one time.
     #[inline]
-    fn sample_texels(&self, [x, y]: [f64; 2], t: f64) -> Sampled {
+    fn sample_texels(&self, [x, y]: [f64; 2], t: f64, near: &Near) -> Sampled {
         let [width, height] = self.size();
-        self.blend_at(&taps(x, y, width, height), &self.timeline.moment(t))
+        self.blend_at(&taps(x, y, width, height), &self.timeline.moment(t), near)
     }
 
     /// Every tap at the time at which its own light reached the capture camera.
     #[inline]
-    fn sample_pixels(&self, capture: &Capture, taps: &[Tap; 4], t: f64) -> Sampled {
+    fn sample_pixels(&self, capture: &Capture, taps: &[Tap; 4], t: f64, near: &Near) -> Sampled {
         if capture.is_warped() {
             let moments = taps.map(|tap| self.timeline.moment(t + capture.delay_of(tap.texel)));
-            self.blend(taps, moments.each_ref())
+            self.blend(taps, moments.each_ref(), near)
         } else {
-            self.blend_at(taps, &self.timeline.moment(t))
+            self.blend_at(taps, &self.timeline.moment(t), near)
         }
     }
 
     /// Taps that share one moment.
     #[inline]
-    fn blend_at(&self, taps: &[Tap; 4], moment: &Moment) -> Sampled {
-        let mut sampled = self.read(taps, [moment; 4]);
+    fn blend_at(&self, taps: &[Tap; 4], moment: &Moment, near: &Near) -> Sampled {
+        let mut sampled = self.read(taps, [moment; 4], near);
         self.account(&mut sampled, 1.0, moment.phase);
         sampled
     }
 
     #[inline]
-    fn read(&self, taps: &[Tap; 4], moments: [&Moment; 4]) -> Sampled {
-        let sum = reader::read(&self.cube, taps, moments);
+    fn read(&self, taps: &[Tap; 4], moments: [&Moment; 4], near: &Near) -> Sampled {
+        let sum = reader::read(&self.cube, taps, moments, near);
         Sampled {
             radiance: sum.map(|value| value * self.factor),
             ..Sampled::default()
@@ -493,8 +511,8 @@ impl TimeTexture {
     }
 
     #[inline]
-    fn blend(&self, taps: &[Tap; 4], moments: [&Moment; 4]) -> Sampled {
-        let mut sampled = self.read(taps, moments);
+    fn blend(&self, taps: &[Tap; 4], moments: [&Moment; 4], near: &Near) -> Sampled {
+        let mut sampled = self.read(taps, moments, near);
         for (tap, moment) in taps.iter().zip(moments) {
             self.account(&mut sampled, tap.weight, moment.phase);
         }

@@ -96,13 +96,16 @@ impl Exposure<'_> {
 pub struct Cells<'a> {
     /// The rays.
     pub(crate) rays: &'a CameraRays,
-    /// Those beside each of them along x, and along y.
-    pub(crate) beside: &'a [CameraRays; 2],
-    /// Width and height of a cell, pixels.
-    pub(crate) size: [f64; 2],
+    /// Those beside each of them along x, along y, and, where an exposure is integrated over, a little sooner or later.
+    pub(crate) beside: &'a [CameraRays],
+    /// Width and height of a cell, pixels, and the part of the exposure that it is.
+    pub(crate) size: [f64; 3],
 }
 
-/// How far a ray is from one beside it, pixels: little enough for a derivative, and much more than rounding.
+/// What comes after the axes of the film.
+pub(crate) const TIME: usize = 2;
+
+/// How far a ray is from one beside it, pixels or exposures: little enough for a derivative, and much more than rounding.
 const BESIDE: f64 = 1.0 / 1024.0;
 
 /// Most pairs of numbers that are drawn at one surface of a path.
@@ -165,6 +168,11 @@ impl CameraRays {
     /// Where in its pixel sample `ray` lies.
     pub(crate) fn offset(&self, ray: usize) -> [f64; 2] {
         [self.offsets[0][ray], self.offsets[1][ray]]
+    }
+
+    /// The same along an axis of the film, or in the exposure for [`TIME`].
+    pub(super) fn place(&self, ray: usize, axis: usize) -> f64 {
+        self.offsets.get(axis).unwrap_or(&self.moments)[ray]
     }
 
     /// The rays, to be traced by `method`.
@@ -233,7 +241,8 @@ pub trait RayGenerator: Sync {
     /// Generates the rays of sample `index` of every pixel of `tile`.
     fn generate(&self, rays: &mut CameraRays, sampler: &Sampler, tile: Tile, index: u32);
 
-    /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels.
+    /// Generates the rays a little beside those of `of` along an axis of the film, towards the middles of their pixels, or for
+    /// [`TIME`] a little towards the middle of the exposure.
     fn beside(&self, rays: &mut CameraRays, of: &CameraRays, axis: usize);
 
     /// Generates the rays through these points of the film, pixels, half way through the exposure.
@@ -299,7 +308,11 @@ impl<V: View> RayGenerator for V {
         rays.pixels.clone_from(&of.pixels);
         rays.moments.clone_from(&of.moments);
         rays.offsets.clone_from(&of.offsets);
-        for offset in &mut rays.offsets[axis] {
+        let places = match axis {
+            TIME => &mut rays.moments,
+            axis => &mut rays.offsets[axis],
+        };
+        for offset in places {
             *offset += if *offset < 0.5 { BESIDE } else { -BESIDE };
         }
         rays.look_through(self);

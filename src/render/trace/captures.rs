@@ -28,7 +28,7 @@ use super::stats::{Counter, Meter};
 use super::time_resolved::{CapturedCube, TimeResolved};
 use crate::accel::Segment;
 use crate::light::time_texture::{
-    Capture, CaptureView, Located, SurfacePoint as CapturePoint, TimeTexture,
+    Capture, CaptureView, Located, Near, SurfacePoint as CapturePoint, TimeTexture,
 };
 
 impl TimeResolved {
@@ -68,11 +68,16 @@ impl TimeResolved {
             let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
             any_hit(&run.rest.bvh, method, segments, blocked, counts);
             let means = run.spans(captured.clock, &mut emitted.spans);
-            // Only points that lie in the camera's image have a segment.
+            // Only points that lie in the camera's image have a segment: by point, whether it is blocked.
             let mut answers = emitted.blocked.iter();
-            for (at, blend) in blends.iter_mut().enumerate() {
+            let seen = emitted.located.iter().map(Located::is_seen);
+            let blocked: Vec<bool> = seen
+                .map(|seen| seen && answers.next() == Some(&true))
+                .collect();
+            let near = &emitted.near;
+            texture.look_up_each(near, run.count(), |at| {
                 let (located, view) = (&emitted.located[at], &emitted.capture_views[at]);
-                let blocked = located.is_seen() && answers.next() == Some(&true);
+                let blocked = blocked[at];
                 let time = emitted.times[at];
                 let recorded = Recorded {
                     texture,
@@ -83,12 +88,15 @@ impl TimeResolved {
                     time,
                     span: means.then(|| emitted.spans[at]),
                     blocked,
+                    near,
                     read: meter.is_on().then_some(&read),
                 };
                 let sampled = recorded.look_up(run, at);
-                let weight = weight(texture, located, *view, blocked);
-                blend.add(self.choice, index, sampled, weight);
-            }
+                if !near.is_asking() {
+                    let weight = weight(texture, located, *view, blocked);
+                    blends[at].add(self.choice, index, sampled, weight);
+                }
+            });
         }
         meter.count(Counter::TextureBytes, read.get());
         for blend in &blends {
@@ -111,7 +119,8 @@ impl TimeResolved {
                     .bvh
                     .any(&segment.ray, segment.s_max, segment.skip);
             let time = captured.clock.time(point);
-            let sampled = texture.sample_located(capture, &located, time, blocked);
+            let near = Near::default();
+            let sampled = texture.sample_located(capture, &located, time, blocked, &near);
             let view = capture.view_of(&at);
             let weight = weight(texture, &located, view, blocked);
             blend.add(self.choice, index, sampled, weight);

@@ -18,7 +18,7 @@ use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::{
-    CaptureLookups, CaptureView, Coverage, Located, Lookups, Sampled,
+    CaptureLookups, CaptureView, Coverage, Located, Lookups, Near, Sampled,
 };
 use crate::spacetime::Quantity;
 
@@ -158,6 +158,8 @@ pub struct Emitted {
     pub(super) added: Vec<[f64; 3]>,
     /// Lookups of points that a capture camera saw, and what is known of each: radiance, and how much of it the data hold.
     pub(super) captured: Box<CaptureLookups>,
+    /// Bricks for the other lookups.
+    pub(super) near: Near,
     pub(super) known: Vec<Option<([f64; 3], f64)>>,
     /// Where points lie in the image of a capture camera.
     pub(super) located: Vec<Located>,
@@ -304,6 +306,7 @@ impl Default for Emitted {
             reflections: Vec::new(),
             added: Vec::new(),
             captured: Box::default(),
+            near: Near::default(),
             known: Vec::new(),
             located: Vec::new(),
             capture_views: Vec::new(),

@@ -34,21 +34,30 @@
 //! and where |α| + |β| is no more than a bin, it is read at t. Where it is more, the mean over (u, v) is that with a trapezoid
 //! in time, the convolution of boxes as long as α and β. The longer box is the mean over a span, by prefix sums however many
 //! bins it has; the side of the shorter one is split into parts of a bin, up to 16: then the slopes of the trapezoid are
-//! stairs of 16 steps, which leave less than 2/(12·16²) < 1/1000 of the variance of noise from bin to bin. An exposure whose
-//! samples stand for spans of time is a third box, and treated alike. Where bins differ in width there are no such means
+//! stairs of 16 steps, which leave less than 2/(12·16²) < 1/1000 of the variance of noise from bin to bin. Where bins differ in width there are no such means
 //! over spans: all sides are split into parts of a mean bin, up to 64.
+//!
+//! **Exposures.** Where samples take means over an exposure, the camera's time is a third side, with a ray through the same place on the
+//! film 2⁻¹⁰ of the exposure sooner or later: where camera and object move relative to each other the seen point slides, and the
+//! side has a length in texels, and the times of its ends are those at which the light left *there*. In time it is a third box.
+//! Samples stand for boxes in (x, y, time) that together have to be all of the pixel and all of the exposure. The cells of n = a b
+//! samples, 1/a × 1/b of the pixel, are not, each with its own n-th of the time: these are n of n² boxes, and noise from bin to bin or texel to
+//! texel is that of 1/n of what there is to average. But of the samples of each column of cells one lies in each b-th of the time
+//! ([`Sampler::moment`](crate::render::sampler::Sampler::moment)): a column, of the pixel's full height, and a b-th of the time are a
+//! box for each sample, and the boxes are all. Along the height what is first order in one sample stays so with many.
 
 use std::cell::Cell;
+use std::ops::{Add, Mul};
 
 use glam::{DVec2, DVec3};
 
-use super::camera_rays::CameraRays;
+use super::camera_rays::{CameraRays, TIME};
 use super::emitted::{Emission, Emitted};
 use super::point::EmissionClock;
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use crate::light::time_texture::{
-    Capture, Located, Sampled, SurfacePoint as CapturePoint, TimeTexture,
+    Capture, Located, Near, Sampled, SurfacePoint as CapturePoint, TimeTexture,
 };
 use crate::scene::model::Reconstruction;
 use crate::spacetime::{Direction, NullRay, World};
@@ -62,12 +71,15 @@ const STEPS: f64 = 16.0;
 /// What a sample stands for.
 pub(super) struct Footprint {
     /// Where in its cell the sample lies, from 0 to 1.
-    within: [f64; 2],
-    sides: [Side; 2],
+    within: [f64; 3],
+    /// Across, down, and in time; nothing where no exposure is integrated over.
+    sides: [Side; 3],
+    /// Whether one is.
+    is_exposed: bool,
 }
 
 /// From one side of a cell to the other.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Side {
     /// In the rest frame, metres.
     position: DVec3,
@@ -97,29 +109,24 @@ impl Run<'_> {
         let (hit, ray) = (self.hit(k)?, self.members[k] as usize);
         let corners = self.rest.bvh.corners(hit.slot);
         let own = self.meeting(cells.rays, ray, corners, clock)?;
-        let offset = cells.rays.offset(ray);
-        let mut sides = [None; 2];
-        for (axis, side) in sides.iter_mut().enumerate() {
-            let beside = &cells.beside[axis];
+        let mut footprint = Footprint {
+            within: [0.0; 3],
+            sides: [Side::default(); 3],
+            is_exposed: cells.beside.len() > TIME,
+        };
+        for (axis, beside) in cells.beside.iter().enumerate() {
             let met = self.meeting(beside, ray, corners, clock)?;
-            let per_side = cells.size[axis] / (beside.offset(ray)[axis] - offset[axis]);
-            *side = Some(Side {
+            let (size, place) = (cells.size[axis], cells.rays.place(ray, axis));
+            let per_side = size / (beside.place(ray, axis) - place);
+            footprint.sides[axis] = Side {
                 position: (met.position - own.position) * per_side,
                 barycentric: (met.barycentric - own.barycentric) * per_side,
                 time: (met.time - own.time) * per_side,
-            });
+            };
+            let cell = place / size;
+            footprint.within[axis] = cell - cell.floor();
         }
-        let [Some(across), Some(down)] = sides else {
-            return None;
-        };
-        let within = |axis: usize| {
-            let cell = offset[axis] / cells.size[axis];
-            cell - cell.floor()
-        };
-        Some(Footprint {
-            within: [within(0), within(1)],
-            sides: [across, down],
-        })
+        Some(footprint)
     }
 
     /// Where ray `ray` of `rays` meets the plane of the triangle with these corners.
@@ -159,9 +166,9 @@ impl Run<'_> {
     }
 }
 
-/// Into what the mean over a cell, and over an exposure, is split.
+/// Into what the mean over a cell is split.
 struct Split {
-    /// How many parts the two sides have, and the exposure.
+    /// How many parts the sides have.
     count: [usize; 3],
     /// The one of these whose parts are read as spans of time; the others' are read in the middle.
     span: Option<usize>,
@@ -171,37 +178,32 @@ struct Split {
 
 /// One part of a cell.
 struct Part {
-    /// Of both sides, what is added to the place of the sample.
-    sides: [f64; 2],
+    /// Of the sides, what is added to the place of the sample.
+    sides: [f64; 3],
     /// How much later than the sample its light leaves.
     later: f64,
     /// From where to where it reaches about that, if it is read as a span.
     span: Option<[f64; 2]>,
 }
 
-/// The exposure's place among what is split.
-const EXPOSURE: usize = 2;
-
 impl Footprint {
-    /// The mean of `look_up` over the cell, whose sides are so many texels long, and the exposure, which reaches from where
-    /// to where about the sample's time; none where one lookup for all of the exposure will do.
+    /// The mean of `look_up` over the cell, whose sides are so many texels long; none where one lookup will do.
     fn mean(
         &self,
         texture: &TimeTexture,
-        texels: [f64; 2],
-        exposure: Option<[f64; 2]>,
+        texels: [f64; 3],
         mut look_up: impl FnMut(Part) -> Sampled,
     ) -> Option<Sampled> {
-        let split = self.split(texture, texels, exposure);
+        let split = self.split(texture, texels);
         let [n, m, l] = split.count;
-        if n * m * l == 1 && !split.in_time {
+        if n * m * l == 1 && !split.in_time && !self.is_exposed {
             return None;
         }
         let mut sum = Sampled::default();
         for (e, j, i) in
             (0..l).flat_map(|e| (0..m).flat_map(move |j| (0..n).map(move |i| (e, j, i))))
         {
-            let one = look_up(self.part(&split, [i, j, e], exposure));
+            let one = look_up(self.part(&split, [i, j, e]));
             for c in 0..3 {
                 sum.radiance[c] += one.radiance[c];
                 sum.unscaled[c] += one.unscaled[c];
@@ -216,15 +218,16 @@ impl Footprint {
         })
     }
 
-    fn split(&self, texture: &TimeTexture, texels: [f64; 2], exposure: Option<[f64; 2]>) -> Split {
+    fn split(&self, texture: &TimeTexture, texels: [f64; 3]) -> Split {
         // Rounding must not make two of one.
         let parts = |length: f64, most: f64| (length - 1e-9).ceil().clamp(1.0, most);
-        let mut count = [parts(texels[0], MOST), parts(texels[1], MOST), 1.0];
-        let [across, down] = self.sides.map(|side| side.time.abs());
-        let exposed = exposure.map_or(0.0, |[from, to]| to - from);
-        let bins = [across, down, exposed].map(|time| texture.bins_in(time));
+        let [across, down] = [parts(texels[0], MOST), parts(texels[1], MOST)];
+        // Of many places, few are enough of each as it slides.
+        let sliding = parts(texels[TIME], (MOST * MOST / (across * down)).min(MOST));
+        let mut count = [across, down, sliding];
+        let bins = self.sides.map(|side| texture.bins_in(side.time.abs()));
         let of_part: [f64; 3] = std::array::from_fn(|k| bins[k] / count[k]);
-        let mut span = exposure.map(|_| EXPOSURE);
+        let mut span = self.is_exposed.then_some(TIME);
         let in_time = of_part[0] + of_part[1] > 1.0;
         if in_time {
             let longest = (0..3).fold(
@@ -244,32 +247,37 @@ impl Footprint {
         }
     }
 
-    fn part(&self, split: &Split, number: [usize; 3], exposure: Option<[f64; 2]>) -> Part {
-        let middle = |k: usize| (number[k] as f64 + 0.5) / split.count[k] as f64;
-        // A side that is not split stays where the sample is, unless times are averaged.
-        let place = |axis: usize| match split.count[axis] > 1 || split.in_time {
-            true => middle(axis) - self.within[axis],
-            false => 0.0,
-        };
-        let sides = [place(0), place(1)];
-        let later = sides[0] * self.sides[0].time + sides[1] * self.sides[1].time;
-        match (split.span, exposure) {
-            (Some(EXPOSURE), exposure) => Part {
-                sides,
-                later,
-                span: exposure,
-            },
-            (span, exposure) => Part {
-                sides,
-                later: later
-                    + exposure.map_or(0.0, |[from, to]| from + middle(EXPOSURE) * (to - from)),
-                span: span.map(|side| {
-                    let half = 0.5 * self.sides[side].time.abs() / split.count[side] as f64;
-                    [-half, half]
-                }),
-            },
+    fn part(&self, split: &Split, number: [usize; 3]) -> Part {
+        // A side of the film that is not split stays where the sample is, unless times are averaged.
+        let sides: [f64; 3] =
+            std::array::from_fn(|k| match split.count[k] > 1 || split.in_time || k == TIME {
+                true => (number[k] as f64 + 0.5) / split.count[k] as f64 - self.within[k],
+                false => 0.0,
+            });
+        Part {
+            sides,
+            later: sides
+                .iter()
+                .zip(&self.sides)
+                .fold(0.0, |sum, (part, side)| sum + part * side.time),
+            span: split.span.map(|side| {
+                let half = 0.5 * self.sides[side].time.abs() / split.count[side] as f64;
+                [-half, half]
+            }),
         }
     }
+}
+
+/// From a place so much of each side on.
+fn along<V: Copy + Mul<f64, Output = V> + Add<Output = V>>(
+    from: V,
+    sides: &[V; 3],
+    parts: [f64; 3],
+) -> V {
+    sides
+        .iter()
+        .zip(parts)
+        .fold(from, |at, (side, part)| at + *side * part)
 }
 
 /// What `texture` holds by texture coordinates of what the points of `run` stand for. Places beyond the edges of a texture
@@ -283,11 +291,12 @@ pub(super) fn look_up(
     meter: &mut Meter,
 ) {
     let (is_on, mut read) = (meter.is_on(), 0);
+    let near = std::mem::take(&mut emitted.near);
     let spans = run.spans(clock, &mut emitted.spans);
     emitted.times.resize(run.count(), 0.0);
     run.times(clock, 0, &mut emitted.times);
     let size = DVec2::from_array(texture.size().map(|n| n as f64));
-    for k in 0..run.count() {
+    texture.look_up_each(&near, run.count(), |k| {
         let hit = run.hit(k);
         let at = |u: f64, v: f64| {
             let hit = hit.map(|hit| crate::accel::Hit { u, v, ..hit })?;
@@ -298,12 +307,12 @@ pub(super) fn look_up(
         let span = spans.then(|| emitted.spans[k]);
         let mut one = |uv: DVec2, time: f64, span: Option<[f64; 2]>| {
             let span = span.map(|span| span.map(|after| time + after));
-            if is_on {
+            if is_on && !near.is_asking() {
                 read += texture.bytes_of_lookup(None, span);
             }
             match span {
-                Some(span) => texture.mean_uv(uv, span),
-                None => texture.sample_uv(uv, time),
+                Some(span) => texture.mean_uv(uv, span, &near),
+                None => texture.sample_uv_near(uv, time, &near),
             }
         };
         let mean = run
@@ -312,14 +321,14 @@ pub(super) fn look_up(
             .and_then(|(footprint, hit)| {
                 let beside =
                     |side: &Side| at(hit.u + side.barycentric.x, hit.v + side.barycentric.y);
-                let [across, down] = [
-                    beside(&footprint.sides[0])? - uv,
-                    beside(&footprint.sides[1])? - uv,
-                ];
+                let mut sides = [DVec2::ZERO; 3];
+                for (to, side) in sides.iter_mut().zip(&footprint.sides) {
+                    *to = beside(side)? - uv;
+                }
                 let is_on = |uv: DVec2| uv.cmpge(DVec2::ZERO).all() && uv.cmple(DVec2::ONE).all();
-                let texels = [(across * size).length(), (down * size).length()];
-                footprint.mean(texture, texels, span, |part| {
-                    let place = uv + across * part.sides[0] + down * part.sides[1];
+                let texels = sides.map(|side| (side * size).length());
+                footprint.mean(texture, texels, |part| {
+                    let place = along(uv, &sides, part.sides);
                     let place = match is_on(uv) {
                         true => place.clamp(DVec2::ZERO, DVec2::ONE),
                         false => place,
@@ -328,8 +337,11 @@ pub(super) fn look_up(
                 })
             });
         let sampled = mean.unwrap_or_else(|| one(uv, time, span));
-        emitted.push(Emission::stored(sampled));
-    }
+        if !near.is_asking() {
+            emitted.push(Emission::stored(sampled));
+        }
+    });
+    emitted.near = near;
     meter.count(Counter::TextureBytes, read);
 }
 
@@ -344,6 +356,8 @@ pub(super) struct Recorded<'a> {
     /// From where to where an exposure reaches about that.
     pub span: Option<[f64; 2]>,
     pub blocked: bool,
+    /// Bricks that are at hand.
+    pub near: &'a Near,
     /// Bytes that lookups have read, where they are counted.
     pub read: Option<&'a Cell<u64>>,
 }
@@ -362,12 +376,15 @@ impl Recorded<'_> {
     fn at(&self, located: &Located, time: f64, span: Option<[f64; 2]>) -> Sampled {
         let (texture, capture) = (self.texture, self.capture);
         let span = span.map(|span| span.map(|after| time + after));
-        if let Some(read) = self.read.filter(|_| !self.blocked) {
+        if let Some(read) = self
+            .read
+            .filter(|_| !self.blocked && !self.near.is_asking())
+        {
             read.set(read.get() + texture.bytes_of_lookup(Some(located), span));
         }
         match span {
-            Some(span) => texture.mean_located(capture, located, span, self.blocked),
-            None => texture.sample_located(capture, located, time, self.blocked),
+            Some(span) => texture.mean_located(capture, located, span, self.blocked, self.near),
+            None => texture.sample_located(capture, located, time, self.blocked, self.near),
         }
     }
 
@@ -375,14 +392,14 @@ impl Recorded<'_> {
         let footprint = run.footprint(k, self.clock)?;
         let place = |position: DVec3| self.capture.project(position).map(DVec2::from_array);
         let own = place(self.point.position)?;
-        let [across, down] = &footprint.sides;
-        let length =
-            |side: &Side| Some((place(self.point.position + side.position)? - own).length());
-        let texels = [length(across)?, length(down)?];
-        footprint.mean(self.texture, texels, self.span, |part| {
-            let beside = across.position * part.sides[0] + down.position * part.sides[1];
+        let sides = footprint.sides.map(|side| side.position);
+        let mut texels = [0.0; 3];
+        for (length, side) in texels.iter_mut().zip(sides) {
+            *length = (place(self.point.position + side)? - own).length();
+        }
+        footprint.mean(self.texture, texels, |part| {
             let point = CapturePoint {
-                position: self.point.position + beside,
+                position: self.point.position + along(DVec3::ZERO, &sides, part.sides),
                 ..self.point
             };
             let located = self.texture.locate(self.capture, &point);

@@ -41,7 +41,7 @@ mod timed_paths;
 mod tubes;
 
 pub use base_colours::{BaseColour, BaseColours, Finish, Glass, Gloss, TextureLookup};
-pub(crate) use camera_rays::{CameraRays, Cells, RayGenerator, Rays};
+pub(crate) use camera_rays::{CameraRays, Cells, RayGenerator, Rays, TIME};
 pub(crate) use channels::record;
 pub use emitted::{Colouring, Emission, Emitted, Eye, Response, Scaling};
 pub(crate) use hits::{HitBuffer, SurfaceHit};

@@ -120,10 +120,14 @@ fn look_up(
     if run.spans(clock, &mut emitted.spans) {
         emitted.times.resize(run.count(), 0.0);
         run.times(clock, 0, &mut emitted.times);
-        for k in 0..run.count() {
+        let near = std::mem::take(&mut emitted.near);
+        texture.look_up_each(&near, run.count(), |k| {
             let uv = run.hit(k).and_then(|hit| run.rest.uv(run.patch, set, &hit));
             let span = emitted.spans[k].map(|after| emitted.times[k] + after);
-            let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span);
+            let sampled = texture.mean_uv(uv.unwrap_or(glam::DVec2::NAN), span, &near);
+            if near.is_asking() {
+                return;
+            }
             if meter.is_on() {
                 meter.count(
                     Counter::TextureBytes,
@@ -131,7 +135,8 @@ fn look_up(
                 );
             }
             emitted.push(Emission::stored(sampled));
-        }
+        });
+        emitted.near = near;
         return;
     }
     // Otherwise by batches, whose times and lookups go in vectors.
@@ -248,12 +253,11 @@ fn project(
     }
     look_up(captured);
     let read = Cell::new(0);
-    for at in 0..emitted.located.len() {
+    let near = std::mem::take(&mut emitted.near);
+    texture.look_up_each(&near, emitted.located.len(), |at| {
         let sampled = match emitted.known[at] {
-            Some((radiance, 1.0)) => {
-                emitted.radiance.push(radiance);
-                continue;
-            }
+            Some(_) if near.is_asking() => return,
+            Some((radiance, 1.0)) => return emitted.radiance.push(radiance),
             Some((radiance, held)) => Sampled {
                 radiance,
                 coverage: Coverage {
@@ -272,13 +276,17 @@ fn project(
                     time: emitted.times[at],
                     span: means.then(|| emitted.spans[at]),
                     blocked: emitted.blocked[at],
+                    near: &near,
                     read: meter.is_on().then_some(&read),
                 };
                 recorded.look_up(run, at)
             }
         };
-        emitted.push(Emission::stored(sampled));
-    }
+        if !near.is_asking() {
+            emitted.push(Emission::stored(sampled));
+        }
+    });
+    emitted.near = near;
     meter.count(Counter::TextureBytes, read.get());
 }
 

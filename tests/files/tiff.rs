@@ -71,7 +71,7 @@ fn damaged_pictures_are_refused_or_read_but_never_break_the_reader() {
                 let at = random() % bytes.len();
                 bytes[at] = random() as u8;
             }
-            if random() % 10 == 0 {
+            if random().is_multiple_of(10) {
                 bytes.truncate(random() % whole.len());
             }
             std::fs::write(&path, &bytes).unwrap();

@@ -119,7 +119,7 @@ fn frames_that_do_not_fit_together_are_refused_by_name() {
     };
     let error = cube::load(folder.path(), asked).unwrap_err().to_string();
     assert!(error.contains("no arrays with names"), "{error}");
-    let error = load(folder.path(), Some("T H"), None).unwrap_err();
+    let error = load(folder.path(), Some("H W"), None).unwrap_err();
     assert!(error.contains("(files, rows, columns, colours)"), "{error}");
     // In streaks a file is a row.
     assert_eq!(
@@ -163,7 +163,7 @@ fn pictures_without_time_are_steady_cubes_where_their_axes_say_so() {
     // A scene: no time is asked for, and none may be given.
     let scene = |more: &str| {
         let text = format!(
-            "[[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n[[source]]\n[source.cube]\n\
+            "[camera]\neye = [0, 0, 1]\nlook_at = [0, 0, 0]\n[[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [1, 1] }} }}\n[[source]]\n[source.cube]\n\
              file = \"a.npy\"\naxes = \"W H\"\nuv = 0\n{more}"
         );
         scene::parse(&text, "scene", folder.path(), &Overrides::default())

@@ -403,19 +403,19 @@ mod tests {
         for (pose, wrong) in [
             (
                 "matrix = [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
-                "no pose",
+                "not a pose",
             ),
             (
                 "matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
-                "no pose",
+                "not a pose",
             ),
             (
                 "matrix = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], convention = \"opengl\"",
-                "no pose",
+                "not a pose",
             ),
             (
                 "quaternion = [1, 1, 0, 0], translation = [0, 0, 0], convention = \"colmap\"",
-                "no rotation",
+                "not a rotation",
             ),
             (
                 "quaternion = [1, 0, 0, 0], convention = \"colmap\"",

@@ -72,7 +72,7 @@ pub struct CameraRay {
 
 /// From film points to rays of the world.
 pub trait View: Sync {
-    /// Whether all rays leave the event of the shot, with [`RayOrigin::AT_SHOT`].
+    /// Whether all rays leave the event of the shot, and none has an origin of its own.
     const SHARED_ORIGIN: bool;
 
     /// Whether rays depend on the moment of the exposure.

@@ -21,7 +21,7 @@ const FORM: &str = "each line holds a wavelength in nm and a value, like 550, 0.
 ///
 /// # Errors
 /// The file cannot be read; a line is not a wavelength above 0 and a finite value at least 0; wavelengths do not
-/// ascend; fewer than 2 rows, or more than [`MOST_ROWS`].
+/// ascend; fewer than 2 rows, or more than 4096.
 pub fn load(path: &Path) -> Result<Vec<[f64; 2]>> {
     let (reader, _) = open_regular(path)?;
     let mut text = String::new();

@@ -34,7 +34,7 @@ pub struct Display {
 ///
 /// A percentile p is the nearest-rank one: of the n pixels whose brightest component is above 0 and
 /// finite, in ascending order of that component, the ⌈p n / 100⌉-th becomes white. Negative components
-/// are 0, infinite ones white; a pixel with NaN is [`NOT_A_NUMBER`].
+/// are 0, infinite ones white; a pixel with NaN is magenta.
 ///
 /// # Errors
 /// A percentile outside (0, 100], a white that is not above 0 and finite.

@@ -11,7 +11,7 @@ use super::print;
 
 /// The scene file's JSON schema.
 pub fn schema() -> Result<()> {
-    print(&format!("{:#}\n", nullray::figures::diagram::schema()))
+    print(&format!("{:#}\n", nullray::scene::schema()))
 }
 
 /// Completions for `shell`.

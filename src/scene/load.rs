@@ -16,7 +16,6 @@ use super::resolve::{self, Context, GLTF, Kinematics, NUMBERS, SPECTRUM};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::{colmap, cube, files, gltf, npy, spectrum};
-use crate::scene::schema::JsonSchema;
 
 /// The longest scene file, bytes. Scenes name their data; they do not hold them.
 const LONGEST: usize = 4 << 20;
@@ -324,7 +323,7 @@ fn read_colmap(inputs: &mut Inputs, seen: &Seen, pose: &Option<At<file::GivenPos
 
 /// Reads the text of a file whose `[diagram]` is a `D`; what it means is resolved by `resolve`, from what the
 /// scene has of world lines. No mesh and no cube is looked for.
-pub(crate) fn parse_diagram<D: DeserializeOwned + JsonSchema, T>(
+pub(crate) fn parse_diagram<D: DeserializeOwned, T>(
     text: &str,
     name: &str,
     base: &Path,

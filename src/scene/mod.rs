@@ -150,6 +150,7 @@ pub(crate) use load::{base, kinematics, parse_diagram, text_of};
 pub(crate) use resolve::{
     CameraMotion, Context, Kinematics, ObjectMotion, refuse_duplicates, velocity,
 };
-pub(crate) use schema::with_diagram;
+#[cfg(feature = "schema")]
+pub(crate) use schema::derived as derived_schema;
 pub(crate) use suggest::nearest;
 pub(crate) use values::{Number, Numbers, Vector};

@@ -13,7 +13,6 @@ use super::schema;
 use super::suggest::did_you_mean;
 use super::tree;
 use crate::error::{Error, Problem, Result};
-use crate::scene::schema::JsonSchema;
 
 /// The text of a scene, and which parts of it the command line set.
 pub(crate) struct Report {
@@ -27,14 +26,14 @@ pub(crate) struct Report {
 
 impl Report {
     /// Parses the text into the file's structure.
-    pub(super) fn read<D: DeserializeOwned + JsonSchema>(&self) -> Result<file::Scene<D>> {
+    pub(super) fn read<D: DeserializeOwned>(&self) -> Result<file::Scene<D>> {
         tree::read(&self.text).map_err(|error| {
             let span = error.span.unwrap_or(0..0);
             let place = place_of(&self.text, &span);
             if place == Place::default() && toml_edit::Document::parse(&*self.text).is_err() {
                 return self.not_toml(span, &error.message);
             }
-            let (what, help) = explain(&schema::with_diagram::<D>(), &error.message, &place);
+            let (what, help) = explain(&schema::schema(), &error.message, &place);
             self.refuse_at(&place, &span, what, help)
         })
     }

@@ -1,41 +1,35 @@
-//! The JSON schema of a scene file, made from the types that parse it, and questions to it.
+//! The JSON schema of a scene file, and questions to it.
 
+#[cfg(feature = "schema")]
 use std::collections::HashMap;
 
-use serde_json::{Map, Value};
+#[cfg(feature = "schema")]
+use serde_json::Map;
+use serde_json::Value;
 
+#[cfg(feature = "schema")]
 use super::file;
 use super::place::Step;
 
-#[cfg(feature = "schema")]
-pub(crate) use schemars::JsonSchema;
+/// The schema of scene files as it ships. It is [`derived`] of the types that parse them; a test compares the two.
+const SCHEMA: &str = include_str!("schema.json");
 
-/// What every type has where schemas are left out.
-#[cfg(not(feature = "schema"))]
-pub(crate) trait JsonSchema {}
-#[cfg(not(feature = "schema"))]
-impl<T> JsonSchema for T {}
-
-/// The JSON schema (draft 2020-12) of a scene file, for editors: descriptions, defaults, and what is
+/// The JSON schema (draft 2020-12) of a scene file with its `[diagram]`, for editors: descriptions, defaults, and what is
 /// refused.
-///
-/// Of `[diagram]` it says only that it is a table; [`figures::diagram::schema`](crate::figures::diagram::schema)
-/// is the whole file's. Null without the feature `schema`.
 pub fn schema() -> Value {
-    with_diagram::<file::AnyTable>()
+    serde_json::from_str(SCHEMA).unwrap_or_default()
 }
 
-/// The schema of a file whose `[diagram]` is a `D`.
-pub(crate) fn with_diagram<D: JsonSchema>() -> Value {
-    #[cfg(feature = "schema")]
+/// The same made of the types, where `[diagram]` is a `D`.
+#[cfg(feature = "schema")]
+pub(crate) fn derived<D: schemars::JsonSchema>() -> Value {
     let mut schema = schemars::schema_for!(file::Scene<D>).to_value();
-    #[cfg(not(feature = "schema"))]
-    let mut schema = Value::Null;
     tidy(&mut schema);
     inline_words(&mut schema);
     schema
 }
 
+#[cfg(feature = "schema")]
 /// Lists the words of enumerations where they may stand; what they mean is in the description of the key.
 fn inline_words(schema: &mut Value) {
     let Some(Value::Object(definitions)) = schema.get_mut("$defs") else {
@@ -53,6 +47,7 @@ fn inline_words(schema: &mut Value) {
     put_words(schema, &lists);
 }
 
+#[cfg(feature = "schema")]
 fn put_words(value: &mut Value, lists: &HashMap<String, Vec<Value>>) {
     match value {
         Value::Array(items) => items.iter_mut().for_each(|item| put_words(item, lists)),
@@ -69,6 +64,7 @@ fn put_words(value: &mut Value, lists: &HashMap<String, Vec<Value>>) {
     }
 }
 
+#[cfg(feature = "schema")]
 /// Takes out `null`, which TOML does not have, and the repeated defaults of whole tables.
 fn tidy(value: &mut Value) {
     match value {
@@ -83,6 +79,7 @@ fn tidy(value: &mut Value) {
     }
 }
 
+#[cfg(feature = "schema")]
 fn tidy_type(map: &mut Map<String, Value>) {
     if let Some(Value::Array(words)) = map.get_mut("enum") {
         words.retain(|word| !word.is_null());
@@ -97,6 +94,7 @@ fn tidy_type(map: &mut Map<String, Value>) {
     }
 }
 
+#[cfg(feature = "schema")]
 fn tidy_alternatives(map: &mut Map<String, Value>) {
     let Some(Value::Array(alternatives)) = map.get_mut("anyOf") else {
         return;

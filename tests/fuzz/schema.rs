@@ -17,7 +17,7 @@ pub struct Maker {
 impl Maker {
     pub fn new(seed: u64) -> Maker {
         Maker {
-            schema: nullray::figures::diagram::schema(),
+            schema: nullray::scene::schema(),
             numbers: Numbers::new(seed),
         }
     }

@@ -161,8 +161,7 @@ impl<K: Simd> TriangleSetup<K> {
         }
         // n, n·a, and p, q, r with the edges that belong to them.
         let n = cross(k, &e1, &e2);
-        // A zero has a plus, as σ is taken from the sign's bit.
-        let volume = k.add(k.dot(&n, &a, zero), zero);
+        let volume = k.dot(&n, &a, zero);
         let edge_normals = [cross(k, &e2, &a), cross(k, &a, &e1), cross(k, &b, &e3)];
         let e2 = [k.sub(zero, e2[0]), k.sub(zero, e2[1]), k.sub(zero, e2[2])];
         let edges = [e2, e1, e3];
@@ -189,7 +188,8 @@ impl<K: Simd> TriangleSetup<K> {
         if !CERTIFIED && !R::OWN_ORIGINS {
             triangles.certain = u32::MAX;
         }
-        triangles.front = !k.le(zero, volume) ^ self.back;
+        // By the sign's bit, as σ is, also where n·a is zero.
+        triangles.front = k.signs(volume) ^ self.back;
         k.store(&mut triangles.volume, distance);
         k.store(&mut triangles.volume_slack, slacks.volume);
         k.store(&mut triangles.normal_slack, slacks.normal);

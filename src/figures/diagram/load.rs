@@ -2,9 +2,6 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
-use super::file;
 use super::model::Diagram;
 use super::resolve;
 use crate::error::Result;
@@ -28,8 +25,8 @@ pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Resu
     scene::parse_diagram(text, name, base, overrides, resolve::resolve)
 }
 
-/// The JSON schema (draft 2020-12) of a scene file with its `[diagram]`, for editors: descriptions, defaults,
-/// and what is refused.
-pub fn schema() -> Value {
-    scene::with_diagram::<file::Diagram>()
+/// The JSON schema of a scene file with its `[diagram]`, made of the types that parse it: what [`scene::schema`] has to be.
+#[cfg(feature = "schema")]
+pub fn derived_schema() -> serde_json::Value {
+    scene::derived_schema::<super::file::Diagram>()
 }

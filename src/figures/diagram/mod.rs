@@ -67,5 +67,7 @@ pub use layout::{
     Nappe, Now, Panel, Placed, Plane, Point, Projection, Solid, Tick, WorldLine, layout,
 };
 pub(crate) use layout::{limits, number, tick_step};
-pub use load::{load, parse, schema};
+#[cfg(feature = "schema")]
+pub use load::derived_schema;
+pub use load::{load, parse};
 pub use series::Series;

@@ -1,6 +1,6 @@
 //! The JSON schema, and the reference scene against it.
 
-use nullray::figures::diagram::schema;
+use nullray::scene::schema;
 use serde_json::Value;
 
 use crate::scene_file::motion::camera;
@@ -162,4 +162,29 @@ fn the_diagram_of_the_reference_scene_is_accepted() {
             .animation
             .is_some_and(|a| a.boost.is_some() && a.sweep.is_some())
     );
+}
+
+#[cfg(feature = "schema")]
+#[test]
+fn the_stored_schemas_are_those_of_the_types() {
+    use nullray::{figures::diagram, validate::export};
+
+    let stored_and_derived = [
+        ("src/scene/schema.json", diagram::derived_schema()),
+        ("src/validate/export/schema.json", export::derived_schema()),
+    ];
+    for (at, derived) in stored_and_derived {
+        let derived = format!("{derived:#}\n");
+        let stored =
+            std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(at))
+                .unwrap();
+        if stored != derived {
+            let new = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("schema.json");
+            std::fs::write(&new, derived).unwrap();
+            panic!(
+                "{at} is not what the types say: copy {} there",
+                new.display()
+            );
+        }
+    }
 }

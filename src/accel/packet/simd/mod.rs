@@ -94,6 +94,8 @@ pub(super) trait Simd: Copy {
     fn le(self, x: Self::F, y: Self::F) -> u32;
     /// Where x, y and z are ≥ 0.
     fn not_negative(self, x: Self::F, y: Self::F, z: Self::F) -> u32;
+    /// Where the sign's bit is set, also of zeros, as bits.
+    fn signs(self, x: Self::F) -> u32;
     /// The greatest lane.
     fn greatest(self, x: Self::F) -> f32;
     /// The smallest lane.
@@ -162,6 +164,8 @@ mod tests {
         lanes(k.max(a, b), &|i| x[i].max(y[i]));
         lanes(k.select(mask, a, b), &|i| if has(i) { x[i] } else { y[i] });
         bits(k.le(a, b), &|i| x[i] <= y[i]);
+        bits(k.signs(a), &|i| x[i] < 0.0);
+        bits(k.signs(k.flip(k.splat(0.0), b)), &|i| y[i] < 0.0);
         bits(k.not_negative(a, b, c), &|i| {
             x[i].min(y[i]).min(z[i]) >= 0.0
         });

@@ -125,6 +125,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn signs(self, x: Lanes) -> u32 {
+        mask(|i| x[i].is_sign_negative())
+    }
+
+    #[inline(always)]
     fn greatest(self, x: Lanes) -> f32 {
         x.into_iter()
             .fold(f32::NEG_INFINITY, |g, x| if x > g { x } else { g })

@@ -187,6 +187,12 @@ kernel! {
     }
 
     #[inline(always)]
+    fn signs(self, x: __m256) -> u32 {
+        // SAFETY: as `run`.
+        unsafe { _mm256_movemask_ps(x) as u32 }
+    }
+
+    #[inline(always)]
     fn greatest(self, x: __m256) -> f32 {
         // SAFETY: as `run`.
         unsafe {
@@ -293,6 +299,17 @@ kernel! {
         unsafe {
             let least = _mm512_min_ps(_mm512_min_ps(x, y), z);
             u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(least, _mm512_setzero_ps()))
+        }
+    }
+
+    #[inline(always)]
+    fn signs(self, x: __m512) -> u32 {
+        // SAFETY: as `run`; the lanes' bits as integers, of which negative ones are less than zero.
+        unsafe {
+            u32::from(_mm512_cmplt_epi32_mask(
+                _mm512_castps_si512(x),
+                _mm512_setzero_si512(),
+            ))
         }
     }
 

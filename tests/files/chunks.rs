@@ -46,6 +46,63 @@ fn assert_same(path: &Path, wanted: Wanted) {
     bricks.check().unwrap();
 }
 
+/// A part of the cube, converted, has the samples of the whole: read in windows, with as little memory as is taken, and so by a
+/// temporary file where chunks are thick.
+fn assert_converted(path: &Path, wanted: Wanted) {
+    let name = format!("{} {:?} {:?}", path.display(), wanted.array, wanted.axes);
+    let whole = cube::load(path, wanted).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let [h, w, t, c] = whole.shape;
+    let folder = tempfile::tempdir().unwrap();
+    let (rows, columns, bins) = (h / 3..h, w / 2..w, t / 4..t);
+    for (axes, memory) in ["H W T C", "T C H W"]
+        .into_iter()
+        .flat_map(|axes| [16 << 30, 3000].map(|memory| (axes, memory)))
+    {
+        let axes: Axes = axes.parse().unwrap();
+        let changes = Changes {
+            rows: Some(rows.clone()),
+            columns: Some(columns.clone()),
+            bins: Some(bins.clone()),
+            axes: Some(axes.clone()),
+            memory,
+            ..Changes::default()
+        };
+        let to = folder.path().join("part.npy");
+        match cube::convert((path, wanted), &to, &changes, &mut |_, _| true) {
+            Err(error) if memory == 3000 => {
+                // A single row or bin is more than that.
+                assert!(error.to_string().contains("memory"), "{name}: {error}");
+                continue;
+            }
+            converted => converted.unwrap_or_else(|e| panic!("{name}: {e}")),
+        };
+        let of_part = Wanted {
+            axes: Some(&axes),
+            ..Wanted::default()
+        };
+        let part = cube::load(&to, of_part).unwrap();
+        assert_eq!(
+            part.shape,
+            [rows.len(), columns.len(), bins.len(), c],
+            "{name}"
+        );
+        for n in 0..part.samples.len() {
+            let (k, l) = (n / c % bins.len() + bins.start, n % c);
+            let pixel = n / c / bins.len();
+            let (i, j) = (
+                pixel / columns.len() + rows.start,
+                pixel % columns.len() + columns.start,
+            );
+            let at = ((i * w + j) * t + k) * c + l;
+            assert_eq!(
+                part.samples.get(n),
+                whole.samples.get(at),
+                "{name} {axes} {n}"
+            );
+        }
+    }
+}
+
 #[test]
 fn every_kind_of_chunks_is_read_brick_by_brick() {
     for name in [
@@ -61,6 +118,7 @@ fn every_kind_of_chunks_is_read_brick_by_brick() {
         "missing_in_shard",
     ] {
         assert_same(&data("zarr").join(name), Wanted::default());
+        assert_converted(&data("zarr").join(name), Wanted::default());
     }
     for (array, axes) in [("[3]", "L H W"), ("", "S H W"), ("", "T W H")] {
         let axes: Axes = axes.parse().unwrap();
@@ -70,6 +128,7 @@ fn every_kind_of_chunks_is_read_brick_by_brick() {
             ..Wanted::default()
         };
         assert_same(&data("zarr/zstd"), wanted);
+        assert_converted(&data("zarr/zstd"), wanted);
     }
 }
 
@@ -91,6 +150,7 @@ fn every_layout_of_hdf5_is_read_brick_by_brick() {
             ..Wanted::default()
         };
         assert_same(&data("hdf5").join(name), wanted);
+        assert_converted(&data("hdf5").join(name), wanted);
     }
 }
 
@@ -193,4 +253,29 @@ fn a_chunk_that_is_broken_or_no_number_is_an_error_with_its_name() {
         &mut |_, _| true,
     );
     assert!(refused.is_err() && !folder.path().join("nan.zarr").exists());
+}
+
+/// Layers of chunks that do not fit into the memory would be decoded for each row anew.
+#[test]
+fn thick_chunks_are_converted_in_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = [40, 30, 64, 1];
+    let samples = (0..shape.iter().product()).map(sample).collect();
+    let cube = Cube::new(shape, Samples::F32(samples)).unwrap();
+    let npy = folder.path().join("cube.npy");
+    nullray::io::image::npz::write_cube(&npy, &cube).unwrap();
+    let converted = |from: &Path, to: &Path, axes: Option<&str>, memory: u64| {
+        let changes = Changes {
+            axes: axes.map(|axes| axes.parse().unwrap()),
+            memory,
+            ..Changes::default()
+        };
+        cube::convert((from, Wanted::default()), to, &changes, &mut |_, _| true).unwrap();
+    };
+    let zarr = folder.path().join("frames.zarr");
+    converted(&npy, &zarr, Some("T H W"), 16 << 30);
+    // A row of it takes 92 kB, and its chunks hold more than four rows.
+    let back = folder.path().join("back.npy");
+    converted(&zarr, &back, None, 200_000);
+    assert!(cube::load(&back, Wanted::default()).unwrap() == cube);
 }

@@ -221,7 +221,7 @@ impl Bricks {
     /// The array in chunks at `path`; none where it is no such array, or where `room` bytes are too few for its chunks.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
     fn chunks(path: &Path, wanted: Wanted, room: u64) -> Result<Option<Chunks>> {
-        let Some((selection, open)) = Store::windows(path, wanted)? else {
+        let Some((selection, open)) = Store::windows(path, wanted, 0)? else {
             return Ok(None);
         };
         Chunks::open(path, selection, open, room)

@@ -87,6 +87,12 @@ pub struct Converted {
 
 /// The most memory that the parts take together however much there is, bytes; in tests so little that there are many parts.
 const ROOM: usize = if cfg!(test) { 1 << 10 } else { 256 << 20 };
+/// The most memory that decoded chunks of the input are kept in, bytes.
+const CACHE: u64 = 256 << 20;
+/// The most memory that a layer of chunks may take, so that each is decoded once, bytes.
+const THICKEST: u64 = 4 << 30;
+/// How many times as many samples may be decoded as there are: of more, a temporary file is faster.
+const MOST_DECODED: f64 = 4.0;
 
 /// Writes the cube at `from` to `to`: a `.npy`, `.npz` or HDF5 file, a new folder of Zarr (`.zarr`), or, of any name without
 /// an extension, a new folder of EXR frames. `done` is told of samples that were written and of all of them; it returns whether to go on.
@@ -100,8 +106,9 @@ pub fn convert(
     changes: &Changes,
     done: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<Converted> {
-    let store = Store::open(from, wanted)?;
-    let mut work = Work::new(store, from, changes)?;
+    let cached = (changes.memory / 8).min(CACHE);
+    let store = Store::open(from, wanted, cached as usize)?;
+    let mut work = Work::new(store, (from, wanted), changes)?;
     let extension = to.extension().and_then(|e| e.to_str()).unwrap_or("");
     match extension.to_ascii_lowercase().as_str() {
         "npy" | "npz" => work.array(to, Form::Numpy, done)?,
@@ -143,6 +150,7 @@ type Take<'t> = dyn FnMut([usize; 4], &[f64], &Dtype) -> Result<()> + 't;
 
 struct Work<'a> {
     from: PathBuf,
+    wanted: Wanted<'a>,
     store: Store,
     to_come: &'a Changes,
     /// Rows, columns and bins of the input that are kept.
@@ -159,7 +167,11 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(store: Store, from: &Path, changes: &'a Changes) -> Result<Work<'a>> {
+    fn new(
+        store: Store,
+        (from, wanted): (&Path, Wanted<'a>),
+        changes: &'a Changes,
+    ) -> Result<Work<'a>> {
         let [h, w, t, c] = store.shape;
         let part = |range: &Option<Range<usize>>, count: usize, name: &str| match range {
             None => Ok(0..count),
@@ -196,6 +208,7 @@ impl<'a> Work<'a> {
         }
         Ok(Work {
             from: from.to_path_buf(),
+            wanted,
             shape: [kept[0].len(), kept[1].len(), bins.div_ceil(merge), c],
             dtype: changes.dtype.clone().unwrap_or_else(|| store.dtype()),
             store,
@@ -417,6 +430,62 @@ impl<'a> Work<'a> {
         folder.persist(to).map_err(failed())
     }
 
+    /// How many of `count` bins or rows, of `each` samples, are read, changed and written together, a `multiple` of so many. Where the
+    /// input is in chunks that makes whole layers of them if memory allows, and where it does not, so that chunks would be decoded time
+    /// and again, the input becomes a temporary file.
+    fn thickness(
+        &mut self,
+        by_time: bool,
+        multiple: usize,
+        count: usize,
+        each: usize,
+    ) -> Result<usize> {
+        let memory = self.to_come.memory;
+        let (axis, merge) = match by_time {
+            true => (2, self.merge),
+            false => (0, 1),
+        };
+        // Input and output in f64, and the bytes that are written; windows are rearranged; shifts read some more.
+        let per_sample = |store: &Store| match store.decoded_together() {
+            Some(_) => 48,
+            None => 32,
+        };
+        let bytes = |store: &Store, count: usize| {
+            per_sample(store) * (each * self.merge) as u64 * count as u64
+        };
+        let fitting = |store: &Store| {
+            let room = (ROOM as u64).min(memory / 2);
+            let together = (room / bytes(store, 1)).clamp(1, count as u64) as usize;
+            (together / multiple * multiple).max(multiple)
+        };
+        let mut together = fitting(&self.store);
+        let thickest = (memory / 8).min(THICKEST);
+        if let Some(layers) = self.store.decoded_together() {
+            let layer = layers[axis / 2];
+            let thick = layer.div_ceil(merge).next_multiple_of(multiple).min(count);
+            if together < thick && bytes(&self.store, thick) <= thickest {
+                together = thick;
+            } else if together > thick {
+                together = together / thick * thick;
+            }
+            // What parts read beyond themselves: chunks that they share, and what shifts reach back over.
+            let span = (together * merge).min(self.kept[axis].len());
+            let starts_inside = !self.kept[axis].start.is_multiple_of(layer);
+            let shared = match span.is_multiple_of(layer) && !starts_inside {
+                true => 0,
+                false => layer - 1,
+            };
+            let back = if by_time { self.largest } else { 0 };
+            let decoded = (span + shared + back) as f64 / span as f64;
+            if together < count && decoded > MOST_DECODED {
+                self.store = Store::with_places(&self.from, self.wanted)?;
+                together = fitting(&self.store);
+            }
+        }
+        Budget::new(memory).take(bytes(&self.store, together.min(count)), &self.from)?;
+        Ok(together)
+    }
+
     /// Gives the output to `take`, part by part, with the sizes of each: bin by bin or row by row, `multiple` of them or several
     /// times that, but for the last.
     fn parts(
@@ -431,12 +500,7 @@ impl<'a> Work<'a> {
         } else {
             (h, w * t * c)
         };
-        // Input and output in f64, and the bytes that are written; shifts read some more.
-        let bytes = |count: usize| 32 * (each * self.merge) as u64 * count as u64;
-        let room = (ROOM as u64).min(self.to_come.memory / 2);
-        let together = (room / bytes(1)).clamp(1, count as u64) as usize;
-        let together = (together / multiple * multiple).max(multiple);
-        Budget::new(self.to_come.memory).take(bytes(together.min(count)), &self.from)?;
+        let together = self.thickness(by_time, multiple, count, each)?;
         let (total, dtype) = ((h * w * t * c) as u64, self.dtype.clone());
         let mut out = Vec::new();
         for first in (0..count).step_by(together) {

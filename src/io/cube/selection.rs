@@ -31,6 +31,11 @@ pub(super) trait Windows {
 
     /// Entries along each axis that are stored together.
     fn together(&self) -> Vec<usize>;
+
+    /// Whether they can be read together only, so that all are decoded for one.
+    fn decodes(&self) -> bool {
+        true
+    }
 }
 
 /// Opens the array once more, so that threads need not share one.
@@ -224,6 +229,17 @@ impl Selection {
             sizes: self.sizes.clone(),
             axes: self.axes.clone(),
         })
+    }
+
+    /// Makes numbers those that samples of its type hold.
+    pub fn rounded(&self, numbers: &mut [f64]) {
+        match self.dtype {
+            Dtype::F16 => {
+                (numbers.iter_mut()).for_each(|x| *x = f16::from_f64(*x).to_f64());
+            }
+            Dtype::F64 => {}
+            _ => (numbers.iter_mut()).for_each(|x| *x = f64::from(*x as f32)),
+        }
     }
 
     /// How many entries are taken along each axis of the array, 1 of those that are added up.

@@ -1,8 +1,8 @@
 //! Cubes on disk, read part by part: what is too large for memory, or is only passed on.
 //!
-//! Arrays of `.npy` and `.ti` files are read where they lie. Members of archives and pictures of sequences, in which
-//! nothing can be found without reading all before it, are written out to a temporary file first, and so are arrays in chunks
-//! of which all is wanted in another order.
+//! Arrays of `.npy` and `.ti` files are read where they lie, and those of HDF5 and Zarr in windows. Members of archives and pictures
+//! of sequences, in which nothing can be found without reading all before it, are written out to a temporary file first, and so are
+//! arrays in chunks that would be decoded time and again ([`Store::decoded_together`]).
 
 use std::fs::File;
 use std::io::{BufWriter, SeekFrom, Write};
@@ -14,8 +14,11 @@ use super::dead::DeadBins;
 use super::format::Wanted;
 use super::layout::{StoredLayout, strides};
 use super::negative::Negative;
+use super::number::Number;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
-use super::selection::{Open, Selection};
+use super::samples::place_of;
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+use super::selection::{Lies, Open, Selection, Windows};
 use super::{hdf5, npy, sequence, transient_image, zarr};
 use crate::error::{Error, Result};
 use crate::io::files::{ReadSeek, Reader};
@@ -23,29 +26,100 @@ use crate::io::npy::Dtype;
 
 /// A cube on disk.
 pub(super) struct Store {
-    reader: Reader,
+    source: Source,
     path: PathBuf,
-    layout: StoredLayout,
+    /// The type of the samples in the file, or in windows.
+    number: Number,
     /// H, W, T, C.
     pub shape: [usize; 4],
     dead: DeadBins,
     negative: Negative,
+}
+
+/// Where samples come from.
+enum Source {
+    /// A file in which each has its place.
+    Places(Places),
+    /// An array of which windows are read.
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    Windows(Box<dyn Windows + Send>, Selection),
+}
+
+/// A file in which each sample has its place.
+struct Places {
+    reader: Reader,
+    layout: StoredLayout,
     /// A run of samples, as it is stored and as numbers.
     bytes: Vec<u8>,
     run: Vec<f64>,
 }
 
 impl Store {
-    /// The cube at `path` that is `wanted` of it, by the checks of loading it.
-    pub fn open(path: &Path, wanted: Wanted) -> Result<Store> {
+    /// The cube at `path` that is `wanted` of it, by the checks of loading it. Decoded chunks may take `room` bytes.
+    pub fn open(path: &Path, wanted: Wanted, room: usize) -> Result<Store> {
+        #[cfg(any(feature = "hdf5", feature = "zarr"))]
+        if let Some((selection, open)) = Store::windows(path, wanted, room)? {
+            let (shape, number) = (selection.arrangement(path)?.shape, selection.number());
+            let source = Source::Windows(open()?, selection);
+            return Store::new(path, wanted, source, shape, number);
+        }
+        let _ = room;
+        Store::with_places(path, wanted)
+    }
+
+    /// The same, from a file in which each sample has its place, a temporary one if need be.
+    pub fn with_places(path: &Path, wanted: Wanted) -> Result<Store> {
         let (located, layout) = Store::locate(path, wanted)?;
-        let store = Store::new(path, located.into_reader(), layout)?;
-        let dead = DeadBins::new(path, wanted.dead_bins, store.shape[2])?;
+        let (shape, number) = (layout.shape(path)?, layout.number);
+        let source = Source::Places(Places {
+            reader: located.into_reader(),
+            layout,
+            bytes: Vec::new(),
+            run: Vec::new(),
+        });
+        Store::new(path, wanted, source, shape, number)
+    }
+
+    fn new(
+        path: &Path,
+        wanted: Wanted,
+        source: Source,
+        shape: [usize; 4],
+        number: Number,
+    ) -> Result<Store> {
         Ok(Store {
-            dead,
+            dead: DeadBins::new(path, wanted.dead_bins, shape[2])?,
             negative: wanted.negative.unwrap_or(Negative::Keep),
-            ..store
+            source,
+            path: path.to_path_buf(),
+            number,
+            shape,
         })
+    }
+
+    /// How many rows and how many bins are decoded together, whatever part of them is wanted; none where samples have places.
+    pub fn decoded_together(&self) -> Option<[usize; 2]> {
+        #[cfg(any(feature = "hdf5", feature = "zarr"))]
+        if let Source::Windows(array, selection) = &self.source {
+            return Some(self.decoded_by(&**array, selection));
+        }
+        None
+    }
+
+    #[cfg(any(feature = "hdf5", feature = "zarr"))]
+    fn decoded_by(&self, array: &dyn Windows, selection: &Selection) -> [usize; 2] {
+        let (together, decodes) = (array.together(), array.decodes());
+        let mut thickness = [1, 1];
+        for &(axis, lies) in selection.lies() {
+            match lies {
+                _ if !decodes => {}
+                Lies::Row => thickness[0] = together[axis],
+                Lies::Listed { columns } => thickness[0] = together[axis].div_ceil(columns),
+                Lies::Time => thickness[1] = together[axis],
+                Lies::Column | Lies::Channel | Lies::Nothing => {}
+            }
+        }
+        [0, 1].map(|n| thickness[n].clamp(1, self.shape[2 * n]))
     }
 
     /// Where the samples of the cube lie.
@@ -85,38 +159,26 @@ impl Store {
         Ok(Some((Located::InPlace(reader), layout)))
     }
 
-    /// What is taken of an array in chunks, and how that is opened, time and again; none where it is in no chunks.
+    /// What is taken of an array in chunks, and how that is opened, time and again, each with `room` bytes for decoded
+    /// chunks; none where it is in no chunks.
     #[cfg(any(feature = "hdf5", feature = "zarr"))]
-    pub fn windows(path: &Path, wanted: Wanted) -> Result<Option<(Selection, Open)>> {
+    pub fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<Option<(Selection, Open)>> {
         if sequence::is_sequence(path) {
             return Ok(None);
         }
         if sequence::is_zarr(path) {
-            return zarr::windows(path, wanted).map(Some);
+            return zarr::windows(path, wanted, room).map(Some);
         }
         let (mut reader, _) = crate::io::open::open_regular(path)?;
         match hdf5::FORMAT.is(&mut reader, path)? {
-            true => hdf5::windows(path, wanted).map(Some),
+            true => hdf5::windows(path, wanted, room).map(Some),
             false => Ok(None),
         }
     }
 
-    fn new(path: &Path, reader: Reader, layout: StoredLayout) -> Result<Store> {
-        Ok(Store {
-            reader,
-            path: path.to_path_buf(),
-            shape: layout.shape(path)?,
-            dead: DeadBins::default(),
-            negative: Negative::Keep,
-            layout,
-            bytes: Vec::new(),
-            run: Vec::new(),
-        })
-    }
-
     /// The type that samples are loaded in.
     pub fn dtype(&self) -> Dtype {
-        self.layout.number.loaded().0
+        self.number.loaded().0
     }
 
     /// The samples of these rows, columns and bins, in the order of a cube, in place of what is in `to`.
@@ -159,65 +221,19 @@ impl Store {
         bins: Range<usize>,
         to: &mut Vec<f64>,
     ) -> Result<()> {
-        let channels = 0..self.shape[3];
-        let window = [rows, columns, bins, channels];
-        let ranges: Vec<Range<usize>> = (self.layout.axes.slots().into_iter())
-            .map(|slot| slot.map_or(0..1, |slot| window[slot].clone()))
-            .collect();
-        let sizes: Vec<usize> = ranges.iter().map(ExactSizeIterator::len).collect();
-        let arrangement = Arrangement::of(&sizes, &self.layout.axes, false)
-            .map_err(|what| Error::invalid(&self.path, "", what, ""))?;
-        to.clear();
-        to.resize(sizes.iter().product(), 0.0);
-        if to.is_empty() {
+        let window = [rows, columns, bins, 0..self.shape[3]];
+        if window.iter().any(Range::is_empty) {
+            to.clear();
             return Ok(());
         }
-        // Runs that lie together in the file: the last axes that are wanted whole, and a part of the one before them.
-        let whole = |axis: &usize| sizes[*axis] == self.layout.sizes[*axis];
-        let last = sizes.len() - 1;
-        let split = (1..=last)
-            .rev()
-            .take_while(whole)
-            .last()
-            .unwrap_or(last + 1)
-            - 1;
-        let run: usize = sizes[split..].iter().product();
-        let strides = strides(&self.layout.sizes);
-        for number in 0..to.len() / run {
-            // Where the run begins: the index along each axis before it.
-            let mut rest = number;
-            let mut place = ranges[split].start * strides[split];
-            for axis in (0..split).rev() {
-                place += (ranges[axis].start + rest % sizes[axis]) * strides[axis];
-                rest /= sizes[axis];
+        match &mut self.source {
+            Source::Places(places) => places.read(window, &self.path, to),
+            #[cfg(any(feature = "hdf5", feature = "zarr"))]
+            Source::Windows(array, selection) => {
+                read_window(&mut **array, selection, window, &self.path, to)
             }
-            self.read_run(place, run)?;
-            arrangement.put(number * run, &self.run, to);
-        }
-        Ok(())
-    }
-
-    /// `count` samples from the `first` of the file on.
-    fn read_run(&mut self, first: usize, count: usize) -> Result<()> {
-        let StoredLayout {
-            start,
-            number,
-            big_endian,
-            ..
-        } = self.layout;
-        let size = number.stored();
-        let failed = |error| Store::unreadable(&self.path, error);
-        self.reader
-            .seek(SeekFrom::Start(start + first as u64 * size))
-            .map_err(failed)?;
-        self.bytes.resize(count * size as usize, 0);
-        self.reader.read_exact(&mut self.bytes).map_err(failed)?;
-        self.run.clear();
-        number.decode(&self.bytes, big_endian, &mut self.run);
-        match self.run.iter().position(|sample| !sample.is_finite()) {
-            None => self.negative.apply(&mut self.run, &self.path),
-            Some(bad) => Err(Store::not_finite(&self.path, (first + bad) as u64)),
-        }
+        }?;
+        self.negative.apply(to, &self.path)
     }
 
     /// Samples that cannot be read.
@@ -242,6 +258,127 @@ impl Store {
             "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
         )
     }
+}
+
+impl Places {
+    fn read(&mut self, window: [Range<usize>; 4], path: &Path, to: &mut Vec<f64>) -> Result<()> {
+        let ranges: Vec<Range<usize>> = (self.layout.axes.slots().into_iter())
+            .map(|slot| slot.map_or(0..1, |slot| window[slot].clone()))
+            .collect();
+        let sizes: Vec<usize> = ranges.iter().map(ExactSizeIterator::len).collect();
+        let arrangement = Arrangement::of(&sizes, &self.layout.axes, false)
+            .map_err(|what| Error::invalid(path, "", what, ""))?;
+        to.clear();
+        to.resize(sizes.iter().product(), 0.0);
+        // Runs that lie together in the file: the last axes that are wanted whole, and a part of the one before them.
+        let whole = |axis: &usize| sizes[*axis] == self.layout.sizes[*axis];
+        let last = sizes.len() - 1;
+        let split = (1..=last)
+            .rev()
+            .take_while(whole)
+            .last()
+            .unwrap_or(last + 1)
+            - 1;
+        let run: usize = sizes[split..].iter().product();
+        let strides = strides(&self.layout.sizes);
+        for number in 0..to.len() / run {
+            // Where the run begins: the index along each axis before it.
+            let mut rest = number;
+            let mut place = ranges[split].start * strides[split];
+            for axis in (0..split).rev() {
+                place += (ranges[axis].start + rest % sizes[axis]) * strides[axis];
+                rest /= sizes[axis];
+            }
+            self.read_run(place, run, path)?;
+            arrangement.put(number * run, &self.run, to);
+        }
+        Ok(())
+    }
+
+    /// `count` samples from the `first` of the file on.
+    fn read_run(&mut self, first: usize, count: usize, path: &Path) -> Result<()> {
+        let StoredLayout {
+            start,
+            number,
+            big_endian,
+            ..
+        } = self.layout;
+        let size = number.stored();
+        let failed = |error| Store::unreadable(path, error);
+        self.reader
+            .seek(SeekFrom::Start(start + first as u64 * size))
+            .map_err(failed)?;
+        self.bytes.resize(count * size as usize, 0);
+        self.reader.read_exact(&mut self.bytes).map_err(failed)?;
+        self.run.clear();
+        number.decode(&self.bytes, big_endian, &mut self.run);
+        match self.run.iter().position(|sample| !sample.is_finite()) {
+            None => Ok(()),
+            Some(bad) => Err(Store::not_finite(path, (first + bad) as u64)),
+        }
+    }
+}
+
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+/// The samples of these rows, columns, bins and channels of an array, in the order of a cube.
+fn read_window(
+    array: &mut dyn Windows,
+    selection: &Selection,
+    window: [Range<usize>; 4],
+    path: &Path,
+    to: &mut Vec<f64>,
+) -> Result<()> {
+    let [rows, columns, bins, channels] = window;
+    // Points in a list are read row by row, all columns of each.
+    let mut listed = None;
+    let ranges: Vec<Range<usize>> = (selection.lies().iter())
+        .map(|(_, lies)| match *lies {
+            Lies::Row => rows.clone(),
+            Lies::Column => columns.clone(),
+            Lies::Listed { columns } => {
+                listed = Some(columns);
+                rows.start * columns..rows.end * columns
+            }
+            Lies::Time => bins.clone(),
+            Lies::Channel => channels.clone(),
+            Lies::Nothing => 0..1,
+        })
+        .collect();
+    let mut stored = Vec::new();
+    selection.window(array, &ranges, &mut stored)?;
+    selection.rounded(&mut stored);
+
+    // From the order of the array to that of a cube.
+    let read = match listed {
+        Some(all) => [rows.clone(), 0..all, bins, channels],
+        None => [rows.clone(), columns.clone(), bins, channels],
+    };
+    let sizes: Vec<usize> = (selection.axes.slots().into_iter())
+        .map(|slot| slot.map_or(1, |slot| read[slot].len()))
+        .collect();
+    let arrangement = Arrangement::of(&sizes, &selection.axes, false)
+        .map_err(|what| Error::invalid(path, "", what, ""))?;
+    if let Some(bad) = stored.iter().position(|sample| !sample.is_finite()) {
+        let place = place_of(arrangement.place(bad), arrangement.shape);
+        let place = [0, 1, 2, 3].map(|n| place[n] + read[n].start);
+        return Err(Selection::not_finite(path, place));
+    }
+    to.clear();
+    to.resize(stored.len(), 0.0);
+    arrangement.put(0, &stored, to);
+
+    // Only the columns that are wanted of points in a list.
+    if listed.is_some_and(|all| columns.len() < all) {
+        let pixel = read[2].len() * read[3].len();
+        let line = read[1].len() * pixel;
+        let own = columns.start * pixel..columns.end * pixel;
+        for row in 0..rows.len() {
+            let from = row * line + own.start..row * line + own.end;
+            to.copy_within(from, row * own.len());
+        }
+        to.truncate(rows.len() * own.len());
+    }
+    Ok(())
 }
 
 /// Where samples are read.

@@ -203,6 +203,7 @@ fn byte_order(lines: &mut Lines) -> Option<String> {
         (Sign::Spread, _) => format!(
             "the sizes of samples are spread by factors of 2^{now:.0}, and of 2^{turned:.0}"
         ),
+        (Sign::Evenness, _) => "the lowest bytes of the samples take few values and the highest take all, and the reverse".into(),
         (Sign::Steps, _) => format!(
             "samples of neighbouring bins differ by {now_part} of their sum, as unrelated ones do, and by {turned_part}"
         ),

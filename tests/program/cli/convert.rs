@@ -205,6 +205,43 @@ fn unwarping_takes_off_the_way_and_warping_puts_it_back() {
     assert!((total(&back) / total(&original) - 1.0).abs() < 1e-12);
 }
 
+/// Where there is no place for temporary files, those without it go on working.
+#[cfg(all(unix, feature = "hdf5", feature = "zarr"))]
+#[test]
+fn arrays_in_chunks_are_converted_without_a_temporary_file() {
+    let folder = Folder::empty();
+    folder.ok(&["convert", &input(), "-o", "a.zarr"]);
+    folder.ok(&["convert", &input(), "-o", "b.h5", "--to-axes", "T H W"]);
+    let convert = |from: &str, to: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_nullray"));
+        command.args(["convert", from, "-o", to]);
+        command
+            .current_dir(folder.path(""))
+            .env("TMPDIR", "/nowhere");
+        let output = command.output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    for (from, to) in [("a.zarr", "a.npy"), ("b.h5", "b.npy"), ("a.zarr", "frames")] {
+        assert_eq!(
+            convert(from, to).0,
+            Some(0),
+            "{from}: {}",
+            convert(from, to).1
+        );
+    }
+    assert_eq!(values(&load(&folder, "a.npy", None)), values(&original()));
+    assert_eq!(values(&load(&folder, "b.npy", None)), values(&original()));
+    // An archive is unpacked.
+    let (code, said) = convert(&input(), "c.npy");
+    assert!(
+        code == Some(2) && said.contains("temporary file"),
+        "{code:?} {said}"
+    );
+}
+
 #[test]
 fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     let folder = Folder::empty();

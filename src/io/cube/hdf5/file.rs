@@ -344,6 +344,10 @@ impl Windows for Array {
         together.reverse();
         together
     }
+
+    fn decodes(&self) -> bool {
+        self.dataset.chunks().is_some()
+    }
 }
 
 const AGAIN: &str = "copy the file again, or write it again";

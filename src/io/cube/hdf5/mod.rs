@@ -74,10 +74,10 @@ pub(super) fn write_out(
     known.selection.write_out(&mut known.array, path, to)
 }
 
-/// What is taken of the array, and how it is opened where its chunks are kept elsewhere.
-pub(super) fn windows(path: &Path, wanted: Wanted) -> Result<(Selection, Open)> {
-    let opened = |wanted: Wanted, path: &Path| {
-        let file = File::open(open_regular(path)?.0, path, 0)?;
+/// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
+pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
+    let opened = move |wanted: Wanted, path: &Path| {
+        let file = File::open(open_regular(path)?.0, path, room)?;
         known(&file, wanted)
     };
     let selection = opened(wanted, path)?.selection;

@@ -69,10 +69,10 @@ pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Resu
     selection.write_out(&mut Array::new(metadata, CACHE), path, to)
 }
 
-/// What is taken of the array, and how it is opened where its chunks are kept elsewhere.
-pub(super) fn windows(path: &Path, wanted: Wanted) -> Result<(Selection, Open)> {
+/// What is taken of the array, and how it is opened with `room` bytes for decoded chunks.
+pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selection, Open)> {
     let (metadata, selection, _) = known(path, wanted)?;
-    let open = move || Ok(Box::new(Array::new(metadata.clone(), 0)) as Box<dyn Windows + Send>);
+    let open = move || Ok(Box::new(Array::new(metadata.clone(), room)) as Box<dyn Windows + Send>);
     Ok((selection, Box::new(open)))
 }
 

@@ -9,10 +9,11 @@
 //! not tabulated.
 //!
 //! Beyond the table: what has an end (lines, Gaussians, tables, dark continuations) has no colour; a constant
-//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is.
+//! continuation goes on as W⁻⁵, exactly; a thermal one as the blackbody that it is, whose colours are tabulated by W too (h²/8 of the second
+//! derivative is 4e-5 of the value at W = 4, x² of Planck's x = 16, and less below).
 
 use std::array::from_fn;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use rayon::prelude::*;
 
@@ -86,6 +87,36 @@ impl<const N: usize> Table<N> {
     }
 }
 
+/// What is made in parallel when it is first asked for. It is not made within a lock: a thread that waits for the others' parts of it may take
+/// up another task in the meantime, which asks for the same. So some threads may make it, all alike, and one is kept.
+struct MadeOnce<T> {
+    kept: OnceLock<T>,
+    make: fn() -> T,
+}
+
+impl<T> MadeOnce<T> {
+    const fn new(make: fn() -> T) -> Self {
+        MadeOnce {
+            kept: OnceLock::new(),
+            make,
+        }
+    }
+
+    #[inline]
+    fn get(&self) -> &T {
+        match self.kept.get() {
+            Some(kept) => kept,
+            None => self.make(),
+        }
+    }
+
+    #[cold]
+    fn make(&self) -> &T {
+        let made = (self.make)();
+        self.kept.get_or_init(|| made)
+    }
+}
+
 /// Of RGB: M(W), by which linear RGB at rest is multiplied.
 #[derive(Debug)]
 pub struct RgbShift {
@@ -97,12 +128,12 @@ pub struct RgbShift {
 impl RgbShift {
     /// That of a continuation, made when it is first asked for.
     pub fn of(continuation: Continuation) -> &'static RgbShift {
-        static ALL: [LazyLock<RgbShift>; 3] = [
-            LazyLock::new(|| RgbShift::new(Continuation::Dark)),
-            LazyLock::new(|| RgbShift::new(Continuation::Edge)),
-            LazyLock::new(|| RgbShift::new(Continuation::Blackbody)),
+        static ALL: [MadeOnce<RgbShift>; 3] = [
+            MadeOnce::new(|| RgbShift::new(Continuation::Dark)),
+            MadeOnce::new(|| RgbShift::new(Continuation::Edge)),
+            MadeOnce::new(|| RgbShift::new(Continuation::Blackbody)),
         ];
-        &ALL[continuation as usize]
+        ALL[continuation as usize].get()
     }
 
     fn new(continuation: Continuation) -> RgbShift {
@@ -136,7 +167,8 @@ impl RgbShift {
         from_fn(|j| from_fn(|k| columns[k][j]))
     }
 
-    #[cold]
+    /// Where all that the observer sees is of the continuation.
+    #[inline]
     fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         // Blueshift shows what is above 830 nm.
         let side = usize::from(w < 1.0);
@@ -152,13 +184,28 @@ impl RgbShift {
                 FLAT.map(|c| c * scale)
             }
             Continuation::Blackbody => {
-                let factors = rgb_basis::thermal()[side];
+                let (factors, colours) = THERMAL.get();
+                let factors = factors[side];
                 let scale = (0..3).fold(0.0, |sum, k| sum + factors[k] * rgb[k]);
-                BLACKBODIES.colour(WHITE_TEMPERATURE / w).map(|c| c * scale)
+                let colour = match colours.at(w) {
+                    Some([r, g, b, _]) => [r, g, b],
+                    None => BLACKBODIES.get().colour(WHITE_TEMPERATURE / w),
+                };
+                colour.map(|c| c * scale)
             }
         }
     }
 }
+
+/// Of a thermal continuation: the factors of red, green and blue on Planck's law at [`WHITE_TEMPERATURE`] below and above the observer's
+/// range, and the colours of that blackbody by W.
+static THERMAL: MadeOnce<([[f64; 3]; 2], Table<4>)> = MadeOnce::new(|| {
+    let colours = Table::new([1.0 / 4096.0, 4.0], |w| {
+        let [r, g, b] = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
+        [r, g, b, 0.0]
+    });
+    (rgb_basis::thermal(), colours)
+});
 
 /// The colour of a radiance of 1 per metre at all wavelengths.
 static FLAT: LazyLock<[f64; 3]> = LazyLock::new(|| rgb_from_xyz(integrate(&[], colour_matching)));
@@ -196,7 +243,7 @@ const SHORT: f64 = 600e-9;
 /// The same of cold ones: the end of the observer's functions, where nearly all that is seen of these is.
 const LONG: f64 = LAST * 1e-9;
 
-static BLACKBODIES: LazyLock<Blackbodies> = LazyLock::new(Blackbodies::new);
+static BLACKBODIES: MadeOnce<Blackbodies> = MadeOnce::new(Blackbodies::new);
 
 impl Blackbodies {
     /// Below, colours are those of the table of cold ones.
@@ -270,7 +317,7 @@ impl Blackbodies {
 /// Linear sRGB of Planck's law, W m⁻² sr⁻¹ per metre, at `t` kelvin, by the table: below 0 outside the gamut.
 #[inline]
 pub fn blackbody_colour(t: f64) -> [f64; 3] {
-    BLACKBODIES.colour(t)
+    BLACKBODIES.get().colour(t)
 }
 
 /// What varies most about the colours of blackbodies: Planck's law at a wavelength.
@@ -323,7 +370,7 @@ impl ColourTable {
     pub fn colour(&self, w: f64) -> [f64; 3] {
         match &self.0 {
             Kind::Rgb(rgb, shift) => shift.apply(w, *rgb),
-            Kind::Blackbody(t, factor) => BLACKBODIES.colour(t / w).map(|c| c * factor),
+            Kind::Blackbody(t, factor) => BLACKBODIES.get().colour(t / w).map(|c| c * factor),
             Kind::Own(reach) => {
                 let [r, g, b, _] = reach.at(w);
                 [r, g, b]
@@ -454,6 +501,21 @@ mod tests {
 
     fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
         values.into_iter().fold(0.0, |a, x| a.max(x.abs()))
+    }
+
+    #[test]
+    fn what_is_made_in_parallel_may_be_asked_for_in_parallel() {
+        // Tasks wait for parts, and take up further tasks that ask for the same.
+        static SUM: MadeOnce<f64> = MadeOnce::new(|| {
+            let parts = (0..2000).into_par_iter();
+            parts.map(|k| libm::exp(-f64::from(k % 7))).sum::<f64>()
+        });
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build();
+        let asked = pool.unwrap().install(|| {
+            let tasks = (0..500).into_par_iter().with_max_len(1);
+            tasks.map(|_| SUM.get().to_bits()).collect::<Vec<_>>()
+        });
+        assert!(asked.iter().all(|bits| *bits == asked[0]));
     }
 
     #[test]

@@ -123,7 +123,12 @@ impl HitBuffer {
         } = self;
         chosen_hits.clear();
         chosen_hits.extend(chosen.iter().map(|ray| hits[*ray as usize]));
-        let replaced = |k: usize| frames[chosen[k] as usize] = frame;
+        // Where there is one rest frame, no record is kept of which was hit.
+        let replaced = |k: usize| {
+            if let Some(known) = frames.get_mut(chosen[k] as usize) {
+                *known = frame;
+            }
+        };
         let (method, from) = (rays.method, Origins::Shared(origin));
         match meter.visibility() {
             None => bvh.closest_by(method, from, local, chosen_hits, &mut NoTally, replaced),

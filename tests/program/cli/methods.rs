@@ -30,6 +30,22 @@ fn pictures_say_by_which_method_they_were_made() {
     assert_eq!(method_of(&folder, "drawn.exr").as_deref(), Some(method));
 }
 
+/// One object that moves, and a lamp straight above it, so that rays of both look for the way out of bodies.
+const ONE_MOVING: &str = "[camera]\neye = [0, 0.2, 4]\nlook_at = [0, 0, 0]\nsize = [32, 24]\n
+[[object]]\nname = \"ball\"\nshape = { sphere = { radius = 1 } }\nvelocity = { beta = [0.1, 0, 0] }\n
+[[light]]\nposition = [0, 4, 0]\n";
+
+#[test]
+fn one_object_that_moves_alone_is_rendered_and_measured() {
+    let folder = Folder::empty();
+    std::fs::write(folder.path("one.toml"), ONE_MOVING).unwrap();
+    for method in ["trace", "raster:none", "raster:adaptive=0.1"] {
+        folder.ok(&["render", "one.toml", "--method", method, "-o", "one.png"]);
+    }
+    folder.ok(&["sheet", "one.toml", "-o", "sheet.png"]);
+    folder.ok(&["tessellation", "one.toml"]);
+}
+
 #[test]
 fn all_methods_write_the_same_channels() {
     let folder = Folder::empty();

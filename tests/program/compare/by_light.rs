@@ -258,6 +258,35 @@ fn colours_gamma_exposure_and_exponents_are_named_by_light_alone() {
     let w = |i: usize| if ratio[i].is_nan() { 1.0 } else { ratio[i] };
     let found = by_light(&exact, &of(&|k, i| colours[k][i] * w(i)));
     named(Kind::ExponentWrong, &["W^(+1)"], &found);
+    // Two at once: in display range, clipped and encoded, as viewers do; and another exposure beside exchanged channels.
+    let beside = "light is 2.0000 times what it should be beside that";
+    let found = by_light(&exact, &of(&|k, i| 2.0 * colours[2 - k][i]));
+    named(Kind::ColoursExchanged, &["BGR", beside], &found);
+    let brightest = colours.iter().flatten().fold(0.0, |a: f64, v| a.max(*v));
+    let shown = of(&|k, i| encode((colours[k][i] / (0.9 * brightest)).min(1.0)));
+    let factor = format!("{:.4} times", 1.0 / (0.9 * brightest));
+    named(
+        Kind::Gamma,
+        &["encoded for a display", &factor],
+        &by_light(&exact, &shown),
+    );
+}
+
+#[test]
+fn a_black_picture_is_said_to_be_one_and_nothing_else() {
+    let exact = exact();
+    let scaled = |factor: f64| {
+        let mut dark = light(&exact);
+        for name in LIGHT {
+            map(&mut dark, name, |_, v| factor * v);
+        }
+        dark
+    };
+    for found in [by_light(&exact, &scaled(0.0)), with_scene(&scaled(0.0))] {
+        named(Kind::Exposure, &["the picture is black"], &found);
+    }
+    let found = by_light(&exact, &scaled(1e-6));
+    named(Kind::Exposure, &["1.000e-6 times", "-19.93 stops"], &found);
 }
 
 #[test]

@@ -402,7 +402,11 @@ fn inverse_ratios_and_missing_gammas_are_named() {
     let wrong = changed(&["wavelength_ratio"], |_, w| gamma * w);
     for reference in [exact(), unknown(&exact())] {
         let found = diagnosed(&reference, &wrong);
-        named(Kind::RatioFactor, &["lack the camera's γ = 1.1547"], &found);
+        named(
+            Kind::RatioFactor,
+            &["γ times what they should be, γ = 1.1547 the camera's"],
+            &found,
+        );
         assert!((evidence(&found, "factor on W") - gamma).abs() < 1e-9);
     }
     let object = values(&exact(), "object");

@@ -394,11 +394,11 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     let all = |of: &dyn Fn(i64) -> f64| factors.iter().all(|(k, factor)| near(*factor, of(*k)));
     let what = if all(&|_| camera) {
         format!(
-            "wavelength ratios lack the camera's γ = {camera:.4}: they are γ times what they should be"
+            "wavelength ratios are γ times what they should be, γ = {camera:.4} the camera's: 1/(γ (1 + β·d)) lacks its γ, or γ (1 − β·d′) has it twice"
         )
     } else if all(&|_| 1.0 / camera) {
         format!(
-            "wavelength ratios have the camera's γ = {camera:.4} once too often: they are 1/γ of what they should be"
+            "wavelength ratios are 1/γ of what they should be, γ = {camera:.4} the camera's: γ (1 − β·d′) lacks its γ, or 1/(γ (1 + β·d)) has it twice"
         )
     } else if all(&|k| 1.0 / gamma(k)) {
         "wavelength ratios lack the objects' γ: they are 1/γ of what they should be".into()

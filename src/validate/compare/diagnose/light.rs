@@ -1,8 +1,8 @@
 //! Mistakes of the light: exchanged colours, gamma, exposure, the exponent of W.
 //!
-//! Pixels that the candidate clips at 1 say nothing. Of the hypotheses that explain the error the first is named:
-//! exchanged colours and gamma have no free number; an exponent explains how the light's logarithm varies, an exposure
-//! that it does not. Light that is as good as black counts as a hundredth of its median, and what is wrong at edges alone is no
+//! Pixels that the candidate clips at 1 say nothing, and neither does a picture that is as good as black. Of the hypotheses that explain the
+//! error the first is named: exchanged colours and gamma have no free number; with a factor beside them they have to leave next to
+//! nothing; an exponent explains how the light's logarithm varies, an exposure that it does not. Light that is as good as black counts as a hundredth of its median, and what is wrong at edges alone is no
 //! mistake of the light. The exponent is the slope k of
 //!
 //! ```text
@@ -25,7 +25,15 @@ type Hypothesis = fn(&Case, &[Lit]) -> Option<(Diagnosis, f64)>;
 /// What is wrong with the light, and the part of its squared error that this leaves.
 pub(super) fn light(case: &Case) -> Option<(Diagnosis, f64)> {
     let lit = lit(case)?;
-    let named: [Hypothesis; 5] = [codes, colours, gamma, exponent, exposure];
+    let named: [Hypothesis; 7] = [
+        black,
+        codes,
+        colours,
+        gamma,
+        encoded_and_scaled,
+        exponent,
+        exposure,
+    ];
     named.iter().find_map(|hypothesis| hypothesis(case, &lit))
 }
 
@@ -111,6 +119,60 @@ pub(super) fn told(lit: &[Lit], h: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Told
     }
 }
 
+/// What a hypothesis with a free factor may leave: noise of a hundredth, and not what light and W have in common by chance.
+const LEFT_BESIDE_A_FACTOR: f64 = 0.003;
+
+/// The factor on the sum of the channels that most pixels agree on.
+fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {
+    let sum = |light: [f64; 3]| light.iter().sum::<f64>();
+    median(
+        lit.iter()
+            .map(|(_, [r, c])| sum(of(*c)) / sum(*r))
+            .collect(),
+    )
+}
+
+/// Of the factor that a mistake stands beside.
+fn beside(factor: f64) -> String {
+    let factor = in_words(factor);
+    format!(", and light is {factor} times what it should be beside that")
+}
+
+/// A factor with the digits that tell it from others.
+fn in_words(factor: f64) -> String {
+    match factor < 0.01 {
+        true => format!("{factor:.3e}"),
+        false => format!("{factor:.4}"),
+    }
+}
+
+/// A picture with less than this part of the reference's light is as good as black.
+const DARK: f64 = 1e-3;
+
+/// A picture that shows next to no light: what little it shows does not say why, but for one factor on all of it.
+fn black(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+    let [r, c] = case.pair.map(|p| Plane::group(&p.layers, RADIANCE));
+    let (r, c) = (r?, c?);
+    // All of it, wherever it is: light that is elsewhere is another mistake.
+    let sum = |of: &[Plane; 3]| {
+        let pixels = case.pixels().into_iter();
+        let pixels = pixels.flat_map(|i| of.each_ref().map(|p| p.at(i)));
+        pixels.filter(|v| v.is_finite()).map(f64::abs).sum::<f64>()
+    };
+    let part = sum(&c) / sum(&r);
+    (part < DARK).then_some(())?;
+    let scaled = exposure(case, lit).filter(|(_, left)| *left <= LEFT_BESIDE_A_FACTOR);
+    scaled.or_else(|| {
+        let what = format!(
+            "the picture is black, or nearly: it has {part:.1e} of the reference's light, which shows some at {} pixels",
+            lit.len()
+        );
+        let evidence = vec![("part of the reference's light", part)];
+        let kind = Kind::Exposure;
+        Some((Diagnosis { kind, what, evidence }, 0.0))
+    })
+}
+
 /// The largest codes of 8 and of 16 bits.
 const LARGEST_CODES: [f64; 2] = [255.0, 65535.0];
 
@@ -153,21 +215,42 @@ fn colours(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
         ([1, 2, 0], "GBR"),
         ([2, 0, 1], "BRG"),
     ];
+    best_order(lit, &orders, 1.0, LEFT).or_else(|| {
+        let factor = factor(lit, |c| c)?;
+        let left = told(lit, |_, r| r.map(|v| factor * v)).left;
+        let left = (0.1 * left).min(LEFT_BESIDE_A_FACTOR);
+        best_order(lit, &orders, factor, left)
+    })
+}
+
+/// The order of channels that explains the light best, times `factor`, if it leaves no more than `most`.
+fn best_order(
+    lit: &[Lit],
+    orders: &[([usize; 3], &'static str)],
+    factor: f64,
+    most: f64,
+) -> Option<(Diagnosis, f64)> {
     // Where most of the light is grey, or nearly, other orders explain it too, but not all of it.
     let mut best: Option<(&str, Told)> = None;
     for (order, name) in orders {
-        let told = told(lit, |_, r| order.map(|k: usize| r[k]));
+        let told = told(lit, |_, r| order.map(|k: usize| factor * r[k]));
         let better = best
             .as_ref()
             .is_none_or(|(_, found)| told.tally.is_better_than(&found.tally));
-        if told.explains() && better {
+        if told.explains() && told.left <= most && better {
             best = Some((name, told));
         }
     }
     let (name, told) = best?;
     let diagnosis = Diagnosis {
         kind: Kind::ColoursExchanged,
-        what: format!("colours are exchanged: the channels R, G, B hold {name}"),
+        what: match factor == 1.0 {
+            true => format!("colours are exchanged: the channels R, G, B hold {name}"),
+            false => format!(
+                "colours are exchanged: the channels R, G, B hold {name}{}",
+                beside(factor)
+            ),
+        },
         evidence: evidence(&told.tally),
     };
     Some((diagnosis, told.left))
@@ -204,16 +287,42 @@ fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     Some((diagnosis, told.left))
 }
 
+/// Light that was brought to the range of a display, and encoded for it.
+fn encoded_and_scaled(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
+    (case.pair[0].encoding == Encoding::Linear).then_some(())?;
+    type Curve = fn(f64) -> f64;
+    let curves: [[Curve; 2]; 2] = [
+        [srgb_encode, srgb_decode],
+        [|v| libm::pow(v, 1.0 / 2.2), |v| libm::pow(v, 2.2)],
+    ];
+    let found = curves.into_iter().filter_map(|[encode, decode]| {
+        let factor = factor(lit, |c| c.map(decode)).filter(|factor| *factor > 0.0)?;
+        let told = told(lit, |_, r| r.map(|v| encode(factor * v)));
+        let explains = told.explains() && told.left <= LEFT_BESIDE_A_FACTOR;
+        explains.then_some((factor, told))
+    });
+    let (factor, told) = found.min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
+    let diagnosis = Diagnosis {
+        kind: Kind::Gamma,
+        what: format!(
+            "light is encoded for a display (gamma) and should be linear{}",
+            beside(factor)
+        ),
+        evidence: evidence(&told.tally),
+    };
+    Some((diagnosis, told.left))
+}
+
 fn exposure(_: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
-    let sum = |light: &[f64; 3]| light.iter().sum::<f64>();
-    let factor = median(lit.iter().map(|(_, [r, c])| sum(c) / sum(r)).collect())?;
+    let factor = factor(lit, |c| c)?;
     let told = told(lit, |_, r| r.map(|v| factor * v));
     let is_notable = factor > 0.0 && libm::log(factor).abs() > NOTABLE;
     (is_notable && told.explains()).then(|| {
         let diagnosis = Diagnosis {
             kind: Kind::Exposure,
             what: format!(
-                "light is {factor:.4} times what it should be, everywhere alike ({:+.2} stops)",
+                "light is {} times what it should be, everywhere alike ({:+.2} stops)",
+                in_words(factor),
                 libm::log2(factor)
             ),
             evidence: [("factor", factor)]
@@ -283,7 +392,7 @@ fn describe_exponent(slope: f64, factor: f64, explained: f64, count: usize) -> D
         false => format!("{slope:+.2}"),
     };
     let beside = match (factor - 1.0).abs() > NOTABLE {
-        true => format!(", and light is {factor:.4} times what it should be beside that"),
+        true => beside(factor),
         false => String::new(),
     };
     Diagnosis {

@@ -54,7 +54,7 @@ pub fn run(arguments: &PlanArguments) -> Result<()> {
     }
     let is_timed = |light: &Light| match &light.kind {
         LightKind::Lamp(lamp) => lamp.emission != EmissionProfile::Steady,
-        LightKind::Area { .. } => false,
+        LightKind::Area { emission, .. } => *emission != EmissionProfile::Steady,
     };
     let is_pulse = |source: &Source| matches!(source.kind, SourceKind::Pulse(_));
     let is_timed = scene.lights.iter().any(is_timed) || scene.sources.iter().any(is_pulse);

@@ -17,13 +17,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::accel::{Bvh, Facing, Ray};
+use crate::light::lamp::Emission;
 use crate::light::time_texture::survey::{lit_span, rounded};
 use crate::render::film::Tile;
 use crate::render::prepare::Prepared;
 use crate::render::sampler::Sampler;
 use crate::render::trace::{
-    Background, CameraRays, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator, Rays, Surfaces,
-    TimeResolved,
+    Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator,
+    Rays, SurfacePoint, Surfaces, TimeResolved,
 };
 use crate::scene::model::{Beam, Clock, LightKind, Mapping, Scene, SourceKind, TimeBins};
 use crate::spacetime::{Event, World};
@@ -379,7 +380,7 @@ pub fn meeting_times(
 
 fn tile(scene: &Prepared, surfaces: &Surfaces, light: &TimeResolved, tile: Tile) -> Vec<SeenTimes> {
     let mut all = Vec::new();
-    let each = |observed: &ObservedPoint| at_point(light, observed, &mut all);
+    let each = |observed: &ObservedPoint| at_point(light, surfaces, observed, &mut all);
     each_point(scene, surfaces, tile, each, |_| {});
     all
 }
@@ -565,8 +566,15 @@ fn each_point(
 }
 
 /// Notes the times of all sources that light a point.
-fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTimes>) {
+fn at_point(
+    light: &TimeResolved,
+    surfaces: &Surfaces,
+    observed: &ObservedPoint,
+    all: &mut Vec<SeenTimes>,
+) {
     let point = &observed.point;
+    let emitter = &light.emitters[point.patch.emitter as usize].0;
+    shining_at_point(light, surfaces, (emitter, point), all);
     let mut of_cube = |cube: usize, t: f64| {
         let times = SeenTimes {
             source: light.cube_sources[cube],
@@ -575,7 +583,7 @@ fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTi
         };
         note(all, times);
     };
-    match &light.emitters[point.patch.emitter as usize].0 {
+    match emitter {
         Emitter::Base(_) => {}
         Emitter::Uv { cube, clock, .. } => of_cube(*cube, clock.time(point)),
         Emitter::Captured(captures) => {
@@ -618,6 +626,40 @@ fn at_point(light: &TimeResolved, observed: &ObservedPoint, all: &mut Vec<SeenTi
                 note(all, times);
             }
         }
+    }
+}
+
+/// Notes the times of surfaces that shine by their own time, of which the point is one, or which light it.
+fn shining_at_point(
+    light: &TimeResolved,
+    surfaces: &Surfaces,
+    (emitter, point): (&Emitter, &SurfacePoint),
+    all: &mut Vec<SeenTimes>,
+) {
+    let mut of_light = |object: u32, emission: &Emission, left: f64| {
+        let known = light.area_lights.iter().find(|(lit, _)| *lit == object);
+        if let (Some((_, source)), Some(data)) = (known, emission.span()) {
+            let times = SeenTimes {
+                source: *source,
+                seen: [left; 2],
+                data,
+            };
+            note(all, times);
+        }
+    };
+    let (own, is_lit) = match emitter {
+        Emitter::Base(colour) => (Some(&light.base.colours[*colour]), false),
+        Emitter::Lit { finish, .. } => (finish.emission.as_ref(), true),
+        Emitter::Uv { .. } | Emitter::Captured(_) => (None, false),
+    };
+    match (own.and_then(|own| own.profile.as_deref()), &light.areas) {
+        (Some(emission), _) => of_light(
+            point.patch.object,
+            emission,
+            EmissionClock::Object.time(point),
+        ),
+        (None, Some(areas)) if is_lit => areas.times_at(surfaces, point, light.index, of_light),
+        _ => {}
     }
 }
 

@@ -649,7 +649,7 @@ fn what_cannot_be_baked_is_refused_in_words() {
         ),
         (
             format!("{plane}[[light]]\ntype = \"area\"\nobject = \"floor\"\n"),
-            "does so steadily",
+            "for ever",
         ),
     ];
     for (scene, words) in cases {

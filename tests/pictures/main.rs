@@ -15,6 +15,7 @@ mod cameras;
 mod capture;
 mod captures;
 mod exposures;
+mod flashes;
 mod footprints;
 mod gallery;
 mod in_memory;

@@ -147,7 +147,13 @@ fn shape(info: &CubeInfo) -> String {
 
 fn light(scene: &Scene, light: &Light) -> String {
     let shines = match &light.kind {
-        LightKind::Area { object, .. } => format!("surface of {}", scene.objects[*object].name),
+        LightKind::Area {
+            object, emission, ..
+        } => format!(
+            "surface of {}, {}",
+            scene.objects[*object].name,
+            described(emission)
+        ),
         LightKind::Lamp(lamp) => {
             let at = lamp.origin.x;
             let beam = match lamp.beam {
@@ -155,20 +161,24 @@ fn light(scene: &Scene, light: &Light) -> String {
                 Beam::Spot { .. } => format!("spot at ({}, {}, {}) m", at.x, at.y, at.z),
                 Beam::Parallel(d) => format!("parallel along ({}, {}, {})", d.x, d.y, d.z),
             };
-            let emission = match &lamp.emission {
-                EmissionProfile::Steady => "steady".into(),
-                EmissionProfile::Gaussian { centre, sigma } => {
-                    format!("a pulse at its {centre} m, σ = {sigma} m")
-                }
-                EmissionProfile::Train { sigma, period, .. } => {
-                    format!("pulses every {period} m, σ = {sigma} m")
-                }
-                EmissionProfile::Table(knots) => format!("by a table of {} times", knots.len()),
-            };
+            let emission = described(&lamp.emission);
             format!("{beam}, {emission}; {}", camera::moving(lamp.velocity))
         }
     };
     format!("{}: {shines}", light.name)
+}
+
+fn described(emission: &EmissionProfile) -> String {
+    match emission {
+        EmissionProfile::Steady => "steady".into(),
+        EmissionProfile::Gaussian { centre, sigma } => {
+            format!("a pulse at its {centre} m, σ = {sigma} m")
+        }
+        EmissionProfile::Train { sigma, period, .. } => {
+            format!("pulses every {period} m, σ = {sigma} m")
+        }
+        EmissionProfile::Table(knots) => format!("by a table of {} times", knots.len()),
+    }
 }
 
 fn sky(sky: &Sky) -> String {

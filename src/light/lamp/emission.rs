@@ -1,4 +1,4 @@
-//! The light of a lamp as a function of its proper time.
+//! The light of a lamp, or of a surface that shines, as a function of its proper time.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use crate::scene::model::EmissionProfile;
 
 /// Intensity by proper time.
 #[derive(Debug, Clone)]
-pub(super) enum Emission {
+pub(crate) enum Emission {
     Steady,
     /// `scale` times the density of a normal distribution.
     Gaussian {
@@ -53,7 +53,7 @@ impl From<&EmissionProfile> for Emission {
 impl Emission {
     /// The factor on the intensity at a proper time.
     #[inline]
-    pub(super) fn at(&self, proper_time: f64) -> f64 {
+    pub(crate) fn at(&self, proper_time: f64) -> f64 {
         match self {
             Emission::Steady => 1.0,
             Emission::Gaussian {
@@ -74,7 +74,7 @@ impl Emission {
 
 impl Emission {
     /// [`Emission::at`] of each of `times`, in its place.
-    pub(super) fn at_each(&self, times: &mut [f64]) {
+    pub(crate) fn at_each(&self, times: &mut [f64]) {
         match self {
             Emission::Steady => times.fill(1.0),
             Emission::Gaussian {
@@ -94,7 +94,7 @@ impl Emission {
     }
 
     /// The proper times between which it is not 0.
-    pub(super) fn span(&self) -> Option<[f64; 2]> {
+    pub(crate) fn span(&self) -> Option<[f64; 2]> {
         match self {
             Emission::Steady => None,
             Emission::Gaussian { centre, sigma, .. } => {
@@ -115,7 +115,7 @@ impl Emission {
     }
 
     /// The integral up to a proper time; infinite where it has always shone.
-    pub(super) fn until(&self, proper_time: f64) -> f64 {
+    pub(crate) fn until(&self, proper_time: f64) -> f64 {
         match self {
             Emission::Steady => f64::INFINITY,
             Emission::Gaussian {

@@ -44,7 +44,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 pub(crate) use arrivals::{Arrivals, EventColumns, PointsOnRays};
-use emission::Emission;
+pub(crate) use emission::Emission;
 
 use super::Received;
 use crate::colour::ColourTable;
@@ -237,10 +237,9 @@ impl Lamp {
         self.emission.span()
     }
 
-    /// The integral of its emission up to a proper time.
-    #[inline]
-    pub fn emitted_until(&self, proper_time: f64) -> f64 {
-        self.emission.until(proper_time)
+    /// How bright it is by its proper time.
+    pub(crate) fn emission(&self) -> &Emission {
+        &self.emission
     }
 
     /// Its velocity in the world; none where that changes.

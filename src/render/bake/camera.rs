@@ -113,9 +113,9 @@ fn sample_tile(
             met.push(k);
         }
     }
-    paths.follow(&starts, |path, lamp, light, delay| {
+    paths.follow(&starts, |path, emission, light, delay| {
         let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
-        pixels[met[path]].add(bins, lamp, light, delay + clock);
+        pixels[met[path]].add(bins, emission, light, delay + clock);
     });
 }
 

@@ -1,7 +1,7 @@
 //! The energy of one pixel or texel by bins of time.
 
 use super::{Bins, Energy};
-use crate::light::lamp::Lamp;
+use crate::light::lamp::Emission;
 
 /// Energy per bin of one pixel or texel.
 pub(super) struct Histogram {
@@ -65,9 +65,9 @@ impl Histogram {
         r / (r - 1.0) * spread.max(0.0) / (n * n)
     }
 
-    /// Adds `light` times the emission of `lamp` at its proper times, which are `delay` before those of the bins.
-    pub fn add(&mut self, bins: &Bins, lamp: &Lamp, light: [f64; 3], delay: f64) {
-        let Some([from, to]) = lamp.emission_span() else {
+    /// Adds `light` times `emission` at its proper times, which are `delay` before those of the bins.
+    pub fn add(&mut self, bins: &Bins, emission: &Emission, light: [f64; 3], delay: f64) {
+        let Some([from, to]) = emission.span() else {
             return;
         };
         if !delay.is_finite() || !light.iter().all(|c| c.is_finite()) {
@@ -77,7 +77,7 @@ impl Histogram {
         let first = (bin(from).max(0.0) as usize).min(bins.count);
         let end = (bin(to).ceil().max(0.0) as usize).min(bins.count);
         let edge = |bin: usize| bins.start + bin as f64 * bins.width - delay;
-        let until = |bin: usize| lamp.emitted_until(edge(bin));
+        let until = |bin: usize| emission.until(edge(bin));
         let mean = (light[0] + light[1] + light[2]) / 3.0;
         // Most paths have all of their light in the bins: its integral is not asked for before it begins and after it ends.
         let begun = if edge(first) <= from {
@@ -99,7 +99,7 @@ impl Histogram {
             before: mean * begun,
             after: match edge(end) >= to {
                 true => 0.0,
-                false => mean * (lamp.emitted_until(to) - before),
+                false => mean * (emission.until(to) - before),
             },
             span: Some(span),
         });

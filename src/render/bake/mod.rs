@@ -34,7 +34,7 @@ use self::part::Summary;
 use crate::error::{Error, Result};
 use crate::io::cube::{Cube, Samples};
 use crate::light::Received;
-use crate::light::lamp::Lamp;
+use crate::light::lamp::{Emission, Lamp};
 use crate::mesh::atlas::Corners;
 use crate::render::film::TILE;
 use crate::render::prepare::Prepared;
@@ -135,13 +135,15 @@ pub fn check(scene: &Scene) -> Result<()> {
     // Light that never ends would need infinitely many bins.
     for light in &scene.lights {
         let place = format!("light \"{}\"", light.name);
-        let LightKind::Lamp(lamp) = &light.kind else {
-            let what = "a surface that shines does so steadily, which has no place in bins of time";
-            return refuse(
-                place,
-                what.into(),
-                "leave it out, or follow light with `render.bounces`",
-            );
+        let for_ever = "it shines for ever, which has no place in bins of time";
+        let with_an_end = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
+        let lamp = match &light.kind {
+            LightKind::Lamp(lamp) => lamp,
+            // Its object rests with the others.
+            LightKind::Area { emission, .. } => match Emission::from(emission).span() {
+                Some(_) => continue,
+                None => return refuse(place, for_ever.into(), with_an_end),
+            },
         };
         if lamp.motion != Motion::Inertial || moves(lamp.velocity) {
             let what = format!("it moves relative to \"{}\"", first.name);
@@ -150,9 +152,7 @@ pub fn check(scene: &Scene) -> Result<()> {
         }
         let end = Lamp::new(lamp, Received::Scaled(scene.quantity), false, lamp.origin);
         if end.emission_span().is_none() {
-            let what = "it shines for ever, which has no place in bins of time";
-            let help = "give it an emission with an end, like emission = { gaussian = { sigma = \"5 cm\" } }, or follow light with `render.bounces`";
-            return refuse(place, what.into(), help);
+            return refuse(place, for_ever.into(), with_an_end);
         }
     }
     if scene.sky.as_ref().is_some_and(|sky| sky.lights) {

@@ -293,9 +293,9 @@ impl<'a> Charts<'a> {
                 }
             }
             texel.found += starts.len() as u32;
-            paths.follow(&starts, |path, lamp, light, delay| {
+            paths.follow(&starts, |path, emission, light, delay| {
                 let clock = paths.clock(paths.rest.patch(starts[path].hit.triangle));
-                texel.add(bins, lamp, light, delay + clock);
+                texel.add(bins, emission, light, delay + clock);
             });
             if end.is_multiple_of(per_part) {
                 texel.end_part();

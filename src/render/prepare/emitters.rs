@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Bricks, BytesRead, CubeStore};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
-use crate::light::lamp::Lamp;
+use crate::light::lamp::{Emission, Lamp};
 use crate::light::sky::Sky;
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
@@ -28,8 +28,8 @@ use crate::render::trace::{
     TimeResolved,
 };
 use crate::scene::model::{
-    Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects, Geometry,
-    LightKind, Mapping, Reconstruction, Scene, SourceKind,
+    Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects,
+    EmissionProfile, Geometry, LightKind, Mapping, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -151,6 +151,9 @@ impl<'a> Builder<'a> {
         let own = self.scene.objects[object].spectrum.as_ref();
         let own = own.map(|spectrum| spectrum_colour(spectrum, self.scene));
         let area = area_radiance(self.scene, object, mesh);
+        let profile = area_light(self.scene, object)
+            .filter(|area| *area.emission != EmissionProfile::Steady)
+            .map(|area| Arc::new(Emission::from(area.emission)));
         let vertex_colours = !mesh.colours.is_empty();
         let emitter = |material: &Material| {
             let lit = lit_by(self.scene, object, &material.name);
@@ -158,6 +161,7 @@ impl<'a> Builder<'a> {
                 // Of an area light, its radiance is a factor on its spectrum.
                 Some(colour) => BaseColour {
                     factor: colour.factor.map(|c| c * area.map_or(1.0, mean)),
+                    profile: profile.clone(),
                     ..colour.clone()
                 },
                 None => base_colour(material, &textures, vertex_colours),
@@ -167,7 +171,7 @@ impl<'a> Builder<'a> {
                 colour: self.colours.len() - 1,
                 gloss: gloss(self.scene, material, &textures),
                 glass: glass(self.scene, material),
-                emission: emission(self.scene, area, material, &textures),
+                emission: emission(self.scene, (area, &profile), material, &textures),
             };
             self.emitters.push((lit, finish));
             self.emitters.len() as u32 - 1
@@ -215,7 +219,7 @@ impl<'a> Builder<'a> {
                     radiance: radiance.clone(),
                     spectrum,
                     two_sided: facing == Facing::TwoSided && !patch.black_back,
-                    shadows: area.is_none_or(|(_, shadows)| shadows),
+                    shadows: area.is_none_or(|area| area.shadows),
                 });
             }
         }
@@ -324,6 +328,7 @@ impl<'a> Builder<'a> {
             captures: stores.captures,
             lamps,
             areas,
+            area_lights: area_lights(scene),
             sky: sky.and_then(|sky| super::sky::light(scene, sky, frames)),
             index: scene.medium_index,
         };
@@ -350,6 +355,7 @@ fn base_colour(material: &Material, textures: &[usize], vertex_colours: bool) ->
         texture: lookup(&material.base_colour_texture, textures),
         vertex_colours,
         response: None,
+        profile: None,
     }
 }
 
@@ -378,7 +384,7 @@ fn glass(scene: &Scene, material: &Material) -> Option<Glass> {
 /// The radiance of a surface's own in a scene with lights: its material's, or that of an area light.
 fn emission(
     scene: &Scene,
-    area: Option<[f64; 3]>,
+    (area, profile): (Option<[f64; 3]>, &Option<Arc<Emission>>),
     material: &Material,
     textures: &[usize],
 ) -> Option<BaseColour> {
@@ -387,24 +393,47 @@ fn emission(
         texture: None,
         vertex_colours: false,
         response: None,
+        profile: profile.clone(),
     });
     let own = || BaseColour {
         factor: material.emissive.map(f64::from),
         texture: lookup(&material.emissive_texture, textures),
         vertex_colours: false,
         response: None,
+        profile: None,
     };
     let shines = scene.is_lit() && material.emissive != [0.0; 3];
     area.or_else(|| shines.then(own))
 }
 
-/// How bright the area light makes an object which is one, and whether it casts shadows.
-fn area_light(scene: &Scene, object: usize) -> Option<(Brightness, bool)> {
-    scene.lights.iter().find_map(|light| match light.kind {
+/// Objects that are area lights, and the numbers of their lights after the sources.
+fn area_lights(scene: &Scene) -> Vec<(u32, usize)> {
+    let lights = (scene.sources.len()..).zip(&scene.lights);
+    let area = |(number, light): (usize, &crate::scene::model::Light)| match light.kind {
+        LightKind::Area { object, .. } => Some((object as u32, number)),
+        LightKind::Lamp(_) => None,
+    };
+    lights.filter_map(area).collect()
+}
+
+/// An object that is an area light: how bright, when, and whether surfaces shadow it.
+struct AreaLight<'a> {
+    brightness: Brightness,
+    emission: &'a EmissionProfile,
+    shadows: bool,
+}
+
+fn area_light(scene: &Scene, object: usize) -> Option<AreaLight<'_>> {
+    scene.lights.iter().find_map(|light| match &light.kind {
         LightKind::Area {
             object: lit,
             brightness,
-        } if lit == object => Some((brightness, light.shadows)),
+            emission,
+        } if *lit == object => Some(AreaLight {
+            brightness: *brightness,
+            emission,
+            shadows: light.shadows,
+        }),
         _ => None,
     })
 }
@@ -412,7 +441,7 @@ fn area_light(scene: &Scene, object: usize) -> Option<(Brightness, bool)> {
 /// The radiance of an object that is an area light, whose mesh in its rest frame is `mesh`: of the power Φ, Φ/(π A) with the area
 /// A of all sides that shine, for a side sends ∫ L cos θ dω = π L per area.
 fn area_radiance(scene: &Scene, object: usize, mesh: &Mesh) -> Option<[f64; 3]> {
-    let power = match area_light(scene, object)?.0 {
+    let power = match area_light(scene, object)?.brightness {
         Brightness::Radiance(radiance) => return Some(radiance),
         Brightness::Power(power) => power,
     };
@@ -467,6 +496,7 @@ fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
         factor,
         texture: None,
         response: Some(response),
+        profile: None,
     }
 }
 

@@ -1,13 +1,17 @@
 //! Colours and finishes of surfaces, by patch and place.
 
+use std::sync::Arc;
+
 use super::emitted::{Emitted, Response};
+use super::point::EmissionClock;
 use super::rest_frame::{Patch, RestFrame};
 use super::run::Run;
 use crate::accel::Hit;
 use crate::io::image::Texture;
+use crate::light::lamp;
 use crate::mesh::Wrap;
 
-/// Time-independent radiance: a factor, a texture, colours of vertices.
+/// Radiance or reflectance: a factor, a texture, colours of vertices, and for what shines a profile in time.
 #[derive(Debug, Clone)]
 pub struct BaseColour {
     /// Linear RGB.
@@ -18,6 +22,8 @@ pub struct BaseColour {
     pub vertex_colours: bool,
     /// What an observer makes of it, where that is not the common response.
     pub response: Option<Response>,
+    /// A factor by the proper time of the object; none where that is always 1.
+    pub(crate) profile: Option<Arc<lamp::Emission>>,
 }
 
 /// A texture, and how it is looked up.
@@ -49,6 +55,24 @@ impl BaseColour {
     #[inline]
     pub(super) fn constant(&self) -> Option<[f64; 3]> {
         (self.texture.is_none() && !self.vertex_colours).then_some(self.factor)
+    }
+
+    /// The factor at a proper time of the object.
+    #[inline]
+    pub(super) fn factor_at(&self, proper_time: impl FnOnce() -> f64) -> f64 {
+        self.profile
+            .as_ref()
+            .map_or(1.0, |profile| profile.at(proper_time()))
+    }
+
+    /// Fills `factors` with the factors at the points of `run`, with none where they are always 1.
+    pub(super) fn factors(&self, run: &Run, factors: &mut Vec<f64>) {
+        factors.clear();
+        if let Some(profile) = &self.profile {
+            factors.resize(run.count(), 0.0);
+            run.times(EmissionClock::Object, 0, factors);
+            profile.at_each(factors);
+        }
     }
 }
 
@@ -136,7 +160,8 @@ impl BaseColours {
 
     /// What colour `index` emits at the points of `run`.
     pub(super) fn fill(&self, index: usize, run: &Run, emitted: &mut Emitted) {
-        match &self.colours[index] {
+        let base = &self.colours[index];
+        match base {
             BaseColour {
                 texture: None,
                 vertex_colours: false,
@@ -148,6 +173,10 @@ impl BaseColours {
                 let radiance = hits.map(|hit| self.radiance(index, run, &hit));
                 emitted.radiance.extend(radiance);
             }
+        }
+        base.factors(run, &mut emitted.times);
+        for (radiance, factor) in emitted.radiance.iter_mut().zip(&emitted.times) {
+            *radiance = radiance.map(|c| c * factor);
         }
     }
 }

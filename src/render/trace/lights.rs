@@ -8,6 +8,8 @@
 //! E_F = ∫ W²⁻ᵖ L cos θ_y cos θ_F/r_G² dA.
 //! ```
 //!
+//! Where L changes with the proper time of the surface's object, it is that of the event of emission: in G the time of X less η r_G.
+//!
 //! Every hit draws one point of all elements, with a density as their area times their radiance. Of the sky, a hit has
 //! all that would fall on it with nothing in the way ([`BoostedSky::irradiance`]), and what stands in the way of four drawn directions,
 //! by their density, is taken from it: the mean is right, and where the sky is open there is no noise. Surfaces that shine also
@@ -19,13 +21,16 @@ use super::area_draws::AreaDraws;
 use super::base_colours::{BaseColour, BaseColours};
 use super::emitted::Emitted;
 use super::lamps::reflect_unblocked;
+use super::point::SurfacePoint;
+use super::rest_frame::RestFrame;
 use super::run::Run;
 use super::stats::Meter;
+use super::surfaces::Surfaces;
 use crate::accel::Hit;
 use crate::accel::vectors::{BLOCK, Columns, VectorLoop, Vectors, dispatch};
 use crate::colour::ColourTable;
 use crate::light::Received;
-use crate::light::lamp::Incident;
+use crate::light::lamp::{self, Incident};
 use crate::light::reflection::Reflection;
 use crate::light::sky::{BoostedSky, Sky};
 use crate::spacetime::{Boost, Direction, Rest, World, unit_and_length_or_nan};
@@ -39,7 +44,10 @@ const GLOSS: u32 = 2;
 const DRAWS: u32 = 4;
 
 /// Shadow rays end this part of the way before the shining surface, which is no obstacle to itself.
-const SHORTER: f64 = 1.0 - 1e-6;
+pub(super) const SHORTER: f64 = 1.0 - 1e-6;
+
+/// About how many triangles are looked at for when their light left.
+const MOST_TIMED: usize = 32;
 
 /// Surfaces that shine.
 #[derive(Debug)]
@@ -121,6 +129,19 @@ impl Shape {
             share,
         }
     }
+}
+
+/// A point of an area light that is drawn for one of the same rest frame.
+pub(super) struct AreaDraw<'a> {
+    /// How bright it is by its proper time.
+    pub emission: &'a lamp::Emission,
+    /// The frame's time at which that is 0.
+    pub clock_zero: f64,
+    pub triangle: u32,
+    pub distance: f64,
+    /// The irradiance with an emission of 1, over the density.
+    pub light: [f64; 3],
+    pub sent: Sent,
 }
 
 /// Light of an area light that is drawn, as its weight depends on it.
@@ -214,6 +235,12 @@ impl AreaLights {
                 if draws.factors[k] == 0.0 || element.shadows != shadows {
                     continue;
                 }
+                let shines = element
+                    .radiance
+                    .factor_at(|| proper_time(run, element, (draws.u[k], draws.v[k]), k, index));
+                if shines == 0.0 {
+                    continue;
+                }
                 let l = draws.l.get(k);
                 let density = draws.densities[k];
                 let sent = Sent {
@@ -223,7 +250,7 @@ impl AreaLights {
                 };
                 let weight = weight(reflections.get(k), &sent);
                 let incident = self.incident(base, run, element, draws, k);
-                arriving.push((k, incident.scaled(weight), l));
+                arriving.push((k, incident.scaled(weight * shines), l));
                 let end = (element.frame, element.triangle);
                 queries.push_to(k, draws.d.get(k), draws.distances[k], end);
             }
@@ -288,15 +315,32 @@ impl AreaLights {
         draws: &AreaDraws,
         k: usize,
     ) -> Incident {
-        let (w, factor) = (draws.ratios[k], draws.factors[k]);
+        let rest = run.traced.surfaces.rest(element.frame);
+        let place = (draws.u[k], draws.v[k]);
+        self.incident_of(
+            base,
+            (rest, element, place),
+            draws.ratios[k],
+            draws.factors[k],
+        )
+    }
+
+    /// What falls on a point that sees this place of `element`, which rests in `rest`, at W and with the factor
+    /// cos θ_y cos θ_F/r² over the density.
+    fn incident_of(
+        &self,
+        base: &BaseColours,
+        (rest, element, (u, v)): (&RestFrame, &Element, (f64, f64)),
+        w: f64,
+        factor: f64,
+    ) -> Incident {
         let radiance = match element.radiance.constant() {
             Some(radiance) => radiance,
             None => {
-                let rest = run.traced.surfaces.rest(element.frame);
                 let hit = Hit {
                     s: 0.0,
-                    u: draws.u[k],
-                    v: draws.v[k],
+                    u,
+                    v,
                     triangle: element.triangle,
                     slot: 0,
                     front: true,
@@ -315,6 +359,81 @@ impl AreaLights {
         Incident::new(irradiance, self.received.wavelength_scale(w))
     }
 
+    /// Whether any of them changes with time.
+    pub(super) fn changes(&self) -> bool {
+        self.elements.iter().any(|e| e.radiance.profile.is_some())
+    }
+
+    /// Calls `each` with the objects that shine by their own time, how they do, and when what comes from corners of them to `point` left.
+    pub(crate) fn times_at(
+        &self,
+        surfaces: &Surfaces,
+        point: &SurfacePoint,
+        index: f64,
+        mut each: impl FnMut(u32, &lamp::Emission, f64),
+    ) {
+        let changes = |e: &&Element| e.radiance.profile.is_some();
+        let count = self.elements.iter().filter(changes).count();
+        let step = count.div_ceil(MOST_TIMED).max(1);
+        for element in self.elements.iter().filter(changes).step_by(step) {
+            let Some(emission) = element.radiance.profile.as_deref() else {
+                continue;
+            };
+            let event = surfaces.event(element.frame, point);
+            let patch = surfaces.rest(element.frame).patch(element.triangle);
+            for corner in element.corners {
+                let left = event.ct - index * (corner - event.x).length();
+                each(patch.object, emission, left - patch.object_origin.ct);
+            }
+        }
+    }
+
+    /// A point of all elements by two numbers in [0, 1), as it is seen from `x` of the same rest frame, where the normal is `normal`; none
+    /// where it does not shine there, or always does.
+    pub(super) fn drawn_from(
+        &self,
+        (base, rest): (&BaseColours, &RestFrame),
+        (x, normal): (DVec3, DVec3),
+        [first, second]: [f64; 2],
+    ) -> Option<AreaDraw<'_>> {
+        let last = self.cumulative.len() - 1;
+        let chosen = (self.cumulative)
+            .partition_point(|sum| *sum <= first)
+            .min(last);
+        let (element, shape) = (&self.elements[chosen], &self.shapes[chosen]);
+        let emission = element.radiance.profile.as_deref()?;
+        let root = unit_interval((first - shape.before) / shape.share).sqrt();
+        let (u, v) = (root * (1.0 - second), root * second);
+        let place = shape.corner + shape.edges[0] * u + shape.edges[1] * v;
+        let (l, distance) = unit_and_length_or_nan(place - x);
+        let towards = -shape.normal.dot(l) / shape.twice;
+        let cosine_there = if element.two_sided {
+            towards.abs()
+        } else {
+            towards
+        };
+        let cosine = normal.dot(l);
+        // Also for NaN, where the point is on the element.
+        if !(cosine_there > 0.0 && cosine > 0.0) {
+            return None;
+        }
+        let density = shape.share / (0.5 * shape.twice);
+        let factor = cosine_there * cosine / (distance * distance * density);
+        let incident = self.incident_of(base, (rest, element, (u, v)), 1.0, factor);
+        Some(AreaDraw {
+            emission,
+            clock_zero: rest.patch(element.triangle).object_origin.ct,
+            triangle: element.triangle,
+            distance,
+            light: incident.irradiance,
+            sent: Sent {
+                l,
+                shadows: element.shadows,
+                density: density * distance * distance / cosine_there,
+            },
+        })
+    }
+
     /// The density per area with which a point of this triangle is drawn, where it shines, and whether other surfaces
     /// shadow it.
     pub(super) fn density(&self, frame: u32, triangle: u32) -> Option<(f64, bool)> {
@@ -326,6 +445,19 @@ impl AreaLights {
         let share = self.cumulative[k] - before;
         Some((share / element.area(), element.shadows))
     }
+}
+
+/// The proper time of `element`'s object at which it sent what comes to point `k` of `run` from its place (u, v).
+fn proper_time(run: &Run, element: &Element, (u, v): (f64, f64), k: usize, index: f64) -> f64 {
+    let surfaces = run.traced.surfaces;
+    let Some(point) = run.point(k) else {
+        return f64::NAN;
+    };
+    let event = surfaces.event(element.frame, &point);
+    let [a, b, c] = element.corners;
+    let place = a + (b - a) * u + (c - a) * v;
+    let patch = surfaces.rest(element.frame).patch(element.triangle);
+    event.ct - index * (place - event.x).length() - patch.object_origin.ct
 }
 
 /// The loop over points whose elements are in one frame.

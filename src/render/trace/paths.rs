@@ -96,9 +96,9 @@ use crate::light::time_texture::CaptureView;
 use crate::spacetime::{Direction, Displacement, Rest, World};
 
 /// What random numbers at a surface are for.
-const AREA: u32 = 0;
+pub(super) const AREA: u32 = 0;
 const SKY: u32 = 1;
-const ONWARD: u32 = 2;
+pub(super) const ONWARD: u32 = 2;
 
 /// Lights of all kinds, and surfaces that pass their light on.
 #[derive(Debug)]
@@ -590,8 +590,13 @@ impl PathTraced {
         };
         let base = &self.light.base;
         let own = base.colour_at(emission, run.rest, patch, &hit);
+        // At its own time there.
+        let factor = emission.factor_at(|| match run.point(at) {
+            Some(point) => point.rest_event().ct - patch.object_origin.ct,
+            None => f64::NAN,
+        });
         let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
-        own.map(|c| weight * c)
+        own.map(|c| weight * factor * c)
     }
 
     /// Ends the points of `run`: what they reflect, and what they shine of their own.
@@ -797,7 +802,7 @@ fn add(
 
 /// The share of what is drawn with density `own`, where it could be drawn with density `other` too.
 #[inline]
-fn balance(own: f64, other: f64) -> f64 {
+pub(super) fn balance(own: f64, other: f64) -> f64 {
     match own > 0.0 {
         true => own / (own + other),
         false => 0.0,

@@ -310,6 +310,10 @@ impl TimeResolved {
         if let Some(sky) = &self.sky {
             sky.illuminate(run, self.index, emitted, meter);
         }
+        emitted.times.clear();
+        if let Some(emission) = &finish.emission {
+            emission.factors(run, &mut emitted.times);
+        }
         for k in 0..run.count() {
             let Some(hit) = run.hit(k) else {
                 continue;
@@ -321,7 +325,8 @@ impl TimeResolved {
             };
             if let Some(emission) = &finish.emission {
                 let own = self.base.colour_at(emission, run.rest, run.patch, &hit);
-                radiance = std::array::from_fn(|c| radiance[c] + own[c]);
+                let factor = emitted.times.get(k).copied().unwrap_or(1.0);
+                radiance = std::array::from_fn(|c| radiance[c] + factor * own[c]);
             }
             emitted.push_known(radiance, irradiance.wavelength_scale());
         }

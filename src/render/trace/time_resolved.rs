@@ -30,6 +30,8 @@ pub struct TimeResolved {
     pub lamps: Vec<Option<Lamp>>,
     /// Surfaces that shine.
     pub areas: Option<Box<AreaLights>>,
+    /// Objects that are area lights, and which light each is, counted as `lamps` are.
+    pub area_lights: Vec<(u32, usize)>,
     /// The sky, where it lights.
     pub sky: Option<SkyLight>,
     /// Refractive index of the medium.

@@ -11,6 +11,9 @@
 //! So one path serves all times: what it carries of a lamp, f₀ … fₙ E(xₙ)/(densities), goes with the emission of the lamp as a
 //! function of t, moved by its delay, and into a bin from a to b goes the integral of the emission from τ(a) to τ(b), which is exact.
 //! Every surface of a path is lit by all lamps (next-event estimation), so that the direct light and all bounces come from one set of paths.
+//! Surfaces that shine are found as in [`paths`](super::paths): one point of all of them is drawn at each surface, paths that meet one carry what it
+//! shines, and the balance heuristic weighs both; their proper time is that of their object, and D ends at the point that shines. What shines steadily
+//! has no place in bins of time and is left out.
 //! Directions are drawn as for [`paths`](super::paths), where densities and random numbers are told; W is 1 throughout. Many paths are followed
 //! together, surface by surface, so that their rays are traced in packets.
 //!
@@ -19,17 +22,16 @@
 use glam::DVec3;
 
 use super::camera_rays::Samples;
+use super::emitted::Colouring;
+use super::lights::SHORTER;
 use super::occlusion::shadow_ray;
-use super::paths::{diffuse_part, reflection};
+use super::paths::{AREA, ONWARD, balance, diffuse_part, reflection};
 use super::rest_frame::{Patch, RestFrame};
 use super::time_resolved::{Emitter, TimeResolved};
 use crate::accel::{Hit, Method, NoTally, Origins, Segment};
-use crate::light::lamp::Lamp;
+use crate::light::lamp::{Emission, Lamp};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::spacetime::{Direction, Event, NullRay, Rest};
-
-/// What random numbers at a surface are for: the same as of all paths.
-const ONWARD: u32 = 2;
 
 /// Paths in one rest frame.
 #[derive(Debug)]
@@ -79,12 +81,23 @@ struct Vertex<'a> {
     delay: f64,
 }
 
-/// What a path carries of a lamp.
+/// What a path carries of a lamp or a surface that shines.
 struct Found<'a> {
     path: usize,
-    lamp: &'a Lamp,
+    emission: &'a Emission,
     light: [f64; 3],
-    /// The time at the start of the path less the lamp's proper time of emission.
+    /// The time at the start of the path less the proper time of emission.
+    delay: f64,
+}
+
+/// What a path meets: where it leaves, along which unit vector, through which index, and what it carries, after which delay.
+struct Meeting {
+    path: usize,
+    hit: Hit,
+    from: DVec3,
+    d: DVec3,
+    near: f64,
+    carried: [f64; 3],
     delay: f64,
 }
 
@@ -96,40 +109,96 @@ struct Falling<'a> {
 }
 
 impl TimedPaths<'_> {
-    /// Follows the paths that begin so, and calls `found`, path by path, with the path, each lamp that it finds, what it carries of it,
-    /// and its delay: the time at its start less the lamp's proper time of emission.
-    pub fn follow(&self, starts: &[Start], mut found: impl FnMut(usize, &Lamp, [f64; 3], f64)) {
-        let first = starts.iter().enumerate();
-        let mut vertices: Vec<_> = first.filter_map(|(path, s)| self.first(path, s)).collect();
+    /// Follows the paths that begin so, and calls `found`, path by path, with the path, the emission of each lamp or surface that it
+    /// finds, what it carries of it, and its delay: the time at its start less the proper time of emission.
+    pub fn follow(&self, starts: &[Start], mut found: impl FnMut(usize, &Emission, [f64; 3], f64)) {
+        let shines = self
+            .light
+            .areas
+            .as_ref()
+            .is_some_and(|areas| areas.changes());
         let mut all = Vec::new();
+        let first = starts.iter().enumerate();
+        let mut vertices: Vec<_> = first
+            .filter_map(|(path, start)| self.first(path, start, &mut all))
+            .collect();
         for depth in 0..=self.bounces {
             self.light_up(&vertices, &mut all);
-            if depth < self.bounces {
-                vertices = self.go_on(vertices, starts, depth);
+            if shines {
+                self.light_up_by_areas(&vertices, (starts, depth), &mut all);
+            }
+            // After the last surface one more ray looks for what shines.
+            if depth < self.bounces || shines {
+                vertices = self.go_on(vertices, (starts, depth), &mut all);
             }
         }
         // Sums over a path's lamps are in the order of the path.
         all.sort_by_key(|found| found.path);
         for Found {
             path,
-            lamp,
+            emission,
             light,
             delay,
         } in all
         {
-            found(path, lamp, light, delay);
+            found(path, emission, light, delay);
         }
     }
 
     /// The first surface of a path.
-    fn first(&self, path: usize, start: &Start) -> Option<Vertex<'_>> {
+    fn first<'a>(
+        &'a self,
+        path: usize,
+        start: &Start,
+        all: &mut Vec<Found<'a>>,
+    ) -> Option<Vertex<'a>> {
         let hit = start.hit;
         let (from, d) = match start.seen {
             Seen::From(from, d) => (from, d),
-            Seen::Diffuse => return self.first_diffuse(path, hit),
+            Seen::Diffuse => {
+                all.extend(self.own(path, &hit, [1.0; 3], 0.0));
+                return self.first_diffuse(path, hit);
+            }
         };
-        let (x, delay) = (from + d * hit.s, self.light.index * hit.s);
-        self.vertex(path, (from, x), hit, (d, 1.0), ([1.0; 3], delay))
+        let meeting = Meeting {
+            path,
+            hit,
+            from,
+            d,
+            near: 1.0,
+            carried: [1.0; 3],
+            delay: self.light.index * hit.s,
+        };
+        all.extend(self.own(path, &hit, meeting.carried, meeting.delay));
+        self.vertex(&meeting)
+    }
+
+    /// What a surface shines of its own, met by a path that carries this after this delay.
+    fn own(&self, path: usize, hit: &Hit, carried: [f64; 3], delay: f64) -> Option<Found<'_>> {
+        let patch = self.rest.patch(hit.triangle);
+        let (emitter, response) = &self.light.emitters[patch.emitter as usize];
+        let base = &self.light.base;
+        let colour = match emitter {
+            _ if patch.black_back && !hit.front => None,
+            Emitter::Lit { finish, .. } => finish.emission.as_ref(),
+            Emitter::Base(colour) => Some(&base.colours[*colour]),
+            Emitter::Uv { .. } | Emitter::Captured(_) => None,
+        }?;
+        let emission = colour.profile.as_deref()?;
+        let radiance = base.colour_at(colour, self.rest, patch, hit);
+        let radiance = match &response.colour {
+            Colouring::Spectrum(table, _) => {
+                let factor = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
+                table.colour(1.0).map(|c| c * factor)
+            }
+            _ => radiance,
+        };
+        Some(Found {
+            path,
+            emission,
+            light: std::array::from_fn(|c| carried[c] * radiance[c]),
+            delay: delay + patch.object_origin.ct,
+        })
     }
 
     /// The same of one that begins on a surface.
@@ -164,9 +233,68 @@ impl TimedPaths<'_> {
             }
         }
         let segments: Vec<_> = falling.iter().filter_map(|falling| falling.way).collect();
+        self.add_open(falling, &segments, all);
+    }
+
+    /// Adds what `vertices`, which `depth` others come before, reflect of points that are drawn on surfaces that shine.
+    fn light_up_by_areas<'a>(
+        &'a self,
+        vertices: &[Vertex],
+        (starts, depth): (&[Start], u32),
+        all: &mut Vec<Found<'a>>,
+    ) {
+        let Some(areas) = &self.light.areas else {
+            return;
+        };
+        let (mut falling, mut segments) = (Vec::new(), Vec::new());
+        for vertex in vertices {
+            let (pixel, index) = starts[vertex.path].sample;
+            let numbers = samples(&[pixel], index, depth).on_path(0, AREA);
+            let place = (vertex.x, vertex.reflection.normal());
+            let base = (&self.light.base, self.rest);
+            let Some(draw) = areas.drawn_from(base, place, numbers) else {
+                continue;
+            };
+            // What followed paths can meet, too, is weighed against that.
+            let (l, density) = (draw.sent.l, draw.sent.density);
+            let weight = match draw.sent.shadows {
+                true => balance(density, vertex.reflection.density(l)),
+                false => 1.0,
+            };
+            let value = vertex.reflection.value(l);
+            let light =
+                std::array::from_fn(|c| vertex.carried[c] * value[c] * draw.light[c] * weight);
+            if light == [0.0; 3] {
+                continue;
+            }
+            let way = draw.sent.shadows.then(|| Segment {
+                ray: shadow_ray(vertex.from, vertex.x, l),
+                s_max: draw.distance * SHORTER,
+                skip: Some(vertex.hit.triangle),
+                end: Some(draw.triangle),
+            });
+            segments.extend(way);
+            let found = Found {
+                path: vertex.path,
+                emission: draw.emission,
+                light,
+                delay: vertex.delay + self.light.index * draw.distance + draw.clock_zero,
+            };
+            falling.push(Falling { found, way });
+        }
+        self.add_open(falling, &segments, all);
+    }
+
+    /// Adds those that nothing is in the way of.
+    fn add_open<'a>(
+        &self,
+        falling: Vec<Falling<'a>>,
+        segments: &[Segment],
+        all: &mut Vec<Found<'a>>,
+    ) {
         let mut blocked = vec![false; segments.len()];
         let bvh = &self.rest.bvh;
-        bvh.any_by(self.method, &segments, &mut blocked, &mut NoTally);
+        bvh.any_by(self.method, segments, &mut blocked, &mut NoTally);
         let mut blocked = blocked.into_iter();
         let open = falling
             .into_iter()
@@ -174,21 +302,19 @@ impl TimedPaths<'_> {
         all.extend(open.map(|falling| falling.found));
     }
 
-    /// The next surfaces along directions that are drawn at `vertices`, which `depth` others come before.
-    fn go_on(&self, vertices: Vec<Vertex<'_>>, starts: &[Start], depth: u32) -> Vec<Vertex<'_>> {
+    /// The next surfaces along directions that are drawn at `vertices`, which `depth` others come before; what they shine is added to `all`.
+    fn go_on<'a>(
+        &'a self,
+        vertices: Vec<Vertex<'_>>,
+        (starts, depth): (&[Start], u32),
+        all: &mut Vec<Found<'a>>,
+    ) -> Vec<Vertex<'a>> {
         let mut onward: Vec<(usize, Scattered, [f64; 3], f64)> = Vec::new();
         let (mut origins, mut directions, mut slots) = (Vec::new(), Vec::new(), Vec::new());
         for vertex in &vertices {
             let (pixel, index) = starts[vertex.path].sample;
-            let samples = Samples {
-                pixels: &[pixel],
-                index,
-                in_pixel: 1,
-                depth,
-                exposure: None,
-                cells: None,
-            };
-            let Some(drawn) = vertex.reflection.sample(samples.on_path(0, ONWARD)) else {
+            let numbers = samples(&[pixel], index, depth).on_path(0, ONWARD);
+            let Some(drawn) = vertex.reflection.sample(numbers) else {
                 continue;
             };
             let carried = std::array::from_fn(|c| vertex.carried[c] * drawn.weight[c]);
@@ -219,30 +345,59 @@ impl TimedPaths<'_> {
             |_| (),
         );
         let met = onward.into_iter().zip(hits).zip(origins);
-        let next = met.filter_map(|(((path, drawn, carried, delay), hit), origin)| {
+        let next = met.filter_map(|(((path, drawn, carried, delay), hit), from)| {
             let hit: Hit = hit?;
-            let x = origin + drawn.l * hit.s;
             let delay = delay + self.light.index * drawn.index * hit.s;
-            self.vertex(
+            let meeting = Meeting {
                 path,
-                (origin, x),
                 hit,
-                (drawn.l, drawn.index),
-                (carried, delay),
-            )
+                from,
+                d: drawn.l,
+                near: drawn.index,
+                carried,
+                delay,
+            };
+            if let Some(own) = self.own(path, &hit, carried, delay) {
+                let weight = self.weight_of_own(&meeting, drawn.density);
+                all.push(Found {
+                    light: own.light.map(|c| weight * c),
+                    ..own
+                });
+            }
+            self.vertex(&meeting)
         });
         next.collect()
     }
 
-    /// The surface at `hit`, x, which is seen from `from` along `d` through the index `near`; none where nothing is reflected.
-    fn vertex(
-        &self,
-        path: usize,
-        (from, x): (DVec3, DVec3),
-        hit: Hit,
-        (d, near): (DVec3, f64),
-        (carried, delay): ([f64; 3], f64),
-    ) -> Option<Vertex<'_>> {
+    /// What counts of the light of a surface that shines, met along a direction drawn with `density`, where it could have been drawn
+    /// itself: (4) of [`paths`](super::paths), with W = 1.
+    fn weight_of_own(&self, meeting: &Meeting, density: f64) -> f64 {
+        let areas = self.light.areas.as_ref();
+        match areas.and_then(|areas| areas.density(0, meeting.hit.triangle)) {
+            _ if density.is_infinite() => 1.0,
+            None => 1.0,
+            Some((_, false)) => 0.0,
+            Some((by_area, true)) => {
+                let r = meeting.hit.s;
+                let cosine = self.rest.bvh.normal(&meeting.hit).dot(meeting.d).abs();
+                let by_light = by_area * r * r / cosine.max(f64::MIN_POSITIVE);
+                balance(density, by_light)
+            }
+        }
+    }
+
+    /// The surface that a path meets; none where nothing is reflected.
+    fn vertex(&self, meeting: &Meeting) -> Option<Vertex<'_>> {
+        let Meeting {
+            path,
+            hit,
+            from,
+            d,
+            near,
+            carried,
+            delay,
+        } = *meeting;
+        let x = from + d * hit.s;
         let patch = self.rest.patch(hit.triangle);
         if patch.black_back && !hit.front {
             return None;
@@ -295,7 +450,7 @@ impl TimedPaths<'_> {
         });
         let found = Found {
             path: vertex.path,
-            lamp,
+            emission: lamp.emission(),
             light: std::array::from_fn(|c| vertex.carried[c] * light[c]),
             delay: vertex.delay - proper_time,
         };
@@ -308,5 +463,17 @@ impl TimedPaths<'_> {
             true => self.rest.frame.origin().ct,
             false => -patch.object_origin.ct,
         }
+    }
+}
+
+/// The numbers of a path's surface that `depth` others come before.
+fn samples(pixels: &[u64; 1], index: u32, depth: u32) -> Samples<'_> {
+    Samples {
+        pixels,
+        index,
+        in_pixel: 1,
+        depth,
+        exposure: None,
+        cells: None,
     }
 }

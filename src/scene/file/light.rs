@@ -60,7 +60,7 @@ pub(in crate::scene) struct Light {
     pub velocity: Option<At<Velocity>>,
     /// How a point or spot light moves on from there. Default: without acceleration.
     pub motion: Option<At<Motion>>,
-    /// How bright it is at its own times. Default: steady.
+    /// How bright it is at its own times; an area light's are those of its object. Default: steady.
     pub emission: Option<At<Emission>>,
     /// Whether surfaces shadow it. Default: true.
     #[serde(default = "Light::shadows")]

@@ -32,6 +32,8 @@ pub enum LightKind {
         object: usize,
         /// How bright it is, by channel; a factor on the spectrum.
         brightness: Brightness,
+        /// Factor on the brightness by proper time of the object.
+        emission: EmissionProfile,
     },
 }
 
@@ -86,7 +88,7 @@ pub enum Beam {
     Parallel(DVec3),
 }
 
-/// A factor on the intensity of a lamp at each of its proper times τ, metres.
+/// A factor on the light of a lamp or of a surface at each of its proper times τ, metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EmissionProfile {
     /// 1.

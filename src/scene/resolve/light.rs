@@ -75,7 +75,7 @@ fn span(at: &At<file::Light>) -> Range<usize> {
 fn kind(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind> {
     only_keys_of_its_type(cx, at)?;
     if at.value.kind.value == LightType::Area {
-        return area(cx, at, around.objects);
+        return area(cx, at, around);
     }
     let lamp = lamp(cx, at, around)?;
     let index = around.index;
@@ -122,7 +122,7 @@ fn only_keys_of_its_type(cx: &Context, at: &At<file::Light>) -> Result<()> {
         (
             "emission",
             At::span_of(&light.emission),
-            &[Point, Spot, Directional],
+            &[Point, Spot, Directional, Area],
         ),
     ];
     let own = light.kind.value;
@@ -139,7 +139,8 @@ fn only_keys_of_its_type(cx: &Context, at: &At<file::Light>) -> Result<()> {
     Err(cx.report.refuse(span, what, help))
 }
 
-fn area(cx: &Context, at: &At<file::Light>, objects: &[Object]) -> Result<LightKind> {
+fn area(cx: &Context, at: &At<file::Light>, around: &Around) -> Result<LightKind> {
+    let objects = around.objects;
     let Some(name) = &at.value.object else {
         let help = "add object = \"…\": the object whose surface shines";
         return Err(cx.refuse(at, "this area light has no object", help));
@@ -154,8 +155,21 @@ fn area(cx: &Context, at: &At<file::Light>, objects: &[Object]) -> Result<LightK
     };
     let (radiance, power) = (&at.value.radiance, &at.value.power);
     cx.exclusive((radiance, "radiance"), (power, "power"))?;
+    let emission = emission(cx, &at.value.emission)?;
+    // Delays in a medium are those of what rests in it.
+    let moves = !objects[object].velocity.is_rest();
+    if let Some(said) = (at.value.emission.as_ref()).filter(|_| moves && around.index != 1.0) {
+        let what = format!(
+            "{} moves in a medium of index {}",
+            quoted(&name.value),
+            around.index
+        );
+        let help = "when the light of a moving surface arrives through a medium is not computed: leave `emission` out, or index = 1";
+        return Err(cx.refuse(said, what, help));
+    }
     Ok(LightKind::Area {
         object,
+        emission,
         brightness: match power {
             Some(_) => Brightness::Power(channels(cx, power)?),
             None => Brightness::Radiance(channels(cx, radiance)?),
@@ -173,7 +187,10 @@ pub(super) fn give_spectra(
 ) -> Result<()> {
     let mut lit = vec![false; objects.len()];
     for (at, light) in file.iter().zip(lights) {
-        let LightKind::Area { object, brightness } = &light.kind else {
+        let LightKind::Area {
+            object, brightness, ..
+        } = &light.kind
+        else {
             continue;
         };
         let said = &at.value;

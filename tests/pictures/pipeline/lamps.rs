@@ -409,8 +409,8 @@ fn what_no_light_can_be_is_refused_in_words() {
             "exclude each other",
         ),
         (
-            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nemission = { gaussian = { sigma = \"1 m\" } }",
-            "has no `emission`",
+            "[[light]]\ntype = \"area\"\nobject = \"plane\"\nclock_zero = \"1 m\"",
+            "has no `clock_zero`",
         ),
         (
             "[[light]]\ntype = \"area\"\nobject = \"plane\"\n[[light]]\ntype = \"area\"\nobject = \"plane\"",

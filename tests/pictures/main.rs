@@ -29,6 +29,7 @@ mod pipeline;
 mod raster;
 mod scenes;
 mod spans;
+mod steady;
 mod survey;
 mod suspicious;
 mod textures;

@@ -41,6 +41,16 @@ fn another_order_of_axes_is_doubted_and_the_right_one_is_not() {
 }
 
 #[test]
+fn nothing_is_said_of_axes_along_which_no_light_was_found() {
+    // All light of 16 × 16 pixels comes in one of 20,011 bins, which no line of pixels that is looked at has.
+    let sample = |n: usize| if n % 20_011 == 7_003 { 1.0 } else { 0.0 };
+    let samples = Samples::F32((0..16 * 16 * 20_011).map(sample).collect());
+    let cube = Cube::new([16, 16, 20_011, 1], samples).unwrap();
+    let found = of_samples(&cube.into(), Order::Array);
+    assert!(!found.iter().any(|r| r.contains("axes")), "{found:?}");
+}
+
+#[test]
 fn streaks_that_are_taken_for_frames_are_doubted() {
     // Files, rows and columns are the camera's rows, its columns and time, and are taken for time, rows and columns.
     let found = of_samples(&crossing([1, 2, 0]).into(), Order::Pictures);

@@ -9,7 +9,7 @@ mod scene;
 use std::io::Read;
 use std::path::Path;
 
-use nullray::io::cube::{CubeFormat, format_of, is_sequence, is_zarr};
+use nullray::io::cube::{CubeFormat, format_of, is_picture, is_sequence, is_zarr};
 use nullray::io::files;
 use nullray::{Error, Result};
 use serde_json::{Map, Value};
@@ -162,7 +162,7 @@ impl Kind {
     /// By the first bytes; by the extension where these say nothing, so that the reader of that kind
     /// tells what is wrong.
     fn of(path: &Path) -> Result<Kind> {
-        if is_sequence(path) {
+        if is_sequence(path) && !is_picture(path) {
             return Ok(Kind::Pictures);
         }
         if is_zarr(path) {

@@ -145,6 +145,11 @@ impl Axes {
         Axes(axes)
     }
 
+    /// (H, W): those of a single picture.
+    pub(super) fn of_picture() -> Axes {
+        Axes(vec![Axis::Row, Axis::Column])
+    }
+
     /// (T, H, W): those of a folder of frames.
     pub(super) fn of_frames() -> Axes {
         Axes(vec![Axis::Time, Axis::Row, Axis::Column])

@@ -463,8 +463,10 @@ impl<'a> Work<'a> {
         if let Some(layers) = self.store.decoded_together() {
             let layer = layers[axis / 2];
             let thick = layer.div_ceil(merge).next_multiple_of(multiple).min(count);
-            if together < thick && bytes(&self.store, thick) <= thickest {
-                together = thick;
+            if together < thick {
+                // A layer, or as much of it as there is memory for.
+                let most = (thickest / bytes(&self.store, 1)) as usize / multiple * multiple;
+                together = together.max(most.min(thick));
             } else if together > thick {
                 together = together / thick * thick;
             }

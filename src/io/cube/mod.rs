@@ -46,6 +46,6 @@ pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
 pub use samples::{Cube, CubeError, Samples};
-pub use sequence::{frame_size, is_sequence, is_zarr, pictures};
+pub use sequence::{frame_size, is_picture, is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};
 pub use wall::Wall;

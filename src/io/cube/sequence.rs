@@ -4,6 +4,8 @@
 //! placeholder stands for the number: `{i:03d}` as Python has it, `%04d` as C does, or `####`. Files are taken in the
 //! order of their numbers, whatever their zeros; none may be missing between the first and the last.
 //!
+//! A single picture, or a folder of one, may be steady: its axes are "H W" then, those of a single picture unless the caller says otherwise.
+//!
 //! Axes are named for (files, rows, columns) of the pictures, "T H W" unless the caller says otherwise; colours follow.
 //! Streaks are "H W T": a file per row of the camera, in it a row per column of the camera, time along x.
 //! Codes of PNG become linear by the transfer that the caller declares; EXR and Radiance HDR are linear.
@@ -41,9 +43,17 @@ const TOGETHER: usize = 16;
 const NAME_IT: &str = "name a folder of pictures with numbered names, or a pattern like \"frames/{i:03d}.exr\" or \
                        \"streak_%04d.hdr\"";
 
-/// Whether `path` names a sequence of pictures and not a file.
+/// Whether `path` names pictures and not an array: a sequence of them, or a single one.
 pub fn is_sequence(path: &Path) -> bool {
-    Pattern::of(path).is_some() || path.is_dir() && !is_zarr(path)
+    Pattern::of(path).is_some() || is_picture(path) || path.is_dir() && !is_zarr(path)
+}
+
+/// Whether `path` names a single picture, which is steady unless its axes have time.
+pub fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    PICTURES.contains(&extension.to_ascii_lowercase().as_str())
+        && Pattern::of(path).is_none()
+        && !path.is_dir()
 }
 
 /// Whether `path` is the folder of a Zarr array or of a group of them.
@@ -58,6 +68,10 @@ pub fn is_zarr(path: &Path) -> bool {
 /// # Errors
 /// There is no such folder, or no such picture in it; it holds several sequences; a number is missing or there twice.
 pub fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
+    if is_picture(path) {
+        let there = fs::metadata(path).map(|_| vec![path.to_path_buf()]);
+        return there.map_err(Error::io(path, "cannot read"));
+    }
     let mut numbered = match Pattern::of(path) {
         Some(pattern) => pattern.find(path)?,
         None => in_folder(path)?,
@@ -259,14 +273,19 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
         dtype: Dtype::F32,
         bytes: 4 * (h * w * t * c) as u64,
         axes: layout.axes,
-        assumed: wanted.axes.is_none(),
+        assumed: wanted.axes.is_none() && !is_picture(path),
         array: None,
-        notes: vec![format!(
-            "{} pictures, {} to {}",
-            files.len(),
-            file_name(&files[0]),
-            file_name(&files[files.len() - 1])
-        )],
+        notes: match files.as_slice() {
+            [_] if is_picture(path) => vec!["one picture, which does not change".into()],
+            [one] => vec![format!("one picture, {}", file_name(one))],
+            [first, .., last] => vec![format!(
+                "{} pictures, {} to {}",
+                files.len(),
+                file_name(first),
+                file_name(last)
+            )],
+            [] => Vec::new(),
+        },
         remarks: Vec::new(),
     })
 }
@@ -322,7 +341,7 @@ pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Resu
     refuse_array(path, wanted)?;
     let files = pictures(path)?;
     let first = Picture::read(&files[0], wanted.transfer)?;
-    let Layout { axes, .. } = Layout::new(path, &files, &first, wanted)?;
+    let Layout { axes, sizes, .. } = Layout::new(path, &files, &first, wanted)?;
     for file in &files {
         let picture = Picture::read(file, wanted.transfer)?;
         picture.refuse_other_than(&first, file, &files[0])?;
@@ -335,7 +354,7 @@ pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Resu
         start: 0,
         number: Number::F32,
         big_endian: false,
-        sizes: vec![files.len(), first.size[1], first.size[0], first.channels],
+        sizes,
         axes,
     })
 }
@@ -363,18 +382,25 @@ fn file_name(file: &Path) -> String {
 struct Layout {
     arrangement: Arrangement,
     axes: Axes,
+    /// Of what is stored.
+    sizes: Vec<usize>,
 }
 
 impl Layout {
     fn new(path: &Path, files: &[PathBuf], first: &Picture, wanted: Wanted) -> Result<Layout> {
-        let help =
-            "name the axes of (files, rows, columns): \"T H W\" for frames, \"H W T\" for streaks";
-        let axes = wanted
-            .axes
-            .cloned()
-            .unwrap_or_else(Axes::of_frames)
-            .with_channels();
-        let sizes = [files.len(), first.size[1], first.size[0], first.channels];
+        let help = "name the axes of (files, rows, columns): \"T H W\" for frames, \"H W T\" for streaks, \"H W\" for a single steady picture";
+        let axes = match wanted.axes {
+            Some(axes) => axes.clone(),
+            None if is_picture(path) => Axes::of_picture(),
+            None => Axes::of_frames(),
+        };
+        // Without time it is one picture.
+        let is_steady = files.len() == 1 && !axes.has_time();
+        let axes = axes.with_channels();
+        let mut sizes = vec![files.len(), first.size[1], first.size[0], first.channels];
+        if is_steady {
+            sizes.remove(0);
+        }
         let product = sizes
             .iter()
             .try_fold(1usize, |product, n| product.checked_mul(*n));
@@ -391,11 +417,18 @@ impl Layout {
             Error::invalid(
                 path,
                 "",
-                format!("as (files, rows, columns, colours): {what}"),
+                format!(
+                    "as ({}rows, columns, colours): {what}",
+                    if is_steady { "" } else { "files, " }
+                ),
                 help,
             )
         })?;
-        Ok(Layout { arrangement, axes })
+        Ok(Layout {
+            arrangement,
+            axes,
+            sizes,
+        })
     }
 }
 

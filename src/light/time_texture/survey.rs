@@ -677,6 +677,7 @@ fn order(lines: &mut Lines, pictures: bool) -> Option<String> {
         return None;
     }
     let [rows, columns, time] = [0, 1, 2].map(|axis| lit_part(lines, axis));
+    let (rows, columns, time) = (rows?, columns?, time?);
     let (least, order) = match rows < columns {
         true => (rows, "T H W"),
         false => (columns, "H T W"),
@@ -702,8 +703,9 @@ fn order(lines: &mut Lines, pictures: bool) -> Option<String> {
     })
 }
 
-/// The part of a line along `axis` that holds 90 % of its light: the mean over lines that are not dark.
-fn lit_part(from: &mut Lines, axis: usize) -> f64 {
+/// The part of a line along `axis` that holds 90 % of its light: the mean over lines that are not dark; none where all that are looked at
+/// are.
+fn lit_part(from: &mut Lines, axis: usize) -> Option<f64> {
     let [h, w, t, _] = from.store.shape();
     // The sizes of the two other axes and of this one, and how to get from them to a pixel and a bin.
     let (others, length): (_, usize) = match axis {
@@ -743,7 +745,7 @@ fn lit_part(from: &mut Lines, axis: usize) -> f64 {
     let bright: Vec<f64> = (lines.iter().filter(|line| line.0 > 0.1 * mean))
         .map(|line| line.1)
         .collect();
-    bright.iter().sum::<f64>() / bright.len().max(1) as f64
+    (!bright.is_empty()).then(|| bright.iter().sum::<f64>() / bright.len() as f64)
 }
 
 /// About `most` of `count` indices, evenly spread: every s-th of them, s odd, so that it is not the size of rows.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
-use crate::io::cube::{Axes, FORMATS, is_sequence, is_zarr};
+use crate::io::cube::{Axes, FORMATS, is_picture, is_sequence, is_zarr};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -70,8 +70,12 @@ fn kind(cx: &Context, at: &At<file::Source>) -> Result<SourceKind> {
 fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
     let cube = &at.value;
     let axes = axes(cx, cube)?;
-    // Axes without T declare a picture that does not change: it has no time axis whose keys could be missing.
-    let steady = axes.as_ref().is_some_and(|axes| !axes.has_time());
+    // Axes without T declare a picture that does not change, and so does the name of a single one: it has no time axis whose keys could
+    // be missing.
+    let steady = match &axes {
+        Some(axes) => !axes.has_time(),
+        None => is_picture(&cx.inputs.base.join(&cube.file.value)),
+    };
     let time = match steady {
         true => steady_time(cx, cube)?,
         false => time_axis(cx, at)?,

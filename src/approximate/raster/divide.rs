@@ -60,7 +60,9 @@ impl Cuts {
     pub const BYTES: u64 = 400;
     /// So many times as many as may be have to be foretold before they are refused untried: forecasts from few triangles overrate
     /// those that bend in one place alone.
-    const MARGIN: f64 = 4.0;
+    const MARGIN: f64 = 8.0;
+    /// From this part of as many as may be on, smaller triangles are asked.
+    const UNCERTAIN: f64 = 0.25;
     /// The same for forecasts from [`Cuts::CLOSE`] triangles.
     const CLOSE_MARGIN: f64 = 1.1;
     /// From so many triangles, those of pictures near the limit are a few pixels of what they will be cut into.
@@ -90,9 +92,11 @@ impl Cuts {
         let all = self.count.load(Ordering::Relaxed) as f64 + more;
         let most = self.most as f64;
         match triangles >= Cuts::CLOSE {
+            // Nothing is divided any more, and there is nothing to wait for.
+            _ if self.are_too_many() => Outlook::TooMany,
             _ if all > Cuts::MARGIN * most => Outlook::TooMany,
             true if all > Cuts::CLOSE_MARGIN * most => Outlook::TooMany,
-            false if all > most / Cuts::MARGIN => Outlook::Uncertain,
+            false if all > Cuts::UNCERTAIN * most => Outlook::Uncertain,
             _ => Outlook::Enough,
         }
     }
@@ -212,7 +216,11 @@ impl<'a> BatchBuilder<'a> {
     }
 
     /// At about how many more points triangles will be cut.
+    ///
+    /// Of an edge that is to have n parts each half counts its own anew, and takes the next whole number: pieces are 0.7 parts long on
+    /// average, and there are 2.1 to 2.9 times as many points as whole parts would have (measured on five scenes).
     pub fn forecast(&self) -> f64 {
+        const FINER: f64 = 2.0;
         let Divider {
             projection,
             frustum,
@@ -226,7 +234,7 @@ impl<'a> BatchBuilder<'a> {
                 false => 0.0,
             }
         });
-        points.sum()
+        FINER * points.sum::<f64>()
     }
 
     /// Into how many parts the edges of a triangle are to be cut in all.
@@ -524,4 +532,20 @@ fn bend(a: DVec3, b: DVec3, scale: f64) -> f64 {
     // E of the module's head: 4/3 (Jung) · |Δ/δ| · |c_A × c_B|² / (8 |c|³), with |c|² of the nearest point
     // squared, as one |c| belongs to the scale.
     4.0 / 3.0 / 8.0 * scale * cross / (nearest * nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forecasts_end_once_there_are_too_many_cuts() {
+        // However few are to come, and however few triangles are left: none of them is divided any more.
+        let cuts = Cuts::within(1000 * Cuts::BYTES);
+        cuts.count.store(1000, Ordering::Relaxed);
+        assert_eq!(cuts.outlook(0.0, 1), Outlook::Uncertain);
+        cuts.count.store(1001, Ordering::Relaxed);
+        assert_eq!(cuts.outlook(0.0, 1), Outlook::TooMany);
+        assert_eq!(cuts.outlook(100.0, Cuts::CLOSE), Outlook::TooMany);
+    }
 }

@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::file;
 use super::place::Step;
 
-/// The schema of scene files as it ships. It is [`derived`] of the types that parse them; a test compares the two.
+/// The schema of scene files as it ships. It is derived from the types that parse them; a test compares the two.
 const SCHEMA: &str = include_str!("schema.json");
 
 /// The JSON schema (draft 2020-12) of a scene file with its `[diagram]`, for editors: descriptions, defaults, and what is
@@ -20,7 +20,7 @@ pub fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap_or_default()
 }
 
-/// The same made of the types, where `[diagram]` is a `D`.
+/// The same made from the types, where `[diagram]` is a `D`.
 #[cfg(feature = "schema")]
 pub(crate) fn derived<D: schemars::JsonSchema>() -> Value {
     let mut schema = schemars::schema_for!(file::Scene<D>).to_value();

@@ -25,7 +25,7 @@ pub fn parse(text: &str, name: &str, base: &Path, overrides: &Overrides) -> Resu
     scene::parse_diagram(text, name, base, overrides, resolve::resolve)
 }
 
-/// The JSON schema of a scene file with its `[diagram]`, made of the types that parse it: what [`scene::schema`] has to be.
+/// The JSON schema of a scene file with its `[diagram]`, made from the types that parse it: what [`scene::schema`] has to be.
 #[cfg(feature = "schema")]
 pub fn derived_schema() -> serde_json::Value {
     scene::derived_schema::<super::file::Diagram>()

@@ -117,11 +117,11 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
     Plan::new(scene, &request)
 }
 
-/// The JSON schema (draft 2020-12) of `bundle.json`, as each bundle has it. It is [`derived`](derived_schema) of [`Bundle`]; a test compares
+/// The JSON schema (draft 2020-12) of `bundle.json`, as each bundle has it. It is derived from [`Bundle`]; a test compares
 /// the two.
 pub const BUNDLE_SCHEMA: &str = include_str!("schema.json");
 
-/// The same made of the type.
+/// The same made from the type.
 #[cfg(feature = "schema")]
 pub fn derived_schema() -> serde_json::Value {
     schemars::schema_for!(Bundle).to_value()

@@ -485,6 +485,10 @@ fn peak(spectrum: &Spectrum, [from, to]: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::mpsc;
+    use std::time::Duration;
+
     use super::*;
     use crate::colour::Scale;
 
@@ -504,18 +508,30 @@ mod tests {
     }
 
     #[test]
-    fn what_is_made_in_parallel_may_be_asked_for_in_parallel() {
-        // Tasks wait for parts, and take up further tasks that ask for the same.
-        static SUM: MadeOnce<f64> = MadeOnce::new(|| {
-            let parts = (0..2000).into_par_iter();
-            parts.map(|k| libm::exp(-f64::from(k % 7))).sum::<f64>()
+    fn what_is_made_in_parallel_may_be_asked_for_meanwhile() {
+        // The thread that makes it waits for the second part, which another has taken, and takes up a task that asks for the same.
+        static BEGUN: AtomicBool = AtomicBool::new(false);
+        static MADE: MadeOnce<u32> = MadeOnce::new(|| {
+            let first = || {
+                while !BEGUN.load(Ordering::SeqCst) {
+                    std::thread::yield_now();
+                }
+            };
+            let second = || {
+                if !BEGUN.swap(true, Ordering::SeqCst) {
+                    rayon::spawn(|| assert_eq!(*MADE.get(), 7));
+                    std::thread::sleep(Duration::from_millis(200));
+                }
+            };
+            rayon::join(first, second);
+            7
         });
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build();
-        let asked = pool.unwrap().install(|| {
-            let tasks = (0..500).into_par_iter().with_max_len(1);
-            tasks.map(|_| SUM.get().to_bits()).collect::<Vec<_>>()
+        let (send, receive) = mpsc::channel();
+        std::thread::spawn(move || {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+            send.send(pool.unwrap().install(|| *MADE.get()))
         });
-        assert!(asked.iter().all(|bits| *bits == asked[0]));
+        assert_eq!(receive.recv_timeout(Duration::from_secs(30)), Ok(7));
     }
 
     #[test]

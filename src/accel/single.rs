@@ -46,6 +46,7 @@ impl Bvh {
                     direction,
                     s_min: 0.0,
                 };
+                // A hit that is known already, in another tree, ends the ray: only nearer ones replace it.
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
                 let ray = ScaledRay::new(&ray);
                 let left = from.left(i);

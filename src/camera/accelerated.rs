@@ -229,17 +229,20 @@ impl Accelerated {
         sensor: &Sensor,
         at: [f64; 2],
     ) -> Option<ElementRay> {
+        // The light that the element receives now passed the pinhole where its line crosses the past light cone of the element.
         let passage = |offset| {
             let crossing = self.line.on_past_light_cone(&camera.state, offset)?;
             Some(crossing.displacement)
         };
         match sensor.assembly {
             Assembly::Bell => {
+                // Bell: the offset from pinhole to element is fixed in the world.
                 let element = element(film, sensor, at);
                 let from = passage(Displacement::new(0.0, element))?;
                 Some(camera.ray_of_ship(along(from.x - element)?, from))
             }
             Assembly::Rigid | Assembly::WorldLength => {
+                // Rigid: it is fixed in the camera's momentary rest frame.
                 let element = camera.on_body(film, sensor, at);
                 let offset = Displacement::new(0.0, element);
                 let from = passage(camera.world_from_camera.displacement(offset))?;
@@ -375,6 +378,7 @@ impl View for Accelerated {
 
     #[inline(always)]
     fn rays<P: Projection>(&self, film: &P, points: &FilmPoints, mut rays: RaySlices) {
+        // Under constant acceleration the pinhole's event is a closed form of the camera's time: a loop in vectors.
         if let Some(anchor) = self.stretch.as_ref().and_then(Stretch::only) {
             let moments = Moments {
                 camera: self,
@@ -382,6 +386,7 @@ impl View for Accelerated {
             };
             return rays.fill_by(&moments, self, film, points);
         }
+        // Where the acceleration changes while light is under way, the crossing is solved for, ray by ray.
         let placed = self.instant.as_ref();
         let vicinity = placed.and_then(|placed| placed.vicinity.as_ref());
         let (Some(sensor), Some(placed), Some(vicinity)) = (&self.sensor, placed, vicinity) else {

@@ -74,6 +74,7 @@ impl AnyView {
         let rests = shot.frame.velocity().is_rest();
         let moves = !rests || model.motion != Motion::Inertial;
         let instant_point = model.sensor.is_none() && model.shutter.is_none();
+        // Cameras whose rays no single boost of film directions gives.
         if let Some(stereo) = model.stereo {
             let view = Stereo::new(model, stereo.interpupillary_distance, shot, aberration);
             return Ok(AnyView::Stereo(view));
@@ -89,6 +90,7 @@ impl AnyView {
         if instant_point && shot.projection.has_blind_points() {
             return Ok(AnyView::Inertial(Inertial::new(model, shot, aberration)));
         }
+        // The others, by what their rays need: nothing, one boost, an event of their own, a world line.
         Ok(match (instant_point, rests, aberration) {
             (true, true, _) => AnyView::Still(Still(shot.projection.clone())),
             (true, false, true) => AnyView::Moving(Moving::new(shot)),

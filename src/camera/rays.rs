@@ -77,6 +77,7 @@ impl RaySlices<'_> {
                 true => load(points.moments, begin),
                 false => [0.0; BLOCK],
             };
+            // Without a branch, so that the loop becomes vector code; rays that are not simple come out as anything.
             let mut rays = RayBlock::EMPTY;
             for k in 0..BLOCK {
                 let (ray, is_simple) = simple.ray(film, [x[k], y[k]], moments[k]);
@@ -89,6 +90,7 @@ impl RaySlices<'_> {
                 self.origins[k] = rays.origin(k - begin);
             }
             for k in begin..end {
+                // What the closed form does not cover.
                 if rays.is_simple[k - begin] == 0.0 {
                     let ray =
                         view.ray_through(film, x[k - begin], y[k - begin], moments[k - begin]);

@@ -88,6 +88,7 @@ impl Turning {
         aberration: bool,
     ) -> Self {
         let (velocity, forward) = (shot.frame.velocity(), model.axes[2]);
+        // Where the scene gives the focal length in the world, it is longer in the camera's own frame, and the film with it.
         let (focal_length, stretch) = model.sensor.map_or((0.0, 1.0), |sensor| {
             let own = sensor.own_focal_length(forward, velocity);
             (own, own / sensor.focal_length)

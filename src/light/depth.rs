@@ -287,6 +287,7 @@ impl Weaver<'_> {
     /// The mesh of these triangles of pixels, with those vertices that are used.
     fn compacted(&self, triangles: &[[usize; 3]]) -> Mesh {
         let [width, height] = self.rays.size;
+        // Vertices are numbered in the order in which triangles use them.
         let mut numbers = vec![u32::MAX; self.points.len()];
         let (mut positions, mut uvs) = (Vec::new(), Vec::new());
         let mut number = |pixel: usize| {

@@ -366,6 +366,7 @@ impl Reflection {
         if let Some(glass) = &self.through {
             let rest = mean(self.diffuse) + mean(glass.colour);
             return match glass.l.is_some() && rest > 0.0 {
+                // A tenth of the draws at least for either part: no weight is above ten times what it would be with that part alone.
                 true => glass.reflected.clamp(0.1, 0.9),
                 false => 1.0,
             };

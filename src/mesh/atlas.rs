@@ -188,6 +188,7 @@ fn covering(flat: &[[DVec2; 3]]) -> Vec<bool> {
         let mut cells = Vec::new();
         for row in index(below.y)..=index(above.y) {
             let [from, to] = extent(&local, [row as f64, row as f64 + 1.0]);
+            // 1e-6 of a cell wider on both sides, for rounding.
             cells.extend((index(from - 1e-6)..=index(to + 1e-6)).map(|column| (row, column)));
         }
         covers[triangle] = cells.iter().any(|cell| {

@@ -242,6 +242,7 @@ impl Mesh {
     /// Adds a set of texture coordinates that are given by triangle and corner, as set `set`, before which there must be as many; sets from
     /// there on are moved one further, with the textures that use them. Vertices whose corners differ become several.
     pub(crate) fn insert_uvs(&mut self, set: usize, corners: &[Corners]) {
+        // A vertex is what has one place and one pair of new coordinates, compared by their bits.
         let mut vertices = HashMap::new();
         let mut old = Vec::new();
         let mut uvs = Vec::new();

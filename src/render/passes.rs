@@ -178,6 +178,7 @@ impl Passes {
             let mut hash = Sha256::new();
             let mut block = head;
             let mut failed = Ok(());
+            // The digest covers all that is before it, so that a file that was cut off or changed is noticed.
             let mut flush = |block: &mut Vec<u8>, least: usize| {
                 if block.len() > least && failed.is_ok() {
                     hash.update(&*block);
@@ -259,6 +260,7 @@ impl Passes {
         for mean in &mut mean {
             *mean = f64::from_le_bytes(read_eight(reader)?);
         }
+        // The closures below read by turns and cannot return errors: the first one is kept, and ends the loop.
         let reader = std::cell::RefCell::new(reader);
         let mut failed = Ok(());
         let failed = std::cell::RefCell::new(&mut failed);

@@ -374,6 +374,7 @@ fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
     };
     let mut i = k;
     loop {
+        // Each line is a bijection of 0..=mask: odd factors, and shifts that only move bits down.
         i ^= seed;
         i = i.wrapping_mul(0xe170_893d);
         i ^= seed >> 16;
@@ -395,6 +396,7 @@ fn permuted<const POWER_OF_TWO: bool>(k: u32, n: u32, seed: u32) -> u32 {
         if POWER_OF_TWO {
             return i.wrapping_add(seed) & mask;
         }
+        // Cycle walking: outside of 0..n the hash is applied again.
         if i < n {
             return (i.wrapping_add(seed)) % n;
         }

@@ -361,6 +361,7 @@ pub fn meeting_times(
     before: &SeenTimes,
 ) -> Option<[f64; 2]> {
     let gap = (before.data[0] - before.seen[1]).max(before.seen[0] - before.data[1]);
+    // How fast seen times follow the camera's, by a second shot near this one.
     let step = gap.abs().max(before.data[1] - before.data[0]) * 0.25;
     let mut later = scene.clone();
     later.camera.time += step;
@@ -374,6 +375,7 @@ pub fn meeting_times(
         at(before.seen[1], before.data[0], rate(1)),
         at(before.seen[0], before.data[1], rate(0)),
     ];
+    // Where they hardly follow, no later shot sees the data.
     let rises = rate(0) > 1e-6 && rate(1) > 1e-6;
     (rises && times[0] < times[1] && times.iter().all(|t| t.is_finite())).then_some(times)
 }

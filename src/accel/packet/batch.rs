@@ -148,6 +148,7 @@ impl Bvh {
             block: Block::EMPTY,
             refined: RefinedHits::NONE,
         };
+        // Rays that leave surfaces go all ways: in the order of their signs, those of a block still miss boxes together.
         let tile = match rays.leaves() && self.is_small() {
             true => Tile::by_signs(directions.len(), |ray| directions[ray]),
             false => Tile::of(directions),
@@ -155,6 +156,7 @@ impl Bvh {
         self.with_wide_stack(|stack| {
             for at in 0..tile.blocks() {
                 tile.select(at, &mut space.block);
+                // Packets pay where their rays share nodes; the others are traced one by one.
                 let outcome = match space.block.count {
                     0..FEW => Outcome::Incoherent,
                     _ => self.closest_of_block(method, rays, hits, &mut space, stack, tally),

@@ -265,6 +265,7 @@ impl Block {
     ) {
         match (rays.origins(), rays.directions()) {
             (Some(origins), Some(directions)) if self.in_fours => {
+                // Four consecutive vectors at a time: twelve numbers are loaded and split by axes in registers.
                 let mut at = 0;
                 while at < RAYS {
                     let ray = self.order[at] as usize;

@@ -109,6 +109,7 @@ impl Tile {
     /// Fills the block's order with the rays of its part `at`.
     pub fn select(&self, at: usize, block: &mut Block) {
         if !self.order.is_empty() {
+            // A block that is not full repeats its first ray, so that no lane holds nonsense.
             let rays = &self.order[at * RAYS..];
             block.in_fours = false;
             block.count = rays.len().min(RAYS);
@@ -116,6 +117,7 @@ impl Tile {
             block.order[block.count..].fill(rays[0]);
             return;
         }
+        // The first ray of the block: by its corner in the tile, or in a row where rows are unknown.
         let columns = self.width.div_ceil(SIDE).max(1);
         let (x, y) = (at % columns * SIDE, at / columns * SIDE);
         let first = if self.width == 0 {
@@ -124,6 +126,7 @@ impl Tile {
             y * self.width + x
         };
         let last = first + self.places[RAYS - 1] as usize;
+        // Of a whole block the places are known beforehand, and fours of them are next to one another in memory.
         block.in_fours = last < self.count && (self.width == 0 || x + SIDE <= self.width);
         if block.in_fours {
             block.count = RAYS;
@@ -159,6 +162,7 @@ fn row_length(directions: &[DVec3]) -> usize {
     };
     let step = *second - *first;
     let steps = directions.windows(2).map(|d| d[1] - d[0]);
+    // Against the first step and more than three times as long: within a row, rays turn evenly.
     let is_back =
         |back: DVec3| back.dot(step) < 0.0 && back.length_squared() > 9.0 * step.length_squared();
     steps.into_iter().position(is_back).map_or(0, |i| i + 1)

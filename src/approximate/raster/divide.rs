@@ -325,6 +325,7 @@ impl<'a> BatchBuilder<'a> {
         match self.divider.tessellation {
             Tessellation::None => {}
             Tessellation::Uniform(length) => {
+                // By rest length alone.
                 for (at, part) in self.level[range].iter().enumerate() {
                     let [a, b, c] = part.corners.map(|index| self.place(index));
                     let ends = [(b, c), (c, a), (a, b)];
@@ -336,6 +337,7 @@ impl<'a> BatchBuilder<'a> {
             Tessellation::Adaptive(pixels) => {
                 for (at, part) in self.level[range].iter().enumerate() {
                     let corners = part.corners.map(|index| self.vertex(index));
+                    // Corners by coordinate, for the vector loop over E of the head.
                     for (k, corner) in corners.iter().enumerate() {
                         edges.c[k][0][at] = corner.c.x;
                         edges.c[k][1][at] = corner.c.y;

@@ -215,6 +215,7 @@ impl Fragments {
                 continue;
             };
             let rest = &all.frames[frame as usize];
+            // The point of the triangle, at the interpolated time in place of its retarded one, from the camera.
             let x = place(rest.bvh.corners(hit.slot), [hit.u, hit.v]);
             let from = x - all.projections[frame as usize].origin();
             let world = rest
@@ -224,6 +225,7 @@ impl Fragments {
             let s = world.x.length();
             if let Some(d) = Direction::new(world.x) {
                 rays.directions[ray] = d.unit();
+                // The time that light would have had to take, per metre of its way.
                 rays.origins[ray].delay = -world.ct / s;
                 rays.ratios[ray] = samples.ratio_of(*w, frame, d);
                 rays.hits.set_distance(ray, s);

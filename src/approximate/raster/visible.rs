@@ -34,6 +34,7 @@ impl Visibility for Triangles<'_> {
         buffers.surfaces.clear();
     }
 
+    /// Which triangle each sample of the tile shows, by depth, and the fragments of these.
     fn paint(&self, samples: &TileSamples, tile: Tile, buffers: &mut Buffers, rays: &mut RayBatch) {
         let Buffers {
             tile: triangles,
@@ -50,6 +51,7 @@ impl Visibility for Triangles<'_> {
                 let known = match seen_as.get_mut(nearest as usize) {
                     None => None,
                     Some(known) => {
+                        // Its first visible sample sets a triangle up; hidden ones never are.
                         if *known == NOTHING {
                             *known = surfaces.len() as u32;
                             let triangle = &triangles.triangles[nearest as usize];

@@ -200,6 +200,7 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
         while begin < offsets.ct.len() {
             let (ct, x) = (load(&offsets.ct, begin), offsets.x.load(begin));
             let from = starts.load(begin);
+            // Into blocks on the stack, number by number: only such loops become vector code.
             let (mut d, mut in_lamp) = (Vectors::ZERO, Vectors::ZERO);
             let (mut distance, mut times) = ([0.0; BLOCK], [0.0; BLOCK]);
             let (mut ratio, mut reach) = ([0.0; BLOCK], [0.0; BLOCK]);
@@ -216,6 +217,7 @@ impl<E: Emitter, S: Starts> VectorLoop for Arrive<'_, E, S> {
             to.d.store(&d, begin);
             to.in_lamp.store(&in_lamp, begin);
             store(&distance, &mut to.distance, begin);
+            // `strength` holds proper times until the emission at them replaces them.
             store(&times, &mut to.strength, begin);
             store(&ratio, &mut to.ratio, begin);
             store(&reach, &mut to.reach, begin);

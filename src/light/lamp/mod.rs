@@ -126,6 +126,7 @@ impl Arrival {
 impl Lamp {
     /// `lamp`, of whose light `received` comes to surfaces, for points near those seen from `shot`.
     pub fn new(lamp: &model::Lamp, received: Received, shadows: bool, shot: Event<World>) -> Self {
+        // Lamps in uniform motion have arrivals in closed form; on other lines the crossing is found near that of the shot.
         let path = match lamp.line.frame() {
             Some(frame) if frame.velocity().is_rest() => Path::Rest(lamp.origin),
             Some(frame) => Path::Inertial(frame),
@@ -219,6 +220,7 @@ impl Lamp {
             (Path::Inertial(frame), Cone::Parallel(direction)) => {
                 ParallelInertial::new(frame, direction).arrival(from(frame.origin()))
             }
+            // Parallel light fills the frame of its lamp: that has to be one frame.
             (Path::Line(_), Cone::Parallel(_)) => return None,
             (Path::Rest(origin), _) => AtRest { index }.arrival(from(*origin)),
             (Path::Inertial(frame), _) => Inertial { frame }.arrival(from(frame.origin())),
@@ -229,6 +231,7 @@ impl Lamp {
             strength,
             ..arrival
         };
+        // NaN where no light comes.
         (!arrival.d.unit().x.is_nan()).then_some((arrival, proper_time))
     }
 

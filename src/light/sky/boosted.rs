@@ -143,11 +143,13 @@ impl BoostedSky {
     /// A direction drawn by two numbers in [0, 1) for a surface of the unit normal `n`; none where it goes into it.
     #[inline]
     pub fn sample(&self, n: DVec3, [x, y]: [f64; 2]) -> Option<SkySample> {
+        // Half of the directions are drawn by what cells send, half by cosine; the density is the mean of both.
         let (d, in_rest, rho) = if x < 0.5 && !self.cumulative.is_empty() {
             let d = Direction::from_unit(self.in_a_cell(2.0 * x, y));
             let (in_rest, rho) = self.rest_from_world.direction(d);
             (d, in_rest.unit(), rho)
         } else {
+            // What is left of x, uniform again.
             let x = if self.cumulative.is_empty() {
                 x
             } else {
@@ -315,6 +317,7 @@ fn cumulative(beams: &[Beam]) -> Vec<f64> {
     });
     let sums: Vec<f64> = sums.collect();
     let largest = beams.iter().map(flux).fold(0.0, f64::max);
+    // Worth drawing by where a cell sends more than eight times the mean; otherwise cosines alone will do.
     match sum.is_finite() && largest * beams.len() as f64 > 8.0 * sum {
         true => sums.into_iter().map(|part| part / sum).collect(),
         false => Vec::new(),

@@ -33,6 +33,7 @@ pub fn stars(stars: &Stars, text: &str) -> Result<Vec<Star>> {
 }
 
 fn star(scale: f64, d: DVec3, magnitude: f64, temperature: f64) -> Star {
+    // Five magnitudes are a factor of 100.
     Star::new(d, temperature, scale * libm::pow(10.0, -0.4 * magnitude))
 }
 
@@ -50,6 +51,7 @@ fn random(scale: f64, key: u64, faintest: f64) -> Star {
     let d = DVec3::new(sine * across, height, cosine * across);
     // N(<m)/N = 10^(0.6 (m − faintest)) = u.
     let magnitude = faintest + libm::log10(number(2)) / 0.6;
+    // From 3000 to 12000 K, more of them cool.
     let u = number(3);
     star(scale, d, magnitude, 3000.0 * libm::pow(4.0, u * u))
 }

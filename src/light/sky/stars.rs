@@ -29,6 +29,7 @@ impl Star {
         Star {
             direction,
             temperature,
+            // Y of linear sRGB.
             solid_angle: luminance / (0.2126 * r + 0.7152 * g + 0.0722 * b),
         }
     }

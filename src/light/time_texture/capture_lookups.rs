@@ -149,6 +149,7 @@ impl TimeTexture {
         while begin < positions.len() {
             let mut seen = Projected::EMPTY;
             let (positions_of, normals_of) = (positions.load(begin), normals.load(begin));
+            // The usual projection has a loop compiled for it; the others share one.
             match capture.projection() {
                 AnyProjection::Perspective(film) => dispatch(Project {
                     capture,
@@ -319,6 +320,7 @@ fn place<F: Filter<N>, const N: usize>(
         for i in 0..BATCH {
             let t = times[i];
             let there = (t >= start) & (t <= end);
+            // Limited so that bins far away fit an integer; such lookups are not plain.
             let b = ((t - start) * per_metre).max(-3.0).min(last + 4.0);
             let (first, of_bins) = F::weights(b, last);
             let within = (first >= 0.0) & (first + N as f64 <= bins);

@@ -82,6 +82,7 @@ impl TimeTexture {
     pub fn sample_each(&self, lookups: &mut Lookups, count: usize) {
         let count = count.min(BATCH);
         let timeline = self.timeline();
+        // One loop for each filter, whose number of bins is then known to the compiler.
         match &timeline.reading {
             Reading::Uniform(TimeFilter::Nearest) => {
                 dispatch(Plan::<Nearest, 1>::new(self, lookups, count))
@@ -97,6 +98,7 @@ impl TimeTexture {
             }
             Reading::Irregular(_) => lookups.places.plain[..count].fill(false),
         }
+        // Lookups near the ends of the data, or in bins of several widths, one by one.
         lookups.others.clear();
         for at in 0..count {
             if !lookups.places.plain[at] {
@@ -191,6 +193,7 @@ impl FromDisk {
             let bin = origin as usize / channels;
             (bin / bins, bin % bins)
         };
+        // All bricks of the batch are named first, so that each is read once.
         for at in plain() {
             for tap in origins.iter() {
                 let (pixel, bin) = place(tap[at]);
@@ -198,6 +201,7 @@ impl FromDisk {
             }
         }
         bricks.bring(&mut self.held, &mut self.wanted);
+        // Then their samples are copied: four taps of N bins per lookup.
         let each = N * channels;
         self.values.resize(count * 4 * each, 0.0);
         for at in plain() {
@@ -207,6 +211,7 @@ impl FromDisk {
                 bricks.samples(&mut self.held, pixel, bin, values);
             }
         }
+        // Origins now count in the copies.
         for (tap, origins) in origins.iter_mut().enumerate() {
             for (at, origin) in origins[..count].iter_mut().enumerate() {
                 *origin = ((at * 4 + tap) * each) as u64;

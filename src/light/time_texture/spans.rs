@@ -113,6 +113,7 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
         if y >= 2.0 {
             return f64::from(x > 0.0);
         }
+        // ∫ of the kernel of Catmull and Rom from 0 to y: 1 − 5/2 y² + 3/2 y³ up to 1, 2 − 4 y + 5/2 y² − ½ y³ from there to 2.
         let half = match y <= 1.0 {
             true => ((0.375 * y - 5.0 / 6.0) * y * y + 1.0) * y,
             false => {
@@ -129,6 +130,7 @@ fn integral(filter: TimeFilter, x: f64) -> f64 {
             if x < 0.0 { outer } else { 1.0 - outer }
         }
         TimeFilter::Cubic => cubic(x),
+        // The kernel less 1/24 of its second difference.
         TimeFilter::CubicMeans => (26.0 * cubic(x) - cubic(x - 1.0) - cubic(x + 1.0)) / 24.0,
     }
 }

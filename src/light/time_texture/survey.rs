@@ -509,6 +509,7 @@ fn least_squares(rows: &[&[f64; 6]]) -> Option<[f64; 5]> {
         .iter()
         .flatten()
         .fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    // Gauss and Jordan, with pivots; below 1e-12 of the largest entry a pivot is rounding.
     for i in 0..5 {
         let pivot = (i..5).max_by(|a, b| m[*a][i].abs().total_cmp(&m[*b][i].abs()))?;
         m.swap(i, pivot);
@@ -650,6 +651,7 @@ fn dead(per_bin: &[f64]) -> Option<String> {
             .is_some_and(|light| *light > TOLERATED * brightest)
     };
     let mut dead: Vec<String> = Vec::new();
+    // A short run of empty bins between lit ones; at an end of the data, or long, it is plain darkness.
     let mut begin = 1;
     for run in per_bin[1..].chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
         let end = begin + run.len();
@@ -734,6 +736,7 @@ fn lit_part(from: &mut Lines, axis: usize) -> Option<f64> {
         values.iter_mut().for_each(|value| *value = value.abs());
         values.sort_by(|a, b| b.total_cmp(a));
         let total: f64 = values.iter().sum();
+        // Brightest first, until 90 % of the light is reached.
         let mut left = 0.9 * total;
         let lit = values.iter().take_while(|&&value| {
             left -= value;
@@ -742,6 +745,7 @@ fn lit_part(from: &mut Lines, axis: usize) -> Option<f64> {
         lines.push((total, (lit.count() + 1) as f64 / length as f64));
     }
     let mean = lines.iter().map(|line| line.0).sum::<f64>() / lines.len() as f64;
+    // Lines with little light are mostly noise.
     let bright: Vec<f64> = (lines.iter().filter(|line| line.0 > 0.1 * mean))
         .map(|line| line.1)
         .collect();

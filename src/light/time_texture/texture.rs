@@ -399,6 +399,7 @@ impl TimeTexture {
         match &located.0 {
             Spot::Seen(_, taps, _) if !occluded => self.sample_pixels(capture, taps, t, near),
             Spot::Sharp(place, taps, _, all) if !occluded => {
+                // On a capture's own clock each texel is read at its own time of arrival.
                 let when = |texel| self.timeline.moment(t + capture.delay_of(texel));
                 self.sample_means(capture, (*place, *all), taps, when, near)
             }
@@ -466,6 +467,7 @@ impl TimeTexture {
         if complete {
             return Some((taps, 1.0));
         }
+        // Scaled up again: a place that is seen in part is not darker for it.
         (sum > 0.0).then(|| {
             let taps = taps.map(|tap| Tap {
                 weight: tap.weight / sum,

@@ -19,6 +19,8 @@ pub(super) const NOTHING: BinWeights = BinWeights {
     weights: [0.0; 6],
 };
 
+/// Weights of the four bins around a place, `f` after the second: the cubic of Catmull and Rom (1974), whose slopes at the middle
+/// bins are central differences.
 #[inline(always)]
 pub(super) fn catmull_rom(f: f64) -> [f64; 4] {
     [

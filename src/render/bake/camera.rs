@@ -145,6 +145,7 @@ fn check_camera(scene: &Scene) -> Result<()> {
     };
     let objects = scene.objects.first().map(|o| o.velocity.rapidity());
     let difference = objects.map_or(0.0, |w| (w - camera.velocity.rapidity()).length());
+    // Rapidities that are the same but for rounding.
     if difference > 1e-12 || camera.motion != Motion::Inertial {
         return refuse("it moves relative to the objects");
     }

@@ -229,6 +229,7 @@ fn baked(
     let mut energy = Energy::NONE;
     summaries.iter().for_each(|part| energy.add(&part.energy));
     let texels: u64 = summaries.iter().map(|part| part.texels).sum();
+    // Over all texels, the root mean square of their standard errors.
     let square = |bin: usize| {
         summaries
             .iter()
@@ -242,6 +243,7 @@ fn baked(
         let help = "lamps whose light f32 can hold";
         Error::invalid(&scene.name, "light", e.to_string(), help)
     })?;
+    // Where everything moves, times are those of the objects' own frame.
     let still = |frame: &RestFrame| frame.frame.velocity().is_rest();
     Ok(Baked {
         cube,

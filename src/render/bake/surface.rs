@@ -250,6 +250,7 @@ impl<'a> Charts<'a> {
             if least >= 0.0 {
                 found = found.or(Some(place(triangle.triangle, triangle.slot, [u, v])));
             }
+            // Points on a shared edge are in both triangles; charts overlap only where a point is inside two by more than rounding.
             inside += u32::from(least > 1e-6);
         }
         if inside > 1 {

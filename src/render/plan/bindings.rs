@@ -105,6 +105,7 @@ pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, w
     }
 }
 
+/// Whether texture coordinates and images are needed for what a surface shows, and what `plan` calls it.
 fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
     let name = |s: &usize| scene.sources[*s].name.as_str();
     match lit {

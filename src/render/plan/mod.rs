@@ -152,6 +152,7 @@ fn inspect_objects(scene: &Scene) -> Result<Vec<PlannedObject>> {
     scene.objects.iter().map(inspect).collect()
 }
 
+/// What can be known of an object's geometry without loading it: a glTF file's header has all counts.
 fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
     match &object.geometry {
         Geometry::Gltf { path, node } => {
@@ -180,6 +181,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 without_file: "shape",
                 files: Vec::new(),
                 triangles,
+                // As many as boxes have; spheres share theirs.
                 vertices: 2 * triangles,
                 uvs: false,
                 textures: false,
@@ -208,6 +210,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
     }
 }
 
+/// Shape and size of each cube that is used, by the head of its file, with the checks that need no samples.
 fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<PlannedCube>>> {
     let used = bindings::used_sources(scene, objects);
     scene

@@ -11,6 +11,7 @@ pub(super) fn explain(scene: &Scene, plan: &mut Plan) {
     plan.notes = notes(scene, plan);
 }
 
+/// What this scene does not need, and why: the rows that `plan` prints as skipped.
 fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     let mut list = Vec::new();
     let mut skip = |condition: bool, what: &str, why: &str| {
@@ -100,6 +101,7 @@ fn skipped(scene: &Scene, plan: &Plan) -> Vec<Skipped> {
     list
 }
 
+/// What a user may take for exact and is not, or may expect and does not get.
 fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
     let moving = plan.view != Kind::Still || scene.objects.iter().any(|o| !o.velocity.is_rest());

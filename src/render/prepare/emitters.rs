@@ -199,6 +199,7 @@ impl<'a> Builder<'a> {
                 let patch = rest.patch(triangle);
                 let (lit, finish) = &self.emitters[patch.emitter as usize];
                 let area = area_light(self.scene, patch.object as usize);
+                // No points are drawn on what shows a cube, captures or its base colour; light that bounces may meet it.
                 let shines = match lit {
                     Lit::Reflecting(_) => true,
                     Lit::Spectrum => area.is_some(),
@@ -208,6 +209,7 @@ impl<'a> Builder<'a> {
                     continue;
                 };
                 let object = &self.scene.objects[patch.object as usize];
+                // One table of colours for all triangles of an object.
                 let spectrum = object.spectrum.as_ref().map(|spectrum| {
                     let table = || Arc::new(ColourTable::new(spectrum));
                     spectra.entry(patch.object).or_insert_with(table).clone()

@@ -199,6 +199,7 @@ impl Footprint {
         if n * m * l == 1 && !split.in_time && !self.is_exposed {
             return None;
         }
+        // Parts of equal size: the plain mean, at their middles.
         let mut sum = Sampled::default();
         for (e, j, i) in
             (0..l).flat_map(|e| (0..m).flat_map(move |j| (0..n).map(move |i| (e, j, i))))
@@ -298,6 +299,7 @@ pub(super) fn look_up(
     let size = DVec2::from_array(texture.size().map(|n| n as f64));
     texture.look_up_each(&near, run.count(), |k| {
         let hit = run.hit(k);
+        // Linear beyond the triangle's edges, too: parts of a footprint lie in its plane.
         let at = |u: f64, v: f64| {
             let hit = hit.map(|hit| crate::accel::Hit { u, v, ..hit })?;
             run.rest.uv(run.patch, set, &hit)
@@ -321,6 +323,7 @@ pub(super) fn look_up(
             .and_then(|(footprint, hit)| {
                 let beside =
                     |side: &Side| at(hit.u + side.barycentric.x, hit.v + side.barycentric.y);
+                // Sides of the cell in texture coordinates, and in texels: n, m and l follow from these.
                 let mut sides = [DVec2::ZERO; 3];
                 for (to, side) in sides.iter_mut().zip(&footprint.sides) {
                     *to = beside(side)? - uv;
@@ -337,6 +340,7 @@ pub(super) fn look_up(
                 })
             });
         let sampled = mean.unwrap_or_else(|| one(uv, time, span));
+        // While bricks are only being asked for there is nothing to keep.
         if !near.is_asking() {
             emitted.push(Emission::stored(sampled));
         }

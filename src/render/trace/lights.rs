@@ -160,6 +160,7 @@ impl AreaLights {
         let power = |e: &Element| e.area() * e.brightness();
         let shines = |e: &Element| power(e) > 0.0 && power(e).is_finite();
         let elements: Vec<_> = elements.into_iter().filter(shines).collect();
+        // The distribution by area times radiance, as running sums up to 1.
         let mut sum = 0.0;
         let sums: Vec<f64> = elements
             .iter()
@@ -168,6 +169,7 @@ impl AreaLights {
                 sum
             })
             .collect();
+        // Sorted, so that a ray that meets a shining triangle finds its element.
         let places = (0..).zip(&elements);
         let mut places: Vec<_> = places.map(|(k, e)| (e.frame, e.triangle, k)).collect();
         places.sort_unstable();
@@ -220,6 +222,7 @@ impl AreaLights {
         meter: &mut Meter,
     ) {
         self.draw(run, emitted);
+        // Elements with shadows and those without in turn: the rays of a batch are either all traced or all taken as open.
         for shadows in [true, false] {
             let Emitted {
                 draws,
@@ -255,6 +258,7 @@ impl AreaLights {
                 queries.push_to(k, draws.d.get(k), draws.distances[k], end);
             }
             reflect_unblocked(run, shadows, index, emitted, meter);
+            // Usually nothing is left for a second turn.
             if self.elements.iter().all(|e| e.shadows) {
                 break;
             }
@@ -677,6 +681,7 @@ impl SkyLight {
     ) {
         emitted.queries.clear();
         let mut drawn = Vec::with_capacity(run.count() * DRAWS as usize);
+        // An estimate of what `illuminate` got wrong: it took the sky as open, and the diffuse value as its mean over directions.
         for k in 0..run.count() {
             let n = emitted.points.normals.get(k);
             for draw in 0..DRAWS {
@@ -697,6 +702,7 @@ impl SkyLight {
         for (at, Drawn { k, l, light }) in drawn.into_iter().enumerate() {
             let blocked = emitted.queries.is_blocked(at);
             match emitted.reflections.get(k) {
+                // Matte surfaces have no direction to correct: what is blocked is taken away again.
                 None if blocked => {
                     emitted.incident[k].add(&Incident::new(light.map(|l| -l), 1.0));
                 }
@@ -730,6 +736,7 @@ impl SkyLight {
             let Some((l, weight)) = reflection.sample_specular(run.random(k, GLOSS)) else {
                 continue;
             };
+            // `weight` is value times cosine over density.
             let (d, rho) = boosted.in_world(l);
             let radiance = boosted.radiance(&self.sky, d, rho);
             let light = std::array::from_fn(|c| weight[c] * radiance[c]);

@@ -698,6 +698,7 @@ impl Level {
         each_by_cosine(&points.normals, numbers, by_cosine);
         let gamma = run.rest.frame.velocity().gamma();
         for (k, reflection) in reflections.iter().enumerate() {
+            // Diffuse directions were drawn in a vector loop above, from the same numbers.
             let drawn = match reflection.is_diffuse() {
                 true => reflection.scattered(by_cosine.get(k)),
                 false => reflection.sample([numbers[0][k], numbers[1][k]]),

@@ -301,6 +301,7 @@ impl TimeResolved {
         meter: &mut Meter,
     ) {
         self.start(finish, run, emitted);
+        // Matte surfaces gather irradiance here and take their colour once, below; others reflect light as it arrives.
         for lamp in lamps.iter().filter_map(|k| self.lamps[*k].as_ref()) {
             lamps::illuminate(run, lamp, self.index, emitted, meter);
         }

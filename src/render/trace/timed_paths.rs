@@ -188,6 +188,7 @@ impl TimedPaths<'_> {
         let radiance = base.colour_at(colour, self.rest, patch, hit);
         let radiance = match &response.colour {
             Colouring::Spectrum(table, _) => {
+                // A spectrum has the colour; that of the surface only dims it.
                 let factor = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
                 table.colour(1.0).map(|c| c * factor)
             }

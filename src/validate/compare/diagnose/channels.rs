@@ -164,10 +164,12 @@ fn axes(case: &Case, name: &'static str, r: &[Plane; 3], c: &[Plane; 3]) -> Opti
             .map(|&i| [(place(c, i) - place(r, i)).length(), 0.0]),
     )
     .error();
+    // Right to a twentieth of the usual distance: nothing to explain.
     if error <= 0.05 * scale {
         return None;
     }
     let mut best: Option<([usize; 3], DVec3, Tally)> = None;
+    // All 48 ways to exchange and mirror axes.
     for order in ORDERS {
         for signs in 0..8u32 {
             let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
@@ -378,7 +380,9 @@ pub(super) fn ratio(case: &Case) -> Option<Diagnosis> {
         .then(|| describe_factors(case, &factors, &by_factor))
 }
 
+/// Says which mistake in the formula of W makes these factors, ln W of the candidate less that of the reference by object.
 fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) -> Diagnosis {
+    // Logarithms of γ to a tenth; of γ near 1 to a thousandth.
     let near = |factor: f64, gamma: f64| {
         (factor - libm::log(gamma)).abs() < 0.1 * libm::log(gamma).abs().max(0.01)
     };
@@ -392,6 +396,7 @@ fn describe_factors(case: &Case, factors: &BTreeMap<i64, f64>, tally: &Tally) ->
     });
     let gamma = |k: i64| gammas.get(k as usize).copied().unwrap_or(1.0);
     let all = |of: &dyn Fn(i64) -> f64| factors.iter().all(|(k, factor)| near(*factor, of(*k)));
+    // One formula has to explain all objects: the camera's γ first, then each object's own.
     let what = if all(&|_| camera) {
         format!(
             "wavelength ratios are γ times what they should be, γ = {camera:.4} the camera's: 1/(γ (1 + β·d)) lacks its γ, or γ (1 − β·d′) has it twice"

@@ -224,6 +224,7 @@ impl Cloud {
                 let y = (i / width).checked_add_signed(dy)?;
                 Some((*points.get(&(y * width + x))? - point).length())
             };
+            // Of two steps of which one is far longer, the longer one crosses a silhouette.
             let along = |dx, dy| match [step(dx, dy), step(-dx, -dy)] {
                 [Some(a), Some(b)] if a.max(b) > CONNECTED * a.min(b) => Some(a.min(b)),
                 [a, b] => longer(a, b),

@@ -256,6 +256,7 @@ fn best_order(
     Some((diagnosis, told.left))
 }
 
+/// Light that is encoded or decoded once too often, by the curve of sRGB or the power 2.2, whichever fits better.
 fn gamma(case: &Case, lit: &[Lit]) -> Option<(Diagnosis, f64)> {
     let is_linear = case.pair[0].encoding == Encoding::Linear;
     let [once_more, once_less] = match is_linear {

@@ -289,6 +289,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
     let Some(known) = case.known else {
         return Vec::new();
     };
+    // A mistake about the camera or about time moves all points: it explains most if it is one.
     let global = [
         Change::Instant,
         Change::CameraReversed,
@@ -303,6 +304,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
         .filter(|k| displaced(case, known, known, Some(*k)).error() > NOTABLE_DISPLACEMENT)
         .take(MOST_OBJECTS)
         .collect();
+    // Pairs before single objects: two exchanged velocities also look like two wrong ones.
     let mut found = Vec::new();
     for (n, &j) in moving.iter().enumerate() {
         let pairs = moving[n + 1..].iter().map(|&k| Change::Swapped(j, k));
@@ -406,6 +408,7 @@ pub(super) fn describe_aberration_by_light(
     }
 }
 
+/// What a change that explains the candidate says about the program that made it.
 fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnosis {
     let beta = |k: usize| known.velocities().nth(k).map_or(0.0, |v| v.beta().length());
     let (kind, what, beta) = match change {

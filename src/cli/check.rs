@@ -109,7 +109,7 @@ impl Names {
         }
         refuse_dangling(option, path)?;
         if path.exists() && !path.is_file() {
-            let what = "there is something of this name that is not a file";
+            let what = "something that is not a file has this name";
             let help = "name a file that is new, or that may be replaced";
             return Err(refused(option, what, help));
         }

@@ -74,7 +74,7 @@ fn surface(arguments: &ConvertArguments, wanted: Wanted, to: &Path) -> Result<()
     let input = &arguments.input;
     let refuse = |what| {
         let help = "the files of y-tal, of the Zaragoza NLOS data set and of phasor fields say where the points of their \
-                    pixels are, two rows and two columns at least";
+                    pixels are, at least two rows and two columns";
         Err(Error::invalid(input, "", what, help))
     };
     let Some(wall) = cube::wall(input, wanted)? else {
@@ -238,7 +238,7 @@ fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) ->
     if times.at_sensor && arguments.unwarp.is_none() {
         let input = arguments.input.display();
         let warning = format!(
-            "times are those of arrival at the sensor, as in the input; --unwarp {input} takes off the way from each point"
+            "times are those of arrival at the sensor, as in the input; --unwarp {input} subtracts the path from each point"
         );
         warn(false, [&warning])?;
     }

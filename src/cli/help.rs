@@ -184,7 +184,7 @@ halved; the largest error without any cuts; and the triangle and the pixel that 
 pub const INFO: &str = "\
 For a mesh: triangles, materials, nodes, cameras. For arrays: shape, type, and whether they can be used as \
 time-resolved radiance. For pictures: size, channels with their ranges, metadata. For a scene: camera, \
-objects, sources. Only headers are read, except of .exr.";
+objects, sources. Samples of arrays are checked, of large ones a part.";
 
 pub const SELFTEST: &str = "\
 Each line tests one regime near the limits of f64: the worst error found, the derived bound, the unit, and the \

@@ -252,7 +252,7 @@ fn distance(
     }
     subject.map(|point| 2.0 * stretch * point.distance(scene.camera.origin.x)).ok_or_else(|| {
         let what = "the scene does not say what its camera looks at (camera.look_at), and has no surface away from it: it is not known how far to go";
-        refused("--distance", what, "give the length of the way, like --distance \"6 m\"")
+        refused("--distance", what, "give the distance, like --distance \"6 m\"")
     })
 }
 

@@ -119,7 +119,7 @@ impl Work<'_> {
     /// Renders passes until the picture is good enough or the time is over.
     fn go_on(&mut self, prepared: &Prepared) -> Result<()> {
         interrupt::can_resume(
-            "the picture has all finished passes: run the same command again to go on",
+            "the picture has all finished passes: run the same command again to resume",
         );
         let mut written = (Instant::now(), 0.0);
         while !self.is_good() {

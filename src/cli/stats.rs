@@ -53,7 +53,7 @@ impl Account {
         let mut rows = vec![
             row("pictures", &plan::count(self.pictures)),
             row("camera rays", &plan::count(stats.rays)),
-            row("of them met", &plan::count(stats.hits)),
+            row("of them hit", &plan::count(stats.hits)),
         ];
         rows.extend(work("visibility", &stats.visibility));
         if stats.occlusion.rays > 0 {

@@ -210,7 +210,7 @@ fn unknown(file: &Path, model: &str) -> Error {
 }
 
 const UNDISTORT: &str =
-    "a capture camera is a pinhole: take the distortion off with `colmap image_undistorter`";
+    "a capture camera is a pinhole: remove the distortion with `colmap image_undistorter`";
 
 /// Horizontal and vertical field of view of a camera without distortion.
 fn field_of_view(

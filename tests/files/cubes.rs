@@ -341,8 +341,8 @@ fn broken_transient_images_are_refused() {
     assert!(changed(4, 11u32.to_le_bytes()).contains("mode 11"));
     assert!(changed(8, u32::MAX.to_le_bytes()).contains("truncated"));
     assert!(changed(12, 0u32.to_le_bytes()).contains("truncated"));
-    assert!(changed(20, 0f32.to_le_bytes()).contains("no time axis"));
-    assert!(changed(20, f32::NAN.to_le_bytes()).contains("no time axis"));
+    assert!(changed(20, 0f32.to_le_bytes()).contains("do not make a time axis"));
+    assert!(changed(20, f32::NAN.to_le_bytes()).contains("do not make a time axis"));
     assert!(changed(24, 4u32.to_le_bytes()).contains("68 bytes"));
     assert!(changed(28 + 4 * 5, f32::INFINITY.to_le_bytes()).contains("[0, 1, 1]"));
     assert!(changed(28 + 96, 7u32.to_le_bytes()).contains("grid of 7 columns"));

@@ -279,7 +279,7 @@ fn what_is_broken_or_not_known_is_refused_by_name() {
             refusal("plain", |p| {
                 with(p, "\"chunk_shape\":[2,3,4]", "\"chunk_shape\":[2,3]")
             }),
-            "no size of a chunk",
+            "not the size of a chunk",
         ),
         (
             refusal("plain", |p| {

@@ -176,7 +176,7 @@ impl Method {
                 Ok(Method::Warp(warp.with(Lookup::Bilinear)))
             }
             _ => Err(format!(
-                "\"{text}\" is no option of it; raster has attributes=vertex or attributes=fragment, warp has \
+                "\"{text}\" is not an option; raster has attributes=vertex or attributes=fragment, warp has \
                  lookup=nearest or lookup=bilinear"
             )),
         }

@@ -18,7 +18,7 @@ pub struct BakeArguments {
     /// Default: the scene's name with -light.npz, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Bake what the scene's camera sees, by times of arrival, and not the objects' surfaces. The camera has to rest with the objects.
+    /// Bake what the scene's camera sees, by times of arrival, instead of the objects' surfaces. The camera has to be at rest relative to the objects.
     #[arg(long, conflicts_with_all = ["object", "texels", "uv", "atlas"])]
     pub camera: bool,
     /// Bake the surface of this object. Default: all objects that reflect light. Repeatable.

@@ -46,10 +46,10 @@ pub struct ConvertArguments {
     /// Keep these time bins.
     #[arg(long, value_name = "FROM:TO", value_parser = values::range)]
     pub bins: Option<Range<usize>>,
-    /// Make one bin of so many neighbours: their sum.
+    /// Merge each N neighbouring bins into one, their sum.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub merge: Option<u32>,
-    /// Values are per metre and not per bin: merged bins are means.
+    /// Values are per metre, not per bin: merged bins are means.
     #[arg(long)]
     pub density: bool,
     /// The type of samples. Default: the input's.

@@ -12,7 +12,7 @@ use crate::cli::values;
 pub struct DiagramArguments {
     #[command(flatten)]
     pub scene: ScenePath,
-    /// Where to write: .svg, .pdf, .png, .tex (TikZ, for \\input), .apng (animated PNG), .y4m (raw video), or - for .y4m
+    /// Where to write: .svg, .pdf, .png, .tex (TikZ, for \input), .apng (animated PNG), .y4m (raw video), or - for .y4m
     /// on standard output. Repeatable. Default: the scene's name with .svg, in the current directory.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,

@@ -13,8 +13,6 @@ use crate::cli::values;
 pub struct FilmArguments {
     #[command(flatten)]
     pub scene: ScenePath,
-    #[command(flatten)]
-    pub motion: MotionArguments,
     /// Where to write: .apng (animated PNG), .y4m (raw video), or - for raw video on standard output. Repeatable.
     /// Default: the scene's name with .apng, in the current directory.
     #[arg(short, long, value_name = "FILE")]
@@ -29,7 +27,7 @@ pub struct FilmArguments {
     /// camera's frame ("diagram", with --speeds).
     #[arg(long, value_name = "WHAT")]
     pub beside: Option<Beside>,
-    /// Words in front of the speed or the time beneath each picture.
+    /// Text before the speed or the time beneath each picture.
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Nothing beneath the pictures.
@@ -41,6 +39,9 @@ pub struct FilmArguments {
     pub changes: Changes,
     #[command(flatten)]
     pub work: WorkArguments,
+    // Last: what follows would stand under its heading.
+    #[command(flatten)]
+    pub motion: MotionArguments,
 }
 
 /// How the camera of a film moves.
@@ -97,7 +98,7 @@ pub struct MotionArguments {
 /// What stands beside the pictures of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Beside {
-    /// Those of a camera at rest.
+    /// What a camera at rest sees.
     Rest,
     /// The space-time diagram.
     Diagram,

@@ -8,7 +8,8 @@ use super::shared::{Json, MemoryLimit};
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {
-    /// A .gltf, .glb, .npy, .npz, .ti, .exr, .png or .toml file, recognised by its content, or a folder of pictures.
+    /// A .gltf, .glb, .npy, .npz, .ti, HDF5, .exr, .png, .hdr, .tif or .toml file, recognised by its content, or a folder of
+    /// pictures or of Zarr.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     #[command(flatten)]

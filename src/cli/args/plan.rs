@@ -19,7 +19,8 @@ pub struct PlanArguments {
     #[command(flatten)]
     pub lines: LineArguments,
     #[command(flatten)]
-    pub model: ModelArguments,
-    #[command(flatten)]
     pub json: Json,
+    // Last: what follows would stand under its heading.
+    #[command(flatten)]
+    pub model: ModelArguments,
 }

@@ -22,7 +22,7 @@ pub struct SheetArguments {
     pub directory: Option<PathBuf>,
     #[command(flatten)]
     pub exposure: ExposureArgument,
-    /// Also write each panel, beside its page: the scene's name and the panel's.
+    /// Also write each panel beside its page, named after the scene and the panel.
     #[arg(long)]
     pub keep_panels: bool,
     #[command(flatten)]

@@ -142,7 +142,7 @@ fn samples(
     let mut remarks = survey::of_samples(&bricks.clone().into(), order);
     bricks.check()?;
     remarks.push(format!(
-        "a part of the samples was looked at: there are more than {}",
+        "only a part of the samples was checked: there are more than {}",
         bytes(most_read(memory))
     ));
     Ok(Some(remarks))
@@ -200,7 +200,7 @@ fn as_cube(info: &mut Info, (remarks, cube): &Known) {
     );
     if cube.assumed {
         let text = format!(
-            "{}, assumed; another order is said by `axes` of the source",
+            "{}, assumed; give any other order as `axes` in the source",
             cube.axes
         );
         info.row("axes", text);

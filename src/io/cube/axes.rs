@@ -114,7 +114,7 @@ impl Axes {
                 .collect();
             (
                 format!(
-                    "its axes are called {}, by which they are not known",
+                    "its axes are called {}, which are unknown names",
                     shown.join(", ")
                 ),
                 format!("{NAME_AXES}; or call them y, x, time and channel in the file"),
@@ -248,7 +248,7 @@ impl Arrangement {
                 }
                 None => {
                     return Err(format!(
-                        "only of HDF5 and Zarr arrays an axis is named {}: it has {size} entries in an array of shape {sizes:?}",
+                        "an axis named {} is for HDF5 and Zarr arrays only: it has {size} entries in an array of shape {sizes:?}",
                         axis.letter()
                     ));
                 }

@@ -122,7 +122,7 @@ pub fn convert(
         "zarr" => return Err(super::zarr::refused(to)),
         "" => work.frames(to, done)?,
         _ => {
-            let what = format!(".{extension} is no form of cube that is written");
+            let what = format!("cubes cannot be written as .{extension}");
             let help = "a .npy, .npz, .h5 or .hdf5 file, a .zarr folder, or a folder, a name without an extension, for EXR frames";
             return Err(Error::unsupported(to, "", what, help));
         }
@@ -527,7 +527,7 @@ impl<'a> Work<'a> {
 /// A temporary folder that is to become `to`, of which there must be nothing yet.
 fn new_folder(to: &Path) -> Result<Temporary> {
     if std::fs::symlink_metadata(to).is_ok() {
-        let what = "there is something of this name";
+        let what = "a file or folder has this name already";
         return Err(Error::invalid(to, "", what, "name a new folder"));
     }
     Temporary::folder(to).map_err(Error::io(to, "cannot write"))

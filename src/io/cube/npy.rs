@@ -328,7 +328,7 @@ fn no_radiance(place: &Place, descr: &str) -> crate::Error {
             "the array holds complex numbers, as phasor films do, which are no radiance in time"
                 .to_owned()
         }
-        _ => format!("samples of type {descr:?} are no numbers that radiance is given in"),
+        _ => format!("samples of type {descr:?} cannot hold radiance"),
     };
     let help = "give f2, f4 or f8 samples, or integers of at most 32 bits: numpy.save(path, array.astype(numpy.float32))";
     place.unsupported("header", what, help)

@@ -90,7 +90,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
         b"TI04" => {
             let mode = u32::from_le_bytes(next()?);
             if mode != GRID {
-                let what = format!("pixels of mode {mode} are no grid");
+                let what = format!("pixels of mode {mode} are not a grid");
                 return Err(Error::unsupported(
                     file,
                     "header",
@@ -138,7 +138,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
         }
         _ => {
             return Err(invalid(
-                "this is no transient image: it does not begin with TI00, TI01 or TI04".into(),
+                "this is not a transient image: it does not begin with TI00, TI01 or TI04".into(),
             ));
         }
     };
@@ -165,7 +165,7 @@ fn header(reader: &mut dyn ReadSeek, file: &Path) -> Result<Header> {
     }
     if !(header.width > 0.0 && header.width.is_finite() && header.first.is_finite()) {
         let what = format!(
-            "bins of a width of {} from {} on are no time axis",
+            "bins of a width of {} from {} on do not make a time axis",
             header.width, header.first
         );
         return Err(invalid(what));

@@ -297,7 +297,7 @@ fn sort(writer: &mut BufWriter<File>) -> std::io::Result<()> {
 fn check_limits(path: &Path, layers: &Layers) -> Result<()> {
     let refuse = |what: &str| Err(Error::unsupported(path, "", what, ""));
     if layers.channels.is_empty() {
-        return refuse("an EXR file needs a channel at least");
+        return refuse("an EXR file needs at least one channel");
     }
     if layers.width > i32::MAX as u32 / 2 || layers.height > i32::MAX as u32 / 2 {
         return refuse("an EXR image has less than 2³⁰ pixels per row and per column");

@@ -50,7 +50,7 @@ fn target(path: &Path) -> Result<PathBuf> {
     };
     match fs::metadata(&target) {
         Ok(found) if !found.is_file() => refused(
-            "there is something of this name that is not a file".into(),
+            "something that is not a file has this name".into(),
             "name a file that is new, or that may be replaced",
         ),
         _ => Ok(target),

@@ -478,7 +478,7 @@ impl Onsets {
             return None;
         }
         let what = format!(
-            "between {} of the points, light would have been faster than light by when it first came",
+            "between {} of the points, light would have travelled faster than light, by the times of first light",
             percent(now)
         );
         let power = (1..=15)

@@ -127,7 +127,7 @@ impl Plan {
         row(f, "rays", &text)?;
         let memory = &self.memory;
         let text = format!(
-            "about {}: geometry {}, cubes {}, film {}, for a while {}",
+            "about {}: geometry {}, cubes {}, film {}, temporarily {}",
             bytes(memory.total()),
             bytes(memory.geometry),
             bytes(memory.cubes),

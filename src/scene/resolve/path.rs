@@ -111,7 +111,8 @@ fn slower_than_light(
         );
         let other = (&first.value.position.span, "the one before");
         let span = &second.value.position.span;
-        let help = "give more time or less way between keyframes: nothing moves as fast as light";
+        let help =
+            "give more time or less distance between keyframes: nothing moves as fast as light";
         return Err(cx.report.refuse_two(span, other, what, help));
     }
     Ok(())

@@ -173,7 +173,7 @@ fn rotation_and_translation(cx: &Context, at: &At<GivenPose>) -> Result<(DMat3, 
         }
         _ => {
             let what = "a pose is `matrix`, or `quaternion` and `translation`";
-            return Err(cx.refuse(at, what, "give one of both"));
+            return Err(cx.refuse(at, what, "give one of the two"));
         }
     };
     let square = rotation.transpose() * rotation;

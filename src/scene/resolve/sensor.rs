@@ -57,7 +57,7 @@ pub(super) fn horizontal_fov(cx: &Context, camera: &file::Camera) -> Result<Opti
         "a sensor of {} at a focal length of {} has a field of view of {radians:e} rad",
         width.value, sensor.focal_length.value
     );
-    let help = "give a width of the focal length's order, like \"24 mm\" at \"36 mm\"";
+    let help = "give a width of about the focal length, like \"24 mm\" at \"36 mm\"";
     Err(cx.refuse(width, what, help))
 }
 

@@ -155,12 +155,12 @@ fn time_axis(cx: &Context, at: &At<file::Cube>) -> Result<TimeKeys> {
     let times = cx.inputs.times(&cube.file).transpose()?.flatten();
     if times.is_some_and(|times| times.at_sensor) {
         let what = format!(
-            "the times in {} are those of arrival at its sensor: they include the way from each point of the wall",
+            "the times in {} are those of arrival at its sensor: they include the path from each point of the wall",
             quoted(&cube.file.value)
         );
         let file = &cube.file.value;
         let help = format!(
-            "take it off: nullray convert {file} --unwarp {file} --surface wall.glb -o wall.npy, and use these two"
+            "subtract it: nullray convert {file} --unwarp {file} --surface wall.glb -o wall.npy, and use these two"
         );
         return Err(cx.refuse(&cube.file, what, help));
     }
@@ -266,7 +266,7 @@ fn steady_time(cx: &Context, cube: &file::Cube) -> Result<TimeKeys> {
     // Keys of time would be ignored, and nothing is ignored silently.
     for (key, name) in keys.into_iter().chain(tables) {
         if let Some(span) = key {
-            let what = format!("`{name}` is of a time axis, and the axes name none");
+            let what = format!("`{name}` describes a time axis, and `axes` has no T");
             let help = "leave it out, or add T to `axes`";
             return Err(cx.report.refuse(span, what, help));
         }
@@ -452,7 +452,7 @@ fn perspective_only<T>(
     if camera.projection.value == ProjectionKind::Perspective {
         return Ok(());
     }
-    let what = format!("{thing} is of perspective cameras only");
+    let what = format!("{thing} is for perspective cameras only");
     Err(cx.refuse(at, what, "leave it out, or leave `projection` out"))
 }
 

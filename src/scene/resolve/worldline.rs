@@ -35,7 +35,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
             let node = animated(mover).map_or("", |animation| &animation.node.value);
             let seconds = ct / cx.speed_of_light;
             let what = format!(
-                "the smooth way of node {node:?} moves at |β| = {} at {seconds} s of its animation",
+                "the smooth path of node {node:?} moves at |β| = {} at {seconds} s of its animation",
                 beta(speed)
             );
             cx.report.refuse(here, what, slower())
@@ -45,7 +45,7 @@ pub(super) fn refusal(cx: &Context, mover: &Mover, error: &WorldLineError) -> Er
                 "the curve from the keyframe before to this one moves at |β| = {} at world time {ct} m",
                 beta(speed)
             );
-            let help = "give more time or less way between them, or gentler turns: nothing moves as fast as light";
+            let help = "give more time or less distance between them, or gentler turns: nothing moves as fast as light";
             let there = span(Some(index + 1)).unwrap_or(here);
             cx.report
                 .refuse_two(there, (here, "the one before"), what, help)

@@ -35,10 +35,10 @@ pub enum WorldLineError {
         acceleration: f64,
     },
     /// Fewer than two entries.
-    #[error("a world line needs two entries at least, and has {0}")]
+    #[error("a world line needs at least two entries, and has {0}")]
     TooFew(usize),
     /// More than [`MAX_ENTRIES`].
-    #[error("a world line has {MAX_ENTRIES} entries at most, and this one has {0}")]
+    #[error("a world line has at most {MAX_ENTRIES} entries, and this one has {0}")]
     TooMany(usize),
     /// A segment of no duration, or of one that does not end before the next.
     #[error("segment {} lasts {duration} m of proper time: it must be above 0, and finite before another", .index + 1)]

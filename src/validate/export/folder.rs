@@ -128,7 +128,7 @@ fn check(target: &Path, overwrite: bool) -> Result<Option<Listed>> {
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(Error::io(target, "cannot look at the directory")(e)),
         Ok(found) if !found.is_dir() => {
-            let what = "there is something of this name that is not a directory";
+            let what = "something that is not a directory has this name";
             return refused(what.into(), "name a new directory");
         }
         Ok(_) => {}

@@ -75,7 +75,7 @@ fn events_defined_by_each_other_are_refused() {
     check(
         "event = [{ name = \"A\", at = \"B\" }, { name = \"B\", at = \"A\" }]\n",
         "diagram.event[1].at",
-        "by way of itself",
+        "in terms of itself",
         "numbers",
     );
 }

@@ -238,7 +238,7 @@ fn lines_of_one_plane_are_refused() {
     check(
         &format!("{solid}frame = [{{ name = \"S'\", velocity = 0.5, grid = true }}]\n"),
         "diagram.frame[0]",
-        "of a diagram of 1+1 dimensions",
+        "needs a diagram of 1+1 dimensions",
         "`simultaneity`",
     );
     check(
@@ -250,7 +250,7 @@ fn lines_of_one_plane_are_refused() {
     check(
         &format!("{solid}wedge = [{{ of = \"A\", side = \"right\" }}]\n"),
         "diagram.wedge[0]",
-        "of a diagram of 1+1 dimensions",
+        "needs a diagram of 1+1 dimensions",
         "light cone",
     );
 }
@@ -266,13 +266,13 @@ fn a_third_coordinate_needs_a_third_dimension() {
     check(
         "y = [0, 1]\n",
         "diagram.y",
-        "of a diagram of 2+1 dimensions",
+        "needs a diagram of 2+1 dimensions",
         "leave it out",
     );
     check(
         "across = [0, 1, 0]\n",
         "diagram.across",
-        "of a diagram of 2+1",
+        "needs a diagram of 2+1",
         "2+1",
     );
     check(

@@ -131,7 +131,7 @@ cases! { SOURCES:
     ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", projection = \"equirectangular\", near_clip = 1" at "source[0].cube.capture.near_clip" "1": "perspective cameras only", "`projection` out";
     ", hfov = \"30 deg\"" => ", hfov = \"30 deg\", crop = { film = [4, 4], offset = [4, 0] }" at "source[0].cube.capture.crop" "{ film": "not on a film of [4, 4]", "whole film";
     "bin_width = \"5 cm\"" => "bin_width = \"5 cm\", axes = \"T H X\"" at "source[0].cube.axes" "\"T H X\"": "'X'", "H rows";
-    "bin_width = \"5 cm\"" => "bin_width = \"5 cm\", axes = \"H W\"" at "source[0].cube.bin_width" "\"5 cm\"": "of a time axis", "add T";
+    "bin_width = \"5 cm\"" => "bin_width = \"5 cm\", axes = \"H W\"" at "source[0].cube.bin_width" "\"5 cm\"": "describes a time axis", "add T";
     "\"5 cm\"" => "\"0 cm\"" at "source[0].cube.bin_width" "\"0 cm\"": "`bin_width` is 0", "like \"0.05 m\"";
     "\"5 cm\"" => "\"-1 ps\"" at "source[0].cube.bin_width" "\"-1 ps\"": "not above 0", "above 0";
     "a.npz" => "missing.npz" at "source[0].cube.file" "\"missing.npz\"": "cannot find this file", "relative";

@@ -248,7 +248,7 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     folder.write("large.npy", large());
     let input = input();
     for (arguments, wrong) in [
-        (&["-o", "a.png"][..], ".png is no form of cube"),
+        (&["-o", "a.png"][..], "cubes cannot be written as .png"),
         (&["-o", "a.npy", "--rows", "30:33"], "it has no rows 30:33"),
         (
             &["-o", "a.npy", "--merge", "4"],

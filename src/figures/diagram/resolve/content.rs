@@ -197,7 +197,7 @@ pub(super) fn refuse_flat(cx: &Context, said: &file::Diagram) -> Result<()> {
     let Some((span, what, help)) = found else {
         return Ok(());
     };
-    let what = format!("{what} is of a diagram of 1+1 dimensions");
+    let what = format!("{what} needs a diagram of 1+1 dimensions");
     Err(cx.report.refuse(span, what, help))
 }
 

@@ -295,7 +295,7 @@ fn nonzero(names: &Names, at: &At<Number>) -> Result<f64> {
 fn curve(names: &mut Names, at: &At<file::DrawnCurve>) -> Result<DrawnCurve> {
     let through = &at.value.through;
     if through.value.len() < 2 {
-        let what = "a curve goes through two events at least";
+        let what = "a curve goes through at least two events";
         return Err(names.cx.refuse(through, what, "name more events"));
     }
     Ok(DrawnCurve {
@@ -318,7 +318,7 @@ fn sheet(names: &mut Names, at: &At<file::Sheet>) -> Result<WorldSheet> {
 fn region(names: &mut Names, at: &At<file::Region>) -> Result<Region> {
     let corners = &at.value.corners;
     if corners.value.len() < 3 {
-        let what = "a region has three corners at least";
+        let what = "a region has at least three corners";
         return Err(names.cx.refuse(corners, what, "name more events"));
     }
     Ok(Region {

@@ -97,7 +97,7 @@ fn of_scene(names: &Names, of: &At<String>) -> Result<Track> {
 
 fn events(names: &mut Names, at: &At<Vec<At<Place>>>) -> Result<Vec<Event<World>>> {
     if at.value.len() < 2 {
-        let help = "give two events at least, like [\"A\", \"B\"]";
+        let help = "give at least two events, like [\"A\", \"B\"]";
         return Err(names.cx.refuse(at, "a world line needs two events", help));
     }
     at.value.iter().map(|spot| names.event(spot)).collect()
@@ -109,7 +109,7 @@ fn too_fast(names: &Names, at: &At<Vec<At<Place>>>, i: usize) -> Error {
     let here = spans.clone().nth(i).unwrap_or(&at.span);
     let before = spans.clone().nth(i.wrapping_sub(1)).unwrap_or(&at.span);
     let what = "this event is not within the future light cone of the one before";
-    let help = "a world line is slower than light: give more time or less way between the two";
+    let help = "a world line is slower than light: give more time or less distance between the two";
     names
         .cx
         .report

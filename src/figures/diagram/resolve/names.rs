@@ -147,7 +147,7 @@ impl<'a> Names<'a> {
         match &mut slots(self)[i] {
             Slot::Known(known) => return Ok(known.clone()),
             Slot::Asked => {
-                let what = "this is defined by way of itself";
+                let what = "this is defined in terms of itself";
                 let help = "define one of them by numbers";
                 return Err(self.cx.report.refuse(span, what, help));
             }

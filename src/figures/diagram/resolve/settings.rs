@@ -80,7 +80,7 @@ pub(super) fn across(
         diagram.y.as_ref().map(|at| (&at.span, "y")),
     ];
     if let (false, Some((span, key))) = (three, of_three.into_iter().flatten().next()) {
-        let what = format!("`{key}` is of a diagram of 2+1 dimensions");
+        let what = format!("`{key}` needs a diagram of 2+1 dimensions");
         let help = "leave it out, or write dimensions = \"2+1\"";
         return Err(cx.report.refuse(span, what, help));
     }

@@ -120,7 +120,7 @@ impl File {
             }
             _ => {
                 if kind(dataset.dtype()).is_none() {
-                    let what = "these are no numbers";
+                    let what = "these are not numbers";
                     return Err(Error::invalid(&self.path, name, what, "check the file"));
                 }
                 let numbers = dataset.read_array::<Sample>().map_err(failed)?;
@@ -251,10 +251,7 @@ impl Array {
             None => Err(Error::unsupported(
                 &self.path,
                 &self.name,
-                format!(
-                    "{} are no numbers that radiance is given in",
-                    described(self.dataset.dtype())
-                ),
+                format!("{} cannot hold radiance", described(self.dataset.dtype())),
                 "give floating-point samples of 16, 32 or 64 bits, or integers: array.astype(numpy.float32)",
             )),
         }
@@ -358,7 +355,7 @@ fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error 
     match error {
         Reading::Io(error) => Error::io(path, "cannot read")(error),
         Reading::Context { source, .. } => refused(path, place, *source),
-        Reading::InvalidMagic => Error::invalid(path, place, "this is no HDF5 file", AGAIN),
+        Reading::InvalidMagic => Error::invalid(path, place, "this is not an HDF5 file", AGAIN),
         Reading::UnsupportedFilter(filter) => Error::unsupported(
             path,
             place,
@@ -519,7 +516,7 @@ impl H5Type for Sample {
         if let Some(kind) = kind(datatype) {
             kind.decode(bytes, &mut numbers);
         }
-        let missing = || hdf5_reader::error::Error::InvalidData("this is no number".into());
+        let missing = || hdf5_reader::error::Error::InvalidData("this is not a number".into());
         numbers.first().copied().map(Sample).ok_or_else(missing)
     }
 

@@ -414,7 +414,8 @@ fn places(file: &File, name: &str, transposed: bool) -> Result<Option<Points>> {
         [a, b, 3] => ([a, b], false),
         [3, a, b] => ([a, b], true),
         _ => {
-            let what = format!("an array of shape {sizes:?} is no list and no grid of points");
+            let what =
+                format!("an array of shape {sizes:?} is neither a list nor a grid of points");
             return Err(Error::invalid(file.path(), name, what, "check the file"));
         }
     };
@@ -466,7 +467,7 @@ fn columns(file: &File, name: &str, wall: &Option<Wall>, is_list: bool) -> Resul
         (true, None) => Err(Error::unsupported(
             file.path(),
             name,
-            "the points of the list are no grid of rows and columns",
+            "the points of the list do not form a grid of rows and columns",
             "give a grid of points on a plane, row after row, all rows alike",
         )),
     }
@@ -484,7 +485,7 @@ fn times(
         return Ok(None);
     };
     if !(bin > 0.0 && bin.is_finite()) {
-        let what = format!("bins {bin} m wide are no time axis");
+        let what = format!("bins {bin} m wide do not make a time axis");
         return Err(Error::invalid(
             file.path(),
             width,

@@ -96,8 +96,8 @@ pub(super) fn document(file: &Path) -> Result<Map<String, Value>> {
     (reader.take(LONGEST).read_to_end(&mut text)).map_err(Error::io(file, "cannot read"))?;
     match serde_json::from_slice(&text) {
         Ok(Value::Object(document)) => Ok(document),
-        Ok(_) => Err(invalid("it is no JSON object".into())),
-        Err(error) => Err(invalid(format!("it is no JSON: {error}"))),
+        Ok(_) => Err(invalid("it is not a JSON object".into())),
+        Err(error) => Err(invalid(format!("it is not JSON: {error}"))),
     }
 }
 
@@ -164,9 +164,10 @@ impl Reading<'_> {
             None if with_c => '/',
             None => '.',
             Some(other) => {
-                return Err(
-                    self.invalid("chunk_key_encoding", format!("{other:?} is no separator"))
-                );
+                return Err(self.invalid(
+                    "chunk_key_encoding",
+                    format!("{other:?} is not a separator"),
+                ));
             }
         };
         let codecs = self.codecs(document.get("codecs"), &chunk, number)?;
@@ -245,7 +246,7 @@ impl Reading<'_> {
         if sizes.len() != axes || sizes.contains(&0) {
             return Err(self.invalid(
                 "chunk_shape",
-                format!("{sizes:?} is no size of a chunk of {axes} axes"),
+                format!("{sizes:?} is not the size of a chunk of {axes} axes"),
             ));
         }
         match bytes.filter(|bytes| *bytes <= LARGEST_CHUNK) {
@@ -267,7 +268,7 @@ impl Reading<'_> {
         known.map(|row| row.1).ok_or_else(|| {
             let what = match document.get("data_type") {
                 Some(other) => {
-                    format!("samples of type {other} are no numbers that radiance is given in")
+                    format!("samples of type {other} cannot hold radiance")
                 }
                 None => "there is no type".into(),
             };
@@ -295,7 +296,7 @@ impl Reading<'_> {
                 (Some(bits), Number::F16) => Ok(half::f16::from_bits(bits as u16).to_f64()),
                 (Some(bits), Number::F32) => Ok(f32::from_bits(bits as u32).into()),
                 (Some(bits), Number::F64) => Ok(f64::from_bits(bits)),
-                _ => Err(self.invalid("fill_value", format!("{text:?} is no number"))),
+                _ => Err(self.invalid("fill_value", format!("{text:?} is not a number"))),
             },
         }
     }
@@ -346,7 +347,7 @@ impl Reading<'_> {
                     if !sorted.iter().copied().eq(0..chunk.len()) {
                         return Err(self.invalid(
                             "codecs",
-                            format!("{order:?} is no order of {} axes", chunk.len()),
+                            format!("{order:?} is not an order of {} axes", chunk.len()),
                         ));
                     }
                     let codec = Codec::Transpose {
@@ -399,8 +400,10 @@ impl Reading<'_> {
                         None | Some("end") => false,
                         Some("start") => true,
                         Some(other) => {
-                            return Err(self
-                                .invalid("codecs", format!("{other:?} is no place of an index")));
+                            return Err(self.invalid(
+                                "codecs",
+                                format!("{other:?} is not a place for an index"),
+                            ));
                         }
                     };
                     Codec::Sharding {

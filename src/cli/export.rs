@@ -61,13 +61,15 @@ fn report(arguments: &ExportArguments, exported: &Exported) -> Result<()> {
         Some(reference) => format!("reference pictures {} and .exr", reference.npz),
         None => "no reference pictures".into(),
     };
+    let plural = |n: usize| if n == 1 { "" } else { "s" };
+    let (objects, sources) = (bundle.objects.len(), bundle.sources.len());
     print(&format!(
-        "wrote {}: {} objects ({} triangles), {} sources, {reference}; {} files, {}\n\
+        "wrote {}: {objects} object{} ({} triangles), {sources} source{}, {reference}; {} files, {}\n\
          README.md in it says how to read it, and how to compare\n",
         arguments.output.display(),
-        bundle.objects.len(),
+        plural(objects),
         plan::count(triangles),
-        bundle.sources.len(),
+        plural(sources),
         bundle.files.len() + 1,
         plan::bytes(bytes),
     ))?;

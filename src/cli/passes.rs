@@ -170,7 +170,9 @@ impl Work<'_> {
         let (passes, error) = (self.passes.done(), 100.0 * self.passes.error());
         say(
             quiet,
-            &format!("{passes} passes, standard error {error:.3} % of the mean radiance\n"),
+            &format!(
+                "{passes} passes, standard error {error:.3} % of the mean radiance (root mean square over pixels)\n"
+            ),
         )?;
         match is_left {
             true => say(quiet, &self.missing())?,

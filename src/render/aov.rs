@@ -136,7 +136,7 @@ aovs! {
         "the capture of largest s e (cos θ / a)⁴ of those that saw the point at that time, or the first of them";
     Alpha, "alpha", MeanOfAll, "part of the pixel that shows an object, 0 to 1",
         "part of the samples that meet an object";
-    ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: a pass of ids, as compositors read it",
+    ObjectId, "IndexOB.X", Nearest, "index of the object plus 1, 0 where nothing is met: an ID pass, as compositors read it",
         "k + 1, or 0";
     StandardError, "standard_error", StandardError, "standard error of the pixel's mean radiance (mean of R, G, B), from independent parts of its samples; above 1 sample per pixel",
         "√(Σ (m_k − m)²/(R (R − 1))), m_k the mean (R + G + B)/3 of part k of R = 8 or more equal parts of the samples, and m their mean";

@@ -117,7 +117,7 @@ pub struct ModelArguments {
     /// The camera's speed v/c, from -1 to 1, both not included. Default: at rest; 0.9 for --flyby.
     #[arg(long, value_name = "BETA", allow_negative_numbers = true)]
     pub beta: Option<f64>,
-    /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it.
+    /// Where the camera moves to: x, y, z, -x, -y, -z, a vector like 1,0,-1, or "towards" the model or "away" from it. Default: x.
     #[arg(long, value_name = "DIRECTION", value_parser = values::heading, allow_hyphen_values = true)]
     pub direction: Option<Heading>,
     /// Fly past the model, in a sequence of 48 pictures (or those chosen by --frames).

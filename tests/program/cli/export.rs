@@ -11,7 +11,7 @@ fn a_scene_is_exported_and_what_was_written_is_said() {
     assert_eq!(folder.names(), ["bundle", "scene.toml"]);
     assert!(
         run.stdout
-            .contains("wrote bundle: 2 objects (14 triangles), 1 sources")
+            .contains("wrote bundle: 2 objects (14 triangles), 1 source,")
     );
     assert!(folder.path("bundle/bundle.json").exists());
 }

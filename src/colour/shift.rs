@@ -458,6 +458,7 @@ impl<const N: usize> Reach<N> {
 /// The ratios at which an observer sees something of a spectrum; none where that is without an end.
 fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
     let (from, to) = match spectrum.shape() {
+        // At 8 σ e⁻³² = 1e-14 of the peak is left; 9 keeps the shorter end above 0.
         Shape::Gaussian { centre, sigma } if *centre > 9.0 * sigma => {
             (centre - 8.0 * sigma, centre + 8.0 * sigma)
         }

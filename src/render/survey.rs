@@ -405,6 +405,7 @@ pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
     let lamps = lights.filter_map(|light| match &light.kind {
         LightKind::Lamp(lamp) if !matches!(lamp.beam, Beam::Parallel(_)) => {
             let near = lamp.line.state(0.0);
+            // Where and when the camera sees the lamp; where it cannot be told, the place that the scene gives.
             let seen = near.and_then(|near| {
                 let crossing = lamp.line.on_past_light_cone(&near, shot - near.event)?;
                 Some(near.event + crossing.displacement)
@@ -423,6 +424,7 @@ pub fn enclosed_lamps(scene: &Scene, prepared: &Prepared) -> Vec<EnclosedLamp> {
     let mut room = None;
     let found = lamps.chain(pulses).filter_map(|(name, at)| {
         let object = enclosing(prepared, at)?;
+        // In a room that holds camera and lamp the lamp is not enclosed.
         let room = *room.get_or_insert_with(|| enclosing(prepared, shot));
         (room != Some(object)).then(|| EnclosedLamp {
             lamp: name.clone(),
@@ -655,6 +657,7 @@ fn shining_at_point(
         Emitter::Uv { .. } | Emitter::Captured(_) => (None, false),
     };
     match (own.and_then(|own| own.profile.as_deref()), &light.areas) {
+        // A surface that shines itself was seen as it shone by its own clock; otherwise lights are seen by what they light.
         (Some(emission), _) => of_light(
             point.patch.object,
             emission,

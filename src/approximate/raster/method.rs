@@ -105,7 +105,7 @@ fn raster(text: &str) -> Result<Method, String> {
         "none" if value.is_empty() => Tessellation::None,
         "uniform" => Tessellation::Uniform(positive(value, "uniform", "an edge length in metres")?),
         "adaptive" => Tessellation::Adaptive(positive(value, "adaptive", "an error in pixels")?),
-        _ => return Err(format!("\"{text}\" is not a tessellation; {FORMS}")),
+        _ => return Err(format!("\"raster:{text}\" is not a method; {FORMS}")),
     };
     Ok(Method::Raster(Raster {
         tessellation,
@@ -127,7 +127,7 @@ fn warp(text: &str) -> Result<Method, String> {
             let (columns, rows) = value.split_once('x').unwrap_or((value, ""));
             Map::Panorama([texels(columns, name)?, texels(rows, name)?])
         }
-        _ => return Err(format!("\"{text}\" is not a map; {FORMS}")),
+        _ => return Err(format!("\"warp:{text}\" is not a method; {FORMS}")),
     };
     if map.texels() > MOST_TEXELS {
         let all = map.texels();

@@ -678,8 +678,10 @@ fn order(lines: &mut Lines, pictures: bool) -> Option<String> {
     if h.min(w).min(t) < FEWEST {
         return None;
     }
+    // Light at a place is brief: along time few bins hold most of a line, along the axes of the picture many pixels do.
     let [rows, columns, time] = [0, 1, 2].map(|axis| lit_part(lines, axis));
     let (rows, columns, time) = (rows?, columns?, time?);
+    // Twice as brief, or the axes are taken to be right.
     let (least, order) = match rows < columns {
         true => (rows, "T H W"),
         false => (columns, "H T W"),

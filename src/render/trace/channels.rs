@@ -17,6 +17,7 @@ pub(crate) fn record(
     observed: Option<&ObservedPoint>,
     film: &mut TileFilm,
 ) {
+    // Identities and places come from one sample, never from a mean of two surfaces.
     let nearest = film.is_nearest_to_centre(pixel, offset, observed.is_some());
     for (channel, aov) in channels.iter().enumerate() {
         match aov.combine() {
@@ -40,6 +41,7 @@ pub(crate) fn record(
                     film.add_aov(channel, pixel, value);
                 }
             }
+            // The film makes these from radiance and its parts.
             Combine::Coverage | Combine::Missing | Combine::StandardError | Combine::Samples => {}
         }
     }

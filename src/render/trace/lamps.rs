@@ -122,6 +122,7 @@ pub(super) fn reflect_unblocked(
             continue;
         }
         match reflections.get(*k) {
+            // A matte surface multiplies its colour once, later; any other needs the direction of the light.
             None => incident[*k].add(light),
             Some(reflection) => {
                 let value = DVec3::from_array(reflection.value(*l));

@@ -406,6 +406,7 @@ impl TimedPaths<'_> {
         let Emitter::Lit { finish, lamps } = &self.light.emitters[patch.emitter as usize].0 else {
             return None;
         };
+        // The normal on the side that the path came to.
         let normal = self.rest.bvh.normal(&hit);
         let normal = if hit.front { normal } else { -normal };
         let place = (self.rest, patch, &hit);

@@ -104,6 +104,7 @@ fn row(entry: &Entry) -> String {
     let (runs, time, spread, first) = match &entry.timing {
         None => (0, "no time".into(), String::new(), String::new()),
         Some(t) => {
+            // Half of the distance between quartiles, in percent of the median.
             let spread = 50.0 * (t.quartiles[1] - t.quartiles[0]) / t.median;
             (
                 t.runs.len(),

@@ -101,6 +101,7 @@ impl Writer {
         Ok(())
     }
 
+    /// Writes all chunks of a layer of the first axis; files are called c/i/j/k by the place of the chunk.
     fn write_layer(&self, folder: &Path, layer: &[u8], each: usize) -> std::io::Result<()> {
         let counts: Vec<usize> = self
             .sizes
@@ -111,6 +112,7 @@ impl Writer {
             .collect();
         let thick = layer.len() / each;
         for number in 0..counts.iter().product() {
+            // The place of chunk `number`, the last axis fastest.
             let mut rest = number;
             let mut place = vec![0; counts.len()];
             for (at, count) in place.iter_mut().zip(&counts).rev() {

@@ -204,6 +204,7 @@ fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
     if pairs.len() < super::FEWEST {
         return None;
     }
+    // Fitted twice: those that the first fit explains worst are left out of the second, as they are of other mistakes.
     let first = Film::fit(&pairs)?;
     let off = |film: &Film, [p, q]: &[DVec2; 2]| (*q - film.of(*p)).length();
     let all = pairs.clone();

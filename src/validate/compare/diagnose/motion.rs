@@ -218,6 +218,7 @@ impl Moved {
         let [r, c] = self.velocities.map(beta);
         let text = |b: DVec3| format!("({:.4}, {:.4}, {:.4})", b.x, b.y, b.z);
         let at_rest = self.candidate.misfit(DVec4::X);
+        // Where rest explains the candidate, its program has forgotten the velocity.
         let is_at_rest = at_rest <= NEAR * self.error;
         let object = self.object;
         Diagnosis {

@@ -58,6 +58,7 @@ pub(super) fn vanished(case: &Case) -> Vec<Diagnosis> {
     gone.map(describe).collect()
 }
 
+/// A triangle, or else an object, that holds nearly all of the squared displacement.
 fn localised(case: &Case, field: &Field) -> Option<Diagnosis> {
     let pixels = case.pixels();
     let [mut triangles, mut objects] = [BTreeMap::<_, Part>::new(), BTreeMap::new()];

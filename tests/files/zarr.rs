@@ -303,7 +303,7 @@ fn what_is_broken_or_not_known_is_refused_by_name() {
         ),
         (
             refusal("plain", |p| fs::write(p.join("zarr.json"), "{").unwrap()),
-            "no JSON",
+            "not JSON",
         ),
         (
             refusal("gzip", |p| fs::write(p.join("c/0/0/0"), [7; 100]).unwrap()),

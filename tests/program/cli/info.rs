@@ -74,7 +74,7 @@ fn of_arrays_that_cannot_be_used_and_why() {
     let cases = [
         ("two-axes.npy", "is not a cube"),
         ("two-channels.npy", "phasor film"),
-        ("structured.npy", "no numbers that radiance is given in"),
+        ("structured.npy", "cannot hold radiance"),
         ("sample-nan.npy", "not a finite number"),
         ("truncated.npy", "truncated"),
         ("trailing-bytes.npy", "after the last sample"),

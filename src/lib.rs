@@ -38,7 +38,6 @@
 //! [accuracy](spacetime::guide), [speed](accel::guide). The format of scene files is described in [`scene`].
 //!
 //! # A picture in ten lines
-
 //!
 //! ```
 //! use nullray::io::image::png;

@@ -326,6 +326,7 @@ fn along<F: Frame>(way: DVec3) -> Option<Direction<F>> {
 #[inline(always)]
 #[allow(clippy::manual_range_contains, reason = "without a branch")]
 fn along_usual<F: Frame>(way: DVec3) -> (Direction<F>, bool) {
+    // Within 1e±200 the square neither overflows nor loses digits, and neither does its root's inverse.
     let square = way.length_squared();
     let direction = Direction::from_unit(way * (1.0 / square.sqrt()));
     (direction, (square >= 1e-200) & (square < 1e200))

@@ -276,6 +276,7 @@ impl Blackbodies {
         let octaves = libm::log2(hottest / coldest).round() as u32;
         let count = octaves * Self::EXACT + 4;
         let ratios: Vec<[f64; 3]> = (0..count).into_par_iter().map(exact).collect();
+        // Short of the end, above which the table would ask for one entry more.
         Table::new([coldest, hottest * 0.999], |t| {
             let at = libm::log2(t / coldest) * f64::from(Self::EXACT);
             let first = (at.max(0.0) as usize).min(ratios.len() - 4);
@@ -428,6 +429,7 @@ impl<const N: usize> Reach<N> {
             };
         }
         let ratios = reach(spectrum);
+        // Of spectra without an end what W from 1/8 to 8 (0.97 c) shows; beyond, each W is integrated anew.
         let kept = ratios.unwrap_or([1.0 / 8.0, 8.0]);
         let is_whole = ratios.is_some() && kept[1] <= kept[0] * f64::from(1 << (MOST_OCTAVES - 2));
         let scale = peak(spectrum, kept);

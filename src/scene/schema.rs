@@ -1,4 +1,4 @@
-//! The JSON schema of a scene file, and questions to it.
+//! The JSON schema of a scene file, and queries on it.
 
 #[cfg(feature = "schema")]
 use std::collections::HashMap;

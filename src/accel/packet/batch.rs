@@ -1,4 +1,4 @@
-//! Batches: cut into blocks, which are traced as a whole where their rays are coherent, and else ray by ray.
+//! Batches: cut into blocks, which are traced as a whole where their rays are coherent, and otherwise ray by ray.
 
 use glam::DVec3;
 

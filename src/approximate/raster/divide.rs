@@ -513,6 +513,7 @@ impl VectorLoop for Bend<'_> {
                 let a = DVec3::new(c[from][0][at], c[from][1][at], c[from][2][at]);
                 let b = DVec3::new(c[to][0][at], c[to][1][at], c[to][2][at]);
                 let error = bend(a, b, scale[from][at].max(scale[to][at]));
+                // n of the head: above 3 the bound is only good enough to halve the edge.
                 let count = (error / self.pixels).sqrt().ceil();
                 parts[at] = if count > 3.0 { 2.0 } else { count };
             }

@@ -98,6 +98,7 @@ impl Irregular {
 
     /// The bin that contains `t`, at most a few beyond the ends; NaN is in the first.
     fn containing(&self, t: f64) -> i64 {
+        // No filter reads farther.
         const BEYOND: f64 = 4.0;
         let (start, end) = (self.edges[0], self.edges[self.edges.len() - 1]);
         if t < start {

@@ -71,6 +71,7 @@ impl Filter<6> for CubicMeans {
 /// ⌊x⌋ for |x| < 2⁵⁰, by additions that vectors have.
 #[inline(always)]
 fn floor(x: f64) -> f64 {
+    // From 2⁵² on f64 holds integers alone, so that the sum is rounded to one; 1.5 keeps it there for x < 0.
     const INTEGERS: f64 = 1.5 * (1u64 << 52) as f64;
     let nearest = (x + INTEGERS) - INTEGERS;
     nearest - if nearest > x { 1.0 } else { 0.0 }

@@ -719,6 +719,7 @@ impl Level {
 
     /// Adds the ray from the k-th of `points`, which are those of `run` in a frame of this γ, along `drawn`.
     fn push(&mut self, k: usize, drawn: &Scattered, (run, gamma): (&Run, f64), points: &Points) {
+        // As that of shadow rays: above what rounding the event and the point can do.
         const CLEARANCE: f64 = 1.0 / (1u64 << 42) as f64;
         let world_from_rest = run.rest.frame.world_from_frame();
         let (d, ratio, delay) = along(run, drawn);

@@ -1,4 +1,4 @@
-//! What is studied: methods, and for the ray tracer what its visibility is worth.
+//! What is studied: methods, and for the ray tracer how it computes visibility.
 
 use std::fmt;
 use std::str::FromStr;

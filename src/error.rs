@@ -189,6 +189,7 @@ impl Error {
         }
     }
 
+    /// The message with the lines that it is about, as compilers show it. Control characters of files are made visible.
     fn drawn(&self, styled: bool) -> String {
         use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
         let title = visible(&self.to_string());

@@ -259,6 +259,7 @@ fn planned(
     text
 }
 
+/// Writes the light of one object, or of the camera, with what reads it again.
 fn write(
     job: &Job,
     scene: &Scene,
@@ -268,6 +269,7 @@ fn write(
     half: bool,
 ) -> Result<()> {
     if let (true, Samples::F32(values)) = (half, &baked.cube.samples) {
+        // Refused before anything is written: ∞ in the file would end every render of it.
         let most = values.iter().fold(0f32, |most, v| most.max(v.abs()));
         if most > f32::from(half::f16::MAX) {
             let what = format!("energies up to {most:e} do not fit half precision");

@@ -153,6 +153,7 @@ fn check_options(outputs: &Outputs) -> Result<()> {
     }
 }
 
+/// Refuses a file whose extension the option does not write.
 fn check_kind(option: &str, flag: &str, path: &Path) -> Result<()> {
     let extension = extension(path);
     match (flag, extension.as_str()) {

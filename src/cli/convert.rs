@@ -208,6 +208,7 @@ fn distances_of_wall(file: &Path, size: [usize; 2]) -> Result<Vec<f64>> {
     })
 }
 
+/// What was written, and the keys by which a scene reads it: from the width of the input's bins, or in its bins where that is unknown.
 fn report(arguments: &ConvertArguments, converted: &Converted, times: &Times) -> Result<()> {
     let [h, w, t, c] = converted.shape;
     let (name, size) = match converted.dtype {

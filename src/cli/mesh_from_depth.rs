@@ -17,6 +17,7 @@ use super::names::named_after;
 use super::output::extension;
 use super::{inputs, print, warn};
 
+/// Makes the mesh of a capture's distances and writes it; refusals of names come before any reading.
 pub fn run(arguments: &MeshFromDepthArguments) -> Result<()> {
     let output = match &arguments.output {
         Some(path) => path.clone(),

@@ -215,6 +215,7 @@ impl Outputs {
         }
     }
 
+    /// Writes a .png of 8 or 16 bits, and says which radiance is white in it.
     fn write_picture(
         &self,
         path: &Path,

@@ -94,6 +94,7 @@ impl Figure {
         Ok(read)
     }
 
+    /// Renders all panels, and writes the page that they make.
     fn make(&self, quiet: bool) -> Result<()> {
         let mut panels = Vec::new();
         for part in &self.parts {

@@ -101,6 +101,7 @@ impl Account {
         })
     }
 
+    /// The numbers of the table as JSON, times in seconds.
     fn json(&self) -> serde_json::Value {
         let stats = &self.stats;
         let stages: serde_json::Map<_, _> = Stage::ALL

@@ -21,6 +21,7 @@ use super::{interrupt, say};
 /// Pixels of a point in a .png.
 const SCALE: f64 = 2.0;
 
+/// Measures, prints the table, and writes it as the outputs' extensions say.
 pub fn run(arguments: &StudyArguments) -> Result<()> {
     let outputs = outputs(arguments)?;
     let scene = arguments.scene.load()?;

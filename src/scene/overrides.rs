@@ -179,6 +179,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
+    /// Sets the key at the end of `path`, in tables that are made where there are none.
     fn set_in_table(
         &mut self,
         table: &mut dyn TableLike,

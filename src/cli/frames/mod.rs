@@ -122,6 +122,7 @@ impl Sequence<'_> {
         say(self.job.quiet, text)
     }
 
+    /// Renders a frame, unless its files are there already: complete, and of the same scene and options.
     fn frame(&mut self, number: u64) -> Result<()> {
         let scene = self.scene_at(number)?;
         let mut outputs = self.job.outputs.renamed(|path| numbered(path, number));
@@ -245,6 +246,7 @@ impl Sequence<'_> {
         }
     }
 
+    /// Says what was done, and what concerns all frames: inputs that have changed, and frames that are black.
     fn conclude(&self) -> Result<()> {
         let done = &self.done;
         let rays = self.plan.rays.camera.saturating_mul(done.rendered);

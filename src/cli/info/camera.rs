@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use super::Info;
 
+/// What `nullray info` says of the camera; lines without a name continue the one above.
 pub fn rows(info: &mut Info, scene: &Scene) {
     let camera = &scene.camera;
     let [width, height] = camera.size;

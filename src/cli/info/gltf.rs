@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::Info;
 
+/// Rows for people, and the same as data for `--json`.
 pub fn info(path: &Path) -> Result<Info> {
     let held = gltf::inspect(path, None)?;
     let mut info = Info::new("gltf", "glTF 2.0");

@@ -220,6 +220,7 @@ fn lit(scene: &Scene, source: &Source) -> String {
     }
 }
 
+/// Whose equations hold, what radiance measures, and which effects are off.
 fn settings(info: &mut Info, scene: &Scene) {
     if scene.equations == Equations::Paper2015 {
         info.row(
@@ -269,6 +270,7 @@ fn cube_data(cube: &CubeSource) -> Value {
     })
 }
 
+/// What `--json` says of a scene.
 fn data(info: &mut Info, scene: &Scene) {
     let objects = scene.objects.iter().map(|o| {
         let file = match &o.geometry {

@@ -174,6 +174,7 @@ impl Draft {
         })
     }
 
+    /// Where a panel's picture and label are: pictures stand on one line along a row.
     fn cell(
         &self,
         panel: &Panel,

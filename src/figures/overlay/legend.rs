@@ -77,6 +77,7 @@ pub(super) fn lay_out(
     Ok(Legend { items, height })
 }
 
+/// What the legend lists: only what is drawn.
 fn entries(overlay: &Overlay, facts: &Facts, scale: f64) -> Result<Vec<Entry>> {
     let mut entries = Vec::new();
     let mut push = |sample, text| entries.push(Entry { sample, text });

@@ -53,6 +53,7 @@ impl Pen {
         self.draw_ending(path, Some(Arrow::of_line(1.4 * self.width)))
     }
 
+    /// A line over its dark border, which keeps it visible on any picture.
     fn draw_ending(self, path: Path, end: Option<Arrow>) -> [Item; 2] {
         let line = Stroke {
             dash: if self.is_dashed {

@@ -370,6 +370,7 @@ impl<'a> Work<'a> {
         }
     }
 
+    /// Writes a folder of EXR pictures, one per bin, that appears once it is complete.
     fn frames(&mut self, to: &Path, done: &mut dyn FnMut(u64, u64) -> bool) -> Result<()> {
         let failed = || Error::io(to, "cannot write");
         if self.dtype == Dtype::F64 && self.to_come.dtype.is_some() {

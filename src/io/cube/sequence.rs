@@ -443,6 +443,7 @@ struct Picture {
 }
 
 impl Picture {
+    /// The picture in `file`, by its extension; every sample of it is finite.
     fn read(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
         let picture = match extension.to_ascii_lowercase().as_str() {

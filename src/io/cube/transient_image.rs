@@ -299,6 +299,7 @@ fn inspect(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cub
     })
 }
 
+/// Reads all samples, in pieces, after memory for them was found.
 fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_wishes(file, wanted)?;
     let header = header(reader, file)?;

@@ -107,6 +107,7 @@ impl<'d, 'a> Buffers<'d, 'a> {
         Ok(bytes)
     }
 
+    /// Where the bytes of a buffer are: in memory, in a file of their own, or in the GLB's chunk, which only buffer 0 may use.
     fn open(&self, index: usize, place: &str) -> Result<Blob> {
         let document = &*self.document;
         let place = format!("{place}, buffer {index}");

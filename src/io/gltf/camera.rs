@@ -104,6 +104,7 @@ fn not_one(document: &Document, name: Option<&str>, count: usize) -> crate::Erro
     document.invalid(place, what, help)
 }
 
+/// The camera of a node: glTF gives the vertical angle, and the horizontal one only where there is an aspect.
 fn placed(document: &Document, node: usize, world: DAffine3) -> Result<GltfCamera> {
     let place = document.node_label(node);
     let index = document.root.nodes.get(node).and_then(|node| node.camera);

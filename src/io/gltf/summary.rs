@@ -49,6 +49,7 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
+/// What a file holds as it is placed by its nodes, by accessors' counts alone: instances count each time.
 pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary> {
     let want = Want {
         bad_vertices: BadVertices::Refuse,

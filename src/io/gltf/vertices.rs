@@ -94,6 +94,7 @@ impl Vertices {
         Ok(base as u32)
     }
 
+    /// Reads positions in the world of the file; one that is not finite is NaN, by which its triangles are dropped.
     fn read_positions(
         &mut self,
         buffers: &mut Buffers,
@@ -124,6 +125,7 @@ impl Vertices {
         }
     }
 
+    /// Reads set `set`, after its transform. A vertex without finite coordinates loses its position, by which its triangles are dropped.
     fn read_uvs(
         &mut self,
         buffers: &mut Buffers,
@@ -158,6 +160,7 @@ impl Vertices {
         }
     }
 
+    /// Reads vertex colours. A vertex with one that is negative or not finite loses its position, by which its triangles are dropped.
     fn read_colours(&mut self, buffers: &mut Buffers, from: &Colours, base: usize) -> Result<()> {
         let Colours { layout, alpha } = from;
         let (colours, positions) = (&mut self.colours, &mut self.positions[base..]);

@@ -198,6 +198,7 @@ fn decode(file: BufReader<Reader>) -> Result<(usize, Vec<u8>, bool), DecodingErr
     ))
 }
 
+/// The channels of a decoded picture as codes from 0 to 1; grey stands for red, green and blue alike.
 fn layers(path: &Path, info: PngInfo, samples: usize, bytes: &[u8], wide: bool) -> Result<Layers> {
     let pixels = pixel_count(info.width, info.height)?;
     let size = if wide { 2 } else { 1 };

@@ -215,6 +215,7 @@ fn members<R: Read + Seek>(archive: &ZipArchive<R>, file: &Path) -> Result<Vec<(
     Ok(members)
 }
 
+/// The array that is wanted, or the only one.
 fn choose(
     members: Vec<(usize, String)>,
     file: &Path,

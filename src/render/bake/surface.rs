@@ -115,6 +115,7 @@ struct ChartTriangle {
 }
 
 impl<'a> Charts<'a> {
+    /// The triangles of the object, laid into its texture, and for each texel those that touch it.
     fn new(scene: &'a Scene, rest: &RestFrame, surface: &Surface) -> Result<Self> {
         let object = scene.objects[surface.object].name.as_str();
         let size = surface.size.map(|n| n as usize);
@@ -126,6 +127,7 @@ impl<'a> Charts<'a> {
             size,
             atlas: None,
         };
+        // The frame's tree holds other objects at rest with it, too.
         let of_object = |slot: &u32| {
             let patch = rest.patch(rest.bvh.triangle(*slot).0);
             patch.object as usize == surface.object

@@ -33,6 +33,7 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
+    /// Size, samples, camera, and the channels that are asked for.
     fn film(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let [width, height] = self.film.size;
         let view = match self.view {
@@ -105,6 +106,7 @@ impl Plan {
         more(f, "cube", cubes.len(), MOST, &bytes(size))
     }
 
+    /// Rays by what they are for, and memory by what takes it.
     fn cost(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let rays = &self.rays;
         let mut text = format!("{} from the camera", count(rays.camera));

@@ -15,6 +15,7 @@ const LARGEST_SIDE: u32 = 65536;
 /// The largest number of pixels.
 const LARGEST_AREA: u64 = 1 << 28;
 
+/// The camera, whose parts are resolved on their own and then held against each other.
 pub(super) fn resolve(cx: &Context, at: &At<Camera>) -> Result<CameraModel> {
     let camera = &at.value;
     let size = image_size(cx, &camera.size)?;

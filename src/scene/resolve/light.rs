@@ -398,6 +398,7 @@ pub(super) fn channels(cx: &Context, at: &Option<At<NumberOrVector>>) -> Result<
     Ok(channels)
 }
 
+/// How an intensity varies by a light's own time, given in one way; steady without any.
 fn emission(cx: &Context, at: &Option<At<file::Emission>>) -> Result<EmissionProfile> {
     let Some(at) = at else {
         return Ok(EmissionProfile::Steady);

@@ -132,6 +132,7 @@ fn span(at: &At<file::Object>) -> Range<usize> {
     span.unwrap_or_else(|| at.span.clone())
 }
 
+/// The mesh of an object: a file's, one in memory, or a shape's. Keys of one kind are refused beside another.
 fn geometry(cx: &Context, at: &At<file::Object>) -> Result<Geometry> {
     let object = &at.value;
     cx.exclusive((&object.gltf, "gltf"), (&object.shape, "shape"))?;

@@ -202,6 +202,7 @@ fn from_gltf(cx: &Context, gltf: &At<String>, keys: &Keys) -> Result<Pose> {
     cx.gltf_pose(gltf)
 }
 
+/// The pose by `eye` and `look_at` or `forward`, in the camera's own frame.
 fn from_points<T>(cx: &Context, at: &At<T>, keys: &Keys) -> Result<Pose> {
     if let Some(node) = keys.node {
         let help = "add gltf = \"file.glb\", or leave `node` out";

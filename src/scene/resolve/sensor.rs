@@ -126,6 +126,7 @@ pub(super) fn refuse_faster_than_light(
     }
 }
 
+/// Refuses a sensor whose rim would reach the speed of light, and cameras in which turning has no meaning.
 fn refuse_rotation(
     cx: &Context,
     file: &file::Camera,

@@ -68,6 +68,7 @@ fn fill(fill: file::Fill) -> Fill {
     }
 }
 
+/// Which radiance is shown as white: one of three keys, or the default percentile.
 pub(super) fn exposure(cx: &Context, at: &At<file::Display>) -> Result<Exposure> {
     let file::Display {
         exposure,

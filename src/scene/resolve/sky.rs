@@ -54,6 +54,7 @@ pub(super) fn check(cx: &Context, file: &file::Scene, scene: &Scene) -> Result<(
     }
 }
 
+/// The light of the sky between sun and stars, given in one way; black without any.
 fn background(
     cx: &Context,
     sky: &file::Sky,

@@ -169,6 +169,7 @@ impl Sums {
         (self.count > 0).then(|| self.of_samples(range, ssim))
     }
 
+    /// From sums over pixels to errors. Those that a division by 0 would make are none; exact pictures have no finite PSNR.
     fn of_samples(&self, range: f64, ssim: Option<f64>) -> Errors {
         let n = self.count as f64;
         let rmse = (self.square / n).sqrt();

@@ -527,6 +527,7 @@ struct Name<'a> {
 }
 
 impl<'a> Name<'a> {
+    /// The metric of this name: of light, as CHANNEL:NAME or alone; of the picture; or of surfaces, as NAME.PART.
     fn of(name: &'a str) -> Option<Name<'a>> {
         let (channel, name) = match name.rsplit_once(':') {
             Some((channel, name)) => (Some(channel), name),

@@ -52,6 +52,7 @@ pub(super) fn write(
     Ok(entries)
 }
 
+/// How the bundle describes a cube. A time axis has a width, or edges where widths differ.
 fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntry {
     CubeEntry {
         file: place.file,

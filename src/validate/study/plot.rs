@@ -141,6 +141,7 @@ impl Panel {
         self.error.ends_with("pixels")
     }
 
+    /// Lines and numbers at powers of ten, and what the axes are.
     fn grid(&self, x: &Axis, y: &Axis, items: &mut Vec<Item>) -> Result<()> {
         let Rect { min, max } = self.rect;
         let grey = Stroke::new(Colour::rgb(225, 225, 225), 0.5);

@@ -100,6 +100,7 @@ pub fn table(study: &Study) -> String {
     text
 }
 
+/// One line of the table, its numbers in the units of the head.
 fn row(entry: &Entry) -> String {
     let (runs, time, spread, first) = match &entry.timing {
         None => (0, "no time".into(), String::new(), String::new()),

@@ -312,6 +312,7 @@ fn x_at(points: &[Point], ct: f64) -> Option<f64> {
     Some(pair[0].x + d.x * (ct - pair[0].ct) / d.ct.max(f64::MIN_POSITIVE))
 }
 
+/// The region between two light rays from an event: light goes at 45 degrees in every frame, so that no boost is needed.
 fn wedge(view: &View, limits: &Limits, wedge: &model::Wedge) -> Area {
     let apex = view.point(wedge.event);
     let rays = match wedge.side {

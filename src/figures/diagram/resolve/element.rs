@@ -118,6 +118,7 @@ fn receivers(names: &mut Names, to: &At<OneOrMany>) -> Result<Vec<(Track, Range<
     }
 }
 
+/// The events at which a signal is sent: one, or every so often of the emitter's own time.
 fn emissions(names: &mut Names, at: &At<file::Signal>) -> Result<Vec<Event<World>>> {
     let signal = &at.value;
     let cx = names.cx;
@@ -226,6 +227,7 @@ fn interval(names: &mut Names, at: &At<file::Interval>) -> Result<Segment> {
     })
 }
 
+/// The hyperbola of one interval about an event, by an event on it, by a proper time or by a proper length.
 fn hyperbola(names: &mut Names, at: &At<file::Hyperbola>) -> Result<Hyperbola> {
     let said = &at.value;
     let cx = names.cx;
@@ -328,6 +330,7 @@ fn region(names: &mut Names, at: &At<file::Region>) -> Result<Region> {
     })
 }
 
+/// An arrow between two events, or the four-velocity of a world line at one of its times.
 fn arrow(names: &mut Names, at: &At<file::Arrow>) -> Result<Segment> {
     let arrow = &at.value;
     let cx = names.cx;

@@ -76,6 +76,7 @@ pub(super) fn given_twice<const N: usize>(
     Err(report.refuse_two(second, (first, "and here"), what, help))
 }
 
+/// An event on a world line: by its clock, by light that reaches or leaves it, or by simultaneity in a frame.
 fn on_track(
     names: &mut Names,
     said: &DiagramEvent,

@@ -8,6 +8,7 @@ use crate::figures::diagram::model::{Moment, Reference};
 use crate::scene::At;
 use crate::spacetime::{InertialFrame, Rest};
 
+/// A frame by its velocity, or the momentary rest frame of a world line.
 pub(super) fn resolve(names: &mut Names, at: &At<DiagramFrame>) -> Result<Reference> {
     let frame = &at.value;
     let cx = names.cx;

@@ -449,6 +449,7 @@ impl Kind {
     }
 }
 
+/// What numbers of this type are, as far as radiance may be given in them.
 fn kind(datatype: &Datatype) -> Option<Kind> {
     let is_big = |order: &ByteOrder| matches!(order, ByteOrder::BigEndian);
     let (number, order) = match datatype {

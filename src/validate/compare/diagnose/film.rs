@@ -48,6 +48,7 @@ impl Turn {
         inside.then(|| (y * width + x) as usize)
     }
 
+    /// What this turn means, and how many pixels differ before and after it is undone.
     fn describe(self, before: f64, after: f64) -> Diagnosis {
         let (kind, what) = match self {
             Turn::LeftRight => (
@@ -189,6 +190,7 @@ impl Film {
     }
 }
 
+/// Another film, by where the candidate shows points: of all pixels with `everywhere`, or of those that differ.
 fn of_field(case: &Case, field: &Field, everywhere: bool) -> Option<Diagnosis> {
     let [width, height] = case.points[0].size();
     let half = 0.5 * DVec2::new(width as f64, height as f64);

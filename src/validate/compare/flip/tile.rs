@@ -108,6 +108,7 @@ impl VectorLoop for Exposing<'_, '_> {
 }
 
 impl<'a> Tile<'a> {
+    /// The buffers of a tile: of either picture a ring of as many rows as the filters are high.
     pub fn new(
         question: &'a Question<'a>,
         filters: &'a Filters,

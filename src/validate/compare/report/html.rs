@@ -197,6 +197,7 @@ fn block([x, y]: [u32; 2], k: u32, [width, height]: [u32; 2]) -> impl Iterator<I
     })
 }
 
+/// The table of errors by channel, and beneath it what is of the whole picture.
 fn errors(html: &mut String, comparison: &Comparison) {
     html.push_str("<h2>Errors</h2>\n<div class=\"wide\"><table><tr><th></th>");
     let rows = rows(comparison);

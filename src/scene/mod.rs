@@ -29,7 +29,7 @@
 //! | `[radiance]` | what radiance measures, from which the searchlight exponent follows |
 //! | `[effects]` | aberration, Doppler shift, searchlight effect, retardation: each on or off |
 //! | `[outside]` | what stands in for data that a cube does not have |
-//! | `[render]` | bounces |
+//! | `[render]` | bounces, several captures of one surface, random numbers |
 //! | `[display]` | exposure, background, back faces, samples per pixel |
 //! | `[[panel]]` | a variant of the scene, by what it changes; each is a picture of its own |
 //! | `[sheet]` | how the panels are put on one page |

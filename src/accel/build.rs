@@ -112,6 +112,7 @@ impl Bvh {
             wide: WideTree::default(),
             space,
             bounds: (lo, hi),
+            alpha: None,
         };
         // A leaf is read up to the tag that ends it.
         for &slot in &layout.last_of_leaf {

@@ -1,7 +1,10 @@
 //! The acceleration structure: triangles, and the trees over them.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::alpha::AlphaTest;
 use super::float::{exponent, power_of_two};
 use super::node::{Node, Tag};
 use super::rays::{Facing, Hit};
@@ -22,6 +25,8 @@ pub struct Bvh {
     pub(super) wide: WideTree,
     pub(super) space: TreeSpace,
     pub(super) bounds: (DVec3, DVec3),
+    /// Where triangles have holes; none where all are whole.
+    pub(super) alpha: Option<Arc<dyn AlphaTest>>,
 }
 
 impl Bvh {
@@ -40,6 +45,7 @@ impl Bvh {
             wide: WideTree::default(),
             space: TreeSpace::new(DVec3::ZERO, DVec3::ZERO),
             bounds: (DVec3::ZERO, DVec3::ZERO),
+            alpha: None,
         }
     }
 
@@ -97,6 +103,40 @@ impl Bvh {
             false => Facing::FrontOnly,
         };
         (tag.id(), facing)
+    }
+
+    /// The same tree, whose triangles are there only where `test` says so.
+    pub fn with_alpha_test(self, test: Arc<dyn AlphaTest>) -> Bvh {
+        Bvh {
+            alpha: Some(test),
+            ..self
+        }
+    }
+
+    /// Whether triangles may have holes.
+    #[inline(always)]
+    pub fn has_holes(&self) -> bool {
+        self.alpha.is_some()
+    }
+
+    /// Whether triangle `id` is there at the point with these barycentric weights of its second and third corner.
+    #[inline]
+    pub fn is_opaque(&self, id: u32, [u, v]: [f64; 2]) -> bool {
+        match &self.alpha {
+            None => true,
+            Some(test) => test.is_opaque(id, u, v),
+        }
+    }
+
+    /// The same where a ray meets the triangle in `slot`.
+    #[inline(always)]
+    pub(super) fn is_met(&self, slot: u32, barycentric: [f64; 2]) -> bool {
+        !self.has_holes() || self.is_opaque_in(slot, barycentric)
+    }
+
+    #[cold]
+    fn is_opaque_in(&self, slot: u32, barycentric: [f64; 2]) -> bool {
+        self.is_opaque(self.tags[slot as usize].id(), barycentric)
     }
 
     /// The unit normal of the triangle that was hit, on the side from which its corners run

@@ -18,12 +18,13 @@
 //! that takes rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic; `triangle` intersects a ray with a triangle; `node` and
-//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster` and `build` make them; `slab`,
-//! `traverse` and `single` trace single rays; `packet` traces batches.
+//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster` and `build` make them, `alpha` makes holes;
+//! `slab`, `traverse` and `single` trace single rays; `packet` traces batches.
 
 #[doc = include_str!("guide.md")]
 pub mod guide {}
 
+mod alpha;
 mod build;
 mod bvh;
 mod cluster;
@@ -41,6 +42,7 @@ mod triangle;
 pub(crate) mod vectors;
 mod wide;
 
+pub use alpha::AlphaTest;
 pub use build::Preset;
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;

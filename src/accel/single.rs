@@ -29,23 +29,25 @@ impl Bvh {
         self.with_stack(|stack| self.is_blocked(&segment, stack, &mut NoTally))
     }
 
-    /// [`Bvh::closest_by`] ray by ray.
+    /// [`Bvh::closest_by`] of `rays`, one by one.
     pub(super) fn closest_singly(
         &self,
+        rays: impl Iterator<Item = usize>,
         from: Origins,
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
         mut replaced: impl FnMut(usize),
     ) {
-        tally.add(Work::Singles, directions.len());
         self.with_stack(|stack| {
-            for (i, (&direction, entry)) in directions.iter().zip(hits).enumerate() {
+            for i in rays {
+                tally.add(Work::Singles, 1);
                 let ray = Ray {
                     origin: from.of(i),
-                    direction,
+                    direction: directions[i],
                     s_min: 0.0,
                 };
+                let entry = &mut hits[i];
                 // A hit that is known already, in another tree, ends the ray: only nearer ones replace it.
                 let s_max = entry.as_ref().map_or(f64::INFINITY, |hit| hit.s);
                 let ray = ScaledRay::new(&ray);
@@ -59,16 +61,15 @@ impl Bvh {
         })
     }
 
-    /// [`Bvh::any_by`] segment by segment.
-    pub(super) fn any_singly(
+    /// [`Bvh::any_by`] of these segments, one by one.
+    pub(super) fn any_singly<'a>(
         &self,
-        segments: &[Segment],
-        blocked: &mut [bool],
+        segments: impl Iterator<Item = (&'a Segment, &'a mut bool)>,
         tally: &mut impl Tally,
     ) {
-        tally.add(Work::Singles, segments.len());
         self.with_stack(|stack| {
-            for (segment, blocked) in segments.iter().zip(blocked) {
+            for (segment, blocked) in segments {
+                tally.add(Work::Singles, 1);
                 *blocked = self.is_blocked(segment, stack, tally);
             }
         })
@@ -241,6 +242,7 @@ impl<'a, T: Tally> ClosestHit<'a, T> {
             && crossing.s > self.s_min
             && (crossing.s < self.s || (crossing.s == self.s && self.wins_tie(tag)))
             && tag.shows(crossing.front)
+            && self.bvh.is_met(slot, [crossing.u, crossing.v])
         {
             self.s = crossing.s;
             self.found = Some((crossing, slot));
@@ -330,6 +332,7 @@ impl<'a, T: Tally> AnyHit<'a, T> {
             && crossing.s < self.s_max
             && tag.shows(crossing.front)
             && !self.own.contains(&Some(tag.id()))
+            && self.bvh.is_met(slot as u32, [crossing.u, crossing.v])
         {
             self.found = true;
         }

@@ -128,6 +128,11 @@ impl Material {
         }
     }
 
+    /// Whether it has holes by its alpha.
+    pub fn is_masked(&self) -> bool {
+        matches!(self.alpha_mode, AlphaMode::Mask { .. })
+    }
+
     /// The textures that there are.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
         let all = [
@@ -276,6 +281,11 @@ impl Mesh {
                 texture.uv_set += usize::from(texture.uv_set >= set);
             }
         }
+    }
+
+    /// Whether a material of it has an alpha mask.
+    pub fn has_masks(&self) -> bool {
+        self.materials.iter().any(Material::is_masked)
     }
 
     /// The three corners of triangle `index`.

@@ -9,6 +9,7 @@ mod common {
 }
 
 mod accel;
+mod alpha_masks;
 mod baked;
 mod bricks;
 mod cameras;

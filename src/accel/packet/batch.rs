@@ -47,18 +47,49 @@ impl Bvh {
         directions: &[DVec3],
         hits: &mut [Option<Hit>],
         tally: &mut impl Tally,
-        replaced: impl FnMut(usize),
+        mut replaced: impl FnMut(usize),
     ) {
         let count = from.limit(directions.len().min(hits.len()));
         let (directions, hits) = (&directions[..count], &mut hits[..count]);
         tally.add(Work::Rays, count);
+        if !self.has_holes() {
+            return self.closest_of_whole(method, from, directions, hits, tally, replaced);
+        }
+        // Transparent hits are taken back, and their rays traced again with the test of all that they meet.
+        let before = hits.to_vec();
+        let mut nearer = Vec::new();
+        self.closest_of_whole(method, from, directions, hits, tally, |ray| {
+            nearer.push(ray);
+        });
+        let is_opaque = |hit: &Hit| self.is_opaque(hit.triangle, [hit.u, hit.v]);
+        let is_final = |ray: &usize| hits[*ray].as_ref().is_some_and(is_opaque);
+        let (opaque, transparent): (Vec<usize>, Vec<_>) = nearer.into_iter().partition(is_final);
+        for ray in &transparent {
+            hits[*ray] = before[*ray];
+        }
+        let again = transparent.into_iter();
+        opaque.into_iter().for_each(&mut replaced);
+        self.closest_singly(again, from, directions, hits, tally, replaced);
+    }
+
+    /// [`Bvh::closest_by`] but for holes, on which some of the hits may be.
+    fn closest_of_whole(
+        &self,
+        method: Method,
+        from: Origins,
+        directions: &[DVec3],
+        hits: &mut [Option<Hit>],
+        tally: &mut impl Tally,
+        replaced: impl FnMut(usize),
+    ) {
+        let all = 0..directions.len();
         // Setting a block up costs more than a few single rays; where the bounds of packets do not hold, single rays do.
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
-            return self.closest_singly(from, directions, hits, tally, replaced);
+            return self.closest_singly(all, from, directions, hits, tally, replaced);
         }
         match from {
             Origins::Shared(origin) if is_far(self.space.map(origin)) => {
-                self.closest_singly(from, directions, hits, tally, replaced);
+                self.closest_singly(all, from, directions, hits, tally, replaced);
             }
             Origins::Shared(origin) => {
                 let rays = SharedOrigin { origin, directions };
@@ -98,8 +129,25 @@ impl Bvh {
         let (segments, blocked) = (&segments[..count], &mut blocked[..count]);
         tally.add(Work::Rays, count);
         if method.kernel == Kernel::Scalar || !self.suits_packets() {
-            return self.any_singly(segments, blocked, tally);
+            return self.any_singly(segments.iter().zip(blocked), tally);
         }
+        self.any_of_whole(method, segments, blocked, tally);
+        // What may be blocked by a hole is asked again, with the test of all that it meets.
+        if self.has_holes() {
+            let all = segments.iter().zip(blocked);
+            self.any_singly(all.filter(|(_, blocked)| **blocked), tally);
+        }
+    }
+
+    /// [`Bvh::any_by`] but for holes, which may be all that blocks some of the segments.
+    fn any_of_whole(
+        &self,
+        method: Method,
+        segments: &[Segment],
+        blocked: &mut [bool],
+        tally: &mut impl Tally,
+    ) {
+        let count = segments.len();
         blocked.fill(false);
         let mut block = Block::EMPTY;
         let tile = match self.is_small() {

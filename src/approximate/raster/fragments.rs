@@ -89,6 +89,23 @@ impl Surface {
             front: is_front(corners, projection),
         }
     }
+
+    /// Barycentric weights of its second and third corner at p = (x, y, 1) over Σ eᵢ·(x, y, 1). Samples are on the triangle but
+    /// for rounding.
+    #[inline(always)]
+    fn barycentric(&self, p: DVec3) -> [f64; 2] {
+        let [u, v] = self.weights.map(|weight| weight.dot(p));
+        let u = u.clamp(0.0, 1.0);
+        [u, v.max(0.0).min(1.0 - u)]
+    }
+
+    /// Whether it is there at the point (x, y) of the tile, and not a hole.
+    pub fn is_opaque(&self, all: &Triangles, x: f64, y: f64) -> bool {
+        let p = DVec3::new(x, y, 1.0);
+        let weights = self.barycentric(p / self.sum.dot(p));
+        let rest = &all.frames[self.frame as usize];
+        rest.bvh.is_opaque(self.triangle, weights)
+    }
 }
 
 /// The point of a triangle with these weights of its second and third corner.
@@ -158,13 +175,11 @@ impl Fragments {
         if let Some(known) = surface.attributes {
             self.attributes.push(known.map(|value| value.dot(p)));
         }
-        // Samples are on the triangle but for rounding.
-        let [u, v] = surface.weights.map(|weight| weight.dot(p));
-        let u = u.clamp(0.0, 1.0);
+        let [u, v] = surface.barycentric(p);
         let hit = Hit {
             s: 0.0,
             u,
-            v: v.max(0.0).min(1.0 - u),
+            v,
             triangle: surface.triangle,
             slot: surface.slot,
             front: surface.front,

@@ -191,6 +191,28 @@ impl TileBuffers {
     pub fn nearest(&self, column: usize, row: usize) -> u32 {
         self.samples.nearest[row][column]
     }
+
+    /// The same of those triangles alone that `is_there` says, each asked at most once. In f64: for samples whose nearest triangle
+    /// has a hole.
+    #[cold]
+    pub fn nearest_of(
+        &self,
+        column: usize,
+        row: usize,
+        mut is_there: impl FnMut(u32) -> bool,
+    ) -> u32 {
+        let (x, y) = (self.samples.x[row][column], self.samples.y[row][column]);
+        let (mut nearest, mut depth) = (NOTHING, 0.0);
+        for (index, of) in (0..).zip(&self.functions) {
+            let is_inside = of.edges.iter().all(|[a, b, c]| a * x + b * y + c >= 0.0);
+            let [a, b, c] = of.exact;
+            let own = a * f64::from(x) + b * f64::from(y) + c;
+            if is_inside && own > depth && is_there(index) {
+                (nearest, depth) = (index, own);
+            }
+        }
+        nearest
+    }
 }
 
 /// The loop over triangles that sets up their functions.

@@ -32,6 +32,8 @@ pub(super) struct Triangles<'a> {
     attributes: Attributes,
     /// What depths are measured in, metres: of the order of the farthest vertex.
     pub unit: f64,
+    /// Whether some have holes.
+    pub has_holes: bool,
 }
 
 impl<'a> Triangles<'a> {
@@ -87,6 +89,7 @@ impl<'a> Triangles<'a> {
             batches,
             attributes: raster.attributes,
             unit: if farthest.is_normal() { farthest } else { 1.0 },
+            has_holes: frames.iter().any(|rest| rest.bvh.has_holes()),
         })
     }
 }

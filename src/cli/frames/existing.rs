@@ -1,7 +1,7 @@
 //! Whether a file is there already: whole, and with the fingerprint that it would be given.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use nullray::io::budget::Budget;
@@ -106,17 +106,25 @@ fn of_exr(path: &Path) -> Option<Vec<(String, String)>> {
 }
 
 /// The metadata of an archive of which every checksum is right, and whose arrays can be read: lengths and offsets in its
-/// directory have no checksum.
+/// directory have no checksum, nor have names, which stand both there and before the arrays.
 fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
     let file = BufReader::new(File::open(path).ok()?);
     let mut archive = zip::ZipArchive::new(file).ok()?;
     let mut text = None;
+    let mut names = Vec::new();
     for index in 0..archive.len() {
         let mut member = archive.by_index(index).ok()?;
+        names.push((member.header_start(), member.name_raw().to_vec()));
         if member.name().is_ok_and(|name| name == "metadata.npy") {
             text = Some(numpy_text(&mut member)?);
         }
         io::copy(&mut member, &mut io::sink()).ok()?;
+    }
+    let mut file = archive.into_inner();
+    for (start, name) in names {
+        if local_name(&mut file, start).ok()? != name {
+            return None;
+        }
     }
     let budget = Budget::new(memory::limit(None));
     Picture::read(path, Encoding::Linear, &budget).ok()?;
@@ -124,6 +132,17 @@ fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
     let entries = entries.into_iter();
     let texts = entries.filter_map(|(key, value)| Some((key, value.as_str()?.to_string())));
     Some(texts.collect())
+}
+
+/// The name in the local header of an archive's member that starts at `start`: its length is at byte 26, and the name at byte 30.
+fn local_name(file: &mut (impl Read + Seek), start: u64) -> io::Result<Vec<u8>> {
+    let mut length = [0; 2];
+    file.seek(SeekFrom::Start(start + 26))?;
+    file.read_exact(&mut length)?;
+    let mut name = vec![0; usize::from(u16::from_le_bytes(length))];
+    file.seek(SeekFrom::Start(start + 30))?;
+    file.read_exact(&mut name)?;
+    Ok(name)
 }
 
 /// The text of a numpy array of one `<U`: a header that ends with its line, then UTF-32.
@@ -143,6 +162,36 @@ fn numpy_text(reader: &mut impl Read) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nullray::io::image::{Channel, Layers, Samples, npz};
+
+    #[test]
+    fn an_archive_with_a_changed_name_is_not_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let entries = [(Identity::KEY.to_string(), "is known".to_string())];
+        let channel = |name: &str| Channel {
+            name: name.into(),
+            samples: Samples::F64(vec![0.5; 6]),
+        };
+        let channels = ["R", "G", "B"].map(channel).to_vec();
+        npz::write(
+            &path,
+            &Layers::new(3, 2, channels, entries.to_vec()).unwrap(),
+        )
+        .unwrap();
+        assert_eq!(of_npz(&path), Some(entries.to_vec()));
+        let bytes = std::fs::read(&path).unwrap();
+        let name = b"radiance.npy";
+        let places = bytes.windows(name.len()).enumerate();
+        let places: Vec<_> = places.filter(|(_, part)| part == name).collect();
+        assert_eq!(places.len(), 2);
+        for (at, _) in places {
+            let mut changed = bytes.clone();
+            changed[at] ^= 4;
+            std::fs::write(&path, changed).unwrap();
+            assert_eq!(of_npz(&path), None, "byte {at}");
+        }
+    }
 
     #[test]
     fn a_png_with_any_byte_changed_is_not_whole() {

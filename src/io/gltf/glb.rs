@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::import::EncodedImage;
 use crate::error::{Error, Result as FileResult};
 use crate::io::image::write_atomically;
-use crate::mesh::{Material, Mesh, Wrap};
+use crate::mesh::{AlphaMode, Material, Mesh, Wrap};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -95,12 +95,13 @@ pub fn write(
     let position = file.positions(&mesh.positions)?;
     let uvs = mesh.uvs.iter();
     let uvs: Vec<_> = uvs.map(|set| file.uvs(set, mesh.positions.len())).collect();
+    let colours = (!mesh.colours.is_empty()).then(|| file.colours(&mesh.colours));
     let indices: Vec<_> = runs.iter().map(|run| file.indices(mesh, run)).collect();
     let images: Vec<_> = images.iter().map(|image| file.image(image)).collect();
     let primitives = runs
         .iter()
         .zip(indices)
-        .map(|(run, indices)| file.primitive(run, position, &uvs, indices));
+        .map(|(run, indices)| file.primitive(run, [position, indices], &uvs, colours));
     let primitives: Vec<_> = primitives.collect();
     let samplers = mesh.materials.iter().filter_map(sampler);
     let textures = mesh
@@ -155,17 +156,22 @@ fn materials(materials: &[Material]) -> Vec<Value> {
     let material = |m: &Material| {
         // glTF has no factors above 1; the bundle's own description has them.
         let [r, g, b] = m.base_colour.map(|c| c.clamp(0.0, 1.0));
-        let mut pbr = json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0 });
+        let mut pbr = json!({ "baseColorFactor": [r, g, b, m.alpha], "metallicFactor": 0.0 });
         if let Some(texture) = &m.base_colour_texture {
             pbr["baseColorTexture"] = json!({ "index": textures, "texCoord": texture.uv_set });
             textures += 1;
         }
-        json!({
+        let mut written = json!({
             "name": m.name,
             "doubleSided": m.double_sided,
             "pbrMetallicRoughness": pbr,
             "extensions": { "KHR_materials_unlit": {} },
-        })
+        });
+        if let AlphaMode::Mask { cutoff } = m.alpha_mode {
+            written["alphaMode"] = "MASK".into();
+            written["alphaCutoff"] = cutoff.into();
+        }
+        written
     };
     materials.iter().map(material).collect()
 }
@@ -255,8 +261,25 @@ impl File {
         json!({ "bufferView": view, "mimeType": image.media_type, "name": image.place })
     }
 
-    fn primitive(&self, run: &Run, position: usize, uvs: &[usize], indices: usize) -> Value {
+    fn colours(&mut self, colours: &[[f32; 4]]) -> usize {
+        let bytes = colours.iter().flatten().flat_map(|c| c.to_le_bytes());
+        let view = self.view(bytes, Some(ARRAY_BUFFER));
+        self.accessor(json!({
+            "bufferView": view, "componentType": FLOAT, "count": colours.len(), "type": "VEC4",
+        }))
+    }
+
+    fn primitive(
+        &self,
+        run: &Run,
+        [position, indices]: [usize; 2],
+        uvs: &[usize],
+        colours: Option<usize>,
+    ) -> Value {
         let mut attributes = json!({ "POSITION": position });
+        if let Some(colours) = colours {
+            attributes["COLOR_0"] = colours.into();
+        }
         // Sets are numbered without gaps: one that is missing below another that is there holds zeros.
         let last = run.uv_sets.last().map_or(0, |last| last + 1);
         for (set, accessor) in uvs.iter().enumerate().take(last) {

@@ -53,7 +53,7 @@ impl Resolved {
 
     /// Whether the surface has holes.
     pub fn is_masked(&self) -> bool {
-        matches!(self.material.alpha_mode, AlphaMode::Mask { .. })
+        self.material.is_masked()
     }
 }
 

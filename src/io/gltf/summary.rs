@@ -34,6 +34,8 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// How many different images they use.
     pub images: usize,
+    /// Whether one of them has an alpha mask: holes.
+    pub has_masks: bool,
     /// How many texture coordinate sets there are: the highest number, plus one.
     pub uv_sets: usize,
     /// Names of the lights (KHR_lights_punctual) that [`lights`](super::lights) finds; "" for one without a name.
@@ -73,6 +75,7 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
             .map(|(count, piece)| count * piece.positions.count)
             .sum(),
         images: images.len(),
+        has_masks: materials.iter().any(|m| m.is_masked()),
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
         lights: lights::names(document),

@@ -125,6 +125,25 @@ impl Texture {
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
+    /// Alpha at `uv`, as [`Texture::sample`] has the colour; 1 where the image has none.
+    pub(crate) fn sample_alpha(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> f64 {
+        // Alpha is the last of two or four samples.
+        if !self.stride.is_multiple_of(2) {
+            return 1.0;
+        }
+        let u = taps(uv[0], self.width, wrap[0]);
+        let v = taps(uv[1], self.height, wrap[1]);
+        let texel = |j: usize, i: usize| {
+            let at = (i * self.width + j + 1) * self.stride - 1;
+            match &self.texels {
+                Texels::Eight(v) => f64::from(v[at]) / 255.0,
+                Texels::Sixteen(v) => f64::from(v[at]) / 65535.0,
+            }
+        };
+        let row = |i: usize| texel(u.0[0], i) + (texel(u.0[1], i) - texel(u.0[0], i)) * u.1;
+        row(v.0[0]) + (row(v.0[1]) - row(v.0[0])) * v.1
+    }
+
     /// Where the samples of texel `j` of row `i` are, for red, green and blue.
     fn channels(&self, j: usize, i: usize) -> [usize; 3] {
         let first = (i * self.width + j) * self.stride;

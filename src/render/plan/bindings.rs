@@ -93,7 +93,7 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
 
 /// Sets what is loaded of `object`, and from what it has its radiance.
 pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, wants_uv: bool) {
-    object.uvs = wants_uv;
+    object.uvs = wants_uv || object.has_masks;
     for material in object.materials.clone() {
         let lit = lit_by(scene, index, &material);
         let (uvs, textures, radiance) = needs(scene, &lit, object.images > 0);

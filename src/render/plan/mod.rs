@@ -170,6 +170,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 uv_sets: summary.uv_sets,
                 materials: summary.materials,
                 images: summary.images,
+                has_masks: summary.has_masks,
                 unread: summary.warnings,
             })
         }
@@ -189,6 +190,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 uv_sets: 1,
                 materials: vec![String::new()],
                 images: 0,
+                has_masks: false,
                 unread: Vec::new(),
             })
         }
@@ -205,6 +207,7 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
             uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
             materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
             images: 0,
+            has_masks: mesh.has_masks(),
             unread: Vec::new(),
         }),
     }

@@ -103,6 +103,8 @@ pub struct PlannedObject {
     pub textures: bool,
     /// What gives it radiance.
     pub radiance: Vec<String>,
+    /// Whether it has holes: a material with an alpha mask.
+    pub has_masks: bool,
     /// Sets of texture coordinates that its file has.
     pub uv_sets: usize,
     #[serde(skip)]

@@ -155,8 +155,12 @@ fn in_parts(held: u64, read: Option<u64>) -> String {
 
 fn describe(object: &PlannedObject) -> String {
     let file = file_name(object.file.as_deref(), object.without_file);
+    let holes = match object.has_masks {
+        true => ", holes by alpha masks",
+        false => "",
+    };
     format!(
-        "{} ({}, {}): {}",
+        "{} ({}, {}{holes}): {}",
         object.name.escape_debug(),
         file.escape_debug(),
         of(object.triangles, "triangle"),

@@ -19,13 +19,13 @@ use crate::light::lamp::{Emission, Lamp};
 use crate::light::sky::Sky;
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
-use crate::mesh::{Material, Mesh, TextureRef};
+use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
 use crate::render::plan::{Lit, Plan, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
-    AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element, EmissionClock, Emitter,
-    Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame, Scaling, TextureLookup,
-    TimeResolved,
+    AlphaMask, AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element,
+    EmissionClock, Emitter, Finish, Glass, Gloss, PathTraced, Radiance, Response, RestFrame,
+    Scaling, TextureLookup, TimeResolved,
 };
 use crate::scene::model::{
     Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects,
@@ -117,6 +117,8 @@ pub(super) struct Builder<'a> {
     textures: Textures,
     /// Per emitter: what lights it, and what it is made of.
     emitters: Vec<(Lit, Finish)>,
+    /// Per emitter: where its surfaces have holes.
+    masks: Vec<Option<AlphaMask>>,
 }
 
 impl<'a> Builder<'a> {
@@ -130,7 +132,13 @@ impl<'a> Builder<'a> {
                 budget: plan.memory_left(),
             },
             emitters: Vec::new(),
+            masks: Vec::new(),
         }
+    }
+
+    /// Where surfaces of emitter `index` have holes, if they have.
+    pub(super) fn mask(&self, index: u32) -> Option<&AlphaMask> {
+        self.masks.get(index as usize)?.as_ref()
     }
 
     /// Emitter indices for the materials of object `object`.
@@ -174,6 +182,8 @@ impl<'a> Builder<'a> {
                 emission: emission(self.scene, (area, &profile), material, &textures),
             };
             self.emitters.push((lit, finish));
+            let decoded = &self.textures.decoded;
+            self.masks.push(alpha_mask(material, &textures, decoded));
             self.emitters.len() as u32 - 1
         };
         Ok(mesh.materials.iter().map(emitter).collect())
@@ -361,6 +371,23 @@ fn base_colour(material: &Material, textures: &[usize], vertex_colours: bool) ->
     }
 }
 
+/// Where surfaces of `material` have holes; `decoded` are the decoded textures.
+fn alpha_mask(
+    material: &Material,
+    textures: &[usize],
+    decoded: &[Arc<Texture>],
+) -> Option<AlphaMask> {
+    let AlphaMode::Mask { cutoff } = material.alpha_mode else {
+        return None;
+    };
+    let texture = lookup(&material.base_colour_texture, textures);
+    Some(AlphaMask {
+        factor: f64::from(material.alpha),
+        texture: texture.map(|of| (decoded[of.texture].clone(), of.uv_set, of.wrap)),
+        cutoff: f64::from(cutoff),
+    })
+}
+
 /// Metalness and roughness in a scene with lights; a rough dielectric is diffuse, and so is what pulses alone light.
 fn gloss(scene: &Scene, material: &Material, textures: &[usize]) -> Option<Gloss> {
     let is_matte = material.metallic == 0.0
@@ -504,7 +531,7 @@ fn spectrum_colour(spectrum: &Spectrum, scene: &Scene) -> BaseColour {
 
 /// Decoded images, each once, within the memory that the plan leaves.
 struct Textures {
-    decoded: Vec<Texture>,
+    decoded: Vec<Arc<Texture>>,
     indices: HashMap<(PathBuf, String), usize>,
     /// Bytes that are left.
     budget: u64,
@@ -523,7 +550,7 @@ impl Textures {
             let help = "smaller textures, or a higher limit (--max-memory)";
             Error::invalid(file, &key.1, what, help)
         })?;
-        self.decoded.push(texture);
+        self.decoded.push(Arc::new(texture));
         self.indices.insert(key, self.decoded.len() - 1);
         Ok(self.decoded.len() - 1)
     }

@@ -1,6 +1,6 @@
 //! Rest frames: the triangles of all objects at rest in one, and the BVH over them.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use glam::DVec3;
@@ -14,7 +14,7 @@ use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
 use crate::render::plan::{Plan, PlannedFrame};
-use crate::render::trace::{Patch, RestFrame};
+use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
@@ -71,6 +71,12 @@ pub(super) fn frame(
     let begin = Instant::now();
     let bvh = Bvh::build(triangles, facing);
     *built_in += begin.elapsed().as_secs_f64();
+    // Where materials have masks, triangles have holes.
+    let meshes: Arc<[Mesh]> = meshes.into();
+    let bvh = match AlphaMasks::new(masked_runs(&patches, light), meshes.clone()) {
+        Some(masks) => bvh.with_alpha_test(Arc::new(masks)),
+        None => bvh,
+    };
     Ok(RestFrame {
         frame,
         bvh,
@@ -78,6 +84,23 @@ pub(super) fn frame(
         meshes,
         vertices: OnceLock::new(),
     })
+}
+
+/// The patches whose material has an alpha mask.
+fn masked_runs(patches: &[Patch], light: &Builder) -> Vec<MaskedRun> {
+    let ends = patches.iter().skip(1).map(|next| next.first);
+    let runs = patches.iter().zip(ends.chain([u32::MAX]));
+    let masked = runs.filter_map(|(patch, end)| {
+        let mask = light.mask(patch.emitter)?.clone();
+        Some(MaskedRun {
+            first: patch.first,
+            end,
+            object_first: patch.object_first,
+            mesh: patch.mesh,
+            mask,
+        })
+    });
+    masked.collect()
 }
 
 /// The mesh of an object in object coordinates, as it is rendered, and the images of its file, as far as
@@ -117,7 +140,9 @@ pub fn object_mesh(
         }
         Geometry::Mesh(mesh) => (Mesh::clone(mesh), Vec::new(), mesh.uvs.len()),
     };
+    // Masks need the coordinates of their textures whatever else does.
     match &object.texture_coordinates {
+        _ if !want.uvs && mesh.has_masks() => {}
         _ if !want.uvs => mesh.uvs.clear(),
         None => {}
         Some(file) => {

@@ -104,7 +104,7 @@ pub struct BaseColours {
     /// By emitter index.
     pub colours: Vec<BaseColour>,
     /// Decoded textures.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// The common response.
     pub response: Response,
 }

@@ -152,7 +152,7 @@ mod tests {
             frame: InertialFrame::new(velocity, Event::new(next(), vector(next))),
             bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
             patches: Vec::new(),
-            meshes: Vec::new(),
+            meshes: Default::default(),
             vertices: Default::default(),
         }
     }

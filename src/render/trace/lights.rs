@@ -339,6 +339,8 @@ impl AreaLights {
         factor: f64,
     ) -> Incident {
         let radiance = match element.radiance.constant() {
+            // Holes do not shine.
+            _ if !rest.bvh.is_opaque(element.triangle, [u, v]) => [0.0; 3],
             Some(radiance) => radiance,
             None => {
                 let hit = Hit {

@@ -12,6 +12,7 @@
 //! The kinds of cameras, surfaces and [`Radiance`] are matched once per batch or run, so that loops over rays
 //! do without. Buffers are kept from batch to batch: nothing is allocated for a ray.
 
+mod alpha_masks;
 mod area_draws;
 mod base_colours;
 mod blend;
@@ -40,6 +41,7 @@ mod time_resolved;
 mod timed_paths;
 mod tubes;
 
+pub(crate) use alpha_masks::{AlphaMask, AlphaMasks, MaskedRun};
 pub use base_colours::{BaseColour, BaseColours, Finish, Glass, Gloss, TextureLookup};
 pub(crate) use camera_rays::{CameraRays, Cells, RayGenerator, Rays, TIME};
 pub(crate) use channels::record;

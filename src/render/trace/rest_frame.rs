@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 
@@ -20,7 +20,7 @@ pub struct RestFrame {
     /// Runs of triangles that look alike, ascending by first triangle.
     pub patches: Vec<Patch>,
     /// Per object of the frame: triangles and texture coordinates, where something needs them.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Arc<[Mesh]>,
     /// The corners without repetitions, from when they are first asked for.
     pub(crate) vertices: OnceLock<SharedVertices>,
 }

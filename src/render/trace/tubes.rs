@@ -127,7 +127,7 @@ mod tests {
                 frame: InertialFrame::new(velocity, Event::new(vector().x, vector())),
                 bvh: Bvh::build(vec![corners], |_| Facing::TwoSided),
                 patches: Vec::new(),
-                meshes: Vec::new(),
+                meshes: Default::default(),
                 vertices: Default::default(),
             };
             let d = vector().normalize();

@@ -212,6 +212,11 @@ pub struct PartEntry {
     pub base_colour: [f32; 3],
     /// Whether a texture of the GLB file multiplies it.
     pub has_texture: bool,
+    /// Whether colours of vertices multiply it (`COLOR_0` of the GLB file, linear).
+    pub has_vertex_colours: bool,
+    /// Where it has an alpha mask: the surface is there only where alpha (factor times texture times that of the vertices, all of the
+    /// GLB file) is at least this.
+    pub alpha_cutoff: Option<f32>,
     /// Whether the material says that its back face is seen.
     pub double_sided: bool,
     /// The sets of texture coordinates that it has. Lower sets that are missing here hold zeros in the GLB file.

@@ -9,7 +9,7 @@ use super::bundle::{
 };
 use crate::camera::{Camera, Kind, Projection};
 use crate::io::gltf::glb::Run;
-use crate::mesh::Mesh;
+use crate::mesh::{AlphaMode, Mesh};
 use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
 use crate::render::plan::{Lit, lit_by};
@@ -139,6 +139,11 @@ fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
         material: material.name.clone(),
         base_colour: material.base_colour,
         has_texture: material.base_colour_texture.is_some(),
+        has_vertex_colours: !mesh.colours.is_empty(),
+        alpha_cutoff: match material.alpha_mode {
+            AlphaMode::Mask { cutoff } => Some(cutoff),
+            AlphaMode::Opaque | AlphaMode::Blend => None,
+        },
         double_sided: material.double_sided,
         uv_sets: run.uv_sets.clone(),
         radiance,

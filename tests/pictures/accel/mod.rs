@@ -4,6 +4,7 @@ mod brute_force;
 mod cases;
 mod closed;
 mod common;
+mod holes;
 mod leaving;
 mod own_origins;
 mod packets;

@@ -6,5 +6,5 @@ mod convergence;
 mod forecast;
 mod refusals;
 mod same;
-mod stage;
+pub mod stage;
 mod warp;

@@ -4,9 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::DVec3;
 use nullray::io::cube::{self, Cube, Samples};
 use nullray::io::gltf;
 use nullray::io::image;
+use nullray::mesh::{AlphaMode, Mesh};
 use nullray::render::aov::Aov;
 use nullray::render::metadata;
 use nullray::scene::Builder;
@@ -290,4 +292,40 @@ fn base64(bytes: &[u8]) -> String {
 fn the_same_scene_gives_the_same_bytes() {
     let (a, b) = (exported(SMALL), exported(SMALL));
     assert_eq!(a.bundle.json["files"], b.bundle.json["files"]);
+}
+
+#[test]
+fn masks_and_colours_of_vertices_are_in_the_geometry_and_said() {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let positions = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+    let mut mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]], [0.5; 3]);
+    let colour = |k: usize| [0.25 * k as f32, 1.0, 0.5, 1.0 - 0.25 * k as f32];
+    mesh.colours = (0..4).map(colour).collect();
+    mesh.uvs = vec![corners.map(|c| c.map(|x| x as f32)).to_vec()];
+    let material = &mut mesh.materials[0];
+    (material.alpha, material.alpha_mode) = (0.75, AlphaMode::Mask { cutoff: 0.625 });
+    let scene = Builder::from_toml("masked", SMALL).mesh("screen", Arc::new(mesh.clone()));
+    let options = ExportOptions {
+        reference: false,
+        ..ExportOptions::default()
+    };
+    let exported = exported_scene(&scene.build().unwrap(), &options);
+    let parts = |object: usize| &exported.bundle.json["objects"][object]["parts"][0];
+    assert_eq!(parts(1)["alpha_cutoff"], 0.625);
+    assert_eq!(parts(1)["has_vertex_colours"], true);
+    assert!(parts(0)["alpha_cutoff"].is_null());
+    assert_eq!(parts(0)["has_vertex_colours"], false);
+    let want = gltf::Want {
+        uvs: true,
+        textures: true,
+        shading: false,
+        bad_vertices: BadVertices::Refuse,
+    };
+    let again = gltf::load(&exported.path("geometry/001.glb"), None, want).unwrap();
+    assert_eq!(again.mesh.colours, mesh.colours);
+    let own = &again.mesh.materials[0];
+    assert_eq!(
+        (own.alpha, own.alpha_mode),
+        (0.75, AlphaMode::Mask { cutoff: 0.625 })
+    );
 }

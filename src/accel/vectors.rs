@@ -146,6 +146,12 @@ impl Vectors {
     /// To be written.
     pub const ZERO: Vectors = Vectors([[0.0; BLOCK]; 3]);
 
+    /// The same vector everywhere.
+    #[inline(always)]
+    pub fn splat(v: DVec3) -> Vectors {
+        Vectors([[v.x; BLOCK], [v.y; BLOCK], [v.z; BLOCK]])
+    }
+
     /// Vector `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec3 {

@@ -408,6 +408,58 @@ impl Bricks {
         });
     }
 
+    /// The same of `count` samples from the `origin`-th of the cube on, all of one pixel, as they are counted by rows, columns, bins and
+    /// channels.
+    #[inline]
+    pub fn want_from(&self, held: &Held, origin: u64, count: usize, wanted: &mut Vec<u64>) {
+        if !self.dead.is_empty() {
+            let (pixel, bin) = self.place(origin);
+            return self.want(held, pixel, bin, count / self.shape[3], wanted);
+        }
+        self.runs_from(origin, count, |brick, _, _| {
+            if held.get(self, brick).is_none() {
+                wanted.push(brick);
+            }
+        });
+    }
+
+    /// Fills `to` with samples from the `origin`-th of the cube on, which are all of one pixel.
+    #[inline]
+    pub fn samples_from(&self, held: &mut Held, origin: u64, to: &mut [f64]) {
+        if !self.dead.is_empty() {
+            let (pixel, bin) = self.place(origin);
+            return self.samples(held, pixel, bin, to);
+        }
+        let mut at = 0;
+        self.runs_from(origin, to.len(), |brick, from, count| {
+            self.copy(held, brick, from, &mut to[at..at + count]);
+            at += count;
+        });
+    }
+
+    /// The pixel and the bin of a sample.
+    fn place(&self, origin: u64) -> (usize, usize) {
+        let [_, _, bins, channels] = self.shape;
+        let bin = origin as usize / channels;
+        (bin / bins, bin % bins)
+    }
+
+    #[inline(always)]
+    fn runs_from(&self, origin: u64, count: usize, each: impl FnMut(u64, usize, usize)) {
+        // Divisions take longer than all the rest: files that count as we do need none.
+        #[cfg_attr(
+            not(any(feature = "hdf5", feature = "zarr")),
+            allow(irrefutable_let_patterns)
+        )]
+        if let Form::Pages(pages) = &self.form
+            && pages.is_in_order()
+        {
+            return pages.run(origin, count, each);
+        }
+        let (pixel, bin) = self.place(origin);
+        self.runs(pixel, bin, count / self.shape[3], each);
+    }
+
     #[inline(always)]
     fn runs(&self, pixel: usize, bin: usize, bins: usize, each: impl FnMut(u64, usize, usize)) {
         with_form!(&self.form, of => of.runs(pixel, bin, bins, each));
@@ -509,7 +561,8 @@ impl Held {
     #[inline]
     fn slot(of: &Bricks, brick: u64) -> usize {
         let mixed = (brick + (of.number << 40)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        mixed as usize % of.at_hand
+        // 32 bits of a number below 1, times how many there are: without a division.
+        ((mixed * of.at_hand as u64) >> 32) as usize
     }
 
     #[inline]

@@ -25,10 +25,12 @@ pub(super) struct Pages {
     strides: [u64; 4],
     /// Samples in the file.
     count: u64,
-    /// Samples in a brick, and how many of the first brick's lie before the file's first sample: so that bricks begin
-    /// where pages do.
-    per_brick: u64,
+    /// Samples in a brick, 2 to the power of this; and how many of the first brick's lie before the file's first sample: so that bricks
+    /// begin where pages do.
+    per_brick: u32,
     skew: u64,
+    /// Whether entries along H, W, T and C follow one another in this order.
+    is_in_order: bool,
 }
 
 /// A file that is read at positions.
@@ -103,22 +105,29 @@ pub(super) fn changed(path: &Path) -> Error {
 impl Pages {
     pub fn new(path: &Path, located: Located, layout: StoredLayout) -> Result<Pages> {
         let size = layout.number.stored();
-        let per_brick = BRICK / size;
+        // Samples take 1, 2, 4 or 8 bytes.
+        let per_brick = (BRICK / size).ilog2();
         let mut along = [0; 4];
         for (slot, stride) in layout.axes.slots().into_iter().zip(strides(&layout.sizes)) {
             if let Some(slot) = slot {
                 along[slot] = stride as u64;
             }
         }
+        let shape = layout.shape(path)?;
+        let [_, width, bins, channels] = shape.map(|n| n as u64);
+        let in_order = [width * bins * channels, bins * channels, channels, 1];
+        // Along an axis of one entry nothing follows.
+        let follows = |k: usize| shape[k] == 1 || along[k] == in_order[k];
         Ok(Pages {
             path: path.to_path_buf(),
             file: Positioned::new(located, path)?,
-            shape: layout.shape(path)?,
+            is_in_order: (0..4).all(follows),
+            shape,
             strides: along,
             count: layout.sizes.iter().product::<usize>() as u64,
             per_brick,
             skew: match layout.start % size {
-                0 => layout.start / size % per_brick,
+                0 => layout.start / size % (1 << per_brick),
                 _ => 0,
             },
             layout,
@@ -145,11 +154,31 @@ impl Pages {
     }
 
     pub fn per_brick(&self) -> u64 {
-        self.per_brick
+        1 << self.per_brick
+    }
+
+    /// Whether samples are counted in the file by rows, columns, bins and channels.
+    #[inline(always)]
+    pub fn is_in_order(&self) -> bool {
+        self.is_in_order
+    }
+
+    /// Gives to `each` where `count` samples from the `first` of the file on lie: in which brick, from where on in that, and how
+    /// many.
+    #[inline(always)]
+    pub fn run(&self, first: u64, mut count: usize, mut each: impl FnMut(u64, usize, usize)) {
+        let mut at = first + self.skew;
+        while count > 0 {
+            let from = (at & (self.per_brick() - 1)) as usize;
+            let now = count.min(self.per_brick() as usize - from);
+            each(at >> self.per_brick, from, now);
+            at += now as u64;
+            count -= now;
+        }
     }
 
     pub fn bricks(&self) -> u64 {
-        (self.count + self.skew).div_ceil(self.per_brick)
+        (self.count + self.skew).div_ceil(self.per_brick())
     }
 
     /// Bytes of a brick in the file.
@@ -161,7 +190,7 @@ impl Pages {
     /// The samples of bricks `first` to `end`.
     fn range(&self, first: u64, end: u64) -> [u64; 2] {
         [first, end].map(|brick| {
-            let sample = (brick * self.per_brick).saturating_sub(self.skew);
+            let sample = (brick << self.per_brick).saturating_sub(self.skew);
             sample.min(self.count)
         })
     }
@@ -178,20 +207,10 @@ impl Pages {
     ) {
         let [row, column, between, channel] = self.strides;
         let [_, width, _, channels] = self.shape;
-        let first = (pixel / width) as u64 * row
-            + (pixel % width) as u64 * column
-            + bin as u64 * between
-            + self.skew;
+        let first =
+            (pixel / width) as u64 * row + (pixel % width) as u64 * column + bin as u64 * between;
         // Samples that lie together, brick by brick.
-        let mut run = |mut at: u64, mut count: usize| {
-            while count > 0 {
-                let (brick, from) = (at / self.per_brick, (at % self.per_brick) as usize);
-                let now = count.min(self.per_brick as usize - from);
-                each(brick, from, now);
-                at += now as u64;
-                count -= now;
-            }
-        };
+        let mut run = |first: u64, count: usize| self.run(first, count, &mut each);
         let is_together = channels == 1 || channel == 1;
         if is_together && between == channels as u64 {
             return run(first, bins * channels);

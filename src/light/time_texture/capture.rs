@@ -84,14 +84,14 @@ struct Lens {
 /// What one pixel saw, in camera coordinates. Place and normal are only compared with footprints, so
 /// f32 does for them. Distance 0: nothing.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
-    distance: f64,
-    position: [f32; 3],
+pub(super) struct Seen {
+    pub distance: f64,
+    pub position: [f32; 3],
     /// On the side of the pinhole.
-    normal: [f32; 3],
+    pub normal: [f32; 3],
 }
 
-const NOTHING: Seen = Seen {
+pub(super) const NOTHING: Seen = Seen {
     distance: 0.0,
     position: [0.0; 3],
     normal: [0.0; 3],
@@ -111,6 +111,15 @@ impl Aim {
     #[inline(always)]
     pub fn faces(&self) -> bool {
         self.normal.dot(self.position) < 0.0
+    }
+
+    /// Whether a surface at `position` with `normal` is that around the point: the three conditions of the head of this file.
+    #[inline(always)]
+    pub fn is_of(&self, position: DVec3, normal: DVec3) -> bool {
+        let apart = position - self.position;
+        (self.normal.dot(apart).abs() <= self.footprint)
+            & (normal.dot(apart).abs() <= self.footprint)
+            & (self.normal.dot(normal) >= LEAST_NORMAL_AGREEMENT)
     }
 }
 
@@ -242,9 +251,18 @@ impl Capture {
     /// How much later than it left its surface this pixel's light is recorded, metres.
     #[inline]
     pub(super) fn delay_of(&self, pixel: usize) -> f64 {
-        let Some(seen) = self.seen.get(pixel).filter(|seen| seen.distance > 0.0) else {
+        match self.seen.get(pixel) {
+            Some(seen) => self.delay_from(seen),
+            None => 0.0,
+        }
+    }
+
+    /// The same for what a pixel saw.
+    #[inline(always)]
+    pub(super) fn delay_from(&self, seen: &Seen) -> f64 {
+        if !(seen.distance > 0.0) {
             return 0.0;
-        };
+        }
         match self.lens.near > 0.0 {
             true => self.delay * (seen.distance - self.lens.near_distance(seen)),
             false => self.delay * seen.distance,
@@ -271,15 +289,16 @@ impl Capture {
     /// Whether this pixel saw the surface around the point.
     #[inline]
     pub(super) fn saw(&self, pixel: usize, aim: &Aim) -> bool {
-        let Some(seen) = self.seen.get(pixel).filter(|seen| seen.distance > 0.0) else {
-            return false;
-        };
-        // The three conditions of the head of this file.
-        let apart = Vec3::from_array(seen.position).as_dvec3() - aim.position;
+        let seen = self.seen_by(pixel);
+        let position = Vec3::from_array(seen.position).as_dvec3();
         let normal = Vec3::from_array(seen.normal).as_dvec3();
-        aim.normal.dot(apart).abs() <= aim.footprint
-            && normal.dot(apart).abs() <= aim.footprint
-            && aim.normal.dot(normal) >= LEAST_NORMAL_AGREEMENT
+        seen.distance > 0.0 && aim.is_of(position, normal)
+    }
+
+    /// What this pixel saw.
+    #[inline(always)]
+    pub(super) fn seen_by(&self, pixel: usize) -> &Seen {
+        self.seen.get(pixel).unwrap_or(&NOTHING)
     }
 }
 

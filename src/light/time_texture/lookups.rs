@@ -98,8 +98,8 @@ impl TimeTexture {
             }
             Reading::Irregular(_) => lookups.places.plain[..count].fill(false),
         }
-        // Lookups near the ends of the data, or in bins of several widths, one by one.
         lookups.others.clear();
+        // Lookups near the ends of the data, or in bins of several widths, one by one.
         for at in 0..count {
             if !lookups.places.plain[at] {
                 let uv = DVec2::new(lookups.u[at], lookups.v[at]);
@@ -187,28 +187,21 @@ impl FromDisk {
         (origins, plain): (&mut [[u64; BATCH]; 4], &[bool; BATCH]),
         count: usize,
     ) {
-        let [_, _, bins, channels] = bricks.shape();
+        let each = N * bricks.shape()[3];
         let plain = || (0..count).filter(|at| plain[*at]);
-        let place = |origin: u64| {
-            let bin = origin as usize / channels;
-            (bin / bins, bin % bins)
-        };
         // All bricks of the batch are named first, so that each is read once.
         for at in plain() {
             for tap in origins.iter() {
-                let (pixel, bin) = place(tap[at]);
-                bricks.want(&self.held, pixel, bin, N, &mut self.wanted);
+                bricks.want_from(&self.held, tap[at], each, &mut self.wanted);
             }
         }
         bricks.bring(&mut self.held, &mut self.wanted);
         // Then their samples are copied: four taps of N bins per lookup.
-        let each = N * channels;
         self.values.resize(count * 4 * each, 0.0);
         for at in plain() {
             for (tap, origins) in origins.iter().enumerate() {
-                let (pixel, bin) = place(origins[at]);
                 let values = &mut self.values[(at * 4 + tap) * each..][..each];
-                bricks.samples(&mut self.held, pixel, bin, values);
+                bricks.samples_from(&mut self.held, origins[at], values);
             }
         }
         // Origins now count in the copies.

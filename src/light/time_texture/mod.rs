@@ -16,7 +16,8 @@
 //! What the data do not hold is filled as [`Outside`](crate::scene::model::Outside) says and is
 //! counted in [`Coverage`]; nothing is clamped silently.
 //!
-//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, and `capture_lookups` many points of theirs at a time; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
+//! `survey` looks for what is wrong with data; `axis` knows time, `irregular` bins of different widths, `bilinear` texels, `capture` cameras, `capture_points` many
+//! points as they see them, and `capture_lookups` what they recorded of those; `sharp` undoes the means of pixels; `reader` alone touches samples; `lookups` carries out many
 //! lookups at a time, with `places` for where they read and `gather` for what, and `near` brings together what single ones read from disk. `axis` gives out short runs of bins with
 //! weights; `spans` means over spans of time, of any length, by prefix sums.
 
@@ -24,6 +25,7 @@ mod axis;
 mod bilinear;
 mod capture;
 mod capture_lookups;
+mod capture_points;
 mod coverage;
 mod gather;
 mod irregular;
@@ -40,6 +42,7 @@ mod weights;
 pub use axis::TimeAxis;
 pub use capture::{Capture, CaptureView, SeenPoint, SurfacePoint};
 pub use capture_lookups::CaptureLookups;
+pub use capture_points::CapturePoints;
 pub use coverage::Coverage;
 pub use lookups::Lookups;
 pub use near::Near;

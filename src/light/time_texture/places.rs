@@ -132,7 +132,7 @@ pub(super) fn place<F: Filter<N>, const N: usize>(
 
 /// The two cells whose centres embrace `x`, and the weight of the second; `last` is that of the last cell.
 #[inline(always)]
-fn neighbours(x: f64, last: f64) -> (f64, f64, f64) {
+pub(super) fn neighbours(x: f64, last: f64) -> (f64, f64, f64) {
     let x = (x - 0.5).max(0.0).min(last);
     let first = floor(x);
     (first, (first + 1.0).min(last), x - first)

@@ -54,15 +54,6 @@ impl Located {
     pub fn is_seen(&self) -> bool {
         matches!(self.0, Spot::Seen(..) | Spot::Sharp(..))
     }
-
-    /// The pixels that are interpolated, where they are read as they are.
-    #[inline]
-    pub(super) fn taps(&self) -> Option<&[Tap; 4]> {
-        match &self.0 {
-            Spot::Seen(_, taps, ..) => Some(taps),
-            _ => None,
-        }
-    }
 }
 
 /// A cube on its time axis, ready for lookups from any thread.

@@ -45,7 +45,7 @@ impl TimeResolved {
         let mut blends = std::mem::take(&mut emitted.blends);
         blends.clear();
         blends.resize(run.count(), Blend::default());
-        emitted.points.fill(run);
+        emitted.points.fill_places(run);
         let read = Cell::new(0);
         // Each capture in turn: what it may have seen, what stands between, then the lookups.
         for (index, captured) in captures.iter().enumerate() {

@@ -18,7 +18,7 @@ use crate::colour::{ColourTable, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::{
-    CaptureLookups, CaptureView, Coverage, Located, Lookups, Near, Sampled,
+    CaptureLookups, CapturePoints, CaptureView, Coverage, Located, Lookups, Near, Sampled,
 };
 use crate::spacetime::Quantity;
 
@@ -156,12 +156,15 @@ pub struct Emitted {
     pub(super) reflections: Vec<Reflection>,
     /// Radiance beside what diffuse surfaces reflect of all lamps, by point; empty where there is none.
     pub(super) added: Vec<[f64; 3]>,
-    /// Lookups of points that a capture camera saw, and what is known of each: radiance, and how much of it the data hold.
+    /// Points as a capture camera sees them, from where on rays to it count, whether those are blocked, and a batch of lookups.
+    pub(super) seen: CapturePoints,
+    pub(super) starts: Vec<f64>,
+    pub(super) answers: Vec<bool>,
     pub(super) captured: Box<CaptureLookups>,
-    /// Bricks for the other lookups.
+    /// The other points, and bricks for their lookups.
+    pub(super) rest: Vec<u32>,
     pub(super) near: Near,
-    pub(super) known: Vec<Option<([f64; 3], f64)>>,
-    /// Where points lie in the image of a capture camera.
+    /// Where points lie in the image of a capture camera, where there are several.
     pub(super) located: Vec<Located>,
     /// How capture cameras look at points, where there are several.
     pub(super) capture_views: Vec<Option<CaptureView>>,
@@ -306,8 +309,11 @@ impl Default for Emitted {
             reflections: Vec::new(),
             added: Vec::new(),
             captured: Box::default(),
+            seen: CapturePoints::default(),
+            starts: Vec::new(),
+            answers: Vec::new(),
+            rest: Vec::new(),
             near: Near::default(),
-            known: Vec::new(),
             located: Vec::new(),
             capture_views: Vec::new(),
             spans: Vec::new(),
@@ -365,17 +371,23 @@ impl Emitted {
 
     /// Adds what the next point emits.
     pub fn push(&mut self, emission: Emission) {
+        self.radiance.push(emission.radiance);
+        self.put(self.radiance.len() - 1, emission);
+    }
+
+    /// Sets what point `at` emits, of which nothing was known; the details are to be in the order of points at the end.
+    pub(super) fn put(&mut self, at: usize, emission: Emission) {
+        self.radiance[at] = emission.radiance;
         let plain = emission.coverage == Coverage::HELD
             && emission.wavelength_scale == 1.0
             && emission.unscaled == [0.0; 3];
         if !plain {
             self.details.push(Detail {
-                at: self.radiance.len(),
+                at,
                 unscaled: emission.unscaled,
                 coverage: emission.coverage,
                 wavelength_scale: emission.wavelength_scale,
             });
         }
-        self.radiance.push(emission.radiance);
     }
 }

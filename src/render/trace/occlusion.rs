@@ -293,6 +293,37 @@ pub(super) fn shadow_ray(camera: DVec3, from: DVec3, direction: DVec3) -> Ray {
     }
 }
 
+/// Puts into `starts` from where on rays from `points` to one place of their rest frame count, along what lies between.
+pub(super) fn shadow_starts(points: &Points, to: DVec3, starts: &mut Vec<f64>) {
+    starts.clear();
+    starts.resize(points.count(), 0.0);
+    dispatch(StartsTowards { points, to, starts });
+}
+
+struct StartsTowards<'a> {
+    points: &'a Points,
+    to: DVec3,
+    starts: &'a mut [f64],
+}
+
+impl VectorLoop for StartsTowards<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        while begin < self.starts.len() {
+            let from = self.points.positions.load(begin);
+            let eyes = self.points.load_eyes(begin);
+            let mut starts = [0.0; BLOCK];
+            for (k, start) in starts.iter_mut().enumerate() {
+                let from = from.get(k);
+                *start = shadow_start(eyes.get(k), from, self.to - from);
+            }
+            store(&starts, self.starts, begin);
+            begin += BLOCK;
+        }
+    }
+}
+
 /// From where on it counts.
 ///
 /// The point is rounded to some 2⁻⁵³ of these coordinates, to one side of its surface or the other. On

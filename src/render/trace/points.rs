@@ -48,10 +48,33 @@ impl Points {
 
     /// Takes over the points of `run`.
     pub(super) fn fill(&mut self, run: &Run) {
-        let count = run.count();
+        self.fill_places(run);
         let TracedRays { rays, event, .. } = run.traced;
-        self.own_origins = rays.origins.is_some();
         self.shot = *event;
+
+        // Where they are in the world from where their rays leave.
+        self.offsets.resize(run.count());
+        for (k, ray) in run.members.iter().enumerate() {
+            let ray = run.traced.ray(*ray as usize);
+            let offset = ray.tangent * self.s[k];
+            self.offsets.ct[k] = offset.ct;
+            self.offsets.x.set(k, offset.x);
+        }
+        let Some(origins) = rays.origins else {
+            return self.origins.resize(0);
+        };
+        self.origins.resize(run.count());
+        for (k, ray) in run.members.iter().enumerate() {
+            let event = *event + origins[*ray as usize].displacement;
+            self.origins.ct[k] = event.ct;
+            self.origins.x.set(k, event.x);
+        }
+    }
+
+    /// Takes over the points of `run` as they are in their rest frame, and nothing of the world.
+    pub(super) fn fill_places(&mut self, run: &Run) {
+        let count = run.count();
+        self.own_origins = run.traced.rays.origins.is_some();
         self.resize(count);
 
         // Triangles lie apart in memory: their corners are gathered first.
@@ -74,20 +97,7 @@ impl Points {
             normals: &mut self.normals,
         });
 
-        // Where they are, in the world from where their rays leave, and in their rest frame.
-        for (k, ray) in run.members.iter().enumerate() {
-            let ray = run.traced.ray(*ray as usize);
-            let offset = ray.tangent * self.s[k];
-            self.offsets.ct[k] = offset.ct;
-            self.offsets.x.set(k, offset.x);
-        }
-        if let Some(origins) = rays.origins {
-            for (k, ray) in run.members.iter().enumerate() {
-                let event = *event + origins[*ray as usize].displacement;
-                self.origins.ct[k] = event.ct;
-                self.origins.x.set(k, event.x);
-            }
-        }
+        // Where they are.
         let Points {
             positions,
             tangents,
@@ -119,6 +129,15 @@ impl Points {
     /// How many points.
     pub(super) fn count(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Where the rays leave that hit points from `begin` on, in the rest frame.
+    #[inline(always)]
+    pub(super) fn load_eyes(&self, begin: usize) -> Vectors {
+        match self.own_origins {
+            true => self.eyes.load(begin),
+            false => Vectors::splat(self.eye),
+        }
     }
 
     /// Where the ray leaves that hit point `k`, in the rest frame.
@@ -163,11 +182,8 @@ impl Points {
         self.positions.resize(count);
         self.tangents.resize(count);
         self.normals.resize(count);
-        self.offsets.resize(count);
         self.edges.iter_mut().for_each(|edge| edge.resize(count));
         self.eyes.clear();
-        self.origins
-            .resize(if self.own_origins { count } else { 0 });
     }
 }
 

@@ -9,16 +9,14 @@ use super::captures::captured_point;
 use super::emitted::{Detail, Emission, Emitted};
 use super::footprint::{self, Recorded};
 use super::lamps;
-use super::occlusion::{any_hit, shadow_ray};
+use super::occlusion::{any_hit, shadow_starts};
 use super::point::{EmissionClock, SurfacePoint};
 use super::run::Run;
 use super::stats::{Counter, Meter};
 use super::time_resolved::{Emitter, TimeResolved};
-use crate::accel::Segment;
+use crate::accel::{Ray, Segment};
 use crate::light::reflection::Reflection;
-use crate::light::time_texture::{
-    BATCH, Capture, CaptureLookups, CaptureView, Coverage, Located, Sampled, TimeTexture,
-};
+use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
 
 /// Radiance of surfaces, run by run.
 pub trait Radiance: Debug + Send + Sync {
@@ -184,109 +182,136 @@ fn project(
     emitted: &mut Emitted,
     meter: &mut Meter,
 ) {
-    emitted.located.clear();
-    emitted.segments.clear();
-    emitted.points.fill(run);
-    let Emitted {
-        points,
-        segments,
-        located,
-        ..
-    } = emitted;
-    texture.locate_each(capture, &points.positions, &points.normals, |k, at| {
-        if at.is_seen() {
-            let from = points.positions.get(k);
-            segments.push(Segment {
-                ray: shadow_ray(points.eye(k), from, capture.eye() - from),
-                s_max: 1.0,
-                skip: Some(points.triangles[k]),
-                end: None,
-            });
-        }
-        located.push(at);
-    });
-    emitted.times.resize(run.count(), 0.0);
-    run.times(clock, 0, &mut emitted.times);
-    let (method, counts) = (run.traced.rays.method, meter.occlusion());
-    let (segments, blocked) = (&emitted.segments, &mut emitted.blocked);
-    any_hit(&run.rest.bvh, method, segments, blocked, counts);
-    // Only points that lie in the camera's image have a segment: by point, whether it is blocked.
-    let seen = emitted.located.iter().map(Located::is_seen);
-    let mut answers = emitted.blocked.drain(..);
-    let blocked: Vec<bool> = seen
-        .map(|seen| seen && answers.next() == Some(true))
-        .collect();
-    drop(answers);
-    emitted.blocked = blocked;
-
-    // Points all of whose taps hold data together, the others one by one, and so means.
+    emitted.points.fill_places(run);
+    let count = run.count();
+    // Means over exposures and footprints are looked up one by one, all else together where the data hold it.
     let means = run.spans(clock, &mut emitted.spans);
     let singly = means || run.filters(texture);
     let Emitted {
-        captured,
-        located,
-        times,
+        points,
+        seen,
+        segments,
+        starts,
         blocked,
-        known,
         ..
     } = emitted;
-    known.clear();
-    known.resize(located.len(), None);
-    captured.clear();
-    let mut look_up = |captured: &mut CaptureLookups| {
-        texture.sample_taps(captured);
-        for (at, radiance, held) in captured.answers() {
-            known[at] = Some((radiance, if capture.is_warped() { held } else { 1.0 }));
+    let columns = (&points.positions, &points.normals);
+    seen.locate(texture, capture, columns, singly);
+    // What stands between the points that a pixel may have seen and the pinhole.
+    shadow_starts(points, capture.eye(), starts);
+    segments.clear();
+    seen.each_seen(|k| {
+        let from = points.positions.get(k);
+        segments.push(Segment {
+            ray: Ray {
+                origin: from,
+                direction: capture.eye() - from,
+                s_min: starts[k],
+            },
+            s_max: 1.0,
+            skip: Some(points.triangles[k]),
+            end: None,
+        });
+    });
+    let (method, counts) = (run.traced.rays.method, meter.occlusion());
+    any_hit(&run.rest.bvh, method, segments, blocked, counts);
+    // By point, whether it is blocked; those without a segment are not.
+    let answers = &mut emitted.answers;
+    answers.clear();
+    answers.resize(count, false);
+    let mut next = 0;
+    seen.each_seen(|k| {
+        answers[k] = blocked[next];
+        next += 1;
+    });
+
+    // Points all of whose taps hold data, a whole batch at a time.
+    let room = count.next_multiple_of(BATCH);
+    emitted.times.resize(room, 0.0);
+    run.times(clock, 0, &mut emitted.times[..count]);
+    emitted.radiance.resize(count, [0.0; 3]);
+    emitted.rest.clear();
+    let mut begin = 0;
+    while begin < count {
+        let batch = BATCH.min(count - begin);
+        let (times, blocked) = (&emitted.times[..], &emitted.answers[..]);
+        let lookups = &mut emitted.captured;
+        let points = (&emitted.seen, begin, batch);
+        match singly {
+            true => lookups.clear(batch),
+            false => texture.sample_taps(points, (times, blocked), lookups),
         }
-        if meter.is_on() {
-            meter.count(Counter::TextureBytes, captured.bytes_read(texture));
-        }
-        captured.clear();
-    };
-    for (at, located) in located.iter().enumerate() {
-        if !blocked[at] && !singly {
-            captured.push(at, capture, located, times[at]);
-        }
-        if captured.is_full() {
-            look_up(captured);
-        }
-    }
-    look_up(captured);
-    let read = Cell::new(0);
-    let near = std::mem::take(&mut emitted.near);
-    texture.look_up_each(&near, emitted.located.len(), |at| {
-        let sampled = match emitted.known[at] {
-            Some(_) if near.is_asking() => return,
-            Some((radiance, 1.0)) => return emitted.radiance.push(radiance),
-            Some((radiance, held)) => Sampled {
-                radiance,
-                coverage: Coverage {
+        for (at, answer) in lookups.answers().enumerate() {
+            let at = begin + at;
+            let Some((radiance, held)) = answer else {
+                emitted.rest.push(at as u32);
+                continue;
+            };
+            emitted.radiance[at] = radiance;
+            if capture.is_warped() && held != 1.0 {
+                let coverage = Coverage {
                     held,
                     ..Coverage::default()
-                },
-                ..Sampled::default()
-            },
-            None => {
-                let recorded = Recorded {
-                    texture,
-                    capture,
-                    clock,
-                    point: emitted.points.captured(at),
-                    located: &emitted.located[at],
-                    time: emitted.times[at],
-                    span: means.then(|| emitted.spans[at]),
-                    blocked: emitted.blocked[at],
-                    near: &near,
-                    read: meter.is_on().then_some(&read),
                 };
-                recorded.look_up(run, at)
+                emitted.details.push(Detail {
+                    at,
+                    unscaled: [0.0; 3],
+                    coverage,
+                    wavelength_scale: 1.0,
+                });
             }
+        }
+        if meter.is_on() {
+            meter.count(Counter::TextureBytes, emitted.captured.bytes_read(texture));
+        }
+        begin += batch;
+    }
+    if emitted.rest.is_empty() {
+        return;
+    }
+
+    // The others one by one.
+    let read = Cell::new(0);
+    let near = std::mem::take(&mut emitted.near);
+    let rest = std::mem::take(&mut emitted.rest);
+    let all = std::mem::take(&mut emitted.seen);
+    let mut others = all.others().iter().peekable();
+    texture.look_up_each(&near, rest.len(), |n| {
+        let at = rest[n] as usize;
+        let point = emitted.points.captured(at);
+        if n == 0 {
+            others = all.others().iter().peekable();
+        }
+        // Plain points whose times the data do not hold are located anew.
+        while others
+            .next_if(|(other, _)| (*other as usize) < at)
+            .is_some()
+        {}
+        let known = others.next_if(|(other, _)| *other as usize == at);
+        let located = match known {
+            Some((_, located)) => located,
+            None => &texture.locate(capture, &point),
         };
+        let recorded = Recorded {
+            texture,
+            capture,
+            clock,
+            point,
+            located,
+            time: emitted.times[at],
+            span: means.then(|| emitted.spans[at]),
+            blocked: emitted.answers[at],
+            near: &near,
+            read: meter.is_on().then_some(&read),
+        };
+        let sampled = recorded.look_up(run, at);
         if !near.is_asking() {
-            emitted.push(Emission::stored(sampled));
+            emitted.put(at, Emission::stored(sampled));
         }
     });
-    emitted.near = near;
+    // In the order of the points.
+    emitted.details.sort_unstable_by_key(|detail| detail.at);
+    (emitted.near, emitted.rest, emitted.seen) = (near, rest, all);
     meter.count(Counter::TextureBytes, read.get());
 }
 

@@ -1,0 +1,337 @@
+//! Many points at a time as a capture camera sees them: [`TimeTexture::locate`] in loops.
+//!
+//! A block of points is projected; the pixels about each place are brought together, and compared with it; those that saw its
+//! surface have their weights. What is left are points beside the image, behind the pinhole, or that no pixel saw, and those that are
+//! read in other ways. Each operation is that of a single point, in its order, so that results are the same bit for bit.
+
+use glam::DVec3;
+
+use super::capture::{Aim, Capture, NOTHING, SurfacePoint};
+use super::places::{BATCH, integer, neighbours};
+use super::texture::{Located, TimeTexture};
+use crate::accel::vectors::{BLOCK, Block, Columns, VectorLoop, Vectors, dispatch, store};
+use crate::camera::{AnyProjection, Projection};
+use crate::scene::model::Reconstruction;
+
+/// The points of a run as a capture camera sees them.
+#[derive(Debug, Default)]
+pub struct CapturePoints {
+    /// By point, and up to a whole batch: whether pixels that saw its surface are to be read as they are.
+    is_plain: Vec<bool>,
+    /// Of those points: the four pixels about each as numbers, their weights, and how much later than it left its surface the
+    /// light of each is recorded, metres. Elsewhere numbers without meaning.
+    pub(super) texels: [Vec<f64>; 4],
+    pub(super) weights: [Vec<f64>; 4],
+    pub(super) delays: [Vec<f64>; 4],
+    /// The other points, ascending.
+    others: Vec<(u32, Located)>,
+    block: Box<LocatedBlock>,
+}
+
+impl CapturePoints {
+    /// Whether each of the points is plain.
+    pub(super) fn is_plain(&self) -> &[bool] {
+        &self.is_plain
+    }
+
+    /// The points that have to be read one by one, ascending, and where each lies.
+    pub fn others(&self) -> &[(u32, Located)] {
+        &self.others
+    }
+
+    /// Calls `each` with all points of which a pixel saw the surface, ascending.
+    #[inline(always)]
+    pub fn each_seen(&self, mut each: impl FnMut(usize)) {
+        let mut others = self.others.iter().peekable();
+        for (k, is_plain) in self.is_plain.iter().enumerate() {
+            let is_seen = match others.next_if(|(other, _)| *other as usize == k) {
+                Some((_, located)) => located.is_seen(),
+                None => *is_plain,
+            };
+            if is_seen {
+                each(k);
+            }
+        }
+    }
+
+    /// Looks at points at `positions` with `normals`; `singly` says that all are to be read one by one.
+    pub(crate) fn locate(
+        &mut self,
+        texture: &TimeTexture,
+        capture: &Capture,
+        (positions, normals): (&Columns, &Columns),
+        singly: bool,
+    ) {
+        let count = positions.len();
+        let room = count.next_multiple_of(BATCH);
+        self.others.clear();
+        self.is_plain.clear();
+        self.is_plain.resize(room, false);
+        let columns = [&mut self.texels, &mut self.weights, &mut self.delays];
+        for column in columns.into_iter().flatten() {
+            column.resize(room, 0.0);
+        }
+        let mut begin = 0;
+        while begin < count {
+            let seen = &mut *self.block;
+            let (positions, normals) = (positions.load(begin), normals.load(begin));
+            let block = (&positions, &normals);
+            // The usual projection has a loop compiled for it; the others share one.
+            match capture.projection() {
+                AnyProjection::Perspective(film) => {
+                    dispatch(Locate::new(texture, capture, film, block, seen));
+                }
+                film => dispatch(Locate::new(texture, capture, film, block, seen)),
+            }
+            seen.bring_together(capture);
+            dispatch(Weigh(seen));
+            for k in 0..(count - begin).min(BLOCK) {
+                if seen.is_plain[k] && !singly {
+                    self.is_plain[begin + k] = true;
+                    continue;
+                }
+                let place = seen.is_before[k].then_some([seen.place[0][k], seen.place[1][k]]);
+                let aim = seen.faces[k].then(|| seen.aim(k));
+                let located = texture.located(capture, place, aim);
+                self.others.push(((begin + k) as u32, located));
+            }
+            for tap in 0..4 {
+                store(&seen.texels[tap], &mut self.texels[tap], begin);
+                store(&seen.weights[tap], &mut self.weights[tap], begin);
+                store(&seen.delays[tap], &mut self.delays[tap], begin);
+            }
+            begin += BLOCK;
+        }
+    }
+}
+
+/// How the capture camera sees a block of points.
+#[derive(Debug)]
+struct LocatedBlock {
+    /// Film points, and whether they are before the pinhole.
+    place: [Block; 2],
+    is_before: [bool; BLOCK],
+    /// Positions and normals by the camera's axes, and whether the points face it.
+    p: Vectors,
+    n: Vectors,
+    faces: [bool; BLOCK],
+    /// Width of a pixel there.
+    footprint: Block,
+    /// Whether each is read as it is if pixels saw its surface.
+    may_be_plain: [bool; BLOCK],
+    /// What the four pixels about each saw: places and normals by component, and whether they saw anything.
+    places: [[[f32; BLOCK]; 3]; 4],
+    seen_normals: [[[f32; BLOCK]; 3]; 4],
+    saw_any: [[bool; BLOCK]; 4],
+    /// As in [`CapturePoints`].
+    is_plain: [bool; BLOCK],
+    texels: [Block; 4],
+    weights: [Block; 4],
+    delays: [Block; 4],
+}
+
+impl Default for LocatedBlock {
+    fn default() -> Self {
+        LocatedBlock {
+            place: [[0.0; BLOCK]; 2],
+            is_before: [false; BLOCK],
+            p: Vectors::ZERO,
+            n: Vectors::ZERO,
+            faces: [false; BLOCK],
+            footprint: [0.0; BLOCK],
+            may_be_plain: [false; BLOCK],
+            places: [[[0.0; BLOCK]; 3]; 4],
+            seen_normals: [[[0.0; BLOCK]; 3]; 4],
+            saw_any: [[false; BLOCK]; 4],
+            is_plain: [false; BLOCK],
+            texels: [[0.0; BLOCK]; 4],
+            weights: [[0.0; BLOCK]; 4],
+            delays: [[0.0; BLOCK]; 4],
+        }
+    }
+}
+
+impl LocatedBlock {
+    #[inline(always)]
+    fn aim(&self, k: usize) -> Aim {
+        Aim {
+            position: self.p.get(k),
+            normal: self.n.get(k),
+            footprint: self.footprint[k],
+        }
+    }
+}
+
+/// The loops over the points of a block.
+struct Locate<'a, P> {
+    texture: &'a TimeTexture,
+    capture: &'a Capture,
+    film: &'a P,
+    positions: &'a Vectors,
+    normals: &'a Vectors,
+    to: &'a mut LocatedBlock,
+}
+
+impl<'a, P> Locate<'a, P> {
+    fn new(
+        texture: &'a TimeTexture,
+        capture: &'a Capture,
+        film: &'a P,
+        (positions, normals): (&'a Vectors, &'a Vectors),
+        to: &'a mut LocatedBlock,
+    ) -> Self {
+        Locate {
+            texture,
+            capture,
+            film,
+            positions,
+            normals,
+            to,
+        }
+    }
+}
+
+impl<P: Projection> VectorLoop for Locate<'_, P> {
+    #[inline(always)]
+    fn run(self) {
+        let block = self.to;
+        block.project(self.capture, self.film, self.positions, self.normals);
+        // Those that are read as means of pixels are left to single lookups.
+        match self.texture.reconstruction() {
+            Reconstruction::Sharp => block.may_be_plain = [false; BLOCK],
+            Reconstruction::Bilinear | Reconstruction::Footprint => {
+                block.find_taps(self.texture.size());
+            }
+        }
+    }
+}
+
+/// The loop over the points of a block that weighs the pixels about them.
+struct Weigh<'a>(&'a mut LocatedBlock);
+
+impl VectorLoop for Weigh<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.0.weigh();
+    }
+}
+
+impl LocatedBlock {
+    /// Looks at the points from the capture camera.
+    #[inline(always)]
+    fn project<P: Projection>(
+        &mut self,
+        capture: &Capture,
+        film: &P,
+        positions: &Vectors,
+        normals: &Vectors,
+    ) {
+        // Into arrays of its own: of those the compiler knows that nothing which is read lies in them.
+        let (mut x, mut y) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut p, mut n) = (Vectors::ZERO, Vectors::ZERO);
+        let mut footprint = [0.0; BLOCK];
+        let (mut is_before, mut faces) = ([false; BLOCK], [false; BLOCK]);
+        for k in 0..BLOCK {
+            let point = SurfacePoint {
+                position: positions.get(k),
+                normal: normals.get(k),
+            };
+            let (place, aim) = capture.look_at(film, &point);
+            (is_before[k], [x[k], y[k]]) = match place {
+                Some(place) => (true, place),
+                None => (false, [0.0; 2]),
+            };
+            p.set(k, aim.position);
+            n.set(k, aim.normal);
+            footprint[k] = aim.footprint;
+            faces[k] = is_before[k] & aim.faces();
+        }
+        (self.place, self.p, self.n) = ([x, y], p, n);
+        (self.footprint, self.is_before, self.faces) = (footprint, is_before, faces);
+    }
+
+    /// The four pixels of an image of `size` (width, height) about each place, with their bilinear weights.
+    #[inline(always)]
+    fn find_taps(&mut self, size: [usize; 2]) {
+        let [width, height] = size.map(|n| n as f64);
+        for k in 0..BLOCK {
+            let (x, y) = (self.place[0][k], self.place[1][k]);
+            let on_image = (x >= 0.0) & (x <= width) & (y >= 0.0) & (y <= height);
+            self.may_be_plain[k] = self.faces[k] & on_image;
+            let (left, right, fx) = neighbours(x, width - 1.0);
+            let (top, bottom, fy) = neighbours(y, height - 1.0);
+            let (top, bottom) = (top * width, bottom * width);
+            self.texels[0][k] = top + left;
+            self.texels[1][k] = top + right;
+            self.texels[2][k] = bottom + left;
+            self.texels[3][k] = bottom + right;
+            self.weights[0][k] = (1.0 - fx) * (1.0 - fy);
+            self.weights[1][k] = fx * (1.0 - fy);
+            self.weights[2][k] = (1.0 - fx) * fy;
+            self.weights[3][k] = fx * fy;
+        }
+    }
+
+    /// What those pixels saw. Not for the widest vectors: they would gather number by number, which takes three times as long.
+    #[inline(never)]
+    fn bring_together(&mut self, capture: &Capture) {
+        for tap in 0..4 {
+            let (places, normals) = (&mut self.places[tap], &mut self.seen_normals[tap]);
+            for k in 0..BLOCK {
+                let seen = match self.may_be_plain[k] {
+                    true => capture.seen_by(integer(self.texels[tap][k]) as usize),
+                    false => &NOTHING,
+                };
+                self.saw_any[tap][k] = seen.distance > 0.0;
+                self.delays[tap][k] = capture.delay_from(seen);
+                for axis in 0..3 {
+                    places[axis][k] = seen.position[axis];
+                    normals[axis][k] = seen.normal[axis];
+                }
+            }
+        }
+    }
+
+    /// Leaves the weights of pixels that saw the point's surface alone, made up to 1 where some are left out.
+    #[inline(always)]
+    fn weigh(&mut self) {
+        let mut saw = [[false; BLOCK]; 4];
+        let mut tap = 0;
+        while tap < 4 {
+            let (places, normals) = (&self.places[tap], &self.seen_normals[tap]);
+            for k in 0..BLOCK {
+                let (place, normal) = (widened(places, k), widened(normals, k));
+                saw[tap][k] = self.saw_any[tap][k] & self.aim(k).is_of(place, normal);
+            }
+            tap += 1;
+        }
+        for k in 0..BLOCK {
+            let (mut sum, mut complete) = (0.0, true);
+            let mut tap = 0;
+            while tap < 4 {
+                let weight = self.weights[tap][k];
+                sum += if saw[tap][k] { weight } else { 0.0 };
+                complete &= saw[tap][k];
+                tap += 1;
+            }
+            let whole = if complete { 1.0 } else { sum };
+            let mut tap = 0;
+            while tap < 4 {
+                let weight = if saw[tap][k] {
+                    self.weights[tap][k]
+                } else {
+                    0.0
+                };
+                self.weights[tap][k] = weight / whole;
+                tap += 1;
+            }
+            self.is_plain[k] = self.may_be_plain[k] & (complete | (sum > 0.0));
+        }
+    }
+}
+
+/// Vector `k` of those with these components.
+#[inline(always)]
+fn widened([x, y, z]: &[[f32; BLOCK]; 3], k: usize) -> DVec3 {
+    DVec3::new(f64::from(x[k]), f64::from(y[k]), f64::from(z[k]))
+}

@@ -133,6 +133,67 @@ fn whole_pixels_and_mirrors_are_named_by_light_alone() {
 }
 
 #[test]
+fn mirrors_beside_another_exposure_are_named_with_both() {
+    let exact = exact();
+    let beside = "light is 0.5000 times what it should be beside that";
+    for (turn, word) in [
+        (([95, -1], [0, 1]), "left to right"),
+        (([0, 1], [71, -1]), "upside down"),
+    ] {
+        let at = |[from, step]: [i64; 2], x: i64| from + step * x;
+        let mut turned = rearranged(&exact, |x, y| [at(turn.0, x), at(turn.1, y)]);
+        for name in LIGHT {
+            map(&mut turned, name, |_, v| 0.5 * v);
+        }
+        for found in [
+            diagnosed(&exact, &turned),
+            by_light(&exact, &turned),
+            diagnosed(&bare(&exact), &bare(&turned)),
+        ] {
+            named(Kind::Mirrored, &[word, beside], &found);
+        }
+        // Light that explains nothing leaves the places.
+        for name in LIGHT {
+            map(&mut turned, name, |i, _| (i % 7) as f64);
+        }
+        named(Kind::Mirrored, &[word], &diagnosed(&exact, &turned));
+    }
+}
+
+#[test]
+fn exchanged_colours_are_named_where_all_but_a_little_is_grey() {
+    // One pixel in fifty has a colour.
+    let mut reference = exact();
+    let colour = |i: usize, k: usize| {
+        0.1 + 0.01 * (i % 60) as f64
+            + if i.is_multiple_of(50) {
+                0.3 * k as f64
+            } else {
+                0.0
+            }
+    };
+    for (k, name) in LIGHT.iter().enumerate() {
+        map(&mut reference, name, |i, _| colour(i, k));
+    }
+    let mut wrong = light(&reference);
+    for (k, name) in LIGHT.iter().enumerate() {
+        map(&mut wrong, name, |i, _| colour(i, [1, 0, 2][k]));
+    }
+    named(
+        Kind::ColoursExchanged,
+        &["GRB"],
+        &by_light(&reference, &wrong),
+    );
+    // Where the same pixels are simply wrong, nothing explains them.
+    for (k, name) in LIGHT.iter().enumerate() {
+        map(&mut wrong, name, |i, _| {
+            colour(i, [1, 0, 2][k]) + 0.1 * f64::from(i.is_multiple_of(50))
+        });
+    }
+    assert_eq!(by_light(&reference, &wrong), []);
+}
+
+#[test]
 fn another_field_of_view_is_named_by_light_alone() {
     // tan(fov/2) times so much; 4/3 is the horizontal angle taken for the vertical one.
     for (factor, tolerance) in [

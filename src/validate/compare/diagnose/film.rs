@@ -3,7 +3,8 @@
 //! # Mirrors and whole pixels
 //!
 //! The candidate is turned around, or moved, and compared anew: by its objects, its places and its light, whichever are
-//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth.
+//! there. The measure is the largest of their parts of pixels that differ by more than a hundredth, light up to the factor that most
+//! pixels agree on: a picture of another exposure may be turned, too.
 //!
 //! # Other films
 //!
@@ -17,12 +18,12 @@
 //! along each axis: a ≠ 0 is a shift, k_x = k_y ≠ 1 another field of view, k_x ≠ k_y another aspect. Four numbers are fitted by
 //! least squares, twice, the second time without the tenth of the pixels that fit worst.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::super::geometry::Field;
 use super::super::picture::{Plane, RADIANCE};
 use super::super::points::place;
-use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally};
+use super::{Case, Diagnosis, Kind, MOST, NEAR, Tally, light, median};
 
 /// A picture, turned or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,21 +49,12 @@ impl Turn {
         inside.then(|| (y * width + x) as usize)
     }
 
-    /// What this turn means, and how many pixels differ before and after it is undone.
-    fn describe(self, before: f64, after: f64) -> Diagnosis {
-        let (kind, what) = match self {
-            Turn::LeftRight => (
-                Kind::Mirrored,
-                "the picture is mirrored left to right".into(),
-            ),
-            Turn::UpDown => (
-                Kind::Mirrored,
-                "the picture is upside down: row 0 is the top row".into(),
-            ),
-            Turn::Both => (
-                Kind::Mirrored,
-                "the picture is turned by 180 degrees".into(),
-            ),
+    /// What this turn means, and how unlike the pictures are before and after it is undone.
+    fn describe(self, before: Unlike, after: Unlike) -> Diagnosis {
+        let (kind, mut what) = match self {
+            Turn::LeftRight => (Kind::Mirrored, LEFT_RIGHT.into()),
+            Turn::UpDown => (Kind::Mirrored, UP_DOWN.into()),
+            Turn::Both => (Kind::Mirrored, BOTH.into()),
             Turn::Diagonal => (
                 Kind::Mirrored,
                 "rows and columns of the picture are exchanged".into(),
@@ -72,9 +64,12 @@ impl Turn {
                 format!("the picture is moved by ({dx:+}, {dy:+}) pixels to the right and down"),
             ),
         };
+        if (after.factor - 1.0).abs() > SAME {
+            what += &light::beside(after.factor);
+        }
         let evidence = vec![
-            ("part of the pixels that differ", before),
-            ("the same after undoing it", after),
+            ("part of the pixels that differ", before.part),
+            ("the same after undoing it", after.part),
         ];
         Diagnosis {
             kind,
@@ -82,6 +77,19 @@ impl Turn {
             evidence,
         }
     }
+}
+
+const LEFT_RIGHT: &str = "the picture is mirrored left to right";
+const UP_DOWN: &str = "the picture is upside down: row 0 is the top row";
+const BOTH: &str = "the picture is turned by 180 degrees";
+
+/// How unlike two pictures are.
+#[derive(Debug, Clone, Copy)]
+struct Unlike {
+    /// The part of the pixels that differ: the largest of objects, places and light.
+    part: f64,
+    /// How many times the reference's light the candidate has.
+    factor: f64,
 }
 
 /// Pictures that differ at fewer pixels than this part are alike.
@@ -94,7 +102,7 @@ const FARTHEST: i64 = 2;
 /// A candidate that is mirrored, turned, or moved by whole pixels.
 pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     let before = differing(case, Turn::Moved([0, 0]));
-    if before <= ALIKE {
+    if before.part <= ALIKE {
         return None;
     }
     let [width, height] = case.points[0].size();
@@ -107,12 +115,12 @@ pub(super) fn turned(case: &Case) -> Option<Diagnosis> {
     let moves = moves.filter(|step| *step != [0, 0]).map(Turn::Moved);
     let turns = mirrors.into_iter().chain(diagonal).chain(moves);
     let tried = turns.map(|turn| (turn, differing(case, turn)));
-    let (turn, after) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (after <= NEAR * before).then(|| turn.describe(before, after))
+    let (turn, after) = tried.min_by(|a, b| a.1.part.total_cmp(&b.1.part))?;
+    (after.part <= NEAR * before.part).then(|| turn.describe(before, after))
 }
 
-/// The part of the pixels that differ once the candidate is turned back: the largest of objects, places and light.
-fn differing(case: &Case, turn: Turn) -> f64 {
+/// How unlike the pictures are once the candidate is turned back.
+fn differing(case: &Case, turn: Turn) -> Unlike {
     let [r, c] = &case.points;
     let size = r.size().map(|n| n as i64);
     let pixels: Vec<[usize; 2]> = (case.region.pixels(r.size()))
@@ -129,16 +137,27 @@ fn differing(case: &Case, turn: Turn) -> f64 {
     if r.object.is_some() && c.object.is_some() {
         worst = part(&|i, j| r.object_at(i) != c.object_at(j));
     }
-    for planes in [
-        [r.material, c.material],
-        [r.world, c.world],
-        [light(case, 0), light(case, 1)],
-    ] {
+    for planes in [[r.material, c.material], [r.world, c.world]] {
         if let [Some(r), Some(c)] = planes {
-            worst = worst.max(part(&|i, j| differ(&r, i, &c, j)));
+            worst = worst.max(part(&|i, j| differ(place(&r, i), place(&c, j))));
         }
     }
-    worst
+    let mut factor = 1.0;
+    if let [Some(r), Some(c)] = [light(case, 0), light(case, 1)] {
+        let sum = |of: &[Plane; 3], i: usize| of.iter().map(|p| p.at(i)).sum::<f64>();
+        let ratios = pixels.iter().map(|[i, j]| sum(&c, *j) / sum(&r, *i));
+        let ratios = ratios.filter(|ratio| ratio.is_normal() && *ratio > 0.0);
+        factor = median(ratios.collect()).unwrap_or(1.0);
+        // Noise is no factor.
+        if (factor - 1.0).abs() <= SAME {
+            factor = 1.0;
+        }
+        worst = worst.max(part(&|i, j| differ(place(&r, i) * factor, place(&c, j))));
+    }
+    Unlike {
+        part: worst,
+        factor,
+    }
 }
 
 fn light<'a>(case: &Case<'a>, which: usize) -> Option<[Plane<'a>; 3]> {
@@ -146,8 +165,7 @@ fn light<'a>(case: &Case<'a>, which: usize) -> Option<[Plane<'a>; 3]> {
 }
 
 /// Whether three values differ by more than rounding and a little noise.
-fn differ(r: &[Plane; 3], i: usize, c: &[Plane; 3], j: usize) -> bool {
-    let (r, c) = (place(r, i), place(c, j));
+fn differ(r: DVec3, c: DVec3) -> bool {
     match (r.is_finite(), c.is_finite()) {
         (true, true) => (c - r).length() > SAME * r.length().max(c.length()),
         (a, b) => a != b,
@@ -264,6 +282,18 @@ pub(super) fn describe(
         ("tan(fov/2) across over the reference's", k.x),
         ("tan(fov/2) down over the reference's", k.y),
     ]);
+    if k.min_element() < 0.0 {
+        let what = match (k.x < 0.0, k.y < 0.0) {
+            (true, true) => BOTH,
+            (true, false) => LEFT_RIGHT,
+            _ => UP_DOWN,
+        };
+        return Diagnosis {
+            kind: Kind::Mirrored,
+            what: what.into(),
+            evidence,
+        };
+    }
     if !alike {
         return Diagnosis {
             kind: Kind::Aspect,

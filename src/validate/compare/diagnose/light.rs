@@ -68,6 +68,8 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 const BLACK: f64 = 0.01;
 /// The part of the lit pixels at which something has to be wrong: fewer are edges.
 const FEWEST_WRONG: f64 = 0.1;
+/// What a hypothesis leaves of the squared error that explains all of it but rounding: then a few pixels do, where the rest is grey.
+const EXACT: f64 = 1e-9;
 /// What a hypothesis may leave of the squared error of all lit pixels, of compressed light.
 const LEFT: f64 = 0.5;
 
@@ -91,7 +93,7 @@ impl Told {
     /// Whether it explains most of an error that is not one of edges alone.
     pub fn explains(&self) -> bool {
         let enough = self.tally.distances.len() as f64 >= FEWEST_WRONG * self.pixels as f64;
-        enough && self.left <= LEFT && self.tally.explains(NOTABLE)
+        (enough || self.left <= EXACT) && self.left <= LEFT && self.tally.explains(NOTABLE)
     }
 }
 
@@ -133,7 +135,7 @@ fn factor(lit: &[Lit], of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<f64> {
 }
 
 /// Of the factor that a mistake stands beside.
-fn beside(factor: f64) -> String {
+pub(super) fn beside(factor: f64) -> String {
     let factor = in_words(factor);
     format!(", and light is {factor} times what it should be beside that")
 }

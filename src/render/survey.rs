@@ -26,7 +26,9 @@ use crate::render::trace::{
     Background, CameraRays, EmissionClock, Emitter, HitBuffer, Meter, ObservedPoint, RayGenerator,
     Rays, SurfacePoint, Surfaces, TimeResolved,
 };
-use crate::scene::model::{Beam, Clock, LightKind, Mapping, Scene, SourceKind, TimeBins};
+use crate::scene::model::{
+    Beam, Clock, CubeSource, LightKind, Mapping, Scene, SourceKind, TimeBins,
+};
 use crate::spacetime::{Event, World};
 
 /// How many standard deviations of a pulse count as its duration, on either side.
@@ -240,7 +242,8 @@ pub fn wavelength_ratios(scene: &Prepared) -> Option<[f64; 2]> {
 }
 
 /// Cubes of which the light in view has no part, or none but where they are dark: both spans, and the start or the unit that
-/// would fit, which may also be camera times that would.
+/// would fit, which may also be camera times that would. Nothing is said of those whose times are those of a cube that is lit in
+/// view: light reaches some surfaces later than others.
 pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     let is_dark = |prepared: &Prepared, times: &SeenTimes| {
         let data = lit(prepared, times.source).unwrap_or(times.data);
@@ -260,7 +263,12 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
     if !few.is_empty() && !few.iter().any(|times| is_dark(prepared, times)) {
         return Vec::new();
     }
-    let mut remarks = Vec::new();
+    let cube = |times: &SeenTimes| match &scene.sources[times.source].kind {
+        SourceKind::Cube(cube) => Some(cube),
+        SourceKind::Pulse(_) => None,
+    };
+    let mut fitting = Vec::new();
+    let mut others = Vec::new();
     for times in seen_times(prepared) {
         if !times.is_of_cube(scene) {
             continue;
@@ -270,7 +278,18 @@ pub fn misfits(scene: &Scene, prepared: &mut Prepared) -> Vec<String> {
             data: lit.unwrap_or(times.data),
             ..times
         };
-        if there.meets() {
+        match there.meets() {
+            true => fitting.extend(cube(&times)),
+            false => others.push((times, there, lit)),
+        }
+    }
+    let mut remarks = Vec::new();
+    for (times, there, lit) in others {
+        let is_alike = |own: &CubeSource| {
+            let mut fitting = fitting.iter();
+            fitting.any(|cube| cube.bins == own.bins && cube.clock == own.clock)
+        };
+        if cube(&times).is_some_and(|own| is_alike(own)) {
             continue;
         }
         // What is 0 but for rounding.

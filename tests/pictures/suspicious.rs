@@ -50,6 +50,33 @@ fn nothing_is_said_of_data_that_are_used_rightly() {
 }
 
 #[test]
+fn nothing_is_said_of_surfaces_that_light_reaches_later_than_others() {
+    // 9.6 m after the flash, what is seen of the wall at the back is still dark, and the floor is lit.
+    let path = Path::new(ROOT).join("scenes/baked/rabbit.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let said = |from: &str, to: &str| {
+        assert!(text.contains(from));
+        let text = text.replace(from, to).replace("[480, 400]", "[48, 40]");
+        let scene = parse(
+            &text,
+            "rabbit",
+            path.parent().unwrap(),
+            &Overrides::default(),
+        )
+        .unwrap();
+        misfits(&scene, &mut prepared(&scene).unwrap())
+    };
+    assert_eq!(said("time = \"9.6 m\"", "time = \"9.6 m\""), [""; 0]);
+    // One that begins elsewhere is another matter.
+    let back = "light/rabbit-back.npz\", array = \"radiance\", start = \"0 m\"";
+    let late = said(back, &back.replace("0 m", "-0.3 m"));
+    assert!(
+        late.len() == 1 && late[0].contains("light on back"),
+        "{late:?}"
+    );
+}
+
+#[test]
 fn light_before_it_can_arrive_is_said_with_a_start_that_would_fit() {
     let said = remarks("start = \"7 m\"", "start = \"0 m\"");
     assert!(

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Arg, Args};
 use nullray::scene::Heading;
 use nullray::spacetime::units::Time;
 
@@ -10,6 +10,7 @@ use super::shared::{Changes, ExposureArgument, ScenePath, WorkArguments};
 use crate::cli::values;
 
 #[derive(Debug, Args)]
+#[command(arg = Arg::new("frames").long("frames").hide(true).value_parser(frames_of_film))]
 pub struct FilmArguments {
     #[command(flatten)]
     pub scene: ScenePath,
@@ -93,6 +94,14 @@ pub struct MotionArguments {
         allow_hyphen_values = true
     )]
     pub to: Option<Time>,
+}
+
+/// Refuses the option by which pictures of a sequence are chosen elsewhere.
+fn frames_of_film(said: &str) -> Result<u32, String> {
+    Err(match said.parse::<u32>() {
+        Ok(count) => format!("the number of a film's pictures is --pictures: --pictures {count}"),
+        Err(_) => "a film is made whole; the number of its pictures is --pictures <N>".into(),
+    })
 }
 
 /// What stands beside the pictures of a film.

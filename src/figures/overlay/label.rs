@@ -1,15 +1,18 @@
-//! Labels along lines: where a line is nearly straight, and no other label is near.
+//! Labels along lines: where a line is nearly straight, no other label is near, and no other line goes through.
 
 use super::Polyline;
 use super::style;
 use crate::error::Result;
 use crate::figures::drawing::{Colour, Text};
-use crate::figures::text::RichText;
+use crate::figures::text::{Rect, RichText};
 
 /// Points per em.
 const SIZE: f64 = 6.5;
 /// Where along a line a label may be, the best first.
-const PLACES: [f64; 9] = [0.5, 0.35, 0.65, 0.42, 0.58, 0.25, 0.75, 0.15, 0.85];
+const PLACES: [f64; 19] = [
+    0.5, 0.35, 0.65, 0.42, 0.58, 0.25, 0.75, 0.15, 0.85, 0.46, 0.54, 0.38, 0.62, 0.3, 0.7, 0.2,
+    0.8, 0.1, 0.9,
+];
 /// How much of a line's length under a label its chord has at least.
 const STRAIGHT: f64 = 0.975;
 /// The least length of a line with a label, in lengths of the label.
@@ -22,6 +25,8 @@ pub(super) struct Labels {
     size: [f64; 2],
     /// Discs that are taken: centre and radius.
     discs: Vec<([f64; 2], f64)>,
+    /// All lines of the drawing, and the boxes around them.
+    lines: Vec<(Polyline, Rect)>,
 }
 
 impl Labels {
@@ -30,6 +35,7 @@ impl Labels {
         Labels {
             size,
             discs: Vec::new(),
+            lines: Vec::new(),
         }
     }
 
@@ -38,7 +44,15 @@ impl Labels {
         self.discs.push((centre, radius));
     }
 
-    /// A label with this text along `line`, points; none where there is no room for it.
+    /// Keeps labels off a line, points, but for those along it.
+    pub fn keep_off_line(&mut self, line: Polyline) {
+        if let Some(around) = Rect::around(line.iter().copied()) {
+            self.lines.push((line, around));
+        }
+    }
+
+    /// A label with this text along `line`, points, where the fewest other lines go through it; none where there is no
+    /// room for it.
     pub fn along(
         &mut self,
         line: &Polyline,
@@ -51,6 +65,7 @@ impl Labels {
         if whole < LEAST * width {
             return Ok(None);
         }
+        let mut best: Option<(usize, [[f64; 2]; 3])> = None;
         for place in PLACES {
             let [a, m, b] = [-0.5, 0.0, 0.5].map(|k| at(line, &lengths, place * whole + k * width));
             let [x, y] = [b[0] - a[0], b[1] - a[1]];
@@ -59,16 +74,68 @@ impl Labels {
             if !is_straight || !discs.iter().all(|disc| self.is_free(*disc)) {
                 continue;
             }
-            self.discs.extend(discs);
-            // Read from the left, or from below.
-            let (x, y) = if x < 0.0 { (-x, -y) } else { (x, y) };
-            let label = style::label(text, m, colour, SIZE);
-            return Ok(Some(Text {
-                angle: libm::atan2(-y, x),
-                ..label
-            }));
+            let crossed = self.crossed(Some(line), [a, b], SIZE);
+            if best.is_none_or(|(least, _)| crossed < least) {
+                best = Some((crossed, [a, m, b]));
+            }
+            if crossed == 0 {
+                break;
+            }
         }
-        Ok(None)
+        let Some((_, [a, m, b])) = best else {
+            return Ok(None);
+        };
+        self.discs
+            .extend([a, m, b].map(|centre| (centre, 0.3 * width + 0.5 * SIZE)));
+        // Read from the left, or from below.
+        let [x, y] = [b[0] - a[0], b[1] - a[1]];
+        let (x, y) = if x < 0.0 { (-x, -y) } else { (x, y) };
+        let label = style::label(text, m, colour, SIZE);
+        Ok(Some(Text {
+            angle: libm::atan2(-y, x),
+            ..label
+        }))
+    }
+
+    /// The middle of a level label of this width and height, points: that of `places` where the fewest lines go through it.
+    pub fn level(&mut self, places: &[[f64; 2]], [width, height]: [f64; 2]) -> Option<[f64; 2]> {
+        let ends = |[x, y]: [f64; 2]| [[x - 0.5 * width, y], [x + 0.5 * width, y]];
+        let crossed = |place: &&[f64; 2]| self.crossed(None, ends(**place), height);
+        let best = places.iter().min_by_key(crossed).copied()?;
+        let [a, b] = ends(best);
+        for centre in [a, best, b] {
+            self.keep_off(centre, 0.3 * width + 0.5 * height);
+        }
+        Some(best)
+    }
+
+    /// How many lines other than `own` go through a label of this height from `a` to `b`.
+    fn crossed(&self, own: Option<&Polyline>, [a, b]: [[f64; 2]; 2], height: f64) -> usize {
+        let [x, y] = [b[0] - a[0], b[1] - a[1]];
+        let length = x.hypot(y).max(f64::MIN_POSITIVE);
+        let [x, y] = [x / length, y / length];
+        // In coordinates along the label and across it.
+        let turned = |p: &[f64; 2]| {
+            let [u, v] = [p[0] - a[0], p[1] - a[1]];
+            [u * x + v * y, v * x - u * y]
+        };
+        let label = Rect {
+            min: [0.0, -0.5 * height],
+            max: [length, 0.5 * height],
+        };
+        // Its corners are no farther from its middle than this.
+        let far = 0.5 * (length + height);
+        let middle = [0, 1].map(|i| 0.5 * (a[i] + b[i]));
+        let near = |around: &Rect| {
+            (0..2).all(|i| (around.min[i] - far..=around.max[i] + far).contains(&middle[i]))
+        };
+        let others = self.lines.iter().filter(|(_, around)| near(around));
+        let others = others.filter(|(line, _)| Some(line) != own);
+        let crossing = others.filter(|(line, _)| {
+            let mut pairs = line.iter().zip(line.iter().skip(1));
+            pairs.any(|(p, q)| label.is_crossed(turned(p), turned(q)))
+        });
+        crossing.count()
     }
 
     fn is_free(&self, (centre, radius): ([f64; 2], f64)) -> bool {
@@ -104,4 +171,49 @@ fn at(line: &Polyline, lengths: &[f64], length: f64) -> [f64; 2] {
         0.0
     };
     [0, 1].map(|k| line[i - 1][k] + t.clamp(0.0, 1.0) * (line[i][k] - line[i - 1][k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_label_is_at_the_first_place_that_no_line_goes_through() {
+        let mut labels = Labels::new([300.0, 200.0]);
+        labels.keep_off_line(vec![[100.0, 0.0], [100.0, 200.0]]);
+        let places = [[95.0, 50.0], [140.0, 50.0], [200.0, 50.0]];
+        assert_eq!(labels.level(&places, [30.0, 8.0]), Some(places[1]));
+        assert_eq!(labels.level(&places[..1], [30.0, 8.0]), Some(places[0]));
+        // Where lines are clear of its height.
+        labels.keep_off_line(vec![[120.0, 44.0], [160.0, 44.0]]);
+        assert_eq!(labels.level(&places, [30.0, 8.0]), Some(places[1]));
+        assert_eq!(labels.level(&places, [30.0, 14.0]), Some(places[2]));
+    }
+
+    #[test]
+    fn a_label_is_where_no_other_line_goes_through_it() {
+        let text = || RichText::plain("12 ns").unwrap();
+        let line: Polyline = (0..=100)
+            .map(|k| [2.0 * f64::from(k) + 50.0, 100.0])
+            .collect();
+        let middle = |others: &[Polyline]| {
+            let mut labels = Labels::new([300.0, 200.0]);
+            labels.keep_off_line(line.clone());
+            others
+                .iter()
+                .for_each(|other| labels.keep_off_line(other.clone()));
+            labels
+                .along(&line, text(), Colour::WHITE)
+                .unwrap()
+                .map(|label| label.at)
+        };
+        // In the middle; or where a line crosses there, clear of it; and anyway where lines cross everywhere.
+        assert_eq!(middle(&[]), Some([150.0, 100.0]));
+        let across = |x: f64| vec![[x, 0.0], [x + 3.0, 200.0]];
+        let [x, y] = middle(&[across(150.0)]).unwrap();
+        let half = 0.5 * text().width(SIZE).unwrap();
+        assert!((x - 151.5).abs() > half && y == 100.0, "{x}, {y}");
+        let everywhere: Vec<Polyline> = (0..60).map(|k| across(5.0 * f64::from(k))).collect();
+        assert!(middle(&everywhere).is_some());
+    }
 }

@@ -100,6 +100,16 @@ impl Overlay {
         if let Some(pointer) = &self.pointer {
             labels.keep_off(place.pointed_at(pointer.target), 3.5 * RADIUS);
         }
+        let isochrones = self.isochrones.iter().flat_map(|all| &all.lines);
+        let outlines = self.instantaneous.iter().chain(&self.apparent);
+        let all = isochrones.flat_map(|line| &line.lines);
+        for line in all.chain(outlines.flat_map(|outline| &outline.lines)) {
+            labels.keep_off_line(place.line(line));
+        }
+        let pointer = match &self.pointer {
+            Some(pointer) => pointed(place, pointer, &mut labels)?,
+            None => Vec::new(),
+        };
         if let Some(isochrones) = &self.isochrones {
             items.extend(stroked(place, isochrones, false));
             items.extend(stroked(place, isochrones, true));
@@ -109,9 +119,7 @@ impl Overlay {
         items.extend(outlined(place, &self.instantaneous, INSTANTANEOUS));
         items.extend(outlined(place, &self.apparent, APPARENT));
         items.extend(texts);
-        if let Some(pointer) = &self.pointer {
-            items.extend(pointed(place, pointer)?);
-        }
+        items.extend(pointer);
         Ok(items)
     }
 }
@@ -197,23 +205,32 @@ fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Resu
 }
 
 /// ⊗, ⊙ or an arrow, and the speed beside it.
-fn pointed(place: &Place, pointer: &Pointer) -> Result<Vec<Item>> {
+fn pointed(place: &Place, pointer: &Pointer, labels: &mut Labels) -> Result<Vec<Item>> {
     let mut items = Vec::new();
     let at = place.pointed_at(pointer.target);
     items.extend(style::symbol(pointer.target, at));
     let text = style::speed(pointer.velocity)?;
     let (size, width) = (8.5, text.width(8.5)?);
-    let beside = match pointer.target {
+    // Behind the arrow, or above the sign first.
+    let places: Vec<[f64; 2]> = match pointer.target {
         Target::Outside([x, y]) => {
-            let back = 34.0 + 0.5 * width * x.abs();
-            [at[0] - back * x, at[1] - back * y]
+            let first = 34.0 + 0.5 * width * x.abs();
+            let backs = (0..12).map(|k| first + 10.0 * f64::from(k));
+            backs.map(|back| [-back * x, -back * y]).collect()
         }
-        _ => [at[0], at[1] - RADIUS - 7.0],
+        _ => {
+            let (up, aside) = (RADIUS + 7.0, RADIUS + 5.0 + 0.5 * width);
+            vec![[0.0, -up], [0.0, up], [aside, 0.0], [-aside, 0.0]]
+        }
     };
-    let beside = [
-        kept(beside[0], 0.5 * width + 4.0, place.size[0]),
-        kept(beside[1], 7.0, place.size[1]),
-    ];
+    let places = places.iter().map(|[x, y]| {
+        [
+            kept(at[0] + x, 0.5 * width + 4.0, place.size[0]),
+            kept(at[1] + y, 7.0, place.size[1]),
+        ]
+    });
+    let places: Vec<[f64; 2]> = places.collect();
+    let beside = labels.level(&places, [width, size]).unwrap_or(at);
     items.push(Item::Text(style::label(text, beside, POINTER.colour, size)));
     Ok(items)
 }

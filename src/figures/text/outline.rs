@@ -61,6 +61,24 @@ impl Rect {
         [0, 1].map(|axis| self.max[axis] - self.min[axis])
     }
 
+    /// Whether a straight line from `a` to `b` goes through it, edges included (Liang and Barsky 1984).
+    pub(crate) fn is_crossed(&self, a: [f64; 2], b: [f64; 2]) -> bool {
+        let (mut from, mut to) = (0f64, 1f64);
+        for i in 0..2 {
+            let d = b[i] - a[i];
+            if d == 0.0 {
+                if a[i] < self.min[i] || a[i] > self.max[i] {
+                    return false;
+                }
+                continue;
+            }
+            let (near, far) = ((self.min[i] - a[i]) / d, (self.max[i] - a[i]) / d);
+            from = from.max(near.min(far));
+            to = to.min(near.max(far));
+        }
+        from <= to
+    }
+
     /// The least box that holds every point; none for no points.
     pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<Rect> {
         let mut points = points.into_iter();

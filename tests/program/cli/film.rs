@@ -244,6 +244,8 @@ fn films_that_cannot_be_made_are_refused() {
             &["--caption", "-o FILE.png"],
         ),
         ("film scene.toml", &["--flyby", "--light"]),
+        ("film --frames 2", &["--pictures 2"]),
+        ("film scene.toml --light --frames 0..2", &["--pictures <N>"]),
         ("film scene.toml --flyby 0.5 --light", &["cannot be used"]),
         ("film scene.toml --flyby 1", &["--flyby 1", "below 1"]),
         (

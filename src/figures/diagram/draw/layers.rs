@@ -1,10 +1,12 @@
 //! The lines and areas of a panel, from the lowest to the uppermost.
 
+use super::labels::without;
 use super::page::Map;
 use super::theme::Theme;
 use crate::figures::diagram::layout::{Area, Axes, Axis, Bead, Kind, Now, Panel, Point, Tick};
 use crate::figures::diagram::model::{Colour as Name, Style};
 use crate::figures::drawing::{Arrow, Colour, Fill, Item, Path, Stroke};
+use crate::figures::text::Rect;
 
 /// Radius of an event's dot, in widths of world lines.
 pub(super) const DOT: f64 = 1.7;
@@ -24,7 +26,14 @@ pub(super) struct Pen<'a> {
     pub theme: &'a Theme,
 }
 
-pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<Item> {
+/// With `gaps` in what moves from picture to picture.
+pub(super) fn of(
+    panel: &Panel,
+    map: &Map,
+    theme: &Theme,
+    style: &Style,
+    gaps: &[Rect],
+) -> Vec<Item> {
     let pen = Pen { panel, map, theme };
     let mut clipped = pen.floor();
     clipped.extend(pen.areas());
@@ -37,7 +46,7 @@ pub(super) fn of(panel: &Panel, map: &Map, theme: &Theme, style: &Style) -> Vec<
     let mut upper = pen.intervals();
     upper.extend(pen.curves());
     upper.extend(pen.world_lines());
-    upper.extend(pen.now());
+    upper.extend(pen.now(gaps));
     let clip = |items: Vec<Item>| Item::Clip {
         path: Path::rect(map.rect()),
         items,
@@ -300,10 +309,14 @@ impl Pen<'_> {
         all.collect()
     }
 
-    fn now(&self) -> Option<Item> {
-        let now = self.panel.now.as_ref()?;
-        let stroke = self.theme.thin(now_colour(self.panel, self.theme, now));
-        Some(self.line(now.ends, stroke))
+    /// What is simultaneous, interrupted at `gaps`.
+    fn now(&self, gaps: &[Rect]) -> Vec<Item> {
+        let lines = self.panel.now.iter().flat_map(|now| {
+            let stroke = self.theme.thin(now_colour(self.panel, self.theme, now));
+            let parts = without(now.ends.map(|end| self.map.at(end)), gaps).into_iter();
+            parts.map(move |[from, to]| Item::stroked(Path::line(from, to), stroke.clone()))
+        });
+        lines.collect()
     }
 
     /// Larger than events, and in the colours of their lines.

@@ -13,11 +13,14 @@ use super::layout::Layout;
 use crate::error::Result;
 use crate::figures::diagram::model::Style;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
-use crate::figures::text::RichText;
+use crate::figures::text::{Rect, RichText};
 use labels::Ground;
 pub(crate) use labels::Habits;
 use page::Page;
 use theme::Theme;
+
+/// Around labels, where a line that moves is interrupted, points.
+const GAP: f64 = 1.5;
 
 /// Draws a layout.
 ///
@@ -41,7 +44,6 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     }
     let mut requests = Vec::new();
     for (panel, map) in layout.panels.iter().zip(&page.frames) {
-        items.extend(layers::of(panel, map, &theme, style));
         obstacles::add(&mut ground, panel, map, &theme);
         requests.extend(words::of(
             panel,
@@ -51,7 +53,13 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
             layout.panels.len() > 1,
         ));
     }
-    items.extend(labels::place(&ground, &requests, habits)?);
+    // What sweeps over the page is interrupted at labels, which stay where they are.
+    let labels = labels::place(&ground, &requests, habits)?;
+    let gaps = gaps(&labels)?;
+    for (panel, map) in layout.panels.iter().zip(&page.frames) {
+        items.extend(layers::of(panel, map, &theme, style, &gaps));
+    }
+    items.extend(labels);
     if style.legend {
         items.extend(legend::items(layout, &theme, &page)?);
     }
@@ -64,6 +72,22 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
         background: theme.background,
         items,
     })
+}
+
+/// The boxes of labels, with some air.
+fn gaps(labels: &[Item]) -> Result<Vec<Rect>> {
+    let texts = labels.iter().filter_map(|item| match item {
+        Item::Text(text) => Some(text),
+        _ => None,
+    });
+    let airy = texts.map(|text| {
+        let Rect { min, max } = text.bounds()?;
+        Ok(Rect {
+            min: min.map(|side| side - GAP),
+            max: max.map(|side| side + GAP),
+        })
+    });
+    airy.collect()
 }
 
 /// What is said below a diagram that has light beside its plane.

@@ -1,7 +1,7 @@
 //! What labels keep off.
 
-use super::labels::Ground;
-use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head};
+use super::labels::{Ground, is_inside};
+use super::layers::{BEAD, DOT, TICK, area_fill, cone_fill, head, is_inner};
 use super::page::Map;
 use super::solid;
 use super::theme::Theme;
@@ -11,8 +11,11 @@ use crate::figures::text::Rect;
 /// How much a label is disturbed by thin lines, and by the faint ones of a grid.
 const THIN: f64 = 0.8;
 const FAINT: f64 = 0.15;
-/// By the dotted lines down to a floor and the shadows on it.
+/// By a floor's edges, the dotted lines down to it and the shadows on it.
 const DOTTED: f64 = 0.4;
+/// In how many pieces a side of a panel is looked at, and how far within the panel, points.
+const PIECES: u32 = 64;
+const INNER: f64 = 0.1;
 /// Of the head of a signal's arrow, points.
 const HEAD: f64 = 3.0;
 
@@ -57,9 +60,27 @@ fn areas(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
         }
     }
     for area in &panel.areas {
-        ground.area(map.points(&area.edge), area_fill(panel, theme, area));
+        let points = map.points(&area.edge);
+        sides(ground, &points, map.rect());
+        ground.area(points, area_fill(panel, theme, area));
         let edge = area.edge.iter().chain(area.edge.first());
         ground.line(edge.map(|point| map.at(*point)).collect(), THIN);
+    }
+}
+
+/// The sides of the panel where shade ends at them.
+fn sides(ground: &mut Ground, edge: &[[f64; 2]], Rect { min, max }: Rect) {
+    let height = |k: u32| min[1] + (max[1] - min[1]) * f64::from(k) / f64::from(PIECES);
+    for (x, inner) in [(min[0], min[0] + INNER), (max[0], max[0] - INNER)] {
+        let is_shaded = |k: u32| is_inside([inner, 0.5 * (height(k) + height(k + 1))], edge);
+        let mut from = 0;
+        while from < PIECES {
+            let to = (from..PIECES).find(|k| !is_shaded(*k)).unwrap_or(PIECES);
+            if to > from {
+                ground.line(vec![[x, height(from)], [x, height(to)]], THIN);
+            }
+            from = to + 1;
+        }
     }
 }
 
@@ -75,7 +96,7 @@ fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     let axes = axes.flat_map(|axes| [&axes.time, &axes.space].into_iter().chain(&axes.depth));
     for axis in axes {
         ground.line(map.points(&axis.ends), 1.0);
-        for tick in &axis.ticks {
+        for tick in axis.ticks.iter().filter(|tick| is_inner(map, axis, tick)) {
             ground.line(across(map, tick).into(), 1.0);
         }
     }
@@ -120,6 +141,8 @@ fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
         ground.line(corners.map(|corner| map.at(*corner)).collect(), THIN);
     }
     if let Some(solid) = &panel.solid {
+        let floor = solid.floor.iter().chain(solid.floor.first());
+        ground.line(floor.map(|corner| map.at(*corner)).collect(), DOTTED);
         for drop in &solid.drops {
             ground.line(map.points(drop), DOTTED);
         }

@@ -84,13 +84,13 @@ impl Words<'_> {
                 [0.9, -0.4],
                 [0.9, 2.0],
             ];
-            // The last one is below the numbers of an axis that ends at the edge of the page.
+            // The last but one is below the numbers of an axis that ends at the edge of the page.
             let right = [
                 [0.3, 1.0],
+                [-0.8, 0.8],
                 [0.0, 1.0],
                 [0.0, -1.0],
                 [0.9, 0.0],
-                [-0.8, 0.8],
                 [-0.8, 2.4],
                 [-0.8, -0.8],
             ];

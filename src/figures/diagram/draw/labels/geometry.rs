@@ -45,26 +45,61 @@ pub(super) fn around(points: &[[f64; 2]]) -> Rect {
     })
 }
 
-/// Whether a straight line goes through a rectangle (Liang and Barsky).
-pub(super) fn crosses(rect: Rect, a: [f64; 2], b: [f64; 2]) -> bool {
-    let (mut from, mut to) = (0f64, 1f64);
+/// The part of the way from `a` to `b` within a rectangle, edges included, in parts of that way (Liang and Barsky).
+fn parts_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
+    let (mut from, mut to) = (0.0f64, 1.0f64);
     for i in 0..2 {
-        let d = b[i] - a[i];
-        if d == 0.0 {
-            if a[i] < rect.min[i] || a[i] > rect.max[i] {
-                return false;
+        let way = b[i] - a[i];
+        if way == 0.0 {
+            if !(clip.min[i]..=clip.max[i]).contains(&a[i]) {
+                return None;
             }
             continue;
         }
-        let (near, far) = ((rect.min[i] - a[i]) / d, (rect.max[i] - a[i]) / d);
-        from = from.max(near.min(far));
-        to = to.min(near.max(far));
+        let (s, t) = ((clip.min[i] - a[i]) / way, (clip.max[i] - a[i]) / way);
+        from = from.max(s.min(t));
+        to = to.min(s.max(t));
     }
-    from <= to
+    (from < to).then_some([from, to])
+}
+
+/// The point a part of the way from `a` to `b`.
+fn between(a: [f64; 2], b: [f64; 2], part: f64) -> [f64; 2] {
+    match part {
+        0.0 => a,
+        1.0 => b,
+        part => [0, 1].map(|i| a[i] + part * (b[i] - a[i])),
+    }
+}
+
+/// The part of the way from `a` to `b` within a rectangle, edges included.
+pub(super) fn part_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    Some(parts_within(clip, a, b)?.map(|part| between(a, b, part)))
+}
+
+/// What is left of a straight line where it is interrupted at rectangles, from its first end to its last.
+pub(in crate::figures::diagram::draw) fn without(
+    [a, b]: [[f64; 2]; 2],
+    gaps: &[Rect],
+) -> Vec<[[f64; 2]; 2]> {
+    let mut hidden: Vec<[f64; 2]> = gaps
+        .iter()
+        .filter_map(|gap| parts_within(*gap, a, b))
+        .collect();
+    hidden.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    let mut left = Vec::new();
+    let mut from = 0.0f64;
+    for [s, t] in hidden.into_iter().chain([[1.0, 1.0]]) {
+        if s > from {
+            left.push([from, s].map(|part| between(a, b, part)));
+        }
+        from = from.max(t);
+    }
+    left
 }
 
 /// Whether a point is inside a polygon: a ray from it crosses the edge an odd number of times.
-pub(super) fn is_inside([x, y]: [f64; 2], edge: &[[f64; 2]]) -> bool {
+pub(in crate::figures::diagram::draw) fn is_inside([x, y]: [f64; 2], edge: &[[f64; 2]]) -> bool {
     let before = edge.iter().cycle().skip(edge.len().saturating_sub(1));
     let crossings = edge.iter().zip(before).filter(|(a, b)| {
         (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
@@ -213,7 +248,7 @@ mod tests {
         }
         for place in 0..100 {
             let rect = moved(UNIT, [place as f64 * 3.7 % 88.0, place as f64 * 1.9 % 92.0]);
-            let crossed = |k: &usize| crosses(rect, ends(*k)[0], ends(*k)[1]);
+            let crossed = |k: &usize| rect.is_crossed(ends(*k)[0], ends(*k)[1]);
             let found: Vec<usize> = grid.near(rect).into_iter().filter(crossed).collect();
             let all: Vec<usize> = (0..200).filter(crossed).collect();
             assert_eq!(found, all);
@@ -233,9 +268,30 @@ mod tests {
 
     #[test]
     fn lines_cross_a_rectangle_or_miss_it() {
-        assert!(crosses(UNIT, [-1.0, 0.5], [2.0, 0.6]));
-        assert!(!crosses(UNIT, [-1.0, 0.5], [0.4, 2.0]));
-        assert!(!crosses(UNIT, [2.0, 0.5], [3.0, 0.5]));
+        assert!(UNIT.is_crossed([-1.0, 0.5], [2.0, 0.6]));
+        assert!(!UNIT.is_crossed([-1.0, 0.5], [0.4, 2.0]));
+        assert!(!UNIT.is_crossed([2.0, 0.5], [3.0, 0.5]));
+    }
+
+    #[test]
+    fn a_line_is_interrupted_at_rectangles_that_may_overlap() {
+        let ends = [[-1.0, 0.5], [9.0, 0.5]];
+        assert_eq!(without(ends, &[]), [ends]);
+        let gaps = [4.0, 0.0, 0.5].map(|x| moved(UNIT, [x, 0.0]));
+        assert_eq!(
+            without(ends, &gaps),
+            [
+                [[-1.0, 0.5], [0.0, 0.5]],
+                [[1.5, 0.5], [4.0, 0.5]],
+                [[5.0, 0.5], [9.0, 0.5]]
+            ]
+        );
+        // At its ends, and where nothing is left.
+        assert_eq!(
+            without([[0.5, 0.5], [3.0, 0.5]], &[UNIT]),
+            [[[1.0, 0.5], [3.0, 0.5]]]
+        );
+        assert!(without([[0.2, 0.5], [0.8, 0.5]], &[UNIT]).is_empty());
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! What is on the page before the labels.
 
-use super::geometry::{Grid, around, crosses, is_inside, touch};
+use super::geometry::{Grid, around, is_inside, part_within, touch, widened};
 use crate::figures::drawing::Colour;
 use crate::figures::text::Rect;
 
 const OUTSIDE: f64 = 300.0;
 const ON_DOT: f64 = 60.0;
 const ON_LINE: f64 = 32.0;
+/// Of a line within [`NEAR`] points of what a label keeps free.
+const NEAR_LINE: f64 = 1.0;
+const NEAR: f64 = 2.0;
 /// The side of cells in which lines and dots are looked up, points: about the height of a label.
 const CELL: f64 = 8.0;
 /// The most lines that count.
@@ -94,18 +97,23 @@ impl Ground {
     pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
         let near = self.dots_by_place.near(airy).into_iter();
         let dots = near.filter(|dot| touch(airy, self.dots[*dot]));
-        // No more are looked at than count.
+        let (on, near) = (self.crossed(airy), self.crossed(widened(airy, NEAR)));
+        let inside =
+            (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
+        let outside = if inside { 0.0 } else { OUTSIDE };
+        ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + outside
+    }
+
+    /// How much lines disturb what is in a rectangle. No more are looked at than count.
+    fn crossed(&self, rect: Rect) -> f64 {
         let mut lines = 0.0;
-        for line in self.crossing(airy) {
+        for line in self.crossing(rect) {
             lines += line.weight;
             if lines >= MOST_LINES {
                 break;
             }
         }
-        let inside =
-            (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
-        let outside = if inside { 0.0 } else { OUTSIDE };
-        ON_DOT * dots.count() as f64 + ON_LINE * lines.min(MOST_LINES) + outside
+        lines.min(MOST_LINES)
     }
 
     /// Whether a line goes through a rectangle.
@@ -117,7 +125,7 @@ impl Ground {
         let near = move |line: &&Line| touch(line.bounds, rect);
         let through = move |line: &&Line| {
             let pairs = line.points.iter().zip(line.points.iter().skip(1));
-            pairs.into_iter().any(|(a, b)| crosses(rect, *a, *b))
+            pairs.into_iter().any(|(a, b)| rect.is_crossed(*a, *b))
         };
         let found = self.lines_by_place.near(rect).into_iter();
         let found = found.filter_map(|line| self.lines.get(line));
@@ -151,29 +159,6 @@ fn seen(points: &[[f64; 2]], clip: Rect) -> Vec<Vec<[f64; 2]>> {
         end = Some(to);
     }
     parts
-}
-
-/// The part of the way from `a` to `b` within a rectangle, edges included (Liang and Barsky).
-fn part_within(clip: Rect, a: [f64; 2], b: [f64; 2]) -> Option<[[f64; 2]; 2]> {
-    let (mut from, mut to) = (0.0f64, 1.0f64);
-    for i in 0..2 {
-        let way = b[i] - a[i];
-        if way == 0.0 {
-            if !(clip.min[i]..=clip.max[i]).contains(&a[i]) {
-                return None;
-            }
-            continue;
-        }
-        let (s, t) = ((clip.min[i] - a[i]) / way, (clip.max[i] - a[i]) / way);
-        from = from.max(s.min(t));
-        to = to.min(s.max(t));
-    }
-    let at = |t: f64| match t {
-        0.0 => a,
-        1.0 => b,
-        t => [0, 1].map(|i| a[i] + t * (b[i] - a[i])),
-    };
-    (from < to).then(|| [at(from), at(to)])
 }
 
 /// What is seen of `ground` through `colour`.

@@ -13,6 +13,7 @@
 //! greedy placement with such a descent does well: Christensen, Marks, Shieber 1995.) No chance is
 //! involved: the same diagram has the same labels in the same places.
 
+mod block;
 mod geometry;
 mod ground;
 
@@ -20,8 +21,10 @@ use std::collections::HashMap;
 
 use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
-use crate::figures::text::{Rect, RichText};
+use crate::figures::text::Rect;
+use block::Block;
 use geometry::{Grid, distance, moved, widened};
+pub(super) use geometry::{is_inside, without};
 pub(super) use ground::Ground;
 
 const ON_LABEL: f64 = 1000.0;
@@ -32,6 +35,8 @@ const CLEAR: f64 = 8.0;
 const NEXT_ANCHOR: f64 = 0.9;
 const NEXT_DIRECTION: f64 = 0.6;
 const FARTHER: f64 = 0.45;
+/// Of each line more than one.
+const NEXT_LINE: f64 = 20.0;
 /// By how much the place of the frame before is better in a series of frames.
 const HABIT: f64 = 20.0;
 /// The most that a label moves from frame to frame of a series, points; with a point that moves faster it goes along.
@@ -134,8 +139,9 @@ struct Candidate {
     /// In the order of the request.
     index: usize,
     preference: f64,
-    text: Text,
-    /// Of its ink.
+    /// Its lines.
+    texts: Vec<Text>,
+    /// Of their ink.
     rect: Rect,
     anchor: [f64; 2],
     distance: f64,
@@ -156,6 +162,28 @@ struct Label<'a> {
     late: [f64; 2],
 }
 
+/// Labels and their leaders by their places.
+struct Places {
+    labels: Grid,
+    leaders: Grid,
+}
+
+impl Places {
+    fn insert(&mut self, index: usize, candidate: &Candidate) {
+        self.labels.insert(index, candidate.rect);
+        if let Some(ends) = candidate.leader() {
+            self.leaders.insert(index, geometry::around(&ends));
+        }
+    }
+
+    fn remove(&mut self, index: usize, candidate: &Candidate) {
+        self.labels.remove(index, candidate.rect);
+        if let Some(ends) = candidate.leader() {
+            self.leaders.remove(index, geometry::around(&ends));
+        }
+    }
+}
+
 /// The labels of a page over what is there already.
 pub(super) fn place(
     ground: &Ground,
@@ -170,17 +198,20 @@ pub(super) fn place(
         labels.push(Label::new(request, *count, habits)?);
         *count += 1;
     }
-    let mut grid = Grid::new(CELL);
+    let mut places = Places {
+        labels: Grid::new(CELL),
+        leaders: Grid::new(CELL),
+    };
     for _ in 0..ROUNDS {
         let mut moved = false;
         for i in 0..labels.len() {
             let before = labels[i].chosen;
-            if let Some(rect) = labels[i].rect() {
-                grid.remove(i, rect);
+            if let Some(candidate) = labels[i].chosen() {
+                places.remove(i, candidate);
             }
-            labels[i].chosen = choose(&mut labels, i, &grid, ground);
-            if let Some(rect) = labels[i].rect() {
-                grid.insert(i, rect);
+            labels[i].chosen = choose(&mut labels, i, &places, ground);
+            if let Some(candidate) = labels[i].chosen() {
+                places.insert(i, candidate);
             }
             moved |= labels[i].chosen != before;
         }
@@ -188,7 +219,7 @@ pub(super) fn place(
             break;
         }
     }
-    leave_out(&mut labels, &mut grid, ground);
+    leave_out(&mut labels, &mut places, ground);
     labels.iter_mut().for_each(Label::step);
     give_way(&mut labels);
     let chosen = labels.iter().filter_map(|label| {
@@ -207,8 +238,8 @@ pub(super) fn place(
         .collect())
 }
 
-/// The cheapest candidate of the i-th label, the others being where they are, in `grid`.
-fn choose(labels: &mut [Label], i: usize, grid: &Grid, ground: &Ground) -> Option<usize> {
+/// The cheapest candidate of the i-th label, the others being where they are, in `places`.
+fn choose(labels: &mut [Label], i: usize, places: &Places, ground: &Ground) -> Option<usize> {
     let mut candidates = std::mem::take(&mut labels.get_mut(i)?.candidates);
     let mut best: Option<(f64, usize)> = None;
     for (k, candidate) in candidates.iter_mut().enumerate() {
@@ -216,7 +247,7 @@ fn choose(labels: &mut [Label], i: usize, grid: &Grid, ground: &Ground) -> Optio
             break;
         }
         let least = best.map_or(f64::INFINITY, |(least, _)| least);
-        if let Some(cost) = candidate.cost_below(least, labels, grid, ground) {
+        if let Some(cost) = candidate.cost_below(least, labels, places, ground) {
             best = Some((cost, k));
         }
     }
@@ -225,19 +256,19 @@ fn choose(labels: &mut [Label], i: usize, grid: &Grid, ground: &Ground) -> Optio
 }
 
 /// Takes away what may be left out and has no good place.
-fn leave_out(labels: &mut [Label], grid: &mut Grid, ground: &Ground) {
+fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
     for i in (0..labels.len()).rev() {
-        let (true, Some(rect)) = (labels[i].request.optional, labels[i].rect()) else {
+        let (true, Some(candidate)) = (labels[i].request.optional, labels[i].chosen()) else {
             continue;
         };
-        grid.remove(i, rect);
+        places.remove(i, candidate);
         let mut candidates = std::mem::take(&mut labels[i].candidates);
         let candidate = labels[i].chosen.and_then(|k| candidates.get_mut(k));
-        let cost = candidate.and_then(|it| it.cost_below(TOO_MUCH, labels, grid, ground));
+        let cost = candidate.and_then(|it| it.cost_below(TOO_MUCH, labels, places, ground));
         labels[i].candidates = candidates;
-        match cost {
-            None => labels[i].chosen = None,
-            Some(_) => grid.insert(i, rect),
+        match (cost, labels[i].chosen()) {
+            (Some(_), Some(candidate)) => places.insert(i, candidate),
+            _ => labels[i].chosen = None,
         }
     }
 }
@@ -264,24 +295,24 @@ fn give_way(labels: &mut [Label]) {
 }
 
 impl Candidate {
-    /// What it costs beside those of `labels` that are in `grid`; none if that is `least` or more.
+    /// What it costs beside those of `labels` that are in `places`; none if that is `least` or more.
     fn cost_below(
         &mut self,
         least: f64,
         labels: &[Label],
-        grid: &Grid,
+        places: &Places,
         ground: &Ground,
     ) -> Option<f64> {
         let airy = widened(self.rect, AIR);
         let under = *self
             .under
             .get_or_insert_with(|| ground.cost(self.rect, airy));
-        let mut cost = self.preference + under + self.leader_cost(labels, grid);
+        let mut cost = self.preference + under + self.leader_cost(labels, places);
         if cost >= least {
             return None;
         }
         // What is farther than CLEAR costs nothing.
-        let near = grid.near(widened(airy, CLEAR)).into_iter();
+        let near = places.labels.near(widened(airy, CLEAR)).into_iter();
         for other in near.filter_map(|k| labels.get(k)?.rect()) {
             cost += match distance(airy, other) {
                 0.0 => ON_LABEL,
@@ -294,16 +325,23 @@ impl Candidate {
         Some(cost)
     }
 
-    /// What its leader costs, which is not to cross other labels.
-    fn leader_cost(&self, all: &[Label], grid: &Grid) -> f64 {
-        if self.distance < LEADER {
-            return 0.0;
-        }
-        let way = [self.anchor, nearest(self.anchor, self.rect)];
-        let others = grid.near(geometry::around(&way)).into_iter();
-        let others = others.filter_map(|k| all.get(k)?.rect());
-        let crossed = others.filter(|other| geometry::crosses(*other, way[0], way[1]));
-        LEADER_ON_LABEL * crossed.count() as f64
+    /// The line that leads to it, where it is far from what it names.
+    fn leader(&self) -> Option<[[f64; 2]; 2]> {
+        let ends = [self.anchor, nearest(self.anchor, self.rect)];
+        (self.distance >= LEADER).then_some(ends)
+    }
+
+    /// What it costs that leaders cross labels: its own the others, and those of the others this one.
+    fn leader_cost(&self, all: &[Label], places: &Places) -> f64 {
+        let crossed = self.leader().map_or(0, |[from, to]| {
+            let near = places.labels.near(geometry::around(&[from, to]));
+            let others = near.into_iter().filter_map(|k| all.get(k)?.rect());
+            others.filter(|it| it.is_crossed(from, to)).count()
+        });
+        let near = places.leaders.near(self.rect).into_iter();
+        let leaders = near.filter_map(|k| all.get(k)?.chosen()?.leader());
+        let crossing = leaders.filter(|[from, to]| self.rect.is_crossed(*from, *to));
+        LEADER_ON_LABEL * (crossed + crossing.count()) as f64
     }
 }
 
@@ -359,15 +397,17 @@ impl<'a> Label<'a> {
         };
         let mut items = Vec::new();
         let rect = moved(candidate.rect, self.late);
-        let [x, y] = candidate.text.at;
         if candidate.distance >= LEADER {
             items.push(leader(candidate.anchor, rect, self.request.colour));
         }
         let halo = ground.is_crossed(widened(rect, AIR));
-        items.push(Item::Text(Text {
-            at: [x + self.late[0], y + self.late[1]],
-            halo: halo.then(|| (ground.colour(rect), HALO)),
-            ..candidate.text.clone()
+        let halo = halo.then(|| (ground.colour(rect), HALO));
+        items.extend(candidate.texts.iter().map(|text| {
+            Item::Text(Text {
+                at: [0, 1].map(|i| text.at[i] + self.late[i]),
+                halo,
+                ..text.clone()
+            })
         }));
         items
     }
@@ -390,38 +430,38 @@ fn middle(rect: Rect) -> [f64; 2] {
 
 /// All places of a label, in the order of the request.
 fn candidates(request: &Request) -> Result<Vec<Candidate>> {
-    let rich = RichText::parse(&request.text)?;
-    let (width, ink) = (rich.width(request.size)?, rich.bounds(request.size)?);
     let mut all = Vec::new();
-    for &distance in &request.distances {
-        for (a, &anchor) in request.anchors.iter().enumerate() {
-            for (d, &direction) in request.directions.iter().enumerate() {
-                let text = beside(&rich, request, anchor, direction, distance);
-                let [x, y] = text.anchor.offset(width, text.size);
-                let preference = NEXT_ANCHOR * a as f64 + NEXT_DIRECTION * d as f64;
-                all.push(Candidate {
-                    index: all.len(),
-                    preference: preference + FARTHER * distance,
-                    rect: moved(ink, [text.at[0] + x, text.at[1] + y]),
-                    text,
-                    anchor,
-                    distance,
-                    under: None,
-                });
+    for block in Block::all(&request.text, request.size)? {
+        let lines = NEXT_LINE * (block.count() - 1) as f64;
+        for &distance in &request.distances {
+            for (a, &anchor) in request.anchors.iter().enumerate() {
+                for (d, &direction) in request.directions.iter().enumerate() {
+                    let (texts, rect) = beside(&block, request, anchor, direction, distance);
+                    let preference = NEXT_ANCHOR * a as f64 + NEXT_DIRECTION * d as f64;
+                    all.push(Candidate {
+                        index: all.len(),
+                        preference: preference + FARTHER * distance + lines,
+                        rect,
+                        texts,
+                        anchor,
+                        distance,
+                        under: None,
+                    });
+                }
             }
         }
     }
     Ok(all)
 }
 
-/// The text beside `anchor` in a direction.
+/// The lines of a label beside `anchor` in a direction, and the box of their ink.
 fn beside(
-    rich: &RichText,
+    block: &Block,
     request: &Request,
     anchor: [f64; 2],
     direction: [f64; 2],
     distance: f64,
-) -> Text {
+) -> (Vec<Text>, Rect) {
     let [x, y] = direction;
     let side = match x {
         x if x > 0.3 => AnchorX::Start,
@@ -433,10 +473,13 @@ fn beside(
         y if y < -0.3 => AnchorY::Baseline,
         _ => AnchorY::Middle,
     };
-    let at = [anchor[0] + x * distance, anchor[1] + y * distance];
-    Text {
-        anchor: Anchor { x: side, y: height },
+    let [x, y] = [0, 1].map(|i| anchor[i] + direction[i] * distance);
+    let anchor = Anchor { x: side, y: height };
+    let texts = block.lines(height).map(|(line, down)| Text {
+        anchor,
         colour: request.colour,
-        ..Text::new(rich.clone(), at, request.size)
-    }
+        ..Text::new(line.clone(), [x, y + down], request.size)
+    });
+    let ink = block.ink(height, |width| anchor.offset(width, request.size));
+    (texts.collect(), moved(ink, [x, y]))
 }

@@ -1,0 +1,214 @@
+//! The words of a label, in one line or, where a line is too long for its place, in several.
+
+use super::geometry::moved;
+use crate::error::Result;
+use crate::figures::drawing::AnchorY;
+use crate::figures::text::{Rect, RichText};
+
+/// The most lines of a label, and the most parts of one that is broken.
+const MOST_LINES: usize = 6;
+const MOST_PARTS: usize = 64;
+/// From baseline to baseline, in the type's size.
+const LEADING: f64 = 1.25;
+
+/// Lines of text, one below the other.
+pub(super) struct Block {
+    lines: Vec<Line>,
+    /// From baseline to baseline, points.
+    step: f64,
+}
+
+struct Line {
+    text: RichText,
+    width: f64,
+    /// Of its ink, from the left end of its baseline.
+    ink: Rect,
+}
+
+impl Block {
+    /// The ways in which `markup` may be set: in one line, then in ever more, as even as they can be.
+    pub fn all(markup: &str, size: f64) -> Result<Vec<Block>> {
+        let mut all = vec![Block::of(&[markup], size)?];
+        let parts = parts(markup);
+        let lengths: Vec<usize> = parts.iter().map(|part| part.chars().count()).collect();
+        for count in 2..=MOST_LINES.min(parts.len()) {
+            // The least width in which so many lines hold the parts in order.
+            let longest = lengths.iter().copied().max().unwrap_or(0);
+            let whole: usize = lengths.iter().sum();
+            let fits = |most: &usize| filled(&lengths, *most).len() <= count;
+            let Some(most) = (longest..=whole).find(fits) else {
+                continue;
+            };
+            let rows = filled(&lengths, most);
+            if rows.len() == count {
+                let lines: Vec<String> = rows.into_iter().map(|row| parts[row].concat()).collect();
+                let lines: Vec<&str> = lines.iter().map(|line| line.trim()).collect();
+                all.push(Block::of(&lines, size)?);
+            }
+        }
+        Ok(all)
+    }
+
+    fn of(lines: &[&str], size: f64) -> Result<Block> {
+        let line = |markup: &&str| {
+            let text = RichText::parse(markup)?;
+            Ok(Line {
+                width: text.width(size)?,
+                ink: text.bounds(size)?,
+                text,
+            })
+        };
+        Ok(Block {
+            lines: lines.iter().map(line).collect::<Result<_>>()?,
+            step: LEADING * size,
+        })
+    }
+
+    /// How many lines there are.
+    pub fn count(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Each line, its width and ink, and how far its anchor is below that of the block.
+    pub fn lines(&self, height: AnchorY) -> impl Iterator<Item = (&RichText, f64)> {
+        let below = (self.lines.len() - 1) as f64 * self.step;
+        let first = match height {
+            AnchorY::Top => 0.0,
+            AnchorY::Middle => -0.5 * below,
+            AnchorY::Baseline | AnchorY::Bottom => -below,
+        };
+        let lines = self.lines.iter().enumerate();
+        lines.map(move |(k, line)| (&line.text, first + k as f64 * self.step))
+    }
+
+    /// The ink of all lines, where `offset` gives the left end of the baseline of a line of a width from its anchor.
+    pub fn ink(&self, height: AnchorY, offset: impl Fn(f64) -> [f64; 2]) -> Rect {
+        let rects = self
+            .lines
+            .iter()
+            .zip(self.lines(height))
+            .map(|(line, (_, down))| {
+                let [x, y] = offset(line.width);
+                moved(line.ink, [x, y + down])
+            });
+        let both = |a: Rect, b: Rect| Rect {
+            min: [0, 1].map(|i| a.min[i].min(b.min[i])),
+            max: [0, 1].map(|i| a.max[i].max(b.max[i])),
+        };
+        rects.reduce(both).unwrap_or(Rect {
+            min: [0.0; 2],
+            max: [0.0; 2],
+        })
+    }
+}
+
+/// The parts between which a label may be broken: after commas and colons that no markup goes across.
+fn parts(markup: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for (comma, _) in markup.match_indices([',', ':']) {
+        let end = comma + 2;
+        let Some((head, rest)) = markup.split_at_checked(end) else {
+            continue;
+        };
+        let is_whole = |text: &str| RichText::parse(text.trim()).is_ok();
+        let is_break = head.ends_with(' ') && !rest.trim().is_empty();
+        if is_break
+            && parts.len() + 1 < MOST_PARTS
+            && is_whole(&markup[from..end])
+            && is_whole(rest)
+        {
+            parts.push(&markup[from..end]);
+            from = end;
+        }
+    }
+    parts.push(&markup[from..]);
+    parts
+}
+
+/// Lines of no more than `most` characters, each filled before the next begins.
+fn filled(lengths: &[usize], most: usize) -> Vec<std::ops::Range<usize>> {
+    let mut rows: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut width = 0;
+    for (k, length) in lengths.iter().enumerate() {
+        match rows.last_mut().filter(|_| width + length <= most) {
+            Some(row) => row.end = k + 1,
+            None => {
+                rows.push(k..k + 1);
+                width = 0;
+            }
+        }
+        width += length;
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::drawing::AnchorX;
+
+    fn set(markup: &str) -> Vec<Vec<String>> {
+        let all = Block::all(markup, 10.0).unwrap();
+        let lines = |block: &Block| {
+            block
+                .lines(AnchorY::Top)
+                .map(|(text, _)| text.text())
+                .collect()
+        };
+        all.iter().map(lines).collect()
+    }
+
+    #[test]
+    fn labels_are_broken_after_commas_and_colons_into_even_lines() {
+        assert_eq!(
+            set("camera, floor, wall, gold"),
+            [
+                vec!["camera, floor, wall, gold"],
+                vec!["camera, floor,", "wall, gold"],
+                vec!["camera,", "floor,", "wall, gold"],
+                vec!["camera,", "floor,", "wall,", "gold"],
+            ]
+        );
+        assert_eq!(set("emitted: *τ*_{lamp} = 3 m").len(), 2);
+    }
+
+    #[test]
+    fn labels_are_not_broken_within_markup_numbers_or_at_their_end() {
+        for whole in ["*a, b*", "x_{a, b}", "3,5", "a,", "a, ", "one word"] {
+            assert_eq!(set(whole).len(), 1, "{whole}");
+        }
+    }
+
+    #[test]
+    fn the_ink_of_a_block_holds_that_of_its_lines() {
+        let [one, two] = &Block::all("long words, more", 10.0).unwrap()[..] else {
+            panic!("two ways")
+        };
+        for height in [AnchorY::Top, AnchorY::Middle, AnchorY::Baseline] {
+            let [a, b] = [one, two].map(|block| block.ink(height, |width| [-width, 0.0]));
+            assert!(b.max[0] - b.min[0] < a.max[0] - a.min[0]);
+            assert!(b.max[1] - b.min[1] > a.max[1] - a.min[1] + 9.0);
+            // Below the anchor, around it, above it.
+            let down = b.max[1] - a.max[1];
+            let said = match height {
+                AnchorY::Top => 12.5,
+                AnchorY::Middle => 6.25,
+                _ => 0.0,
+            };
+            // The last line has no descender that the whole has not.
+            assert!((down - said).abs() < 3.0, "{down} {said}");
+        }
+    }
+
+    #[test]
+    fn lines_end_alike_at_the_right_of_an_anchor_at_their_end() {
+        let offset = crate::figures::drawing::Anchor {
+            x: AnchorX::End,
+            y: AnchorY::Top,
+        };
+        let all = Block::all("long words, more", 10.0).unwrap();
+        let rect = all[1].ink(AnchorY::Top, |width| offset.offset(width, 10.0));
+        assert!(rect.max[0] <= 0.5 && rect.min[0] < -35.0, "{rect:?}");
+    }
+}

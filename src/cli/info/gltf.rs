@@ -36,6 +36,10 @@ pub fn info(path: &Path) -> Result<Info> {
     info.names("cameras", held.cameras);
     info.names("lights", held.lights);
     info.names("materials", held.materials);
+    if held.has_masks {
+        info.row("holes", "by alpha masks");
+    }
+    info.data("has_masks", held.has_masks);
     let images = format!("{} images", held.images);
     info.fact("textures", images, "images", held.images);
     info.fact("uv sets", held.uv_sets.to_string(), "uv_sets", held.uv_sets);

@@ -260,12 +260,10 @@ impl Capture {
     /// The same for what a pixel saw.
     #[inline(always)]
     pub(super) fn delay_from(&self, seen: &Seen) -> f64 {
-        if !(seen.distance > 0.0) {
-            return 0.0;
-        }
-        match self.lens.near > 0.0 {
-            true => self.delay * (seen.distance - self.lens.near_distance(seen)),
-            false => self.delay * seen.distance,
+        match (seen.distance > 0.0, self.lens.near > 0.0) {
+            (false, _) => 0.0,
+            (true, true) => self.delay * (seen.distance - self.lens.near_distance(seen)),
+            (true, false) => self.delay * seen.distance,
         }
     }
 

@@ -299,13 +299,14 @@ impl LocatedBlock {
         let mut tap = 0;
         while tap < 4 {
             let (places, normals) = (&self.places[tap], &self.seen_normals[tap]);
-            for k in 0..BLOCK {
+            for (k, saw) in saw[tap].iter_mut().enumerate() {
                 let (place, normal) = (widened(places, k), widened(normals, k));
-                saw[tap][k] = self.saw_any[tap][k] & self.aim(k).is_of(place, normal);
+                *saw = self.saw_any[tap][k] & self.aim(k).is_of(place, normal);
             }
             tap += 1;
         }
-        for k in 0..BLOCK {
+        let mut k = 0;
+        while k < BLOCK {
             let (mut sum, mut complete) = (0.0, true);
             let mut tap = 0;
             while tap < 4 {
@@ -326,6 +327,7 @@ impl LocatedBlock {
                 tap += 1;
             }
             self.is_plain[k] = self.may_be_plain[k] & (complete | (sum > 0.0));
+            k += 1;
         }
     }
 }

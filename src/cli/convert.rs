@@ -20,6 +20,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<()> {
     let wanted = Wanted {
         array: arguments.array.as_deref(),
         axes: arguments.axes.as_ref(),
+        channels: arguments.channels.as_ref(),
         transfer: arguments.transfer.map(Into::into),
         dead_bins: &arguments.dead_bins,
         negative: arguments.negative.map(Into::into),

@@ -2,6 +2,7 @@
 //!
 //! RGB is linear, with the primaries and the white point (D65) of sRGB, unless "8-bit" is said.
 
+mod companions;
 mod line;
 mod observer;
 mod planck;
@@ -10,6 +11,7 @@ mod shift;
 mod spectrum;
 mod srgb;
 
+pub use companions::{CompanionShift, INFRARED, ULTRAVIOLET};
 pub use line::{OUTSIDE_GREY, VISIBLE, line_colour};
 pub use observer::colour_matching;
 pub use planck::planck;

@@ -32,6 +32,8 @@ pub enum Continuation {
     /// Falling off as Planck's law at 6504 K, from its value at 360 or 830 nm: like things in daylight.
     #[default]
     Blackbody,
+    /// What infrared and ultraviolet channels say ([`CompanionShift`](super::CompanionShift)), where there are any; otherwise nothing.
+    Companions,
 }
 
 impl Continuation {
@@ -41,6 +43,7 @@ impl Continuation {
             Continuation::Dark => "dark",
             Continuation::Edge => "edge",
             Continuation::Blackbody => "blackbody",
+            Continuation::Companions => "companions",
         }
     }
 }
@@ -101,6 +104,11 @@ pub(super) fn thermal() -> [[f64; 3]; 2] {
     ]
 }
 
+/// The white's radiances per metre at the first and at the last wavelength.
+pub(super) fn white_at_ends() -> [f64; 2] {
+    [FIRST, LAST].map(|nm| row_at(nm * 1e-9)[0])
+}
+
 /// The radiances per metre of red, green and blue at a wavelength in metres.
 pub(super) fn radiances(wavelength: f64, continuation: Continuation) -> [f64; 3] {
     let [white, r, g, b] = row_at(wavelength);
@@ -112,7 +120,7 @@ pub(super) fn radiances(wavelength: f64, continuation: Continuation) -> [f64; 3]
         _ => return edge,
     };
     match continuation {
-        Continuation::Dark => [0.0; 3],
+        Continuation::Dark | Continuation::Companions => [0.0; 3],
         Continuation::Edge => edge,
         Continuation::Blackbody => {
             let radiance = planck(wavelength, WHITE_TEMPERATURE);

@@ -33,7 +33,7 @@ const MOST_OCTAVES: u32 = 20;
 
 /// N numbers at equal steps between powers of 2.
 #[derive(Debug, Clone, PartialEq)]
-struct Table<const N: usize> {
+pub(super) struct Table<const N: usize> {
     /// The shifted bits of the argument of the first entry.
     first: u64,
     /// One less than there are entries.
@@ -43,7 +43,7 @@ struct Table<const N: usize> {
 
 impl<const N: usize> Table<N> {
     /// `f` from the step at or below `from` to that above `to`.
-    fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
+    pub(super) fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
         let last = (to.to_bits() >> SHIFT) + 1;
         let most = u64::from(MOST_OCTAVES) << STEP_BITS;
         let first = (from.to_bits() >> SHIFT).max(last.saturating_sub(most));
@@ -77,7 +77,7 @@ impl<const N: usize> Table<N> {
 
     /// Linear between entries.
     #[inline(always)]
-    fn at(&self, x: f64) -> Option<[f64; N]> {
+    pub(super) fn at(&self, x: f64) -> Option<[f64; N]> {
         let (index, rest) = self.place(x)?;
         let [a, b] = [self.entries[index], self.entries[index + 1]];
         Some(from_fn(|k| {
@@ -89,13 +89,13 @@ impl<const N: usize> Table<N> {
 
 /// What is made in parallel when it is first asked for. It is not made within a lock: a thread that waits for the others' parts of it may take
 /// up another task in the meantime, which asks for the same. So some threads may make it, all alike, and one is kept.
-struct MadeOnce<T> {
+pub(super) struct MadeOnce<T> {
     kept: OnceLock<T>,
     make: fn() -> T,
 }
 
 impl<T> MadeOnce<T> {
-    const fn new(make: fn() -> T) -> Self {
+    pub(super) const fn new(make: fn() -> T) -> Self {
         MadeOnce {
             kept: OnceLock::new(),
             make,
@@ -103,7 +103,7 @@ impl<T> MadeOnce<T> {
     }
 
     #[inline]
-    fn get(&self) -> &T {
+    pub(super) fn get(&self) -> &T {
         match self.kept.get() {
             Some(kept) => kept,
             None => self.make(),
@@ -133,7 +133,13 @@ impl RgbShift {
             MadeOnce::new(|| RgbShift::new(Continuation::Edge)),
             MadeOnce::new(|| RgbShift::new(Continuation::Blackbody)),
         ];
-        ALL[continuation as usize].get()
+        // Companions are channels of their own.
+        let own = match continuation {
+            Continuation::Dark | Continuation::Companions => 0,
+            Continuation::Edge => 1,
+            Continuation::Blackbody => 2,
+        };
+        ALL[own].get()
     }
 
     fn new(continuation: Continuation) -> RgbShift {
@@ -176,7 +182,7 @@ impl RgbShift {
             return [0.0; 3];
         }
         match self.continuation {
-            Continuation::Dark => [0.0; 3],
+            Continuation::Dark | Continuation::Companions => [0.0; 3],
             Continuation::Edge => {
                 let edge = rgb_basis::radiances([FIRST, LAST][side] * 1e-9, Continuation::Edge);
                 let value = (0..3).fold(0.0, |sum, k| sum + edge[k] * rgb[k]);
@@ -465,7 +471,7 @@ fn reach(spectrum: &Spectrum) -> Option<[f64; 2]> {
             (centre - 8.0 * sigma, centre + 8.0 * sigma)
         }
         Shape::Table(rows) => (rows.first()?[0], rows.last()?[0]),
-        Shape::Rgb(_, Continuation::Dark) => (FIRST * 1e-9, LAST * 1e-9),
+        Shape::Rgb(_, Continuation::Dark | Continuation::Companions) => (FIRST * 1e-9, LAST * 1e-9),
         _ => return None,
     };
     Some([FIRST * 1e-9 / to, LAST * 1e-9 / from])

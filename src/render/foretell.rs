@@ -45,8 +45,10 @@ pub fn foretell(scene: &Scene, plan: &mut Plan, progress: &dyn Progress) -> Resu
                 .cube()
                 .on_disk()
                 .filter(|bricks| bricks.counts_only());
-            cube.read =
-                counted.map(|bricks| bricks.bytes_read().all.saturating_mul(step).min(cube.bytes));
+            // Each companion is read of the same file.
+            let read = counted.map(|bricks| bricks.bytes_read().all.saturating_mul(step));
+            let read = read.map(|read| read.min(cube.bytes));
+            cube.read = read.map(|read| read.saturating_add(cube.read.unwrap_or(0)));
         }
     }
     Ok(())

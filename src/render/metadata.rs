@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use sha2::{Digest, Sha256};
 
+use crate::colour::{Continuation, INFRARED, ULTRAVIOLET};
 use crate::render::bake::{Baked, Bins};
 use crate::render::film::Film;
 use crate::scene::model::{
@@ -66,6 +67,14 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
             scene.continuation.name().to_string(),
         )
     });
+    let bands = has_rgb && scene.continuation == Continuation::Companions;
+    let bands = bands.then(|| {
+        [
+            ("infrared_channel_m", INFRARED),
+            ("ultraviolet_channel_m", ULTRAVIOLET),
+        ]
+        .map(|(key, [from, to])| (key, format!("{from} {to}")))
+    });
     let false_colour = scene
         .false_colour
         .map(|l| ("false_colour_m", l.to_string()));
@@ -79,6 +88,7 @@ pub fn metadata(scene: &Scene, film: &Film) -> Vec<(String, String)> {
     let own = pairs
         .into_iter()
         .chain(continuation)
+        .chain(bands.into_iter().flatten())
         .chain(false_colour)
         .chain(bounces)
         .chain(passes)

@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::colour::{Continuation, Spectrum};
-use crate::io::cube::{Axes, Cube, Negative, Transfer, Wanted};
+use crate::io::cube::{Axes, Channel, Channels, Cube, Negative, Transfer, Wanted};
 use crate::mesh::Mesh;
 use crate::spacetime::{Event, Quantity, Velocity, World};
 
@@ -224,6 +224,8 @@ pub enum SourceKind {
 pub struct CubeSource {
     /// The samples.
     pub data: CubeData,
+    /// What the channels are; grey, or red, green and blue, where nothing is said.
+    pub channels: Option<Channels>,
     /// How surface points address it.
     pub mapping: Mapping,
     /// Which clock its time axis shows.
@@ -244,7 +246,25 @@ pub struct CubeSource {
     pub assumed: Vec<String>,
 }
 
+impl Scene {
+    /// The companions of `cube` that are seen: the channels beside red, green and blue, where the scene's spectra go on by them and wavelengths
+    /// are shifted.
+    pub fn companions_of(&self, cube: &CubeSource) -> Vec<Channel> {
+        match self.effects.doppler && self.continuation == Continuation::Companions {
+            true => cube.companions(),
+            false => Vec::new(),
+        }
+    }
+}
+
 impl CubeSource {
+    /// The channels beside red, green and blue that its scene says it has.
+    pub fn companions(&self) -> Vec<Channel> {
+        self.channels
+            .as_ref()
+            .map_or_else(Vec::new, Channels::companions)
+    }
+
     /// Whether lookups may be means over spans of time, through `camera`: over parts of an exposure, or over what samples
     /// stand for.
     pub(crate) fn is_read_over_spans(&self, camera: &CameraModel) -> bool {
@@ -327,11 +347,12 @@ pub struct CubeFile {
 }
 
 impl CubeFile {
-    /// What is wanted of the file.
-    pub fn wanted(&self) -> Wanted<'_> {
+    /// What is wanted of the file, whose channels are these.
+    pub fn wanted<'a>(&'a self, channels: Option<&'a Channels>) -> Wanted<'a> {
         Wanted {
             array: self.array.as_deref(),
             axes: self.axes.as_ref(),
+            channels,
             transfer: self.transfer,
             dead_bins: &self.dead_bins,
             negative: self.negative,

@@ -222,6 +222,23 @@ fn bricks_hold_every_type_and_every_order_of_axes() {
     }
 }
 
+#[test]
+fn companions_from_bricks_have_the_bits_of_those_from_memory() {
+    for (axes, fortran) in [("HWTC", false), ("CTHW", true)] {
+        let stored = Stored {
+            axes,
+            descr: "<f2",
+            fortran,
+            channels: 5,
+        };
+        let named = |mapping: &str| {
+            let channels = "channels = [\"UV\", \"G\", \"R\", \"IR\", \"B\"]";
+            format!("{channels}\n{mapping}\n[radiance]\nquantity = \"rgb\"")
+        };
+        same_bits(&stored, &["linear"], &[&named(UV), &named(CAPTURE)]);
+    }
+}
+
 fn plain(folder: &TempDir) {
     let stored = Stored {
         axes: "HWT",

@@ -15,6 +15,7 @@ mod bricks;
 mod cameras;
 mod capture;
 mod captures;
+mod companions;
 mod exposures;
 mod flashes;
 mod footprints;

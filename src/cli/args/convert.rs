@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use nullray::io::cube::{Axes, Negative, Transfer};
+use nullray::io::cube::{Axes, Channels, Negative, Transfer};
 use nullray::spacetime::units::Time;
 
 use super::shared::{MemoryLimit, Quiet};
@@ -25,6 +25,9 @@ pub struct ConvertArguments {
     /// The order of the input's axes, like "T H W". Default: "H W T [C]"; for pictures "T H W".
     #[arg(long, value_name = "AXES")]
     pub axes: Option<Axes>,
+    /// What the input's channels are, in its order, like "R,G,B,IR,UV". Default: one is grey, three are red, green and blue.
+    #[arg(long, value_name = "NAMES")]
+    pub channels: Option<Channels>,
     /// How codes of PNG and TIFF pictures stand for radiance.
     #[arg(long, value_name = "HOW")]
     pub transfer: Option<TransferArgument>,

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use nullray::Result;
-use nullray::io::cube::{self, CubeInfo};
+use nullray::colour::Continuation;
+use nullray::io::cube::{self, Channels, CubeInfo};
 use nullray::render::metadata;
 use nullray::render::plan::bytes;
 use nullray::scene::model::{
@@ -102,7 +103,7 @@ fn bins(bins: &TimeBins) -> String {
 /// What is read of a cube's file, what the scene says of it, and what is assumed.
 fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
     let read = match header(cube) {
-        Ok(read) => format!("{name}: {}", shape(&read)),
+        Ok(read) => format!("{name}: {}", shape(&read, cube.channels.as_ref())),
         Err(error) => format!("{name}: cannot be read: {error}"),
     };
     info.row("  read", read);
@@ -133,14 +134,18 @@ fn cube_rows(info: &mut Info, name: &str, cube: &CubeSource) {
 /// What the file's header says.
 fn header(cube: &CubeSource) -> Result<CubeInfo> {
     match &cube.data {
-        CubeData::File(file) => cube::inspect(&file.path, file.wanted()),
+        CubeData::File(file) => cube::inspect(&file.path, file.wanted(cube.channels.as_ref())),
         CubeData::Memory(cube) => Ok(CubeInfo::of(cube)),
     }
 }
 
-fn shape(info: &CubeInfo) -> String {
+fn shape(info: &CubeInfo, channels: Option<&Channels>) -> String {
     let [h, w, t, c] = info.shape;
-    let colours = if c == 1 { "grey" } else { "red, green, blue" };
+    let colours = match channels {
+        Some(channels) => format!("channels {channels}"),
+        None if c == 1 => "grey".into(),
+        None => "red, green, blue".into(),
+    };
     let size = bytes(info.bytes);
     format!("{h} rows, {w} columns, {t} time bins, {colours}; {size}")
 }
@@ -228,7 +233,14 @@ fn settings(info: &mut Info, scene: &Scene) {
             "the equations of Jarabo et al. 2015, with their approximations",
         );
     }
-    info.row("radiance", scene.quantity.to_string());
+    let radiance = match scene.continuation {
+        Continuation::Companions => format!(
+            "{}, continued by infrared and ultraviolet channels",
+            scene.quantity
+        ),
+        _ => scene.quantity.to_string(),
+    };
+    info.row("radiance", radiance);
     let effects = scene.effects;
     let all = [
         ("aberration", effects.aberration),
@@ -256,6 +268,7 @@ fn cube_data(cube: &CubeSource) -> Value {
     };
     json!({
         "shape": read.as_ref().ok().map(|read| read.shape),
+        "channels": cube.channels.as_ref().map(Channels::names),
         "problem": read.as_ref().err().map(|error| error.to_string()),
         "start": cube.bins.edge(0),
         "bin_width": edges.is_none().then(|| cube.bins.width()),

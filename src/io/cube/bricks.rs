@@ -200,6 +200,22 @@ impl Bricks {
             .map(Some)
     }
 
+    /// The same with these of its channels alone, in this order.
+    #[must_use]
+    pub fn taking(self, channels: &[usize]) -> Bricks {
+        let form = match self.form {
+            Form::Pages(pages) => Form::Pages(pages.taking(channels)),
+            #[cfg(any(feature = "hdf5", feature = "zarr"))]
+            Form::Chunks(chunks) => Form::Chunks(chunks.taking(channels)),
+        };
+        let shape = with_form!(&form, of => of.shape());
+        Bricks {
+            form,
+            shape,
+            ..self
+        }
+    }
+
     /// The same without its dead bins, and with what is wanted of samples below 0.
     fn mended(self, path: &Path, wanted: Wanted) -> Result<Bricks> {
         let dead = DeadBins::new(path, wanted.dead_bins, self.shape[2])?;

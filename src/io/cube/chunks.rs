@@ -26,6 +26,8 @@ pub(super) struct Chunks {
     /// Chunks along each axis that stays.
     counts: Vec<usize>,
     shape: [usize; 4],
+    /// Channels that are taken of those in the file; all, where none are said.
+    taken: Option<Box<[usize]>>,
     axes: Vec<KeptAxis>,
     per_brick: usize,
     open: Open,
@@ -126,6 +128,7 @@ impl Chunks {
             path: path.to_path_buf(),
             counts: axes.iter().map(|kept| count(kept.axis)).collect(),
             shape: selection.arrangement(path)?.shape,
+            taken: None,
             per_brick: stride,
             selection,
             sizes,
@@ -134,6 +137,16 @@ impl Chunks {
             open,
             idle: Mutex::new(vec![first]),
         })
+    }
+
+    /// The same with these of its channels alone.
+    pub fn taking(self, channels: &[usize]) -> Chunks {
+        let [h, w, t, _] = self.shape;
+        Chunks {
+            shape: [h, w, t, channels.len()],
+            taken: Some(channels.into()),
+            ..self
+        }
     }
 
     pub fn shape(&self) -> [usize; 4] {
@@ -220,6 +233,7 @@ impl Chunks {
         for bin in bin..bin + bins {
             let (chunk, entry) = place(time, bin);
             for channel in 0..channels {
+                let channel = self.taken.as_ref().map_or(channel, |taken| taken[channel]);
                 let (other, further) = place(colour, channel);
                 let at = (brick + chunk + other, from + entry + further);
                 match &mut run {
@@ -273,7 +287,7 @@ impl Chunks {
             place += index * stride;
         }
         let arrangement = self.selection.arrangement(&self.path)?;
-        let place = place_of(arrangement.place(place), self.shape);
+        let place = place_of(arrangement.place(place), arrangement.shape);
         Err(Selection::not_finite(&self.path, place))
     }
 

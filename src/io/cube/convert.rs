@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use half::f16;
 
 use super::axes::{Arrangement, Axes};
+use super::channels::Channels;
 use super::format::{FileTimes, Wanted};
 #[cfg(feature = "hdf5")]
 use super::hdf5;
@@ -388,6 +389,8 @@ impl<'a> Work<'a> {
             half: self.dtype == Dtype::F16,
             ..image::exr::Options::default()
         };
+        // Pictures have channels by name.
+        let said = self.wanted.channels.map(Channels::in_pictures);
         let mut number = 0;
         self.parts(
             (true, 1),
@@ -404,10 +407,10 @@ impl<'a> Work<'a> {
                             })
                             .collect::<Result<Vec<f32>>>()
                     };
-                    let names: &[&str] = if channels == 3 {
-                        &["radiance.R", "radiance.G", "radiance.B"]
-                    } else {
-                        &["Y"]
+                    let names: &[&str] = match &said {
+                        Some(names) => names,
+                        None if channels == 3 => &["radiance.R", "radiance.G", "radiance.B"],
+                        None => &["Y"],
                     };
                     let layers = names.iter().enumerate().map(|(index, name)| {
                         Ok(Channel {

@@ -64,6 +64,12 @@ impl From<Arc<Cube>> for CubeStore {
     }
 }
 
+impl From<Bricks> for CubeStore {
+    fn from(bricks: Bricks) -> CubeStore {
+        CubeStore::Disk(Arc::new(bricks))
+    }
+}
+
 impl From<Arc<Bricks>> for CubeStore {
     fn from(bricks: Arc<Bricks>) -> CubeStore {
         CubeStore::Disk(bricks)

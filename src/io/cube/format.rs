@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
+use super::channels::Channels;
 use super::negative::Negative;
 use super::samples::{Cube, Samples};
 use crate::io::files::{ReadSeek, Reader};
@@ -66,6 +67,8 @@ pub struct Wanted<'a> {
     pub array: Option<&'a str>,
     /// The order of its axes. Where none is given, (H, W, T) or (H, W, T, C).
     pub axes: Option<&'a Axes>,
+    /// What its channels are. Where nothing is said, one is grey and three are red, green, blue.
+    pub channels: Option<&'a Channels>,
     /// How codes of PNG pictures stand for radiance.
     pub transfer: Option<Transfer>,
     /// Bins in which the sensor counted nothing; they are mended from their neighbours in time.

@@ -8,6 +8,7 @@ mod axes;
 mod bricks;
 mod byte_order;
 mod cache;
+mod channels;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod chunks;
 mod convert;
@@ -40,6 +41,7 @@ use absent::zarr;
 pub use axes::{Axes, Axis};
 pub use bricks::{Bricks, BytesRead, Held, LEAST_ROOM, Peeked};
 pub use byte_order::{ByteOrder, Sign};
+pub use channels::{Channel, Channels};
 pub use convert::{Changes, Converted, convert};
 pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};

@@ -1,5 +1,5 @@
 //! NumPy arrays as cubes: half, single or double precision, or integers (counts) of at most 32 bits, of either
-//! byte order, in C or Fortran order, with axes in any order that is named; C is 1 or 3.
+//! byte order, in C or Fortran order, with axes in any order that is named; C is 1 or 3, or what is named of the channels.
 //!
 //! Samples go to their places in the cube as they are read, so that no second copy is held.
 
@@ -10,6 +10,7 @@ use half::f16;
 
 use super::axes::{Arrangement, Axes};
 use super::byte_order::ByteOrder;
+use super::channels::Channels;
 use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -46,13 +47,13 @@ fn arrays(path: &Path) -> Result<Vec<Header>> {
 
 fn inspect(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<CubeInfo> {
     npy::with_array(&mut reader, file, wanted.array, |stored| {
-        Ok(layout(stored, wanted.axes)?.info())
+        Ok(layout(stored, wanted)?.info())
     })
 }
 
 fn load(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
     npy::with_array(&mut reader, file, wanted.array, |stored| {
-        let layout = layout(stored, wanted.axes)?;
+        let layout = layout(stored, wanted)?;
         let samples = samples(stored, &layout)?;
         Ok(Cube {
             shape: layout.arrangement.shape,
@@ -68,7 +69,7 @@ pub(super) fn stored(
     wanted: Wanted,
 ) -> Result<StoredLayout> {
     npy::with_array(&mut reader, file, wanted.array, |stored| {
-        Ok(layout(stored, wanted.axes)?.stored())
+        Ok(layout(stored, wanted)?.stored())
     })
 }
 
@@ -80,7 +81,7 @@ pub(super) fn write_out(
     to: &mut dyn Write,
 ) -> Result<StoredLayout> {
     npy::with_array(&mut reader, file, wanted.array, |stored| {
-        let layout = layout(stored, wanted.axes)?.stored();
+        let layout = layout(stored, wanted)?.stored();
         let count = layout.sizes.iter().product::<usize>() * layout.number.stored() as usize;
         stored.pieces(count, |_, _, bytes: &[[u8; 1]]| {
             let failed = crate::Error::io(file, "cannot write a temporary file for");
@@ -233,7 +234,8 @@ impl Layout {
 }
 
 /// Reads the header and checks that a cube of this size follows.
-fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
+fn layout(stored: &mut Stored, wanted: Wanted) -> Result<Layout> {
+    let axes = wanted.axes;
     let (header, header_bytes) = stored.header()?;
     let place = &stored.place;
     let (number, big_endian) = number(&header, place)?;
@@ -263,18 +265,16 @@ fn layout(stored: &mut Stored, axes: Option<&Axes>) -> Result<Layout> {
     let arrangement = Arrangement::of(&header.shape, &named, header.fortran_order)
         .map_err(|what| place.invalid("header", what, AXES))?;
     let channels = arrangement.shape[3];
-    if let Some(film) = film_without_radiance(&arrangement, &named) {
+    let film = film_without_radiance(&arrangement, &named);
+    if let Some(film) = film.filter(|_| wanted.channels.is_none()) {
         let help = "the film of mitransient that holds radiance is transient_hdr_film in a variant without `polarized`; \
                     of a polarised one, save the intensity alone: array[..., :1]";
         return Err(place.unsupported("header", film, help));
     }
-    if !matches!(channels, 1 | 3) {
-        return Err(place.invalid(
-            "header",
-            format!("shape {:?} means {channels} channels", header.shape),
-            format!("a cube has 1 or 3 channels; the axes were taken for {named}; {AXES}"),
-        ));
-    }
+    Channels::check(wanted.channels, channels, &named).map_err(|(what, help)| {
+        let what = format!("shape {:?} means {what}", header.shape);
+        place.invalid("header", what, format!("{help}; {AXES}"))
+    })?;
     stored.check_length(header_bytes.saturating_add(count * number.stored()))?;
     let (mut sizes, mut stored_axes) = (header.shape, named.clone());
     if header.fortran_order {

@@ -21,6 +21,8 @@ pub(super) struct Pages {
     file: Positioned,
     layout: StoredLayout,
     shape: [usize; 4],
+    /// Channels that are taken of those in the file; all, where none are said.
+    taken: Option<Box<[usize]>>,
     /// How far apart in the file entries along H, W, T and C are.
     strides: [u64; 4],
     /// Samples in the file.
@@ -123,6 +125,7 @@ impl Pages {
             file: Positioned::new(located, path)?,
             is_in_order: (0..4).all(follows),
             shape,
+            taken: None,
             strides: along,
             count: layout.sizes.iter().product::<usize>() as u64,
             per_brick,
@@ -132,6 +135,17 @@ impl Pages {
             },
             layout,
         })
+    }
+
+    /// The same with these of its channels alone.
+    pub fn taking(self, channels: &[usize]) -> Pages {
+        let [h, w, t, _] = self.shape;
+        Pages {
+            shape: [h, w, t, channels.len()],
+            taken: Some(channels.into()),
+            is_in_order: false,
+            ..self
+        }
     }
 
     pub fn shape(&self) -> [usize; 4] {
@@ -211,6 +225,14 @@ impl Pages {
             (pixel / width) as u64 * row + (pixel % width) as u64 * column + bin as u64 * between;
         // Samples that lie together, brick by brick.
         let mut run = |first: u64, count: usize| self.run(first, count, &mut each);
+        if let Some(taken) = &self.taken {
+            for bin in 0..bins as u64 {
+                for c in taken {
+                    run(first + bin * between + *c as u64 * channel, 1);
+                }
+            }
+            return;
+        }
         let is_together = channels == 1 || channel == 1;
         if is_together && between == channels as u64 {
             return run(first, bins * channels);

@@ -11,6 +11,7 @@ use std::path::Path;
 use half::f16;
 
 use super::axes::{Arrangement, Axes, Axis, NAME_AXES};
+use super::channels::Channels;
 use super::format::CubeInfo;
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -90,6 +91,8 @@ pub(super) struct Taken<'a> {
     pub columns: Option<usize>,
     /// A fourth channel is left out.
     pub without_alpha: bool,
+    /// What the channels are, where that is said.
+    pub channels: Option<&'a Channels>,
 }
 
 impl Selection {
@@ -125,7 +128,9 @@ impl Selection {
             let role = match axis {
                 Axis::Sum => Role::Summed(size),
                 Axis::Choice => Role::Chosen(chosen(choices.next(), size)?),
-                Axis::Channel if size == 4 && taken.without_alpha => Role::Kept(3),
+                Axis::Channel if size == 4 && taken.without_alpha && taken.channels.is_none() => {
+                    Role::Kept(3)
+                }
                 _ => Role::Kept(size),
             };
             roles.push(role);
@@ -158,16 +163,10 @@ impl Selection {
         };
         let arrangement = Arrangement::of(&selection.sizes, &selection.axes, false)
             .map_err(|what| (what, NAME_AXES.into()))?;
-        match arrangement.shape[3] {
-            1 | 3 => Ok(selection),
-            channels => Err((
-                format!(
-                    "{channels} channels: the axes were taken for {}",
-                    selection.axes
-                ),
-                format!("a cube has 1 or 3 channels; {NAME_AXES}"),
-            )),
-        }
+        let channels = arrangement.shape[3];
+        Channels::check(taken.channels, channels, &selection.axes)
+            .map_err(|(what, help)| (what, format!("{help}; {NAME_AXES}")))?;
+        Ok(selection)
     }
 
     /// What it will be in memory.
@@ -483,6 +482,7 @@ mod tests {
             choices: &[2],
             columns: Some(3),
             without_alpha: true,
+            channels: None,
         };
         let selection = Selection::new(&sizes, Dtype::F64, &taken).unwrap();
         assert_eq!(selection.axes.to_string(), "C T H W");
@@ -508,6 +508,7 @@ mod tests {
                 choices,
                 columns: None,
                 without_alpha: false,
+                channels: None,
             };
             let (what, help) = Selection::new(sizes, Dtype::F32, &taken).unwrap_err();
             format!("{what}; {help}")

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
+use super::channels::Channels;
 use super::format::{CubeInfo, Transfer, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
@@ -265,7 +266,7 @@ fn told_apart(name: &str) -> Option<(Pattern, u64)> {
 pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     refuse_array(path, wanted)?;
     let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted.transfer)?;
+    let first = Picture::read(&files[0], wanted)?;
     let layout = Layout::new(path, &files, &first, wanted)?;
     let [h, w, t, c] = layout.arrangement.shape;
     Ok(CubeInfo {
@@ -296,8 +297,12 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
 /// It cannot be read, or is no picture that frames may be.
 pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
     // Codes have the same size whatever they stand for.
-    let picture = Picture::read(file, None)
-        .or_else(|error| Picture::read(file, Some(Transfer::Linear)).map_err(|_| error))?;
+    let linear = Wanted {
+        transfer: Some(Transfer::Linear),
+        ..Wanted::default()
+    };
+    let picture = Picture::read(file, Wanted::default())
+        .or_else(|error| Picture::read(file, linear).map_err(|_| error))?;
     let [columns, rows] = picture.size;
     Ok([columns, rows, picture.channels])
 }
@@ -306,7 +311,7 @@ pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
 pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;
     let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted.transfer)?;
+    let first = Picture::read(&files[0], wanted)?;
     let Layout { arrangement, .. } = Layout::new(path, &files, &first, wanted)?;
     let count: usize = arrangement.shape.iter().product();
     let mut samples = Vec::new();
@@ -317,7 +322,7 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     samples.resize(count, 0.0f32);
     // Some at a time, and then in their order, so that the first broken one is refused.
     for (group, chunk) in files.chunks(TOGETHER).enumerate() {
-        let decode = |file: &PathBuf| Picture::read(file, wanted.transfer);
+        let decode = |file: &PathBuf| Picture::read(file, wanted);
         let decoded: Vec<_> = chunk.par_iter().map(decode).collect();
         for (place, picture) in decoded.into_iter().enumerate() {
             let number = group * TOGETHER + place;
@@ -340,10 +345,10 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
 pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     refuse_array(path, wanted)?;
     let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted.transfer)?;
+    let first = Picture::read(&files[0], wanted)?;
     let Layout { axes, sizes, .. } = Layout::new(path, &files, &first, wanted)?;
     for file in &files {
-        let picture = Picture::read(file, wanted.transfer)?;
+        let picture = Picture::read(file, wanted)?;
         picture.refuse_other_than(&first, file, &files[0])?;
         for sample in &picture.samples {
             let failed = Error::io(path, "cannot write a temporary file for");
@@ -436,7 +441,7 @@ impl Layout {
 struct Picture {
     /// Columns and rows.
     size: [usize; 2],
-    /// 1 or 3.
+    /// 1 or 3, or as many as are named.
     channels: usize,
     /// By rows, colours fastest; all finite.
     samples: Vec<f32>,
@@ -444,12 +449,23 @@ struct Picture {
 
 impl Picture {
     /// The picture in `file`, by its extension; every sample of it is finite.
-    fn read(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+    fn read(file: &Path, wanted: Wanted) -> Result<Picture> {
+        let transfer = wanted.transfer;
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
-        let picture = match extension.to_ascii_lowercase().as_str() {
+        let extension = extension.to_ascii_lowercase();
+        if wanted.channels.is_some() && extension != "exr" {
+            let what = "the channels of this picture are grey or red, green and blue";
+            let help = "leave `channels` out, or store others in an EXR picture under their names";
+            return Err(Error::invalid(file, "channels", what, help));
+        }
+        let picture = match extension.as_str() {
             "exr" => {
                 refuse_transfer(file, transfer)?;
-                Picture::of_exr(file, &image::exr::read(file, &Budget::default())?)?
+                let layers = image::exr::read(file, &Budget::default())?;
+                match wanted.channels {
+                    Some(channels) => Picture::of_names(file, &layers, channels)?,
+                    None => Picture::of_exr(file, &layers)?,
+                }
             }
             "hdr" => {
                 refuse_transfer(file, transfer)?;
@@ -490,6 +506,32 @@ impl Picture {
             )),
             None => Ok(picture),
         }
+    }
+
+    /// The channels of these names, in their order.
+    fn of_names(file: &Path, layers: &Layers, channels: &Channels) -> Result<Picture> {
+        let mut planes = Vec::with_capacity(channels.count());
+        for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
+            let Some(channel) = layers.channel(stored) else {
+                let names: Vec<_> = (layers.channels.iter().take(10))
+                    .map(|c| c.name.as_str())
+                    .collect();
+                let what = format!(
+                    "it has no channel {name}; its channels are {}",
+                    names.join(", ")
+                );
+                let help = "name in `channels` those that the picture has";
+                return Err(Error::invalid(file, "channels", what, help));
+            };
+            planes.push(channel.samples.to_f64());
+        }
+        let count = planes.first().map_or(0, Vec::len);
+        let pixel = |at: usize| planes.iter().map(move |plane| plane[at] as f32);
+        Ok(Picture {
+            size: [layers.width as usize, layers.height as usize],
+            channels: planes.len(),
+            samples: (0..count).flat_map(pixel).collect(),
+        })
     }
 
     /// R, G and B, or else the only channel that is not alpha or depth.

@@ -257,6 +257,10 @@ fn refuse_wishes(file: &Path, wanted: Wanted) -> Result<()> {
             "leave out `axes`",
         );
     }
+    if wanted.channels.is_some() {
+        let what = "a transient image is grey";
+        return refuse("channels".into(), what, "leave out `channels`");
+    }
     match wanted.array {
         Some(array) => refuse(
             format!("array {array:?}"),

@@ -151,7 +151,10 @@ pub(super) fn check(scene: &Scene, objects: &[PlannedObject]) -> Result<()> {
             match lit_by(scene, index, material) {
                 Lit::Base | Lit::Spectrum => {}
                 Lit::Cube(source) => check_uv_set(scene, &scene.sources[source], object)?,
-                Lit::Captures(captures) => check_quantities(scene, &captures, object)?,
+                Lit::Captures(captures) => {
+                    check_quantities(scene, &captures, object)?;
+                    check_companions(scene, &captures, object)?;
+                }
                 Lit::Reflecting(pulses) => check_quantities(scene, &pulses, object)?,
             }
         }
@@ -229,6 +232,26 @@ fn check_quantities(scene: &Scene, sources: &[usize], object: &PlannedObject) ->
             Err(refuse(scene, other, "radiance", what, help))
         }
     }
+}
+
+/// Captures of one surface are blended, each of its channels with the same of others.
+fn check_companions(scene: &Scene, sources: &[usize], object: &PlannedObject) -> Result<()> {
+    let companions = |source: usize| match &scene.sources[source].kind {
+        SourceKind::Cube(cube) => scene.companions_of(cube),
+        SourceKind::Pulse(_) => Vec::new(),
+    };
+    let mut pairs = sources.windows(2);
+    let Some(pair) = pairs.find(|pair| companions(pair[0]) != companions(pair[1])) else {
+        return Ok(());
+    };
+    let [first, other] = [0, 1].map(|n| &scene.sources[pair[n]]);
+    let what = format!(
+        "object \"{}\" has other channels of infrared and ultraviolet by it than by source \"{}\"",
+        object.name, first.name
+    );
+    let help =
+        "give all captures of a surface the same channels, or set radiance.continuation = \"dark\"";
+    Err(refuse(scene, other, "cube.channels", what, help))
 }
 
 fn is_pulse(source: &Source) -> bool {

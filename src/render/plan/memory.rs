@@ -75,6 +75,11 @@ pub(super) fn memory(
         .map(|o| 12 * o.triangles + 8 * o.vertices * (o.uv_sets as u64 + 1))
         .sum::<u64>();
     let cubes = cubes.iter().flatten();
+    // One whose channels are named is loaded as it is, and then becomes a cube of colours and one of each companion.
+    let splitting = cubes
+        .clone()
+        .filter(|c| c.channels.is_some() && c.held.is_none());
+    let splitting = splitting.map(|c| c.bytes).max().unwrap_or(0);
     let captures = cubes.clone().map(|c| {
         c.capture_rays * Capture::BYTES_PER_PIXEL + if c.held.is_some() { 0 } else { c.sums }
     });
@@ -96,7 +101,7 @@ pub(super) fn memory(
         geometry: bvhs + uvs,
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         film: layout.bytes(),
-        temporary: temporary(frames, layout),
+        temporary: temporary(frames, layout).max(splitting),
         beside,
     }
 }

@@ -13,7 +13,7 @@ mod report;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::io::cube as cubes;
+use crate::io::cube::{self as cubes, Channels};
 use crate::io::gltf;
 use crate::light::time_texture::TimeTexture;
 use crate::mesh::shapes;
@@ -229,7 +229,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
             }
             let (shape, bytes, file, array) = match &cube.data {
                 CubeData::File(file) => {
-                    let info = cubes::inspect(&file.path, file.wanted())?;
+                    let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
                     (
                         info.shape,
                         info.bytes,
@@ -248,6 +248,7 @@ fn inspect_cubes(scene: &Scene, objects: &[PlannedObject]) -> Result<Vec<Option<
                 file,
                 array,
                 shape,
+                channels: cube.channels.as_ref().map(Channels::names),
                 bytes,
                 capture_rays: if projected { (h * w) as u64 } else { 0 },
                 sums: match cube.is_read_over_spans(&scene.camera) {

@@ -120,10 +120,14 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             Continuation::Dark => "dark",
             Continuation::Edge => "constant",
             Continuation::Blackbody => "falling off as Planck's law at 6504 K",
+            Continuation::Companions => "dark, but for infrared and ultraviolet channels,",
         };
         notes.push(format!(
             "colours stand for smooth spectra, which are {beyond} below 360 and above 830 nm (radiance.continuation)"
         ));
+    }
+    if moving || scene.false_colour.is_some() {
+        notes.extend(companions(scene, plan));
     }
     if let Some(wavelength) = scene.false_colour {
         notes.push(format!(
@@ -160,6 +164,50 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
             "the speed of light of this scene is {} m/s",
             scene.speed_of_light
         ));
+    }
+    notes
+}
+
+/// What is seen of the infrared and ultraviolet channels of cubes, or why nothing is.
+fn companions(scene: &Scene, plan: &Plan) -> Vec<String> {
+    let (mut notes, mut without) = (Vec::new(), Vec::new());
+    let sources = scene.sources.iter().zip(&plan.cubes);
+    for (source, _) in sources.filter(|(_, planned)| planned.is_some()) {
+        let SourceKind::Cube(cube) = &source.kind else {
+            continue;
+        };
+        let named = format!("source \"{}\"", source.name.escape_debug());
+        let (own, seen) = (cube.companions(), scene.companions_of(cube));
+        let names: Vec<_> = own.iter().map(|channel| channel.name()).collect();
+        let names = names.join(" and ");
+        if own.is_empty() {
+            without.push(named);
+        } else if seen.is_empty() {
+            let why = match scene.effects.doppler {
+                true => format!("radiance.continuation is \"{}\"", scene.continuation.name()),
+                false => "effects.doppler is off".into(),
+            };
+            notes.push(format!("{named}: {names} are not used: {why}"));
+        } else {
+            let bands = seen.iter().map(|channel| {
+                let [from, to] = channel.band().map(|end| (end * 1e9).round());
+                format!("{} is its radiance from {from} to {to} nm", channel.name())
+            });
+            let bands: Vec<_> = bands.collect();
+            notes.push(format!("{named}: {}; it is dark beyond", bands.join(", ")));
+        }
+    }
+    if scene.continuation == Continuation::Companions && scene.effects.doppler {
+        match without.as_slice() {
+            [] if notes.is_empty() => notes.push(
+                "radiance.continuation is \"companions\", and no cube has infrared or ultraviolet channels: all is dark beyond".into(),
+            ),
+            [] => {}
+            without => notes.push(format!(
+                "{} without infrared or ultraviolet channels: dark beyond (radiance.continuation is \"companions\")",
+                without.join(", ")
+            )),
+        }
     }
     notes
 }

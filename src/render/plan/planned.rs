@@ -127,6 +127,9 @@ pub struct PlannedCube {
     pub array: Option<String>,
     /// H, W, T, C.
     pub shape: [usize; 4],
+    /// What its channels are, where the scene says it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channels: Option<Vec<&'static str>>,
     /// Bytes of its samples.
     pub bytes: u64,
     /// Bytes of its prefix sums over time, which exposures are integrated by.

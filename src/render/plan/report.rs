@@ -90,7 +90,10 @@ impl Plan {
         let cubes: Vec<_> = self.cubes.iter().flatten().collect();
         for cube in cubes.iter().take(MOST) {
             let [h, w, t, c] = cube.shape;
-            let channels = of(c as u64, "channel");
+            let channels = match &cube.channels {
+                Some(names) => format!("channels {}", names.join(", ")),
+                None => of(c as u64, "channel"),
+            };
             let text = format!(
                 "{} ({}): {h} rows × {w} columns × {t} time bins, {channels}, {}",
                 cube.source.escape_debug(),

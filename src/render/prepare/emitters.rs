@@ -8,11 +8,13 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::backs::{Backs, backs};
-use super::response::{eye, received, response, without};
+use super::response::{eye, received, response, response_to, without};
 use crate::accel::{Facing, Ray};
 use crate::colour::{ColourTable, Spectrum};
 use crate::error::{Error, Result};
-use crate::io::cube::{self as cubes, Bricks, BytesRead, CubeStore};
+use crate::io::cube::{
+    self as cubes, Bricks, BytesRead, Channel, Channels, Cube, CubeStore, Wanted,
+};
 use crate::io::gltf::EncodedImage;
 use crate::io::image::Texture;
 use crate::light::lamp::{Emission, Lamp};
@@ -317,7 +319,7 @@ impl<'a> Builder<'a> {
                 let emitter = sources[source]
                     .clone()
                     .unwrap_or(Emitter::Base(finish.colour));
-                (emitter, response(scene.sources[source].quantity, scene))
+                (emitter, response_to(&scene.sources[source], scene))
             }
             Lit::Captures(indices) => {
                 let captured = |source: &usize| match &sources[*source] {
@@ -325,8 +327,8 @@ impl<'a> Builder<'a> {
                     _ => Vec::new(),
                 };
                 let all = indices.iter().flat_map(captured).collect();
-                let quantity = scene.sources[indices[0]].quantity;
-                (Emitter::Captured(all), response(quantity, scene))
+                let response = response_to(&scene.sources[indices[0]], scene);
+                (Emitter::Captured(all), response)
             }
         });
         let emitters = emitters.collect();
@@ -556,10 +558,13 @@ impl Textures {
     }
 }
 
+/// A file, what is said of its channels, and which companions are taken of it.
+type FileParts = (CubeFile, Option<Channels>, Vec<Channel>);
+
 /// Cubes and capture cameras, each file loaded once.
 #[derive(Default)]
 struct Stores {
-    files: HashMap<CubeFile, CubeStore>,
+    files: HashMap<FileParts, (CubeStore, Vec<CubeStore>)>,
     /// Whether the parts of cubes that are read as they are needed are only counted.
     counts_only: bool,
     cubes: Vec<TimeTexture>,
@@ -578,20 +583,27 @@ impl Stores {
         (cube, held): (&CubeSource, Option<u64>),
         frames: &[RestFrame],
     ) -> Result<Emitter> {
-        let texture = TimeTexture::new(self.load(cube, held)?, TimeAxis::from(cube), scene.outside)
-            .map_err(|e| refused(scene, source, e))?
-            .with_reconstruction(cube.reconstruction);
-        // Sums along time, for lookups that are means over spans of it.
-        let texture = match cube.is_read_over_spans(&scene.camera) {
-            true => texture.with_sums(),
-            false => texture,
+        let companions = scene.companions_of(cube);
+        let (colours, others) = self.load(cube, &companions, held)?;
+        let texture = |store: CubeStore| {
+            let texture = TimeTexture::new(store, TimeAxis::from(cube), scene.outside)
+                .map_err(|e| refused(scene, source, e))?
+                .with_reconstruction(cube.reconstruction);
+            // Sums along time, for lookups that are means over spans of it.
+            Ok(match cube.is_read_over_spans(&scene.camera) {
+                true => texture.with_sums(),
+                false => texture,
+            })
         };
+        let others = others.into_iter().map(texture);
+        let others: Vec<TimeTexture> = others.collect::<Result<_>>()?;
+        let texture = texture(colours)?;
         let size = texture.size();
         // What looks wrong about the samples, or was assumed of them.
         let (mut assumed, mut negative) = (Order::Stated, None);
         if let CubeData::File(file) = &cube.data {
             negative = file.negative;
-            let info = cubes::inspect(&file.path, file.wanted())?;
+            let info = cubes::inspect(&file.path, file.wanted(cube.channels.as_ref()))?;
             assumed = match (info.assumed, cubes::is_sequence(&file.path)) {
                 (false, _) => Order::Stated,
                 (true, true) => Order::Pictures,
@@ -601,13 +613,24 @@ impl Stores {
         }
         let remarks = survey::of_samples_with(texture.cube(), assumed, negative);
         self.warn(scene, source, remarks);
+        for (channel, companion) in companions.iter().zip(&others) {
+            let remarks = survey::of_samples_with(companion.cube(), Order::Stated, negative);
+            let named = |remark| format!("channel {}: {remark}", channel.name());
+            self.warn(scene, source, remarks.into_iter().map(named).collect());
+        }
         // Cameras and clocks of the file are of the world or of the objects; lookups are in the rest frame.
         let place = Place::of(scene, source, frames);
         let clock = place.clock(cube.clock);
+        // The colours, and their companions after them.
         let index = self.cubes.len();
+        let companions = Channel::COMPANIONS.map(|channel| {
+            let place = companions.iter().position(|own| *own == channel);
+            place.map(|place| index + 1 + place)
+        });
         let emitter = match &cube.mapping {
             Mapping::Uv { set } => Emitter::Uv {
                 cube: index,
+                companions,
                 set: *set,
                 clock,
             },
@@ -632,13 +655,16 @@ impl Stores {
                 self.captures.push(capture);
                 Emitter::Captured(vec![CapturedCube {
                     cube: index,
+                    companions,
                     capture: self.captures.len() - 1,
                     clock,
                 }])
             }
         };
-        self.cubes.push(texture);
-        self.sources.push(source);
+        for texture in [texture].into_iter().chain(others) {
+            self.cubes.push(texture);
+            self.sources.push(source);
+        }
         Ok(emitter)
     }
 
@@ -648,33 +674,76 @@ impl Stores {
         self.warnings.extend(remarks.into_iter().map(named));
     }
 
-    /// The cube, whole; or on disk, with room for `held` bytes of it.
-    fn load(&mut self, cube: &CubeSource, held: Option<u64>) -> Result<CubeStore> {
+    /// The cube, whole; or on disk, with room for `held` bytes of it: its colours, and one cube for each of these companions.
+    fn load(
+        &mut self,
+        cube: &CubeSource,
+        companions: &[Channel],
+        held: Option<u64>,
+    ) -> Result<(CubeStore, Vec<CubeStore>)> {
         let file = match &cube.data {
             CubeData::File(file) => file,
-            CubeData::Memory(cube) => return Ok(cube.clone().into()),
+            CubeData::Memory(whole) => {
+                return Ok(match &cube.channels {
+                    Some(channels) => split(whole, channels, companions),
+                    None => (whole.clone().into(), Vec::new()),
+                });
+            }
         };
-        if let Some(loaded) = self.files.get(file) {
+        let key = (file.clone(), cube.channels.clone(), companions.to_vec());
+        if let Some(loaded) = self.files.get(&key) {
             return Ok(loaded.clone());
         }
-        let loaded: CubeStore = match held {
-            Some(room) => Arc::new(self.bricks(file, room)?).into(),
-            None => cubes::load(&file.path, file.wanted())?.into(),
+        let wanted = file.wanted(cube.channels.as_ref());
+        let loaded = match (held, &cube.channels) {
+            (Some(room), None) => (self.bricks(file, wanted, room)?.into(), Vec::new()),
+            (Some(room), Some(channels)) => {
+                // Each has its part of the room.
+                let parts = 1 + companions.len() as u64;
+                let bricks = |places: &[usize]| {
+                    let bricks = self.bricks(file, wanted, room / parts)?;
+                    Ok(bricks.taking(places).into())
+                };
+                let others = companions.iter();
+                let others = others.filter_map(|channel| channels.place(*channel));
+                let others = others.map(|place| bricks(&[place]));
+                (bricks(&channels.colours())?, others.collect::<Result<_>>()?)
+            }
+            (None, None) => (cubes::load(&file.path, wanted)?.into(), Vec::new()),
+            (None, Some(channels)) => {
+                let whole = Arc::new(cubes::load(&file.path, wanted)?);
+                split(&whole, channels, companions)
+            }
         };
-        self.files.insert(file.clone(), loaded.clone());
+        self.files.insert(key, loaded.clone());
         Ok(loaded)
     }
-}
 
-impl Stores {
-    fn bricks(&self, file: &CubeFile, room: u64) -> Result<Bricks> {
+    fn bricks(&self, file: &CubeFile, wanted: Wanted, room: u64) -> Result<Bricks> {
         if self.counts_only
-            && let Some(bricks) = Bricks::counting(&file.path, file.wanted(), room)?
+            && let Some(bricks) = Bricks::counting(&file.path, wanted, room)?
         {
             return Ok(bricks);
         }
-        Bricks::open(&file.path, file.wanted(), room)
+        Bricks::open(&file.path, wanted, room)
     }
+}
+
+/// The colours of a cube with these channels, and each of these companions.
+fn split(
+    cube: &Arc<Cube>,
+    channels: &Channels,
+    companions: &[Channel],
+) -> (CubeStore, Vec<CubeStore>) {
+    let places = companions.iter();
+    let places = places.filter_map(|channel| channels.place(*channel));
+    let others = places.map(|place| cube.taking(&[place]).into()).collect();
+    // What are red, green and blue already stay where they are.
+    let colours = match channels.names().as_slice() {
+        ["R", "G", "B"] => cube.clone().into(),
+        _ => cube.taking(&channels.colours()).into(),
+    };
+    (colours, others)
 }
 
 fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error {
@@ -683,7 +752,7 @@ fn refused(scene: &Scene, source: usize, error: impl std::fmt::Display) -> Error
         &scene.name,
         place,
         error.to_string(),
-        "a cube (H, W, T) or (H, W, T, 1 or 3) and a time axis that fits it",
+        "a cube (H, W, T) or (H, W, T, 1 or 3), or one whose `channels` are named, and a time axis that fits it",
     )
 }
 

@@ -1,9 +1,9 @@
 //! What surfaces and observers of a scene make of light: its effects, its equations and what its eye sees.
 
-use crate::colour::RgbShift;
+use crate::colour::{CompanionShift, RgbShift};
 use crate::light::Received;
 use crate::render::trace::{Colouring, Eye, Response, Scaling, SkySpectra};
-use crate::scene::model::{Effects, Equations, Scene};
+use crate::scene::model::{Effects, Equations, Scene, Source, SourceKind};
 use crate::spacetime::Quantity;
 
 /// What surfaces in `scene` receive of light that measures `quantity`.
@@ -36,6 +36,21 @@ pub(super) fn response(quantity: Quantity, scene: &Scene) -> Response {
         (None, _) => (brightness, Colouring::Channels),
     };
     Response { scaled, colour }
+}
+
+/// The same of the radiance of a source; where its companions are seen, with these.
+pub(super) fn response_to(source: &Source, scene: &Scene) -> Response {
+    let plain = response(source.quantity, scene);
+    let SourceKind::Cube(cube) = &source.kind else {
+        return plain;
+    };
+    match plain.colour {
+        Colouring::Rgb(_, eye) if !scene.companions_of(cube).is_empty() => Response {
+            colour: Colouring::Companions(CompanionShift::get(), eye),
+            ..plain
+        },
+        _ => plain,
+    }
 }
 
 /// What an observer in `scene` makes of the spectra of its sky, as of those of objects.

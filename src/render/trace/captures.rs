@@ -32,11 +32,12 @@ use crate::light::time_texture::{
 };
 
 impl TimeResolved {
-    /// What `captures` recorded of the points of `run`, as far as they saw them. They rest in the points' frame, and so
-    /// does all that can stand between.
+    /// What `captures` recorded of the points of `run`, in those of their cubes that `cube` says, as far as they saw them.
+    /// They rest in the points' frame, and so does all that can stand between.
     pub(super) fn blend(
         &self,
         captures: &[CapturedCube],
+        cube: impl Fn(&CapturedCube) -> usize,
         run: &Run,
         emitted: &mut Emitted,
         meter: &mut Meter,
@@ -49,7 +50,10 @@ impl TimeResolved {
         let read = Cell::new(0);
         // Each capture in turn: what it may have seen, what stands between, then the lookups.
         for (index, captured) in captures.iter().enumerate() {
-            let (texture, capture) = (&self.cubes[captured.cube], &self.captures[captured.capture]);
+            let (texture, capture) = (
+                &self.cubes[cube(captured)],
+                &self.captures[captured.capture],
+            );
             emitted.located.clear();
             emitted.capture_views.clear();
             emitted.segments.clear();

@@ -14,7 +14,7 @@ use super::points::Points;
 use crate::accel::Segment;
 use crate::accel::vectors::Columns;
 use crate::camera::RayOrigin;
-use crate::colour::{ColourTable, RgbShift, Spectrum};
+use crate::colour::{ColourTable, CompanionShift, RgbShift, Spectrum};
 use crate::light::lamp::{Incident, Irradiance};
 use crate::light::reflection::{Reflection, Scattered};
 use crate::light::time_texture::{
@@ -66,6 +66,8 @@ pub enum Colouring {
     UnshiftedLine(f64),
     /// The channels are linear RGB of a spectrum, whose shift has the searchlight effect in it.
     Rgb(&'static RgbShift, Eye),
+    /// The same with infrared and ultraviolet beside them.
+    Companions(&'static CompanionShift, Eye),
     /// The mean of the channels is a factor on a spectrum, whose colours have the searchlight effect in them.
     Spectrum(Arc<ColourTable>, Eye),
 }
@@ -128,6 +130,8 @@ pub struct Emitted {
     pub(super) response: Response,
     /// Radiance to which the factors apply, per channel.
     pub(super) radiance: Vec<[f64; 3]>,
+    /// Infrared and ultraviolet of each point, where its response has them; empty otherwise.
+    pub(super) companions: Vec<[f64; 2]>,
     /// What else there is to know of some points, in their order.
     pub(super) details: Vec<Detail>,
     pub(super) lookups: Box<Lookups>,
@@ -292,6 +296,7 @@ impl Default for Emitted {
                 colour: Colouring::Channels,
             },
             radiance: Vec::new(),
+            companions: Vec::new(),
             details: Vec::new(),
             lookups: Box::default(),
             queries: OcclusionQueries::default(),
@@ -351,7 +356,24 @@ impl Emitted {
     pub fn start(&mut self, response: Response) {
         self.response = response;
         self.radiance.clear();
+        self.companions.clear();
         self.details.clear();
+    }
+
+    /// Takes the radiance of all points of the run, which is grey, as that of a band, and begins the run again.
+    pub(super) fn set_aside(&mut self, band: usize) {
+        self.companions.resize(self.radiance.len(), [0.0; 2]);
+        for (companions, [grey, ..]) in self.companions.iter_mut().zip(&self.radiance) {
+            companions[band] = *grey;
+        }
+        self.radiance.clear();
+        self.details.clear();
+    }
+
+    /// Infrared and ultraviolet of a point.
+    #[inline]
+    pub(super) fn companions(&self, at: usize) -> [f64; 2] {
+        self.companions.get(at).copied().unwrap_or_default()
     }
 
     /// Adds radiance of the next point that is fully known, of the declared wavelength times `wavelength_scale`.

@@ -471,7 +471,7 @@ impl PathTraced {
                 emitter,
                 &emitted.response,
                 ratios[at],
-                (emitted.radiance[at], scale),
+                (emitted.radiance[at], emitted.companions(at), scale),
             );
             let weight = emitted.own_weights.get(at).copied().unwrap_or(1.0);
             met[*ray as usize] = Met::Light(light.scaled(weight));
@@ -488,7 +488,9 @@ impl PathTraced {
                 let radiance = std::array::from_fn(|c| point.reflected[c] + point.own[c]);
                 let scale = point.incident.wavelength_scale();
                 let response = &self.light.emitters[emitter].1;
-                Some(self.arriving(emitter, response, point.ratio, (radiance, scale)))
+                // What reflects has no companions.
+                let light = (radiance, [0.0; 2], scale);
+                Some(self.arriving(emitter, response, point.ratio, light))
             }
         }
     }
@@ -499,7 +501,7 @@ impl PathTraced {
         emitter: usize,
         response: &Response,
         w: f64,
-        (radiance, wavelength_scale): ([f64; 3], f64),
+        (radiance, companions, wavelength_scale): ([f64; 3], [f64; 2], f64),
     ) -> Incident {
         let received = &self.received[emitter];
         let light = match &response.colour {
@@ -507,6 +509,7 @@ impl PathTraced {
                 let factor = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
                 table.colour(w).map(|c| c * factor)
             }
+            Colouring::Companions(shift, _) => shift.apply(w, radiance, companions),
             _ => received.radiance(w, radiance),
         };
         Incident::new(light, wavelength_scale * received.wavelength_scale(w))

@@ -13,7 +13,7 @@ use super::occlusion::{any_hit, shadow_starts};
 use super::point::{EmissionClock, SurfacePoint};
 use super::run::Run;
 use super::stats::{Counter, Meter};
-use super::time_resolved::{Emitter, TimeResolved};
+use super::time_resolved::{CapturedCube, Emitter, TimeResolved};
 use crate::accel::{Ray, Segment};
 use crate::light::reflection::Reflection;
 use crate::light::time_texture::{BATCH, Capture, CaptureView, Coverage, TimeTexture};
@@ -85,21 +85,51 @@ impl Radiance for TimeResolved {
         emitted.start(response.clone());
         match emitter {
             Emitter::Base(colour) => self.base.fill(*colour, run, emitted),
-            Emitter::Uv { cube, set, clock } => {
+            // Companions first: what they hold is set aside, and what stays is that of the colours.
+            Emitter::Uv {
+                cube,
+                companions,
+                set,
+                clock,
+            } => {
+                for (band, cube) in present(*companions) {
+                    look_up(&self.cubes[cube], *set, *clock, run, emitted, meter);
+                    emitted.set_aside(band);
+                }
                 look_up(&self.cubes[*cube], *set, *clock, run, emitted, meter);
             }
             Emitter::Captured(captures) => match captures.as_slice() {
                 [only] => {
                     let (texture, capture) = (&self.cubes[only.cube], &self.captures[only.capture]);
-                    project(texture, capture, only.clock, run, emitted, meter);
+                    let means = locate(texture, capture, only.clock, run, emitted, meter);
+                    let by = (capture, only.clock);
+                    for (band, cube) in present(only.companions) {
+                        project(&self.cubes[cube], by, means, run, emitted, meter);
+                        emitted.set_aside(band);
+                    }
+                    project(texture, by, means, run, emitted, meter);
                 }
-                several => self.blend(several, run, emitted, meter),
+                several => {
+                    // Captures of one surface have the same companions.
+                    for (band, _) in present(several.first().map_or([None; 2], |c| c.companions)) {
+                        let cube = |one: &CapturedCube| one.companions[band].unwrap_or(one.cube);
+                        self.blend(several, cube, run, emitted, meter);
+                        emitted.set_aside(band);
+                    }
+                    self.blend(several, |one| one.cube, run, emitted, meter);
+                }
             },
             Emitter::Lit { finish, lamps } => {
                 self.reflect(finish, lamps, run, emitted, meter);
             }
         }
     }
+}
+
+/// The companions that there are, by band: 0 is the infrared, 1 the ultraviolet.
+fn present(companions: [Option<usize>; 2]) -> impl Iterator<Item = (usize, usize)> {
+    let numbered = companions.into_iter().enumerate();
+    numbered.filter_map(|(band, cube)| Some((band, cube?)))
 }
 
 /// What `texture` holds at the points of `run`.
@@ -172,16 +202,16 @@ fn look_up(
     }
 }
 
-/// What the capture camera recorded of the points of `run`, as far as it saw them. The capture camera rests
-/// in the points' frame, and so does all that can stand between them.
-fn project(
+/// Where the points of `run` lie in the image of a capture camera, and whether the scene blocks the way to it. The capture camera rests
+/// in the points' frame, and so does all that can stand between them. Says whether lookups are means over spans of time.
+fn locate(
     texture: &TimeTexture,
     capture: &Capture,
     clock: EmissionClock,
     run: &Run,
     emitted: &mut Emitted,
     meter: &mut Meter,
-) {
+) -> bool {
     emitted.points.fill_places(run);
     let count = run.count();
     // Means over exposures and footprints are looked up one by one, all else together where the data hold it.
@@ -224,7 +254,20 @@ fn project(
         answers[k] = blocked[next];
         next += 1;
     });
+    means
+}
 
+/// What the capture camera recorded of the points of `run`, which were located, as far as it saw them; `means` over spans of time.
+fn project(
+    texture: &TimeTexture,
+    (capture, clock): (&Capture, EmissionClock),
+    means: bool,
+    run: &Run,
+    emitted: &mut Emitted,
+    meter: &mut Meter,
+) {
+    let count = run.count();
+    let singly = means || run.filters(texture);
     // Points all of whose taps hold data, a whole batch at a time.
     let room = count.next_multiple_of(BATCH);
     emitted.times.resize(room, 0.0);

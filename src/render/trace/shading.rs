@@ -10,7 +10,7 @@ use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::colour::{self, RgbShift};
+use crate::colour::{self, CompanionShift, RgbShift};
 use crate::light::sky::Sky;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
@@ -375,6 +375,9 @@ fn add_colours(
         (Colouring::Rgb(shift, eye), []) => {
             return add_shifted(shift, *eye, emitted, ratios, factors, members, sink);
         }
+        (Colouring::Companions(shift, eye), []) => {
+            return add_with_companions(shift, *eye, emitted, ratios, factors, members, sink);
+        }
         (Colouring::ShiftedLine(wavelength), []) => {
             return add_lines(*wavelength, emitted, ratios, factors, members, sink);
         }
@@ -397,6 +400,13 @@ fn add_colours(
             Colouring::UnshiftedLine(wavelength) => line(emitted.radiance[k], *wavelength),
             Colouring::Rgb(shift, eye) => shift
                 .apply(eye.ratio(ratios[k]), emitted.radiance[k])
+                .map(|c| c * eye.gain()),
+            Colouring::Companions(shift, eye) => shift
+                .apply(
+                    eye.ratio(ratios[k]),
+                    emitted.radiance[k],
+                    emitted.companions(k),
+                )
                 .map(|c| c * eye.gain()),
             Colouring::Spectrum(table, eye) => {
                 let factor = mean(emitted.radiance[k]) * eye.gain();
@@ -440,6 +450,24 @@ fn add_shifted(
     for ((ray, rgb), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
         let factor = factor * eye.gain();
         let seen = shift.apply(eye.ratio(*w), *rgb);
+        sink.add(*ray as usize, seen.map(|c| factor * c));
+    }
+}
+
+/// Adds RGB spectra with infrared and ultraviolet as they are seen at W `ratios`, times `factors`, and nothing else.
+fn add_with_companions(
+    shift: &CompanionShift,
+    eye: Eye,
+    emitted: &Emitted,
+    ratios: &[f64],
+    factors: &[f64],
+    members: &[u32],
+    sink: &mut impl RadianceSink,
+) {
+    let rays = members.iter().zip(&emitted.radiance).enumerate();
+    for ((k, (ray, rgb)), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
+        let factor = factor * eye.gain();
+        let seen = shift.apply(eye.ratio(*w), *rgb, emitted.companions(k));
         sink.add(*ray as usize, seen.map(|c| factor * c));
     }
 }

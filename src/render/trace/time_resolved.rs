@@ -60,6 +60,8 @@ pub enum Emitter {
     Uv {
         /// Index of the cube.
         cube: usize,
+        /// Those of its infrared and its ultraviolet, where they are seen.
+        companions: [Option<usize>; 2],
         /// TEXCOORD set.
         set: usize,
         /// The clock of its time axis.
@@ -81,6 +83,8 @@ pub enum Emitter {
 pub struct CapturedCube {
     /// Index of the cube.
     pub cube: usize,
+    /// Those of its infrared and its ultraviolet, where they are seen.
+    pub companions: [Option<usize>; 2],
     /// Index of the capture camera.
     pub capture: usize,
     /// The clock before the delay to the capture camera.

@@ -28,8 +28,9 @@ pub(in crate::scene) struct Radiance {
     /// quantity = "line", refused with any other.
     pub wavelength: Option<At<Wavelength>>,
     /// How the spectra of RGB colours go on below 360 and above 830 nm, where nobody at rest sees them: "blackbody"
-    /// (as Planck's law at 6504 K), "edge" (constant) or "dark". Of the scene's `radiance` only.
-    /// Default: "blackbody".
+    /// (as Planck's law at 6504 K), "edge" (constant), "dark", or "companions": as the infrared and ultraviolet `channels` of cubes say,
+    /// and dark where there are none. Of the scene's `radiance` only.
+    /// Default: "companions" where a cube has such channels, otherwise "blackbody".
     pub continuation: Option<At<Continuation>>,
 }
 

@@ -55,6 +55,10 @@ pub(in crate::scene) struct Cube {
     /// with time. Default: "H W T", or "H W T C" for four axes. Of pictures, it names files, rows and columns,
     /// and colours need no name: "T H W", the default, are frames, "H W T" streaks with time along x.
     pub axes: Option<At<String>>,
+    /// What the channels of the array are, in its order, each once: "R", "G", "B", and companions beside them, "IR" (infrared, 830 to
+    /// 3500 nm) and "UV" (ultraviolet, 100 to 360 nm), which shift into view; these need quantity = "rgb". Of .exr pictures
+    /// the names are theirs. Default: one channel is grey, three are ["R", "G", "B"].
+    pub channels: Option<At<Vec<String>>>,
     /// Time at the start of bin 0, on the clock of `clock`. Default: "0 m".
     pub start: Option<At<Time>>,
     /// Time at the centre of bin 0, in place of `start`.

@@ -44,7 +44,7 @@ pub(super) fn scene(report: Report, inputs: Inputs, file: &file::Scene) -> Resul
         .as_ref()
         .ok_or_else(|| without_camera(&cx, file))?;
     let camera = camera::resolve(&cx, said)?;
-    let continuation = radiance::continuation(&file.radiance);
+    let continuation = radiance::continuation(&file.radiance, &file.source);
     // Objects first: lights and sources name them.
     let mut objects = object::resolve_all(&cx, &file.object, &said.span, continuation)?;
     let flash_times = settings::isochrones(&cx, &file.display, &camera, &objects)?;

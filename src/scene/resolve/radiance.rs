@@ -3,8 +3,9 @@
 use super::context::Context;
 use crate::colour::Continuation;
 use crate::error::Result;
+use crate::io::cube::Channel;
 use crate::scene::at::At;
-use crate::scene::file::Radiance;
+use crate::scene::file::{Radiance, Source};
 use crate::spacetime::{Quantity, QuantityKind};
 
 pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity> {
@@ -25,9 +26,18 @@ pub(super) fn resolve(cx: &Context, radiance: &At<Radiance>) -> Result<Quantity>
 }
 
 /// How RGB goes on where nobody at rest sees it; only the scene's `radiance` says so.
-pub(super) fn continuation(radiance: &At<Radiance>) -> Continuation {
-    let said = radiance.value.continuation.as_ref();
-    said.map(|at| at.value).unwrap_or_default()
+pub(super) fn continuation(radiance: &At<Radiance>, sources: &[At<Source>]) -> Continuation {
+    let is_companion = |name: &String| Channel::COMPANIONS.iter().any(|c| c.name() == name);
+    let has_companions = |source: &At<Source>| {
+        let cube = source.value.cube.as_ref();
+        let channels = cube.and_then(|cube| cube.value.channels.as_ref());
+        channels.is_some_and(|channels| channels.value.iter().any(is_companion))
+    };
+    match &radiance.value.continuation {
+        Some(said) => said.value,
+        None if sources.iter().any(has_companions) => Continuation::Companions,
+        None => Continuation::default(),
+    }
 }
 
 /// Refuses what only the scene's `radiance` may say.

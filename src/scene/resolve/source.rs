@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::context::Context;
 use super::{binding, object, pose, radiance};
 use crate::error::Result;
-use crate::io::cube::{Axes, FORMATS, is_picture, is_sequence, is_zarr};
+use crate::io::cube::{Axes, Channels, FORMATS, is_picture, is_sequence, is_zarr};
 use crate::scene::at::At;
 use crate::scene::file;
 use crate::scene::model::{
@@ -31,18 +31,44 @@ pub(super) fn resolve_all(
     let mut bindings = binding::Bindings::new(cx, objects);
     let mut resolved = Vec::with_capacity(sources.len());
     for (at, name) in sources.iter().zip(names) {
+        let quantity = match &at.value.radiance {
+            Some(own) => radiance::of_source(cx, own)?,
+            None => quantity,
+        };
+        let kind = kind(cx, at)?;
+        refuse_companions(cx, &at.value, (&kind, quantity))?;
         resolved.push(Source {
             name,
-            kind: kind(cx, at)?,
+            kind,
             binding: bindings.bind(at)?,
-            quantity: match &at.value.radiance {
-                Some(own) => radiance::of_source(cx, own)?,
-                None => quantity,
-            },
+            quantity,
             span: binding::span(at),
         });
     }
     Ok(resolved)
+}
+
+/// Refuses infrared and ultraviolet beside channels that are no spectrum: nothing shifts into view.
+fn refuse_companions(
+    cx: &Context,
+    source: &file::Source,
+    (kind, quantity): (&SourceKind, Quantity),
+) -> Result<()> {
+    let (SourceKind::Cube(resolved), Some(cube)) = (kind, &source.cube) else {
+        return Ok(());
+    };
+    match &cube.value.channels {
+        Some(at) if quantity != Quantity::Rgb && !resolved.companions().is_empty() => {
+            let names: Vec<_> = (resolved.companions().iter()).map(|c| c.name()).collect();
+            let what = format!(
+                "{} shift into view where colours are spectra, and this radiance is {quantity}",
+                names.join(" and ")
+            );
+            let help = "set quantity = \"rgb\" in [radiance] or in the source's `radiance`";
+            Err(cx.refuse(at, what, help))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn entry_names(source: &file::Source) -> (Option<String>, String) {
@@ -80,8 +106,10 @@ fn cube(cx: &Context, at: &At<file::Cube>) -> Result<CubeSource> {
         true => steady_time(cx, cube)?,
         false => time_axis(cx, at)?,
     };
+    let channels = channels(cx, cube)?;
     Ok(CubeSource {
         data: data(cx, cube, axes)?,
+        channels,
         mapping: mapping(cx, cube)?,
         clock: clock(cx, cube)?,
         bins: time.bins,
@@ -295,6 +323,18 @@ fn axes(cx: &Context, cube: &file::Cube) -> Result<Option<Axes>> {
     at.value.parse().map(Some).map_err(refused)
 }
 
+fn channels(cx: &Context, cube: &file::Cube) -> Result<Option<Channels>> {
+    let Some(at) = &cube.channels else {
+        return Ok(None);
+    };
+    let names = at.value.iter().map(String::as_str);
+    let channels = Channels::named(names).map_err(|what| {
+        let help = "name each channel once, in the order of the array: \"R\", \"G\", \"B\", and maybe \"IR\" and \"UV\"";
+        cx.refuse(at, what, help)
+    })?;
+    Ok(Some(channels))
+}
+
 fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData> {
     let memory = &cx.inputs.memory;
     let alone = |what| {
@@ -313,6 +353,16 @@ fn data(cx: &Context, cube: &file::Cube, axes: Option<Axes>) -> Result<CubeData>
         if let Some(negative) = &cube.negative {
             let what = "a cube in memory is read as it is";
             return Err(cx.refuse(negative, what, "leave `negative` out"));
+        }
+        let count = in_memory.shape[3];
+        if let Some(at) = &cube.channels
+            && at.value.len() != count
+        {
+            let what = format!(
+                "{} channels are named, and the cube has {count}",
+                at.value.len()
+            );
+            return Err(cx.refuse(at, what, "name each of them once, in their order"));
         }
         return Ok(CubeData::Memory(in_memory));
     }

@@ -75,6 +75,12 @@ fn shape(cx: &Context, at: &At<file::Spectrum>, continuation: Continuation) -> R
         let what = "only a spectrum by `rgb` is continued";
         return Err(cx.refuse(continuation, what, "leave `continuation` out"));
     }
+    if let Some(at) = &said.continuation
+        && at.value == Continuation::Companions
+    {
+        let what = "only the channels of cubes have companions";
+        return Err(cx.refuse(at, what, "\"dark\", \"edge\" or \"blackbody\""));
+    }
     if let Some(line) = &said.line {
         return Ok(Shape::Lines(vec![[wavelength(cx, line)?, 1.0]]));
     }

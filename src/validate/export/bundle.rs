@@ -237,7 +237,8 @@ pub struct Radiometry {
     pub line_wavelength: Option<f64>,
     /// p: the observed radiance is W⁻ᵖ times the emitted one; 0 where the searchlight effect is turned off.
     pub exponent: u32,
-    /// Where the quantity is "rgb", how its spectra go on below 360 and above 830 nm: "blackbody", "edge" or "dark". The
+    /// Where the quantity is "rgb", how its spectra go on below 360 and above 830 nm: "blackbody", "edge", "dark" or
+    /// "companions" (as the channels of cubes say, with M as in [`crate::colour::CompanionShift`]). The
     /// observed radiance is then M(W) times the emitted one, with M as in [`crate::colour::RgbShift`], and the
     /// exponent that of its brightness.
     pub continuation: Option<&'static str>,
@@ -285,6 +286,9 @@ pub struct CubeEntry {
     pub axes: Option<String>,
     /// Rows, columns, bins, channels; null for a cube that lights nothing.
     pub shape: Option<[usize; 4]>,
+    /// What its channels are, in their order: "R", "G", "B", "IR" (infrared, 830 to 3500 nm), "UV" (ultraviolet, 100 to 360 nm); null
+    /// where one is grey, or three are red, green and blue.
+    pub channels: Option<Vec<&'static str>>,
     /// Time at the start of bin 0.
     pub start: f64,
     /// Width of a bin; null where widths differ.

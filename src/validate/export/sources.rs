@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::bundle::{CubeEntry, LightEntry, SourceEntry};
 use super::{Cubes, Files, describe, stop_if_cancelled};
 use crate::error::{Error, Result};
-use crate::io::cube::{self, Cube, format_of};
+use crate::io::cube::{self, Channels, Cube, format_of};
 use crate::io::files;
 use crate::io::image::{npz, write_atomically};
 use crate::render::metadata::sha256_of;
@@ -35,7 +35,8 @@ pub(super) fn write(
                         stored.place(&file.path, cubes, files)?
                     }
                     CubeData::File(file) => {
-                        write_out(&cube::load(&file.path, file.wanted())?, index, files)?
+                        let wanted = file.wanted(cube.channels.as_ref());
+                        write_out(&cube::load(&file.path, wanted)?, index, files)?
                     }
                     CubeData::Memory(cube) => write_out(cube, index, files)?,
                 };
@@ -69,6 +70,7 @@ fn entry(cube: &CubeSource, place: Place, shape: Option<[usize; 4]>) -> CubeEntr
             CubeData::File(_) | CubeData::Memory(_) => None,
         },
         shape,
+        channels: cube.channels.as_ref().map(Channels::names),
         start: cube.bins.edge(0),
         bin_width: match &cube.bins {
             TimeBins::Uniform { width, .. } => Some(*width),

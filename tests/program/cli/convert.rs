@@ -302,3 +302,37 @@ fn large() -> Vec<u8> {
     file.extend(1e6f32.to_le_bytes());
     file
 }
+
+#[test]
+fn named_channels_go_through_all_formats_and_come_back() {
+    let folder = Folder::empty();
+    let samples: Vec<f32> = (0..4 * 5 * 6 * 5).map(|n| n as f32).collect();
+    let cube = Cube::new([4, 5, 6, 5], Samples::F32(samples)).unwrap();
+    nullray::io::image::npz::write_cube(&folder.path("a.npy"), &cube).unwrap();
+    let named = ["--channels", "UV,B,IR,G,R"];
+    folder.ok(&[&["convert", "a.npy", "-o", "frames"], &named[..]].concat());
+    folder.ok(&[&["convert", "frames", "-o", "b.npz"], &named[..]].concat());
+    folder.ok(&[&["convert", "b.npz", "-o", "c.npy"], &named[..]].concat());
+    let channels = "UV,B,IR,G,R".parse().unwrap();
+    let wanted = Wanted {
+        channels: Some(&channels),
+        ..Wanted::default()
+    };
+    assert!(cube::load(&folder.path("c.npy"), wanted).unwrap() == cube);
+    // By name, in another order.
+    folder.ok(&["convert", "frames", "-o", "d.npy", "--channels", "R,G,B"]);
+    let rgb = values(&load(&folder, "d.npy", None));
+    assert_eq!(rgb[..6], [4.0, 3.0, 1.0, 9.0, 8.0, 6.0]);
+    refused(
+        &folder,
+        &["convert", "a.npy", "-o", "e.npy"],
+        &["means 5 channels"],
+    );
+    refused(
+        &folder,
+        &["convert", "a.npy", "-o", "e.npy", "--channels", "R,G"],
+        &["no channel B"],
+    );
+    let more = ["convert", "d.npy", "-o", "e.npy", "--channels", "R,G,B,IR"];
+    refused(&folder, &more, &["3 channels, and `channels` names 4"]);
+}

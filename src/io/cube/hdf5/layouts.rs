@@ -91,6 +91,7 @@ pub(super) fn known(file: &File, wanted: Wanted) -> Result<Known> {
         choices: &choices,
         columns: layout.columns,
         without_alpha: layout.without_alpha,
+        channels: wanted.channels,
     };
     let selection = Selection::new(array.sizes(), array.dtype()?, &taken)
         .map_err(|(what, help)| Error::invalid(file.path(), &layout.array, what, help))?;

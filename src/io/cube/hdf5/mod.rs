@@ -82,11 +82,12 @@ pub(super) fn windows(path: &Path, wanted: Wanted, room: usize) -> Result<(Selec
     };
     let selection = opened(wanted, path)?.selection;
     let (path, array) = (path.to_path_buf(), wanted.array.map(String::from));
-    let axes = wanted.axes.cloned();
+    let (axes, channels) = (wanted.axes.cloned(), wanted.channels.cloned());
     let open = move || {
         let wanted = Wanted {
             array: array.as_deref(),
             axes: axes.as_ref(),
+            channels: channels.as_ref(),
             ..Wanted::default()
         };
         Ok(Box::new(opened(wanted, &path)?.array) as Box<dyn Windows + Send>)

@@ -226,6 +226,7 @@ fn known(path: &Path, wanted: Wanted) -> Result<(Metadata, Selection, Said)> {
         choices: &choices,
         columns: None,
         without_alpha: false,
+        channels: wanted.channels,
     };
     let dtype = match metadata.number {
         Number::F16 => Dtype::F16,

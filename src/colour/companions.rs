@@ -1,0 +1,207 @@
+//! Two channels beside red, green and blue: what a surface shines beyond what the eye sees at rest.
+//!
+//! RGB says nothing of wavelengths above 830 and below 360 nm ([`rgb_basis`](super::rgb_basis)). Two more channels do, each the
+//! radiance of a band in units of that of the white at the end that it joins:
+//!
+//! ```text
+//! L(λ) = r white b_r + g white b_g + b white b_b      360 to 830 nm
+//!      + i white(830 nm)                              830 to 3500 nm, infrared
+//!      + u white(360 nm)                              100 to 360 nm, ultraviolet
+//! ```
+//!
+//! and nothing beyond. The bands are flat per wavelength: a channel is the mean radiance of its band over that of the white at
+//! its end, which is how a measured band is scaled. Where all five are equal the spectrum goes on without a step, and is that of
+//! [`Continuation::Edge`] as far as the bands reach.
+//!
+//! What is seen of it at W is the 3 × 5 matrix M(W) times the channels. Its first three columns are those of a dark continuation
+//! ([`RgbShift`]); the others are
+//!
+//! ```text
+//! ∫ W⁻⁵ white(end) m(λ) dλ,      from 830 W to 3500 W nm, or from 100 W to 360 W nm.
+//! ```
+//!
+//! As the eye ends at 360 and 830 nm too, the infrared is seen where W < 1 alone, and the ultraviolet where W > 1: one column, of
+//! which one look-up in a table says all. It is tabulated as M(W) of RGB is, to 1e-4 of W⁻⁵. All of the infrared has shifted into view and
+//! beyond at W = 360/3500, and all of the ultraviolet at W = 830/100.
+
+use super::observer::{FIRST, LAST};
+use super::rgb_basis::{self, Continuation};
+use super::shift::{MadeOnce, RgbShift, Table};
+use super::spectrum::integrate;
+use super::{colour_matching, rgb_from_xyz};
+
+/// Between which wavelengths the infrared channel shines, metres.
+pub const INFRARED: [f64; 2] = [LAST * 1e-9, 3500e-9];
+
+/// Between which wavelengths the ultraviolet channel shines, metres.
+pub const ULTRAVIOLET: [f64; 2] = [100e-9, FIRST * 1e-9];
+
+/// Of RGB with infrared and ultraviolet: M(W), by which the five channels are multiplied.
+#[derive(Debug)]
+pub struct CompanionShift {
+    /// The first three columns.
+    rgb: &'static RgbShift,
+    /// That of the infrared below 1 and of the ultraviolet above, with a fourth number of 0.
+    table: Table<4>,
+}
+
+impl CompanionShift {
+    /// The only one, made when it is first asked for.
+    pub fn get() -> &'static CompanionShift {
+        static MADE: MadeOnce<CompanionShift> = MadeOnce::new(CompanionShift::new);
+        MADE.get()
+    }
+
+    fn new() -> CompanionShift {
+        // Beyond these ratios nothing of either band is left in view.
+        let ends = [ULTRAVIOLET[1] / INFRARED[1], INFRARED[0] / ULTRAVIOLET[0]];
+        CompanionShift {
+            rgb: RgbShift::of(Continuation::Companions),
+            table: Table::new(ends, |w| {
+                let [r, g, b] = band_colour(w);
+                [r, g, b, 0.0]
+            }),
+        }
+    }
+
+    /// M(W) · (r, g, b, infrared, ultraviolet): the linear RGB that an observer sees of what has these at rest.
+    #[inline(always)]
+    pub fn apply(&self, w: f64, rgb: [f64; 3], [infrared, ultraviolet]: [f64; 2]) -> [f64; 3] {
+        let seen = self.rgb.apply(w, rgb);
+        let band = if w < 1.0 { infrared } else { ultraviolet };
+        match self.table.at(w) {
+            Some(column) => std::array::from_fn(|j| seen[j] + column[j] * band),
+            None => seen,
+        }
+    }
+
+    /// M(W), rows of linear RGB, columns red, green, blue, infrared, ultraviolet.
+    pub fn matrix(&self, w: f64) -> [[f64; 5]; 3] {
+        let column = |k: usize| {
+            let unit = |i: usize| f64::from(i == k);
+            self.apply(w, [unit(0), unit(1), unit(2)], [unit(3), unit(4)])
+        };
+        let columns = [0, 1, 2, 3, 4].map(column);
+        std::array::from_fn(|j| std::array::from_fn(|k| columns[k][j]))
+    }
+}
+
+/// What is seen at W of the infrared band, below 1, or of the ultraviolet one: linear RGB.
+fn band_colour(w: f64) -> [f64; 3] {
+    let side = usize::from(w < 1.0);
+    let [from, to] = [ULTRAVIOLET, INFRARED][side].map(|end| end * w);
+    let radiance = rgb_basis::white_at_ends()[side] / (w * w * w * w * w);
+    rgb_from_xyz(integrate(&[from, to], |l| {
+        let inside = l > from && l < to;
+        let radiance = if inside { radiance } else { 0.0 };
+        colour_matching(l).map(|m| m * radiance)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ratios over all that the table holds and beyond it, none of which is an entry.
+    fn ratios() -> impl Iterator<Item = f64> {
+        (0..3000).map(|k| 0.08 * libm::pow(125.0, (f64::from(k) + 0.37) / 3000.0))
+    }
+
+    fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+        values.into_iter().fold(0.0, |a: f64, x| a.max(x.abs()))
+    }
+
+    /// The columns of both bands, summed here with the CIE's own numbers (linear between them) over 0.01 nm.
+    #[test]
+    fn the_columns_are_the_integrals_over_the_bands_to_1e_4() {
+        let csv = include_str!("cie_1931_2deg.csv");
+        let rows: Vec<Vec<f64>> = csv
+            .lines()
+            .filter_map(|line| line.split(',').map(|x| x.trim().parse().ok()).collect())
+            .collect();
+        assert!(rows.len() > 400);
+        // White at 830 and 360 nm: all that an edge continuation of (1, 1, 1) is.
+        let white = crate::colour::Spectrum::rgb([1.0; 3], Continuation::Edge);
+        let shift = CompanionShift::get();
+        for w in [
+            0.09, 0.11, 0.16, 0.2, 0.3, 0.43, 0.6, 0.8, 0.95, 1.0, 1.05, 1.4, 2.2, 3.0, 5.0, 8.0,
+            9.0,
+        ] {
+            let mut xyz = [[0.0; 3]; 2];
+            for pair in rows.windows(2) {
+                for k in 0..100 {
+                    let part = (f64::from(k) + 0.5) / 100.0;
+                    let seen = pair[0][0] + part * (pair[1][0] - pair[0][0]);
+                    let at_rest = seen / w;
+                    let band = match at_rest {
+                        l if l > 830.0 && l < 3500.0 => 0,
+                        l if l > 100.0 && l < 360.0 => 1,
+                        _ => continue,
+                    };
+                    let end = [831e-9, 359e-9][band];
+                    let radiance = white.per_wavelength(end) / w.powi(5);
+                    let width = (pair[1][0] - pair[0][0]) / 100.0 * 1e-9;
+                    for j in 0..3 {
+                        let cmf = pair[0][j + 1] + part * (pair[1][j + 1] - pair[0][j + 1]);
+                        xyz[band][j] += width * cmf * radiance;
+                    }
+                }
+            }
+            let matrix = shift.matrix(w);
+            for (band, xyz) in xyz.into_iter().enumerate() {
+                let expected = rgb_from_xyz(xyz);
+                let error = largest((0..3).map(|j| matrix[j][3 + band] - expected[j]));
+                // The sum's own midpoints are off by as much again at a band's end.
+                let least = 1.5e-4 * w.powi(-5);
+                assert!(error < least, "{w} {band}: {error:e}, {expected:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn tabulated_columns_are_those_of_integration_to_1e_4() {
+        let shift = CompanionShift::get();
+        let mut worst: f64 = 0.0;
+        for w in ratios() {
+            let exact = band_colour(w);
+            let seen = shift.apply(w, [0.0; 3], [1.0; 2]);
+            let error = largest((0..3).map(|j| exact[j] - seen[j]));
+            worst = worst.max(error / largest(exact).max(w.powi(-5)));
+        }
+        assert!(worst < 1e-4, "{worst:e}");
+    }
+
+    #[test]
+    fn five_equal_channels_are_white_with_a_constant_continuation() {
+        // As long as all that is in view lies between 100 and 3500 nm.
+        let (shift, edge) = (CompanionShift::get(), RgbShift::of(Continuation::Edge));
+        for w in ratios().filter(|w| *w > 830.0 / 3500.0 && *w < 3.6) {
+            let (seen, expected) = (shift.apply(w, [1.0; 3], [1.0; 2]), edge.apply(w, [1.0; 3]));
+            let error = largest((0..3).map(|j| seen[j] - expected[j]));
+            assert!(
+                error < 2e-4 * largest(expected).max(w.powi(-5)),
+                "{w}: {error:e}"
+            );
+        }
+        // Beyond, some of that is missing.
+        let [less, all] = [
+            shift.apply(0.18, [1.0; 3], [1.0; 2]),
+            edge.apply(0.18, [1.0; 3]),
+        ];
+        assert!(less[0] < 0.9 * all[0], "{less:?} {all:?}");
+    }
+
+    #[test]
+    fn without_companions_it_is_dark_beyond_bit_for_bit() {
+        let (shift, dark) = (CompanionShift::get(), RgbShift::of(Continuation::Dark));
+        for w in ratios() {
+            let rgb = [0.3, 0.7, 0.1];
+            assert_eq!(shift.apply(w, rgb, [0.0; 2]), dark.apply(w, rgb), "{w}");
+        }
+        // At rest nothing of the bands is seen.
+        assert_eq!(shift.apply(1.0, [0.3, 0.7, 0.1], [5.0; 2]), [0.3, 0.7, 0.1]);
+        for w in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            assert_eq!(shift.apply(w, [1.0; 3], [1.0; 2]), [0.0; 3], "{w}");
+        }
+    }
+}

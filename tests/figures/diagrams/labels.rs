@@ -404,9 +404,8 @@ fn labels_of_moving_classics_are_on_no_label_no_title_and_hardly_ever_on_a_line(
             labels += page.texts.len();
         }
     }
-    println!("{struck} of {labels}");
     // A label that goes from one side of a line to the other crosses it on its way.
-    assert!(100 * struck <= 2 * labels, "{struck} of {labels}");
+    assert!(200 * struck <= 3 * labels, "{struck} of {labels}");
 }
 
 #[test]

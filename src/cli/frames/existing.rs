@@ -173,7 +173,9 @@ mod tests {
             name: name.into(),
             samples: Samples::F64(vec![0.5; 6]),
         };
-        let channels = ["radiance.R", "radiance.G", "radiance.B"].map(channel).to_vec();
+        let channels = ["radiance.R", "radiance.G", "radiance.B"]
+            .map(channel)
+            .to_vec();
         npz::write(
             &path,
             &Layers::new(3, 2, channels, entries.to_vec()).unwrap(),

@@ -480,7 +480,6 @@ fn no_cube_of_the_scenes_and_of_other_programs_is_doubted() {
         "scenes/corner",
         "tests/data/transient",
         "tests/data/mitransient",
-        "scenes/baked/light",
     ] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();

@@ -1,9 +1,9 @@
 //! Building trees: by mesh, preset and number of threads.
 //!
 //! Measured in turn with obvhs alone (its medium preset: f32 boxes, no corners), best of several rounds, and
-//! what the tree is worth: the time of one 1024² picture by one thread, for the sum that a still takes. JSON lines in
-//! `target/bench/build.jsonl`: fields `case`, `preset`, `threads`, `triangles`, `build_s`, `mtriangles_per_s`,
-//! `bytes_per_triangle`, `trace_s`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES`, else generated ones and a
+//! what the tree is worth: the time of one 1024² picture by one thread, for the sum that a still takes, and of 2¹⁷ rays that
+//! go on from what it shows all ways. JSON lines in `target/bench/build.jsonl`: fields `case`, `preset`, `threads`,
+//! `triangles`, `build_s`, `mtriangles_per_s`, `bytes_per_triangle`, `trace_s`, `ns_per_ray`, `ns_per_bounced_ray`. Meshes: every `*.tri` of the folder `NULLRAY_BENCH_MESHES`, else generated ones and a
 //! sphere of 1.6 million triangles. Then triangles of which none lies better with one than with another: coincident,
 //! concentric, … ([`FAMILIES`]), from 10³ to 10⁶, with `over_random`, the time over that of as many random ones. `--smoke` and `NULLRAY_BENCH_SMOKE=1` use tiny sizes.
 
@@ -12,7 +12,7 @@ mod common;
 use std::time::Instant;
 
 use glam::DVec3;
-use nullray::accel::{Bvh, Facing, Preset};
+use nullray::accel::{Bvh, Facing, Method, NoTally, Origins, Preset, Ray};
 
 use common::{
     Camera, Peer, TILE, best_of, meshes, on_threads, report, report_file, sphere, trace_tile,
@@ -39,12 +39,13 @@ fn main() {
             }
         }
         for ((preset, threads), seconds) in cases().zip(best) {
-            let worth = preset.map(|preset| worth(&triangles, preset, image));
+            let worth = preset.map(|preset| worth(&name, &triangles, preset, image));
             let line = serde_json::json!({
                 "case": name, "preset": preset.map_or("obvhs medium".into(), |p| format!("{p:?}").to_lowercase()),
                 "threads": threads, "triangles": triangles.len(), "build_s": seconds,
                 "mtriangles_per_s": triangles.len() as f64 / seconds / 1e6,
-                "bytes_per_triangle": worth.map(|w| w.0), "trace_s": worth.map(|w| w.1),
+                "bytes_per_triangle": worth.as_ref().map(|w| w.bytes), "trace_s": worth.as_ref().map(|w| w.picture),
+                "ns_per_ray": worth.as_ref().map(|w| w.per_ray), "ns_per_bounced_ray": worth.as_ref().map(|w| w.per_bounced_ray),
             });
             report(&mut file, &line);
         }
@@ -160,14 +161,61 @@ fn build_time(triangles: &[[DVec3; 3]], preset: Option<Preset>, threads: usize) 
     })
 }
 
-/// Bytes per triangle, and the time of a picture from outside.
-fn worth(triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> (f64, f64) {
+/// What a tree is worth.
+struct Worth {
+    /// Bytes per triangle.
+    bytes: f64,
+    /// Seconds of a picture, and nanoseconds per ray of it.
+    picture: f64,
+    per_ray: f64,
+    /// Nanoseconds per ray that goes on from what the picture shows, one of eight, in no order and all ways.
+    per_bounced_ray: f64,
+}
+
+fn worth(name: &str, triangles: &[[DVec3; 3]], preset: Preset, image: usize) -> Worth {
     let bvh = Bvh::build_with(triangles.to_vec(), |_| Facing::TwoSided, preset);
-    let camera = Camera::new(&bvh, 2.2, 0.5, image);
-    let seconds = best_of(2, || {
+    let place = match name {
+        "kitchen" | "room" => (0.3, 0.7),
+        _ => (2.2, 0.5),
+    };
+    let camera = Camera::new(&bvh, place.0, place.1, image);
+    let picture = best_of(5, || {
         for tile in camera.directions.chunks(TILE * TILE) {
             trace_tile(&bvh, camera.origin, tile);
         }
     });
-    (bvh.bytes() as f64 / triangles.len() as f64, seconds)
+    // Rays of the picture in no order, and from where they end.
+    let rays = camera.rays();
+    let mut numbers = Numbers(1);
+    let (mut origins, mut directions) = (Vec::new(), Vec::new());
+    for k in 0..rays / 8 {
+        let direction = camera.directions[k * 8 * 40_503 % rays];
+        let ray = Ray {
+            origin: camera.origin,
+            direction,
+            s_min: 0.0,
+        };
+        if let Some(hit) = bvh.closest(&ray, f64::INFINITY) {
+            origins.push(camera.origin + direction * (hit.s * (1.0 - 1e-9)));
+            directions.push((numbers.point() - 0.5).normalize());
+        }
+    }
+    let bounced = best_of(5, || {
+        let tiles = origins
+            .chunks(TILE * TILE)
+            .zip(directions.chunks(TILE * TILE));
+        for (origins, directions) in tiles {
+            let mut hits = [None; TILE * TILE];
+            let (method, from) = (Method::default(), Origins::Each(origins));
+            let hits = &mut hits[..origins.len()];
+            bvh.closest_by(method, from, directions, hits, &mut NoTally, |_| ());
+            std::hint::black_box(hits);
+        }
+    });
+    Worth {
+        bytes: bvh.bytes() as f64 / triangles.len() as f64,
+        picture,
+        per_ray: 1e9 * picture / rays as f64,
+        per_bounced_ray: 1e9 * bounced / origins.len() as f64,
+    }
 }

@@ -3,42 +3,79 @@
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
+use serde::Serialize;
 
 use super::bvh::Bvh;
 use super::cluster::cluster;
+use super::leaves::boxes_of_leaves;
 use super::node::{Child, Node, NodeRef, Tag};
 use super::rays::Facing;
 use super::tree_space::TreeSpace;
 use super::wide::{BinaryTree, WideTree};
 
 /// How much work goes into a tree. Hits do not depend on it, only how fast they are found.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// Built fastest.
+    /// Built fastest: for a still of a large mesh.
     Quick,
-    /// The best sum of building and tracing for a still.
+    /// Built in twice the time, and some per cent faster to trace: for many samples or pictures.
     #[default]
     Balanced,
-    /// Some per cent faster to trace, for several times the time to build.
+    /// Built in six times the time, and faster still to trace for rays that go all ways.
     Thorough,
 }
+
+/// How many rays a tree is built for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ExpectedRays {
+    /// From the camera: neighbours go the same way.
+    pub camera: u64,
+    /// To lamps.
+    pub shadow: u64,
+    /// From surfaces all ways.
+    pub bounced: u64,
+}
+
+/// A more careful tree saves so many times as much on a shadow ray or a bounced one as on a camera ray.
+const SHADOW_RAYS_WORTH: f64 = 5.0;
+const BOUNCED_RAYS_WORTH: f64 = 30.0;
+/// From so many camera rays per triangle on, a tree of the next preset pays.
+const BALANCED_FROM: f64 = 1000.0;
+const THOROUGH_FROM: f64 = 2000.0;
 
 impl Preset {
     /// All of them, quickest first.
     pub const ALL: [Preset; 3] = [Preset::Quick, Preset::Balanced, Preset::Thorough];
 
-    /// Measured with `benches/visibility.rs` and `benches/build.rs`. Reinsertion beyond 0.1 multiplies the
-    /// time to build for 3 % of speed; splitting triangles would break the memory budget. Leaves of up to
+    /// The preset for which `rays` and the trees of so many triangles together take least time.
+    ///
+    /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: in a room of
+    /// furniture the balanced tree takes 400 ns per triangle more to build than the quick one, and saves 0.4 ns per camera ray
+    /// and 12 to 24 ns per ray that goes any way; the thorough one takes 1600 ns more, and saves 1 and 30 ns. Around statues both save less.
+    pub fn for_rays(triangles: u64, rays: ExpectedRays) -> Preset {
+        let worth = rays.camera as f64
+            + SHADOW_RAYS_WORTH * rays.shadow as f64
+            + BOUNCED_RAYS_WORTH * rays.bounced as f64;
+        match worth / triangles as f64 {
+            per_triangle if per_triangle >= THOROUGH_FROM => Preset::Thorough,
+            per_triangle if per_triangle >= BALANCED_FROM => Preset::Balanced,
+            _ => Preset::Quick,
+        }
+    }
+
+    /// Measured with `benches/visibility.rs` and `benches/build.rs`. Without any reinsertion rays that go all ways through
+    /// a room of furniture take a third longer; most of that is gained with the topmost nodes. Splitting triangles would
+    /// break the memory budget. Leaves of up to
     /// four triangles save 16 to 20 bytes per triangle, of 182 to 188, and cost single rays up to a tenth of
     /// their speed; packets have the leaves of the wide tree.
     fn effort(self) -> Effort {
         let (radius, narrow, reinserted) = match self {
-            Preset::Quick => (1, 2, 0.0),
+            Preset::Quick => (1, 2, 0.02),
             Preset::Balanced => (14, 3, 0.1),
             Preset::Thorough => (32, 2, 0.5),
         };
@@ -55,14 +92,10 @@ struct Effort {
     /// How many places away clusters look for each other, and in how many first passes only one place.
     radius: usize,
     narrow: usize,
-    /// The part of the nodes for which a better place is looked for, with single triangles; twice that with leaves.
+    /// The part of the nodes, from the root on, for which a better place is looked for.
     reinserted: f32,
 }
 
-/// The most triangles of a leaf.
-const LARGEST_LEAF: u32 = 4;
-/// The cost of a node in those of a triangle, for which leaves are made.
-const NODE_COST: f32 = 4.0;
 /// Better places for nodes are looked for where a ray that meets the root meets one node in so many at most: a search
 /// sees as many, and where boxes are much the same no place is better. (Random small triangles: one in 50 of 5,000 and one
 /// in 1,200 of 10⁶; boxes one in the other: one in 2.)
@@ -176,10 +209,7 @@ fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: 
     let mut tree = cluster(&boxes, radius, narrow);
     let searchable = boxes.len() <= FEW || nodes_met(&tree) * OVERLAPPING <= boxes.len() as f64;
     let reinserted = if searchable { reinserted } else { 0.0 };
-    let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut tree, reinserted, None);
-    collapse(&mut tree, LARGEST_LEAF, NODE_COST);
-    optimizer.run(&mut tree, 2.0 * reinserted, None);
+    ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
     tree
 }
 
@@ -201,8 +231,10 @@ struct Layout {
 }
 
 impl Layout {
+    /// That of `tree`, of whose nodes some are leaves in place of all that is below them.
     fn of(tree: &Bvh2) -> Layout {
-        let inner = tree.nodes.len() / 2;
+        let counts = boxes_of_leaves(tree);
+        let inner = counts.iter().filter(|&&count| count == 0).count();
         let mut layout = Layout {
             nodes: Vec::with_capacity(inner.max(1)),
             order: Vec::with_capacity(tree.primitive_indices.len()),
@@ -211,39 +243,37 @@ impl Layout {
         };
         layout.nodes.push(Node::EMPTY);
         match tree.nodes.first() {
-            Some(root) if root.is_leaf() => layout.set_child(tree, 0, 0, 0),
-            Some(root) => layout.walk(tree, root.first_index as usize),
+            Some(_) if counts[0] > 0 => layout.set_child(tree, &counts, 0, [0, 0]),
+            Some(root) => layout.walk(tree, &counts, root.first_index as usize),
             None => {}
         }
         layout
     }
 
     /// Lays out all that is below the pair of children `pair`, which are those of node 0.
-    fn walk(&mut self, tree: &Bvh2, pair: usize) {
+    fn walk(&mut self, tree: &Bvh2, counts: &[u8], pair: usize) {
         let mut pending = vec![(pair, 0, 1)];
         while let Some((pair, node, depth)) = pending.pop() {
             self.depth = self.depth.max(depth);
             for side in [0, 1] {
-                self.set_child(tree, pair + side, node, side);
+                self.set_child(tree, counts, pair + side, [node, side]);
             }
             for side in [1, 0] {
-                let child = &tree.nodes[pair + side];
-                if !child.is_leaf() {
+                if counts[pair + side] == 0 {
+                    let below = tree.nodes[pair + side].first_index as usize;
                     let index = self.nodes[node].children[side].index();
-                    pending.push((child.first_index as usize, index, depth + 1));
+                    pending.push((below, index, depth + 1));
                 }
             }
         }
     }
 
     /// Makes `tree.nodes[source]` the child of `node` on `side`.
-    fn set_child(&mut self, tree: &Bvh2, source: usize, node: usize, side: usize) {
+    fn set_child(&mut self, tree: &Bvh2, counts: &[u8], source: usize, [node, side]: [usize; 2]) {
         let child = &tree.nodes[source];
-        let node_ref = if child.is_leaf() {
-            let first = child.first_index as usize;
+        let node_ref = if counts[source] > 0 {
             let slot = self.order.len();
-            let primitives = &tree.primitive_indices[first..first + child.prim_count as usize];
-            self.order.extend_from_slice(primitives);
+            self.gather(tree, child);
             self.last_of_leaf.push(self.order.len() as u32 - 1);
             NodeRef::leaf(slot)
         } else {
@@ -256,5 +286,16 @@ impl Layout {
             hi: child.aabb().max.to_array(),
         };
         self.nodes[node].set_child(side, child);
+    }
+
+    /// Adds all that is below `node`, which is a leaf's worth: as many levels as a leaf has triangles at most.
+    fn gather(&mut self, tree: &Bvh2, node: &Bvh2Node) {
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            self.order.push(tree.primitive_indices[first]);
+        } else {
+            let pair = &tree.nodes[first..first + 2];
+            pair.iter().for_each(|child| self.gather(tree, child));
+        }
     }
 }

@@ -13,8 +13,8 @@
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::{Bvh2, DEFAULT_MAX_STACK_DEPTH};
 use obvhs::ploc::morton::morton_encode_u64_unorm;
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ const MANY: usize = 2 * CHUNK;
 /// places away, in the first `narrow` passes only 1. Leaves have one box each, whose index is theirs.
 pub(super) fn cluster(boxes: &[Aabb], radius: usize, narrow: usize) -> Bvh2 {
     let mut clusters = sorted(boxes);
-    let mut next = Vec::with_capacity(clusters.len());
+    let mut next = vec![Bvh2Node::default(); clusters.len()];
     let mut partners = vec![0i8; clusters.len()];
     let mut nodes = vec![Bvh2Node::default(); 2 * clusters.len() - 1];
     let mut free = nodes.len();
@@ -47,31 +47,83 @@ pub(super) fn cluster(boxes: &[Aabb], radius: usize, narrow: usize) -> Bvh2 {
         if clusters.len() > FEW && pairs(partners) < clusters.len() / SLOWEST {
             pair_neighbours(partners);
         }
-        next.clear();
-        for (index, cluster) in clusters.iter().enumerate() {
-            let partner = index.wrapping_add_signed(partners[index].into());
-            let agreed = partner.wrapping_add_signed(partners[partner].into()) == index;
-            if !agreed || partner == index {
-                next.push(*cluster);
-            } else if partner < index {
-                // The second of the two brings both into the tree.
-                free -= 2;
-                nodes[free] = *cluster;
-                nodes[free + 1] = clusters[partner];
-                let both = cluster.aabb().union(clusters[partner].aabb());
-                next.push(Bvh2Node::new(both, 0, free as u32));
-            }
-        }
+        let merged = merge(&clusters, partners, &mut next, &mut nodes[..free]);
+        free -= 2 * merged;
+        next.truncate(clusters.len() - merged);
         std::mem::swap(&mut clusters, &mut next);
         passes += 1;
     }
     nodes[0] = clusters[0];
-    let mut tree = Bvh2::zeroed(boxes.len());
-    tree.nodes = nodes;
-    tree.primitive_indices = (0..boxes.len() as u32).collect();
-    tree.max_depth = tree.max_depth.max(passes + 1);
-    tree.children_are_ordered_after_parents = true;
-    tree
+    Bvh2 {
+        nodes,
+        primitive_indices: (0..boxes.len() as u32).collect(),
+        children_are_ordered_after_parents: true,
+        max_depth: DEFAULT_MAX_STACK_DEPTH.max(passes + 1),
+        ..Bvh2::default()
+    }
+}
+
+/// Partners that agree go into the tree, from the end of `free` on, and one node above the two follows in `next`; all others
+/// follow as they are. Returns how many pairs there were.
+fn merge(
+    clusters: &[Bvh2Node],
+    partners: &[i8],
+    next: &mut [Bvh2Node],
+    free: &mut [Bvh2Node],
+) -> usize {
+    let range = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(clusters.len());
+    let partner = |index: usize| index.wrapping_add_signed(partners[index].into());
+    let agreed = |index: usize| partners[index] != 0 && partner(partner(index)) == index;
+    // How many of a chunk's clusters are the first of two that agree, and how many the second, which brings both into the tree.
+    let count = |chunk: usize| {
+        range(chunk)
+            .filter(|&i| agreed(i))
+            .fold([0, 0], |counts, index| {
+                let [first, second] = counts;
+                match partner(index) > index {
+                    true => [first + 1, second],
+                    false => [first, second + 1],
+                }
+            })
+    };
+    let chunks = clusters.len().div_ceil(CHUNK);
+    let counts: Vec<[usize; 2]> = match clusters.len() < MANY {
+        true => (0..chunks).map(count).collect(),
+        false => (0..chunks).into_par_iter().map(count).collect(),
+    };
+    // Each chunk's own part of the lists, in order.
+    let (mut next, mut free) = (next, free);
+    let mut parts = Vec::with_capacity(chunks);
+    for (chunk, [first, second]) in counts.iter().enumerate() {
+        let (followers, more) = next.split_at_mut(range(chunk).len() - first);
+        let (less, pairs) = free.split_at_mut(free.len() - 2 * second);
+        parts.push((chunk, followers, pairs, less.len()));
+        (next, free) = (more, less);
+    }
+    let fill =
+        |(chunk, followers, pairs, begin): (usize, &mut [Bvh2Node], &mut [Bvh2Node], usize)| {
+            let (mut at, mut end) = (0, pairs.len());
+            for index in range(chunk) {
+                let partner = partner(index);
+                if agreed(index) && partner > index {
+                    continue;
+                }
+                followers[at] = clusters[index];
+                if agreed(index) {
+                    end -= 2;
+                    pairs[end] = clusters[index];
+                    pairs[end + 1] = clusters[partner];
+                    let both = clusters[index].aabb().union(clusters[partner].aabb());
+                    followers[at] = Bvh2Node::new(both, 0, (begin + end) as u32);
+                }
+                at += 1;
+            }
+        };
+    match clusters.len() < MANY {
+        true => parts.into_iter().for_each(fill),
+        false => parts.into_par_iter().for_each(fill),
+    }
+    counts.iter().map(|[_, second]| second).sum()
 }
 
 /// A leaf for each box, in the order of the centres along the Morton curve; those with one code by index.
@@ -223,16 +275,56 @@ mod tests {
         }
     }
 
-    #[test]
-    fn chunks_find_the_partners_that_one_search_finds() {
+    /// Boxes in no order, of which some are the same.
+    fn scattered(count: usize) -> Vec<Aabb> {
         let mut state = 1u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 8) as f32 / (1 << 24) as f32
         };
-        let boxes: Vec<Aabb> = (0..MANY + 777)
+        let mut boxes: Vec<Aabb> = (0..count)
             .map(|_| around(Vec3A::new(random(), random(), random()), 0.02 * random()))
             .collect();
+        let first = boxes[0];
+        boxes[count / 2..][..count / 10].fill(first);
+        boxes
+    }
+
+    #[test]
+    fn every_box_is_in_the_tree_once_and_within_all_above_it() {
+        // In one chunk, in some, and with a last one that is not full.
+        for count in [100, MANY, 3 * CHUNK + 5, 40_000] {
+            let boxes = scattered(count);
+            let tree = cluster(&boxes, 14, 3);
+            let mut seen = vec![0; count];
+            let mut linked = vec![0; tree.nodes.len()];
+            linked[0] = 1;
+            for (index, node) in tree.nodes.iter().enumerate() {
+                let first = node.first_index as usize;
+                if node.is_leaf() {
+                    seen[first] += 1;
+                    let leaf = boxes[first];
+                    assert_eq!((node.aabb().min, node.aabb().max), (leaf.min, leaf.max));
+                    continue;
+                }
+                assert!(first > index, "children come after their parents");
+                let [a, b] = [first, first + 1].map(|child| {
+                    linked[child] += 1;
+                    *tree.nodes[child].aabb()
+                });
+                let both = a.union(&b);
+                assert_eq!((node.aabb().min, node.aabb().max), (both.min, both.max));
+            }
+            assert!(
+                seen.iter().chain(&linked).all(|&times| times == 1),
+                "{count}"
+            );
+        }
+    }
+
+    #[test]
+    fn chunks_find_the_partners_that_one_search_finds() {
+        let boxes = scattered(MANY + 777);
         let clusters = sorted(&boxes);
         let mut whole = vec![0; clusters.len()];
         find_partners_from::<14>(&clusters, 0, &mut whole);

@@ -30,6 +30,7 @@ mod bvh;
 mod cluster;
 mod exact;
 mod float;
+mod leaves;
 mod node;
 mod packet;
 mod rays;
@@ -43,7 +44,7 @@ pub(crate) mod vectors;
 mod wide;
 
 pub use alpha::AlphaTest;
-pub use build::Preset;
+pub use build::{ExpectedRays, Preset};
 pub use bvh::Bvh;
 pub(crate) use bvh::unit_normal;
 pub use packet::{Kernel, Method, Precision};

@@ -16,12 +16,12 @@ pub(super) struct Node {
 }
 
 /// The index of a node, or of what a leaf begins with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[repr(transparent)]
 pub(super) struct NodeRef(u32);
 
 /// A child of a node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Child {
     pub node: NodeRef,
     pub lo: [f32; 3],

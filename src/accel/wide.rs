@@ -9,6 +9,7 @@
 //! before (differences and products with |y| ≤ 1).
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::float::power_of_two;
 use super::node::{Child, Node, NodeRef, Tag};
@@ -80,9 +81,14 @@ impl WideNode {
 impl WideLeaf {
     /// The triangles with `corners` and `tags`, at most eight, in slots from `first` on.
     fn new(space: &TreeSpace, corners: &[[DVec3; 3]], tags: &[Tag], first: usize) -> WideLeaf {
-        let all = || corners.as_flattened().iter().map(|&c| space.map(c));
-        let lo = all().fold(DVec3::INFINITY, DVec3::min);
-        let hi = all().fold(DVec3::NEG_INFINITY, DVec3::max);
+        // Corners in tree space, and the box around them.
+        let mut mapped = [DVec3::ZERO; 3 * WIDTH];
+        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (mapped, corner) in mapped.iter_mut().zip(corners.as_flattened()) {
+            *mapped = space.map(*corner);
+            (lo, hi) = (lo.min(*mapped), hi.max(*mapped));
+        }
+        let all = &mapped[..3 * corners.len()];
         let centre = ((lo + hi) * 0.5).as_vec3();
         let mut leaf = WideLeaf {
             corners: [[[0.0; WIDTH]; 3]; 3],
@@ -94,7 +100,7 @@ impl WideLeaf {
         };
         // Corners to f32, by lane, and the largest error that this makes.
         let mut error = 0.0f64;
-        for (at, corner) in all().enumerate() {
+        for (at, corner) in all.iter().enumerate() {
             let exact = corner - centre.as_dvec3();
             let kept = exact.as_vec3();
             error = error.max((kept.as_dvec3() - exact).abs().max_element());
@@ -118,10 +124,12 @@ impl WideTree {
         let ranges = tree.ranges();
         let mut wide = WideTree {
             nodes: Vec::with_capacity(tree.nodes.len() / 16 + 1),
-            leaves: Vec::with_capacity(tree.corners.len() / 5 + 1),
+            leaves: Vec::new(),
             depth: 0,
         };
-        // Depth-first by a list of nodes whose children are still to be set: source, target, level.
+        // Depth-first by a list of nodes whose children are still to be set: source, target, level. Leaves are made after,
+        // of their slots.
+        let mut slots = Vec::with_capacity(tree.corners.len() / 5 + 1);
         let mut pending = Vec::new();
         if !tree.nodes.is_empty() {
             wide.nodes.push(WideNode::EMPTY);
@@ -129,11 +137,11 @@ impl WideTree {
         }
         while let Some((source, target, level)) = pending.pop() {
             wide.depth = wide.depth.max(level);
-            for (at, child) in tree.descendants(&ranges, source).iter().enumerate() {
+            for (at, child) in tree.descendants(&ranges, source).all().iter().enumerate() {
                 let (first, count) = tree.range(&ranges, child.node);
                 let node = if count <= WIDTH {
-                    wide.leaves.push(tree.leaf(first, count));
-                    NodeRef::leaf(wide.leaves.len() - 1)
+                    slots.push((first, count));
+                    NodeRef::leaf(slots.len() - 1)
                 } else {
                     pending.push((child.node.index(), wide.nodes.len(), level + 1));
                     wide.nodes.push(WideNode::EMPTY);
@@ -142,9 +150,49 @@ impl WideTree {
                 wide.nodes[target].set_child(at, child, node);
             }
         }
+        drop(ranges);
+        let leaf = |&(first, count): &(usize, usize)| tree.leaf(first, count);
+        wide.leaves = slots.par_iter().map(leaf).collect();
         wide.nodes.shrink_to_fit();
-        wide.leaves.shrink_to_fit();
         wide
+    }
+}
+
+/// Up to eight boxes, of which the largest can give way to those below it.
+#[derive(Default)]
+struct Descendants {
+    children: [Child; WIDTH],
+    /// A quarter of each box's surface; less than 0 where it does not give way.
+    areas: [f32; WIDTH],
+    count: usize,
+}
+
+impl Descendants {
+    fn push(&mut self, child: Child, splits: bool) {
+        self.areas[self.count] = if splits { child.quarter_area() } else { -1.0 };
+        self.children[self.count] = child;
+        self.count += 1;
+    }
+
+    /// Removes the one with the largest area of those that give way, the last of equals; the last box takes its place.
+    fn take_largest(&mut self) -> Option<Child> {
+        let mut largest = None;
+        let mut area = 0.0;
+        for (at, &other) in self.areas[..self.count].iter().enumerate() {
+            if other >= area {
+                (largest, area) = (Some(at), other);
+            }
+        }
+        let at = largest?;
+        let child = self.children[at];
+        self.count -= 1;
+        self.children[at] = self.children[self.count];
+        self.areas[at] = self.areas[self.count];
+        Some(child)
+    }
+
+    fn all(&self) -> &[Child] {
+        &self.children[..self.count]
     }
 }
 
@@ -178,22 +226,24 @@ impl BinaryTree<'_> {
     }
 
     /// At most eight boxes that hold all that is below `node`.
-    fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Vec<Child> {
-        let mut children: Vec<Child> = self.nodes[node].children().collect();
-        while children.len() < WIDTH {
-            let splits = |child: &Child| self.range(ranges, child.node).1 > WIDTH;
-            let inner = children.iter().enumerate().filter(|(_, c)| splits(c));
-            let area = |child: &Child| child.quarter_area();
-            let Some((at, child)) = inner.max_by(|(_, x), (_, y)| area(x).total_cmp(&area(y)))
-            else {
+    fn descendants(&self, ranges: &[(u32, u32)], node: usize) -> Descendants {
+        let mut found = Descendants::default();
+        let add = |found: &mut Descendants, child: Child| {
+            let splits = self.range(ranges, child.node).1 > WIDTH;
+            found.push(child, splits);
+        };
+        self.nodes[node]
+            .children()
+            .for_each(|child| add(&mut found, child));
+        while found.count < WIDTH {
+            let Some(largest) = found.take_largest() else {
                 break;
             };
             // The largest gives way to its own two.
-            let pair = self.nodes[child.node.index()].children();
-            children.swap_remove(at);
-            children.extend(pair);
+            let pair = self.nodes[largest.node.index()].children();
+            pair.for_each(|child| add(&mut found, child));
         }
-        children
+        found
     }
 
     fn leaf(&self, first: usize, count: usize) -> WideLeaf {

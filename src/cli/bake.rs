@@ -46,6 +46,7 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         .count
         .map_or_else(rayon::current_num_threads, usize::from);
     let bytes = |job| bake::bytes(size(job), &bins, threads);
+    let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let largest = jobs.iter().map(bytes).max();
     let request = Request {
         // Texture coordinates are loaded where a channel shows them.
@@ -55,6 +56,9 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
         },
         memory_limit: limit,
         beside: largest.unwrap_or(0),
+        // As many paths as so many pictures have.
+        pictures: jobs.iter().map(|job| pixels(size(job))).sum::<u64>() / pixels(scene.camera.size)
+            + 1,
         ..arguments.scene.changes.request()
     };
     let plan = Plan::new(&scene, &request)?;

@@ -23,6 +23,8 @@ use super::{inputs, interrupt, overlay, say, warn};
 /// Files are written anew after this many times as long as writing them takes, and after this many seconds.
 const WRITING_SHARE: f64 = 10.0;
 const LEAST_BETWEEN: f64 = 1.0;
+/// For how many passes trees are built: how many there will be is not known before.
+const USUAL_PASSES: u64 = 16;
 
 /// Renders one scene to its outputs in passes.
 pub fn one(
@@ -36,6 +38,7 @@ pub fn one(
     // The sums of the passes count as memory beside the scene, so the plan is made twice.
     let layout = Plan::new(scene, &request)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
+    request.pictures = USUAL_PASSES;
     let plan = Plan::new(scene, &request)?;
     overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);

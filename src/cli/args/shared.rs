@@ -126,7 +126,7 @@ impl Changes {
             pixel_centers: self.pixel_centers,
             memory_limit: self.memory.bytes(),
             precision: self.precision,
-            beside: 0,
+            ..Request::default()
         }
     }
 }

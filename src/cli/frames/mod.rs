@@ -52,6 +52,12 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
         outputs,
         ..
     } = *job;
+    // Trees are built once, for the rays of all frames.
+    let numbers = &frames.numbers;
+    let request = &Request {
+        pictures: numbers.end.saturating_sub(numbers.start),
+        ..request.clone()
+    };
     let plan = outputs.method.plan(scene, request)?;
     overlay::check(outputs, scene)?;
     let read = inputs::of(scene, &plan);

@@ -55,7 +55,7 @@ pub fn trace(
         pixel_centers: true,
         precision: Precision::Certified,
         memory_limit,
-        beside: 0,
+        ..Request::default()
     };
     // The light is followed back to where it left, which takes geometry alone.
     let mut plan = Plan::new(scene, &request)?;

@@ -11,6 +11,7 @@ mod notes;
 mod planned;
 mod report;
 
+use crate::accel::{Precision, Preset};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::io::cube::{self as cubes, Channels};
@@ -49,6 +50,7 @@ impl Plan {
         let frames = frames::by_velocity(scene, &objects)?;
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
+        let trees = trees(request, &rays, &objects);
         let memory = |cubes: &_| memory::memory(&frames, &objects, cubes, &layout, request.beside);
         memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
         let memory = memory(&cubes);
@@ -62,6 +64,7 @@ impl Plan {
             cubes,
             film: layout,
             rays,
+            trees,
             memory,
             memory_limit: request.memory_limit,
             counts_only: false,
@@ -300,6 +303,15 @@ fn check_edges(scene: &Scene, source: &Source, cube: &CubeSource, bins: usize) -
             bins + 1
         ),
     ))
+}
+
+/// How much work the pictures' rays are worth. In f32 a tree may decide what rays along edges hit: there it is always the same.
+fn trees(request: &Request, rays: &Rays, objects: &[PlannedObject]) -> Preset {
+    if request.precision == Precision::Fast {
+        return Preset::default();
+    }
+    let triangles = objects.iter().map(|object| object.triangles).sum();
+    Preset::for_rays(triangles, rays.of_pictures(request.pictures))
 }
 
 fn rays(

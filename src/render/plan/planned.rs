@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::accel::Precision;
+use crate::accel::{ExpectedRays, Precision, Preset};
 use crate::camera;
 use crate::render::aov::Aov;
 use crate::render::film::Layout;
@@ -22,6 +22,8 @@ pub struct Request {
     pub precision: Precision,
     /// What is held beside the picture, bytes: maps that are warped, films that lines are traced on. Default: 0.
     pub beside: u64,
+    /// How many pictures are taken of what is loaded: trees are built for their rays. Default: 1.
+    pub pictures: u64,
 }
 
 impl Default for Request {
@@ -32,6 +34,7 @@ impl Default for Request {
             memory_limit: 16 << 30,
             precision: Precision::Certified,
             beside: 0,
+            pictures: 1,
         }
     }
 }
@@ -55,6 +58,8 @@ pub struct Plan {
     pub film: Layout,
     /// Rays that will be traced.
     pub rays: Rays,
+    /// How much work goes into the trees.
+    pub trees: Preset,
     /// Memory, bytes; without decoded textures, whose size their headers tell only when they are read.
     pub memory: Memory,
     /// The most memory that may be taken, bytes: [`prepare`](crate::render::prepare) keeps textures within it.
@@ -143,7 +148,7 @@ pub struct PlannedCube {
     pub read: Option<u64>,
 }
 
-/// How many rays.
+/// How many rays a picture takes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rays {
     /// From the camera.
@@ -154,6 +159,18 @@ pub struct Rays {
     pub bounces_at_most: u64,
     /// From capture cameras, before rendering.
     pub capture: u64,
+}
+
+impl Rays {
+    /// Those of so many pictures, for which trees are built.
+    pub(super) fn of_pictures(&self, pictures: u64) -> ExpectedRays {
+        let all = |rays: u64| rays.saturating_mul(pictures);
+        ExpectedRays {
+            camera: all(self.camera).saturating_add(self.capture),
+            shadow: all(self.shadow_at_most),
+            bounced: all(self.bounces_at_most),
+        }
+    }
 }
 
 /// Something that is not done.

@@ -4,7 +4,7 @@ use std::fmt::{self, Formatter, Write};
 use std::path::Path;
 
 use super::planned::{Plan, PlannedFrame, PlannedObject};
-use crate::accel::Precision;
+use crate::accel::{Precision, Preset};
 use crate::camera::Kind;
 
 /// The most entries of a list that are shown one by one.
@@ -109,6 +109,15 @@ impl Plan {
         more(f, "cube", cubes.len(), MOST, &bytes(size))
     }
 
+    /// What trees are built for, in words.
+    fn effort(&self) -> &'static str {
+        match self.trees {
+            Preset::Quick => "built quickly, for few rays per triangle",
+            Preset::Balanced => "built with care, for many rays per triangle",
+            Preset::Thorough => "built with most care, for very many rays per triangle",
+        }
+    }
+
     /// Rays by what they are for, and memory by what takes it.
     fn cost(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let rays = &self.rays;
@@ -130,6 +139,7 @@ impl Plan {
             text += "; fast: in f32, for previews";
         }
         row(f, "rays", &text)?;
+        row(f, "trees", self.effort())?;
         let memory = &self.memory;
         let text = format!(
             "about {}: geometry {}, cubes {}, film {}, temporarily {}",

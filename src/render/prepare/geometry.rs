@@ -69,7 +69,7 @@ pub(super) fn frame(
         }
     };
     let begin = Instant::now();
-    let bvh = Bvh::build(triangles, facing);
+    let bvh = Bvh::build_with(triangles, facing, plan.trees);
     *built_in += begin.elapsed().as_secs_f64();
     // Where materials have masks, triangles have holes.
     let meshes: Arc<[Mesh]> = meshes.into();

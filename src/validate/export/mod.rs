@@ -112,7 +112,7 @@ pub fn plan(scene: &Scene, options: &ExportOptions) -> Result<Plan> {
         pixel_centers: true,
         precision: Precision::Certified,
         memory_limit: options.memory_limit,
-        beside: 0,
+        ..Request::default()
     };
     Plan::new(scene, &request)
 }

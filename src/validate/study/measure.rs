@@ -8,6 +8,7 @@ use super::entry::{Entry, Family, Front, LeftOut, Once, Reference, Study, Timing
 use super::errors::{self, GeometricError, RadianceError};
 use super::options::{StudyOptions, Subject};
 use super::statistics::{front, quantile};
+use crate::accel::Preset;
 use crate::approximate::projection::Observer;
 use crate::approximate::raster::render;
 use crate::error::{Error, Result};
@@ -98,7 +99,11 @@ fn plan(scene: &Scene, options: &StudyOptions) -> Result<Plan> {
         let help = "give methods, numbers of samples, and one run at least";
         return Err(Error::invalid(&scene.name, "study", what, help));
     }
-    Plan::new(scene, &request)
+    // Times of one picture are compared, whatever its trees took.
+    Ok(Plan {
+        trees: Preset::Balanced,
+        ..Plan::new(scene, &request)?
+    })
 }
 
 /// What `prepared` has built, and now builds, once.

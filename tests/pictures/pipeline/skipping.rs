@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
+use nullray::accel::{Precision, Preset};
 use nullray::camera::Kind;
+use nullray::render;
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Light, Prepared};
 use nullray::render::progress::Silent;
@@ -215,4 +217,55 @@ shape = { box = { size = [0.3, 0.3, 0.3] } }
             assert_eq!(!mesh.uvs.is_empty(), plan.objects[*object].uvs);
         }
     }
+}
+
+/// 64 rays of one picture on 1,282 triangles are worth no more than a quick tree. What is seen is the same through all.
+#[test]
+fn trees_are_built_for_the_rays_of_all_pictures() {
+    let folder = folder(&Quad::PLAIN);
+    let ball = "
+[[object]]
+name = \"ball\"
+shape = { sphere = { radius = 0.3, subdivisions = 3 } }
+";
+    let lit = "
+[render]
+bounces = 3
+[[light]]
+name = \"lamp\"
+position = [0, 2, 2]
+intensity = 1
+";
+    let dark = scene(folder.path(), ball);
+    let lit = scene(folder.path(), &format!("{ball}{lit}"));
+    let trees = |scene: &Scene, pictures, precision| {
+        let request = Request {
+            pictures,
+            precision,
+            ..Request::default()
+        };
+        Plan::new(scene, &request).unwrap().trees
+    };
+    for (pictures, of_dark, of_lit) in [
+        (1, Preset::Quick, Preset::Quick),
+        // 150 camera rays and as many of each bounce per triangle.
+        (3_000, Preset::Quick, Preset::Thorough),
+        (25_000, Preset::Balanced, Preset::Thorough),
+        (u64::MAX, Preset::Thorough, Preset::Thorough),
+    ] {
+        assert_eq!(trees(&dark, pictures, Precision::Certified), of_dark);
+        assert_eq!(trees(&lit, pictures, Precision::Certified), of_lit);
+        // In f32 rays along edges may depend on the tree.
+        assert_eq!(trees(&dark, pictures, Precision::Fast), Preset::Balanced);
+    }
+    let film = |trees| {
+        let mut plan = plan(&lit);
+        plan.trees = trees;
+        let prepared = Prepared::new(&lit, &plan, &Silent).unwrap();
+        let film = render::render(&prepared, &Silent).unwrap();
+        film.radiance().to_vec()
+    };
+    let [quick, balanced, thorough] = Preset::ALL.map(film);
+    assert!(quick == balanced && balanced == thorough);
+    assert!(quick.iter().any(|pixel| pixel[0] > 0.0));
 }

@@ -1,6 +1,6 @@
 //! From triangles to a tree over f32 boxes: clustered, optimised by obvhs, and its nodes laid out anew.
 
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use super::bvh::Bvh;
 use super::cluster::cluster;
-use super::leaves::boxes_of_leaves;
-use super::node::{Child, Node, NodeRef, Tag};
+use super::layout::{LAST, Layout};
+use super::node::Tag;
 use super::rays::Facing;
 use super::tree_space::TreeSpace;
 use super::wide::{BinaryTree, WideTree};
@@ -109,14 +109,14 @@ impl Bvh {
     ///
     /// Triangles without area, and those with a coordinate that isn't finite or is beyond 2³⁰⁰ m,
     /// are never hit. Triangles beyond [`Bvh::MAX_TRIANGLES`] are ignored.
-    pub fn build(triangles: Vec<[DVec3; 3]>, facing: impl Fn(u32) -> Facing) -> Bvh {
+    pub fn build(triangles: Vec<[DVec3; 3]>, facing: impl Fn(u32) -> Facing + Sync) -> Bvh {
         Bvh::build_with(triangles, facing, Preset::default())
     }
 
     /// [`Bvh::build`] with more or less care for the tree.
     pub fn build_with(
         triangles: Vec<[DVec3; 3]>,
-        facing: impl Fn(u32) -> Facing,
+        facing: impl Fn(u32) -> Facing + Sync,
         preset: Preset,
     ) -> Bvh {
         let count = triangles.len().min(Bvh::MAX_TRIANGLES);
@@ -129,14 +129,20 @@ impl Bvh {
         let tree = build_tree(&triangles, &solid, &space, preset);
         let layout = Layout::of(&tree);
         drop(tree);
-        let ids: Vec<u32> = layout.order.iter().map(|&i| solid[i as usize]).collect();
-        drop(solid);
-        let corners = ids.par_iter().map(|&id| triangles[id as usize]).collect();
+        let id = |place: &u32| solid[(place & !LAST) as usize];
+        let corner = |place| triangles[id(place) as usize];
+        let corners = layout.order.par_iter().map(corner).collect();
         drop(triangles);
-        let tags = ids
-            .iter()
-            .map(|&id| Tag::new(id, facing(id)))
-            .collect::<Vec<_>>();
+        // A leaf is read up to the tag that ends it.
+        let tag = |place| {
+            let tag = Tag::new(id(place), facing(id(place)));
+            match place & LAST {
+                0 => tag,
+                _ => tag.ending_leaf(),
+            }
+        };
+        let tags = layout.order.par_iter().map(tag).collect();
+        drop(solid);
         let mut bvh = Bvh {
             corners,
             tags,
@@ -147,10 +153,6 @@ impl Bvh {
             bounds: (lo, hi),
             alpha: None,
         };
-        // A leaf is read up to the tag that ends it.
-        for &slot in &layout.last_of_leaf {
-            bvh.tags[slot as usize].end_leaf();
-        }
         bvh.wide = WideTree::collapsed(BinaryTree {
             nodes: &bvh.nodes,
             corners: &bvh.corners,
@@ -194,20 +196,18 @@ fn bounds(triangles: &[[DVec3; 3]], ids: &[u32]) -> Option<(DVec3, DVec3)> {
 }
 
 fn build_tree(triangles: &[[DVec3; 3]], ids: &[u32], space: &TreeSpace, preset: Preset) -> Bvh2 {
-    let boxes: Vec<Aabb> = ids
-        .par_iter()
-        .map(|&id| {
-            let (lo, hi) = space.bounds(&triangles[id as usize]);
-            Aabb::new(Vec3A::from(lo), Vec3A::from(hi))
-        })
-        .collect();
+    let leaf = |(index, &id): (usize, &u32)| {
+        let (lo, hi) = space.bounds(&triangles[id as usize]);
+        Bvh2Node::new(Aabb::new(lo.into(), hi.into()), 1, index as u32)
+    };
+    let leaves: Vec<Bvh2Node> = ids.par_iter().enumerate().map(leaf).collect();
     let Effort {
         radius,
         narrow,
         reinserted,
     } = preset.effort();
-    let mut tree = cluster(&boxes, radius, narrow);
-    let searchable = boxes.len() <= FEW || nodes_met(&tree) * OVERLAPPING <= boxes.len() as f64;
+    let mut tree = cluster(leaves, radius, narrow);
+    let searchable = ids.len() <= FEW || nodes_met(&tree) * OVERLAPPING <= ids.len() as f64;
     let reinserted = if searchable { reinserted } else { 0.0 };
     ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
     tree
@@ -218,84 +218,4 @@ fn nodes_met(tree: &Bvh2) -> f64 {
     let area = |node: &Bvh2Node| f64::from(node.aabb().half_area());
     let all: f64 = tree.nodes.iter().map(area).sum();
     all / tree.nodes.first().map_or(1.0, area)
-}
-
-/// Nodes and leaves in the order of a depth-first walk.
-struct Layout {
-    nodes: Vec<Node>,
-    /// What obvhs calls a primitive, by slot.
-    order: Vec<u32>,
-    last_of_leaf: Vec<u32>,
-    /// Levels of nodes.
-    depth: usize,
-}
-
-impl Layout {
-    /// That of `tree`, of whose nodes some are leaves in place of all that is below them.
-    fn of(tree: &Bvh2) -> Layout {
-        let counts = boxes_of_leaves(tree);
-        let inner = counts.iter().filter(|&&count| count == 0).count();
-        let mut layout = Layout {
-            nodes: Vec::with_capacity(inner.max(1)),
-            order: Vec::with_capacity(tree.primitive_indices.len()),
-            last_of_leaf: Vec::with_capacity(inner + 1),
-            depth: 1,
-        };
-        layout.nodes.push(Node::EMPTY);
-        match tree.nodes.first() {
-            Some(_) if counts[0] > 0 => layout.set_child(tree, &counts, 0, [0, 0]),
-            Some(root) => layout.walk(tree, &counts, root.first_index as usize),
-            None => {}
-        }
-        layout
-    }
-
-    /// Lays out all that is below the pair of children `pair`, which are those of node 0.
-    fn walk(&mut self, tree: &Bvh2, counts: &[u8], pair: usize) {
-        let mut pending = vec![(pair, 0, 1)];
-        while let Some((pair, node, depth)) = pending.pop() {
-            self.depth = self.depth.max(depth);
-            for side in [0, 1] {
-                self.set_child(tree, counts, pair + side, [node, side]);
-            }
-            for side in [1, 0] {
-                if counts[pair + side] == 0 {
-                    let below = tree.nodes[pair + side].first_index as usize;
-                    let index = self.nodes[node].children[side].index();
-                    pending.push((below, index, depth + 1));
-                }
-            }
-        }
-    }
-
-    /// Makes `tree.nodes[source]` the child of `node` on `side`.
-    fn set_child(&mut self, tree: &Bvh2, counts: &[u8], source: usize, [node, side]: [usize; 2]) {
-        let child = &tree.nodes[source];
-        let node_ref = if counts[source] > 0 {
-            let slot = self.order.len();
-            self.gather(tree, child);
-            self.last_of_leaf.push(self.order.len() as u32 - 1);
-            NodeRef::leaf(slot)
-        } else {
-            self.nodes.push(Node::EMPTY);
-            NodeRef::inner(self.nodes.len() - 1)
-        };
-        let child = Child {
-            node: node_ref,
-            lo: child.aabb().min.to_array(),
-            hi: child.aabb().max.to_array(),
-        };
-        self.nodes[node].set_child(side, child);
-    }
-
-    /// Adds all that is below `node`, which is a leaf's worth: as many levels as a leaf has triangles at most.
-    fn gather(&mut self, tree: &Bvh2, node: &Bvh2Node) {
-        let first = node.first_index as usize;
-        if node.is_leaf() {
-            self.order.push(tree.primitive_indices[first]);
-        } else {
-            let pair = &tree.nodes[first..first + 2];
-            pair.iter().for_each(|child| self.gather(tree, child));
-        }
-    }
 }

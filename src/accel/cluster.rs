@@ -12,7 +12,6 @@
 //! log(n)/−log(1 − 1/SLOWEST) + [`FEW`] levels deep before it is optimised.
 
 use glam::{DVec3, Vec3A};
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::{Bvh2, DEFAULT_MAX_STACK_DEPTH};
 use obvhs::ploc::morton::morton_encode_u64_unorm;
@@ -27,11 +26,12 @@ const CHUNK: usize = 4096;
 /// Fewer boxes are sorted and searched by one thread.
 const MANY: usize = 2 * CHUNK;
 
-/// The tree over `boxes`, at least one and none with NaN. Clusters look for each other `radius` (of 1, 14 or 32)
-/// places away, in the first `narrow` passes only 1. Leaves have one box each, whose index is theirs.
-pub(super) fn cluster(boxes: &[Aabb], radius: usize, narrow: usize) -> Bvh2 {
-    let mut clusters = sorted(boxes);
-    let mut next = vec![Bvh2Node::default(); clusters.len()];
+/// The tree over `leaves`, at least one and none with NaN, of one box each, whose index is theirs. Clusters look for each
+/// other `radius` (of 1, 14 or 32) places away, in the first `narrow` passes only 1.
+pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bvh2 {
+    let count = leaves.len();
+    let mut clusters = sorted(&leaves);
+    let mut next = leaves;
     let mut partners = vec![0i8; clusters.len()];
     let mut nodes = vec![Bvh2Node::default(); 2 * clusters.len() - 1];
     let mut free = nodes.len();
@@ -56,7 +56,7 @@ pub(super) fn cluster(boxes: &[Aabb], radius: usize, narrow: usize) -> Bvh2 {
     nodes[0] = clusters[0];
     Bvh2 {
         nodes,
-        primitive_indices: (0..boxes.len() as u32).collect(),
+        primitive_indices: (0..count as u32).collect(),
         children_are_ordered_after_parents: true,
         max_depth: DEFAULT_MAX_STACK_DEPTH.max(passes + 1),
         ..Bvh2::default()
@@ -126,25 +126,26 @@ fn merge(
     counts.iter().map(|[_, second]| second).sum()
 }
 
-/// A leaf for each box, in the order of the centres along the Morton curve; those with one code by index.
-fn sorted(boxes: &[Aabb]) -> Vec<Bvh2Node> {
-    let (lo, hi) = (boxes.iter()).fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), b| {
-        (lo.min(b.min), hi.max(b.max))
-    });
+/// `leaves` in the order of the centres along the Morton curve; those with one code by index.
+fn sorted(leaves: &[Bvh2Node]) -> Vec<Bvh2Node> {
+    let (lo, hi) = (leaves.iter())
+        .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(lo, hi), leaf| {
+            (lo.min(leaf.aabb().min), hi.max(leaf.aabb().max))
+        });
     let scale = 1.0 / (hi - lo).as_dvec3().max(DVec3::splat(f64::MIN_POSITIVE));
-    let code = |(index, b): (usize, &Aabb)| {
-        let centre = (b.center() - lo).as_dvec3() * scale;
+    let code = |(index, leaf): (usize, &Bvh2Node)| {
+        let centre = (leaf.aabb().center() - lo).as_dvec3() * scale;
         (morton_encode_u64_unorm(centre), index as u32)
     };
     let mut order: Vec<(u64, u32)>;
-    if boxes.len() < MANY {
-        order = boxes.iter().enumerate().map(code).collect();
+    if leaves.len() < MANY {
+        order = leaves.iter().enumerate().map(code).collect();
         order.sort_unstable();
     } else {
-        order = boxes.par_iter().enumerate().map(code).collect();
+        order = leaves.par_iter().enumerate().map(code).collect();
         order.par_sort_unstable();
     }
-    let leaf = |&(_, index): &(u64, u32)| Bvh2Node::new(boxes[index as usize], 1, index);
+    let leaf = |&(_, index): &(u64, u32)| leaves[index as usize];
     order.par_iter().with_min_len(CHUNK).map(leaf).collect()
 }
 
@@ -220,6 +221,8 @@ fn pair_neighbours(partners: &mut [i8]) {
 
 #[cfg(test)]
 mod tests {
+    use obvhs::aabb::Aabb;
+
     use super::*;
 
     /// Levels of a tree, and how many leaves it has.
@@ -235,6 +238,12 @@ mod tests {
             }
         }
         (deepest, leaves)
+    }
+
+    /// A leaf for each box.
+    fn leaves(boxes: &[Aabb]) -> Vec<Bvh2Node> {
+        let leaf = |(index, b): (usize, &Aabb)| Bvh2Node::new(*b, 1, index as u32);
+        boxes.iter().enumerate().map(leaf).collect()
     }
 
     fn around(centre: Vec3A, half: f32) -> Aabb {
@@ -258,8 +267,8 @@ mod tests {
         for (name, make) in families {
             let boxes: Vec<Aabb> = (0..N).map(|i| make(fraction(i))).collect();
             for (radius, narrow) in [(1, 2), (14, 3), (32, 2)] {
-                let (deepest, leaves) = levels(&cluster(&boxes, radius, narrow));
-                assert_eq!(leaves, N, "{name}");
+                let (deepest, found) = levels(&cluster(leaves(&boxes), radius, narrow));
+                assert_eq!(found, N, "{name}");
                 assert!(deepest <= 96, "{name}, radius {radius}: {deepest} levels");
             }
         }
@@ -271,7 +280,7 @@ mod tests {
             let boxes: Vec<Aabb> = (0..n)
                 .map(|i| around(Vec3A::splat(i as f32), 0.6))
                 .collect();
-            assert_eq!(levels(&cluster(&boxes, 14, 3)).1, n);
+            assert_eq!(levels(&cluster(leaves(&boxes), 14, 3)).1, n);
         }
     }
 
@@ -295,7 +304,7 @@ mod tests {
         // In one chunk, in some, and with a last one that is not full.
         for count in [100, MANY, 3 * CHUNK + 5, 40_000] {
             let boxes = scattered(count);
-            let tree = cluster(&boxes, 14, 3);
+            let tree = cluster(leaves(&boxes), 14, 3);
             let mut seen = vec![0; count];
             let mut linked = vec![0; tree.nodes.len()];
             linked[0] = 1;
@@ -325,7 +334,7 @@ mod tests {
     #[test]
     fn chunks_find_the_partners_that_one_search_finds() {
         let boxes = scattered(MANY + 777);
-        let clusters = sorted(&boxes);
+        let clusters = sorted(&leaves(&boxes));
         let mut whole = vec![0; clusters.len()];
         find_partners_from::<14>(&clusters, 0, &mut whole);
         let mut chunked = vec![0; clusters.len()];

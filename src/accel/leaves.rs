@@ -8,34 +8,26 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 /// The most triangles that a leaf is made of.
-const LARGEST_LEAF: u8 = 4;
+const LARGEST_LEAF: u32 = 4;
 /// c above: the cost of a node in those of a triangle.
 const NODE_COST: f32 = 4.0;
 
-/// Per node of `tree`, whose leaves hold one box each, how many boxes a leaf in its place holds; 0 where it stays a node.
-pub(super) fn boxes_of_leaves(tree: &Bvh2) -> Vec<u8> {
-    let mut counts = vec![0; tree.nodes.len()];
-    let mut decide = |index: usize| {
-        let node = &tree.nodes[index];
-        if node.is_leaf() {
-            counts[index] = 1;
-            return;
-        }
-        let pair = node.first_index as usize;
-        let (left, right) = (counts[pair], counts[pair + 1]);
-        if left == 0 || right == 0 || left + right > LARGEST_LEAF {
-            return;
-        }
-        let area = |node: &Bvh2Node| node.aabb().half_area();
-        let [below, beside] = [pair, pair + 1].map(|child| area(&tree.nodes[child]));
-        let apart = below * f32::from(left) + beside * f32::from(right);
-        if area(node) * (f32::from(left + right) - NODE_COST) <= apart {
-            counts[index] = left + right;
-        }
-    };
+/// What a node holds.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Extent {
+    /// Nodes that have children, with itself; 0 for a leaf.
+    pub inner: u32,
+    /// Boxes of triangles.
+    pub boxes: u32,
+}
+
+/// Per node of `tree`, whose leaves hold one box each, what it holds where small nodes are leaves.
+pub(super) fn extents(tree: &Bvh2) -> Vec<Extent> {
+    let mut extents = vec![Extent::default(); tree.nodes.len()];
+    let mut measure = |index: usize| extents[index] = extent(tree, &extents, index);
     // Children before their parents.
     if tree.children_are_ordered_after_parents {
-        (0..tree.nodes.len()).rev().for_each(decide);
+        (0..tree.nodes.len()).rev().for_each(measure);
     } else {
         let mut parents_first = Vec::with_capacity(tree.nodes.len());
         let mut pending = vec![0];
@@ -47,7 +39,33 @@ pub(super) fn boxes_of_leaves(tree: &Bvh2) -> Vec<u8> {
             }
         }
         let children_first = parents_first.iter().rev();
-        children_first.for_each(|&index| decide(index as usize));
+        children_first.for_each(|&index| measure(index as usize));
     }
-    counts
+    extents
+}
+
+/// What a node holds, by what its children hold.
+fn extent(tree: &Bvh2, extents: &[Extent], index: usize) -> Extent {
+    let node = &tree.nodes[index];
+    if node.is_leaf() {
+        return Extent { inner: 0, boxes: 1 };
+    }
+    let pair = node.first_index as usize;
+    let [left, right] = [pair, pair + 1].map(|child| extents[child]);
+    let boxes = left.boxes + right.boxes;
+    let kept = Extent {
+        inner: 1 + left.inner + right.inner,
+        boxes,
+    };
+    if left.inner + right.inner > 0 || boxes > LARGEST_LEAF {
+        return kept;
+    }
+    // The cost of one leaf against that of the node and both its leaves.
+    let area = |node: &Bvh2Node| node.aabb().half_area();
+    let [below, beside] = [pair, pair + 1].map(|child| area(&tree.nodes[child]));
+    let apart = below * left.boxes as f32 + beside * right.boxes as f32;
+    match area(node) * (boxes as f32 - NODE_COST) <= apart {
+        true => Extent { inner: 0, boxes },
+        false => kept,
+    }
 }

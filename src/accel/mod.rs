@@ -30,6 +30,7 @@ mod bvh;
 mod cluster;
 mod exact;
 mod float;
+mod layout;
 mod leaves;
 mod node;
 mod packet;

@@ -106,9 +106,9 @@ impl Tag {
         }
     }
 
-    /// Marks the last triangle of a leaf.
-    pub fn end_leaf(&mut self) {
-        self.0 |= Self::LAST;
+    /// The same for the last triangle of a leaf.
+    pub fn ending_leaf(self) -> Tag {
+        Tag(self.0 | Self::LAST)
     }
 
     #[inline(always)]

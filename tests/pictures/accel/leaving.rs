@@ -143,7 +143,7 @@ fn connect(bvh: &Bvh, ids: &[u32], rays: &Leaving) -> usize {
 }
 
 /// Follows light through rooms of `boxes` boxes; how many rays met something and how many segments were blocked.
-fn follow(boxes: usize, facing: impl Fn(u32) -> Facing + Copy) -> [usize; 2] {
+fn follow(boxes: usize, facing: impl Fn(u32) -> Facing + Copy + Sync) -> [usize; 2] {
     let mut random = Random(71);
     let (mut met, mut blocked) = (0, 0);
     for (scale, place) in [

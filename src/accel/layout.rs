@@ -1,0 +1,239 @@
+//! Nodes and slots of triangles in the order of a depth-first walk.
+//!
+//! How many nodes and triangles lie below a node is known, so the places of both its sides are known before either is laid
+//! out: large ones are laid out side by side on all threads, in the same places as one by one.
+
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+
+use super::leaves::{Extent, extents};
+use super::node::{Child, Node, NodeRef};
+
+/// Fewer triangles are laid out by one thread.
+const MANY: u32 = 4096;
+/// Down to so many levels threads share the work: 2³² parts of one triangle, and no deep recursion.
+const SHARED_LEVELS: usize = 32;
+
+/// A tree as rays traverse it, without its triangles.
+pub(super) struct Layout {
+    pub nodes: Vec<Node>,
+    /// By slot the index of a box, with [`LAST`] where it is the last of its leaf.
+    pub order: Vec<u32>,
+    /// Levels of nodes.
+    pub depth: usize,
+}
+
+/// Marks the last of a leaf.
+pub(super) const LAST: u32 = 1 << 31;
+
+/// What is laid out, and what each of its nodes holds.
+struct Source<'a> {
+    tree: &'a Bvh2,
+    extents: Vec<Extent>,
+}
+
+/// Places for all that is below a node: the nodes but for itself, and the slots.
+struct Places<'a> {
+    nodes: &'a mut [Node],
+    first_node: usize,
+    order: &'a mut [u32],
+    first_slot: usize,
+}
+
+impl Layout {
+    /// That of `tree`, whose leaves hold one box each: leaves of several are made here.
+    pub fn of(tree: &Bvh2) -> Layout {
+        let source = Source {
+            tree,
+            extents: extents(tree),
+        };
+        let whole = source.extents.first().copied().unwrap_or_default();
+        let mut layout = Layout {
+            nodes: vec![Node::EMPTY; whole.inner.max(1) as usize],
+            order: vec![0; whole.boxes as usize],
+            depth: 1,
+        };
+        let Some(root) = tree.nodes.first() else {
+            return layout;
+        };
+        let (node, below) = layout.nodes.split_at_mut(1);
+        let mut places = Places {
+            nodes: below,
+            first_node: 1,
+            order: &mut layout.order,
+            first_slot: 0,
+        };
+        if whole.inner == 0 {
+            let leaf = places.leaf(&source, 0, &mut 0);
+            node[0].set_child(0, child(root, leaf));
+        } else {
+            (node[0], layout.depth) = places.fill(&source, root.first_index as usize, 1);
+        }
+        layout
+    }
+}
+
+impl Places<'_> {
+    /// Lays out all that is below the pair of children `pair` of a node on `level`. Returns that node, and the deepest level.
+    fn fill(self, source: &Source, pair: usize, level: usize) -> (Node, usize) {
+        let [left, right] = [pair, pair + 1].map(|child| source.extents[child]);
+        let is_shared = left.inner.min(right.inner) > 0 && left.boxes + right.boxes >= MANY;
+        if !is_shared || level > SHARED_LEVELS {
+            return self.walk(source, pair, level);
+        }
+        // Both children stand side by side, and after them what is below either.
+        let (heads, below) = self.nodes.split_at_mut(2);
+        let (left_nodes, right_nodes) = below.split_at_mut(left.inner as usize - 1);
+        let (left_order, right_order) = self.order.split_at_mut(left.boxes as usize);
+        let first = self.first_node + 2;
+        let left_places = Places {
+            first_node: first,
+            nodes: left_nodes,
+            order: left_order,
+            first_slot: self.first_slot,
+        };
+        let right_places = Places {
+            first_node: first + left.inner as usize - 1,
+            nodes: right_nodes,
+            order: right_order,
+            first_slot: self.first_slot + left.boxes as usize,
+        };
+        let below = |child: usize| source.tree.nodes[child].first_index as usize;
+        let ((left_head, left_depth), (right_head, right_depth)) = rayon::join(
+            || left_places.fill(source, below(pair), level + 1),
+            || right_places.fill(source, below(pair + 1), level + 1),
+        );
+        heads.copy_from_slice(&[left_head, right_head]);
+        let mut node = Node::EMPTY;
+        for side in [0, 1] {
+            let target = NodeRef::inner(self.first_node + side);
+            node.set_child(side, child(&source.tree.nodes[pair + side], target));
+        }
+        (node, left_depth.max(right_depth))
+    }
+
+    /// [`Places::fill`] by one thread, without recursion.
+    fn walk(mut self, source: &Source, pair: usize, level: usize) -> (Node, usize) {
+        let (mut used_nodes, mut used_slots) = (0, 0);
+        let (mut top, mut depth) = (Node::EMPTY, level);
+        // Pairs of children that are still to be laid out, where their node stands, and its level.
+        let mut pending = vec![(pair, None, level)];
+        while let Some((pair, place, level)) = pending.pop() {
+            depth = depth.max(level);
+            let mut node = Node::EMPTY;
+            for side in [0, 1] {
+                let target = if source.extents[pair + side].inner == 0 {
+                    self.leaf(source, pair + side, &mut used_slots)
+                } else {
+                    used_nodes += 1;
+                    NodeRef::inner(self.first_node + used_nodes - 1)
+                };
+                node.set_child(side, child(&source.tree.nodes[pair + side], target));
+            }
+            for side in [1, 0] {
+                if source.extents[pair + side].inner > 0 {
+                    let below = source.tree.nodes[pair + side].first_index as usize;
+                    let place = node.children[side].index() - self.first_node;
+                    pending.push((below, Some(place), level + 1));
+                }
+            }
+            match place {
+                Some(place) => self.nodes[place] = node,
+                None => top = node,
+            }
+        }
+        (top, depth)
+    }
+
+    /// A leaf of all that is below `index`, from slot `used` on.
+    fn leaf(&mut self, source: &Source, index: usize, used: &mut usize) -> NodeRef {
+        let leaf = NodeRef::leaf(self.first_slot + *used);
+        self.gather(source.tree, &source.tree.nodes[index], used);
+        self.order[*used - 1] |= LAST;
+        leaf
+    }
+
+    /// Puts all that is below `node` into slots; a leaf's worth, so that the recursion is no deeper than a leaf is large.
+    fn gather(&mut self, tree: &Bvh2, node: &Bvh2Node, used: &mut usize) {
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            self.order[*used] = tree.primitive_indices[first];
+            *used += 1;
+        } else {
+            let pair = &tree.nodes[first..first + 2];
+            pair.iter().for_each(|child| self.gather(tree, child, used));
+        }
+    }
+}
+
+/// `node`, as its parent holds it.
+fn child(node: &Bvh2Node, target: NodeRef) -> Child {
+    Child {
+        node: target,
+        lo: node.aabb().min.to_array(),
+        hi: node.aabb().max.to_array(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+    use obvhs::aabb::Aabb;
+
+    use super::super::cluster::cluster;
+    use super::*;
+
+    /// A tree over boxes along a bent line, some of them the same.
+    fn tree(count: usize) -> Bvh2 {
+        let leaf = |index: usize| {
+            let x = (index / 3) as f32;
+            let centre = Vec3A::new(x, (0.01 * x).sin(), 0.1 * (index % 7) as f32);
+            Bvh2Node::new(Aabb::new(centre - 0.5, centre + 0.5), 1, index as u32)
+        };
+        cluster((0..count).map(leaf).collect(), 14, 3)
+    }
+
+    #[test]
+    fn threads_lay_out_what_one_walk_does() {
+        let tree = tree(50_000);
+        let shared = Layout::of(&tree);
+        let source = Source {
+            extents: extents(&tree),
+            tree: &tree,
+        };
+        let mut nodes = vec![Node::EMPTY; shared.nodes.len()];
+        let mut order = vec![0; shared.order.len()];
+        let places = Places {
+            nodes: &mut nodes[1..],
+            first_node: 1,
+            order: &mut order,
+            first_slot: 0,
+        };
+        let (root, depth) = places.walk(&source, tree.nodes[0].first_index as usize, 1);
+        nodes[0] = root;
+        assert_eq!((shared.depth, &shared.order), (depth, &order));
+        for (one, other) in shared.nodes.iter().zip(&nodes) {
+            assert_eq!((one.planes, one.children), (other.planes, other.children));
+        }
+    }
+
+    #[test]
+    fn every_box_has_a_slot_and_leaves_end() {
+        for count in [1, 2, 5, 9, 64, 10_000] {
+            let layout = Layout::of(&tree(count));
+            let mut boxes: Vec<u32> = layout.order.iter().map(|place| place & !LAST).collect();
+            boxes.sort_unstable();
+            assert!(boxes.into_iter().eq(0..count as u32), "{count}");
+            // Each leaf that a node names begins where the one before it ends.
+            let children = layout.nodes.iter().flat_map(|node| node.children());
+            let leaves = children.filter(|child| child.node.is_leaf());
+            let mut begins: Vec<usize> = leaves.map(|leaf| leaf.node.index()).collect();
+            begins.sort_unstable();
+            let ends = (0..count).filter(|&slot| layout.order[slot] & LAST != 0);
+            let after = ends.map(|slot| slot + 1);
+            let expected: Vec<usize> = [0].into_iter().chain(after).collect();
+            assert_eq!(begins, expected[..expected.len() - 1], "{count}");
+            assert_eq!(expected.last(), Some(&count));
+        }
+    }
+}

@@ -54,9 +54,10 @@ impl Preset {
 
     /// The preset for which `rays` and the trees of so many triangles together take least time.
     ///
-    /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: in a room of
-    /// furniture the balanced tree takes 400 ns per triangle more to build than the quick one, and saves 0.4 ns per camera ray
-    /// and 12 to 24 ns per ray that goes any way; the thorough one takes 1600 ns more, and saves 1 and 30 ns. Around statues both save less.
+    /// Break-even as measured with `benches/build.rs` on meshes of 57,000 to 124,000 triangles, one thread: the balanced tree
+    /// takes 250 to 340 ns per triangle more to build than the quick one, the thorough one 1200 to 1740 ns. In a room of
+    /// furniture they save 20 and 45 ns of 290 per ray that goes any way, around statues none to 15 and 40 ns, and at most 0.4
+    /// ns per camera ray.
     pub fn for_rays(triangles: u64, rays: ExpectedRays) -> Preset {
         let worth = rays.camera as f64
             + SHADOW_RAYS_WORTH * rays.shadow as f64
@@ -75,7 +76,7 @@ impl Preset {
     /// their speed; packets have the leaves of the wide tree.
     fn effort(self) -> Effort {
         let (radius, narrow, reinserted) = match self {
-            Preset::Quick => (1, 2, 0.02),
+            Preset::Quick => (2, 2, 0.02),
             Preset::Balanced => (14, 3, 0.1),
             Preset::Thorough => (32, 2, 0.5),
         };

@@ -27,7 +27,7 @@ const CHUNK: usize = 4096;
 const MANY: usize = 2 * CHUNK;
 
 /// The tree over `leaves`, at least one and none with NaN, of one box each, whose index is theirs. Clusters look for each
-/// other `radius` (of 1, 14 or 32) places away, in the first `narrow` passes only 1.
+/// other `radius` (of 2, 14 or 32) places away, in the first `narrow` passes only 1.
 pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bvh2 {
     let count = leaves.len();
     let mut clusters = sorted(&leaves);
@@ -40,7 +40,7 @@ pub(super) fn cluster(leaves: Vec<Bvh2Node>, radius: usize, narrow: usize) -> Bv
         let partners = &mut partners[..clusters.len()];
         match radius {
             _ if passes < narrow => find_partners::<1>(&clusters, partners),
-            1 => find_partners::<1>(&clusters, partners),
+            2 => find_partners::<2>(&clusters, partners),
             14 => find_partners::<14>(&clusters, partners),
             _ => find_partners::<32>(&clusters, partners),
         }
@@ -266,7 +266,7 @@ mod tests {
         ];
         for (name, make) in families {
             let boxes: Vec<Aabb> = (0..N).map(|i| make(fraction(i))).collect();
-            for (radius, narrow) in [(1, 2), (14, 3), (32, 2)] {
+            for (radius, narrow) in [(2, 2), (14, 3), (32, 2)] {
                 let (deepest, found) = levels(&cluster(leaves(&boxes), radius, narrow));
                 assert_eq!(found, N, "{name}");
                 assert!(deepest <= 96, "{name}, radius {radius}: {deepest} levels");

@@ -26,6 +26,7 @@ use crate::scene::model::{
 };
 
 pub use bindings::{Lit, lit_by};
+pub(crate) use memory::BUILT_TOGETHER;
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
 

@@ -4,34 +4,67 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::backs::{Backs, backs};
 use super::emitters::Builder;
-use crate::accel::{Bvh, Facing};
+use crate::accel::{Bvh, Facing, Preset};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Mesh, shapes};
-use crate::render::plan::{Plan, PlannedFrame};
+use crate::render::plan::{BUILT_TOGETHER, Plan, PlannedFrame};
+use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{BadVertices, CoordinateFile, Geometry, Object, Scene};
 use crate::spacetime::{Event, InertialFrame, Rest};
 
-/// Loads the objects of `planned` and builds their BVH, whose seconds `built_in` is told.
-pub(super) fn frame(
+/// All rest frames of `plan`, and how long their trees took, seconds. Trees are built side by side once there are many
+/// triangles: a small one is not worth the threads that it wakes.
+///
+/// # Errors
+/// Broken files, and [`Error::Cancelled`] when `progress` says so.
+pub(super) fn frames(
+    scene: &Scene,
+    plan: &Plan,
+    light: &mut Builder,
+    warnings: &mut Vec<String>,
+    progress: &dyn Progress,
+) -> Result<(Vec<RestFrame>, f64)> {
+    let mut frames = Vec::with_capacity(plan.frames.len());
+    let mut built_in = 0.0;
+    let mut gathered = Vec::new();
+    let mut triangles = 0;
+    for (index, planned) in plan.frames.iter().enumerate() {
+        progress.check()?;
+        let frame = gathered_frame(scene, plan, planned, light, warnings)?;
+        triangles += frame.triangles.len() as u64;
+        gathered.push(frame);
+        if triangles >= BUILT_TOGETHER || index + 1 == plan.frames.len() {
+            let begin = Instant::now();
+            let built = gathered.par_drain(..).map(|frame| frame.built(plan.trees));
+            frames.par_extend(built);
+            built_in += begin.elapsed().as_secs_f64();
+            triangles = 0;
+        }
+    }
+    Ok((frames, built_in))
+}
+
+/// Loads the objects of `planned`.
+fn gathered_frame(
     scene: &Scene,
     plan: &Plan,
     planned: &PlannedFrame,
     light: &mut Builder,
     warnings: &mut Vec<String>,
-    built_in: &mut f64,
-) -> Result<RestFrame> {
+) -> Result<Gathered> {
     // Objects of one velocity share the frame of the first; the others keep their own origins in it.
     let first = &scene.objects[planned.objects[0]];
     let frame = InertialFrame::new(first.velocity, first.origin);
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(frame, planned.triangles as usize);
     for &index in &planned.objects {
         let object = &scene.objects[index];
         let planned = &plan.objects[index];
@@ -51,39 +84,9 @@ pub(super) fn frame(
         let origin = frame.event_from_world(object.origin);
         gathered.add(scene, index, mesh, origin, &emitters);
     }
-    let Gathered {
-        triangles,
-        patches,
-        culled,
-        meshes,
-    } = gathered;
-    // Patches stand in the order of their triangles.
-    let facing = |triangle: u32| {
-        let patch = patches
-            .partition_point(|p| p.first <= triangle)
-            .saturating_sub(1);
-        if culled[patch] {
-            Facing::FrontOnly
-        } else {
-            Facing::TwoSided
-        }
-    };
-    let begin = Instant::now();
-    let bvh = Bvh::build_with(triangles, facing, plan.trees);
-    *built_in += begin.elapsed().as_secs_f64();
     // Where materials have masks, triangles have holes.
-    let meshes: Arc<[Mesh]> = meshes.into();
-    let bvh = match AlphaMasks::new(masked_runs(&patches, light), meshes.clone()) {
-        Some(masks) => bvh.with_alpha_test(Arc::new(masks)),
-        None => bvh,
-    };
-    Ok(RestFrame {
-        frame,
-        bvh,
-        patches,
-        meshes,
-        vertices: OnceLock::new(),
-    })
+    gathered.masked = masked_runs(&gathered.patches, light);
+    Ok(gathered)
 }
 
 /// The patches whose material has an alpha mask.
@@ -234,17 +237,58 @@ fn file(object: &Object) -> String {
     }
 }
 
-/// The triangles of a frame while they are gathered.
-#[derive(Default)]
+/// A rest frame while its triangles are gathered.
 struct Gathered {
+    frame: InertialFrame<Rest>,
     triangles: Vec<[DVec3; 3]>,
     patches: Vec<Patch>,
     /// Per patch: whether its back faces are not there.
     culled: Vec<bool>,
+    masked: Vec<MaskedRun>,
     meshes: Vec<Mesh>,
 }
 
 impl Gathered {
+    fn new(frame: InertialFrame<Rest>, triangles: usize) -> Gathered {
+        Gathered {
+            frame,
+            triangles: Vec::with_capacity(triangles),
+            patches: Vec::new(),
+            culled: Vec::new(),
+            masked: Vec::new(),
+            meshes: Vec::new(),
+        }
+    }
+
+    /// The same with its tree.
+    fn built(self, trees: Preset) -> RestFrame {
+        // Patches stand in the order of their triangles.
+        let (patches, culled) = (self.patches, self.culled);
+        let facing = |triangle: u32| {
+            let patch = patches
+                .partition_point(|p| p.first <= triangle)
+                .saturating_sub(1);
+            if culled[patch] {
+                Facing::FrontOnly
+            } else {
+                Facing::TwoSided
+            }
+        };
+        let bvh = Bvh::build_with(self.triangles, facing, trees);
+        let meshes: Arc<[Mesh]> = self.meshes.into();
+        let bvh = match AlphaMasks::new(self.masked, meshes.clone()) {
+            Some(masks) => bvh.with_alpha_test(Arc::new(masks)),
+            None => bvh,
+        };
+        RestFrame {
+            frame: self.frame,
+            bvh,
+            patches,
+            meshes,
+            vertices: OnceLock::new(),
+        }
+    }
+
     fn add(
         &mut self,
         scene: &Scene,
@@ -254,7 +298,6 @@ impl Gathered {
         emitters: &[u32],
     ) {
         let object_first = self.triangles.len() as u32;
-        self.triangles.reserve_exact(mesh.triangles.len());
         for index in 0..mesh.triangles.len() as u32 {
             self.triangles
                 .push(mesh.corners(index).map(|p| p + origin.x));

@@ -58,20 +58,9 @@ impl Prepared {
         let camera = Camera::new(scene)?;
         let mut light = emitters::Builder::new(scene, plan);
         let mut warnings = Vec::new();
-        let mut built_in = 0.0;
-        let mut frames = Vec::with_capacity(plan.frames.len());
         // A frame for each velocity: meshes, their materials, and a tree.
-        for planned in &plan.frames {
-            progress.check()?;
-            frames.push(geometry::frame(
-                scene,
-                plan,
-                planned,
-                &mut light,
-                &mut warnings,
-                &mut built_in,
-            )?);
-        }
+        let (frames, built_in) =
+            geometry::frames(scene, plan, &mut light, &mut warnings, progress)?;
         progress.check()?;
         let sky = sky::load(scene, plan)?;
         let around = (camera.shot.event, sky.as_ref());

@@ -18,7 +18,8 @@
 //! that takes rays from f64 to f32.
 //!
 //! From bottom to top: `float` and `exact` are arithmetic; `triangle` intersects a ray with a triangle; `node` and
-//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster` and `build` make them, `alpha` makes holes;
+//! `wide` are the two trees, in the coordinates of `tree_space`; `bvh` holds them, `cluster`, `leaves`, `layout` and
+//! `build` make them, `alpha` makes holes;
 //! `slab`, `traverse` and `single` trace single rays; `packet` traces batches.
 
 #[doc = include_str!("guide.md")]

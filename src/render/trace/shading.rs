@@ -10,7 +10,7 @@ use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
 use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::colour::{self, CompanionShift, RgbShift};
+use crate::colour;
 use crate::light::sky::Sky;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
@@ -373,10 +373,12 @@ fn add_colours(
             return add_scaled(&emitted.radiance, factors, members, sink);
         }
         (Colouring::Rgb(shift, eye), []) => {
-            return add_shifted(shift, *eye, emitted, ratios, factors, members, sink);
+            let seen = |_, w, rgb| shift.apply(w, rgb);
+            return add_shifted(seen, *eye, emitted, ratios, factors, members, sink);
         }
         (Colouring::Companions(shift, eye), []) => {
-            return add_with_companions(shift, *eye, emitted, ratios, factors, members, sink);
+            let seen = |k, w, rgb| shift.apply(w, rgb, emitted.companions(k));
+            return add_shifted(seen, *eye, emitted, ratios, factors, members, sink);
         }
         (Colouring::ShiftedLine(wavelength), []) => {
             return add_lines(*wavelength, emitted, ratios, factors, members, sink);
@@ -436,27 +438,10 @@ fn add_scaled(
     }
 }
 
-/// Adds RGB spectra as they are seen at W `ratios`, times `factors`, and nothing else.
+/// Adds spectra as `eye` sees them at W `ratios`, times `factors`, and nothing else. `seen` says how number k with its RGB is
+/// seen at a W.
 fn add_shifted(
-    shift: &RgbShift,
-    eye: Eye,
-    emitted: &Emitted,
-    ratios: &[f64],
-    factors: &[f64],
-    members: &[u32],
-    sink: &mut impl RadianceSink,
-) {
-    let rays = members.iter().zip(&emitted.radiance);
-    for ((ray, rgb), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
-        let factor = factor * eye.gain();
-        let seen = shift.apply(eye.ratio(*w), *rgb);
-        sink.add(*ray as usize, seen.map(|c| factor * c));
-    }
-}
-
-/// Adds RGB spectra with infrared and ultraviolet as they are seen at W `ratios`, times `factors`, and nothing else.
-fn add_with_companions(
-    shift: &CompanionShift,
+    seen: impl Fn(usize, f64, [f64; 3]) -> [f64; 3],
     eye: Eye,
     emitted: &Emitted,
     ratios: &[f64],
@@ -467,7 +452,7 @@ fn add_with_companions(
     let rays = members.iter().zip(&emitted.radiance).enumerate();
     for ((k, (ray, rgb)), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
         let factor = factor * eye.gain();
-        let seen = shift.apply(eye.ratio(*w), *rgb, emitted.companions(k));
+        let seen = seen(k, eye.ratio(*w), *rgb);
         sink.add(*ray as usize, seen.map(|c| factor * c));
     }
 }

@@ -287,7 +287,7 @@ impl Outputs {
 }
 
 /// A number in five significant digits, which `--white` takes again.
-fn five_digits(value: f64) -> String {
+pub fn five_digits(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if !(-4.0..7.0).contains(&exponent) {
         return format!("{value:.4e}");

@@ -19,7 +19,7 @@ use nullray::{Error, Result};
 use super::args::Changes;
 use super::check::check_all;
 use super::names::numbered;
-use super::output::{Identity, Inputs, Kind, Outputs, Stamp};
+use super::output::{Identity, Inputs, Kind, Outputs, Stamp, five_digits};
 use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{exposure, film, inputs, interrupt, overlay, remarks, say, warn};
@@ -93,6 +93,9 @@ pub fn run(job: &Job, account: Option<&mut Account>) -> Result<()> {
     sequence.conclude()
 }
 
+/// So many frames are named one by one as they are written.
+const NAMED_ONE_BY_ONE: u64 = 12;
+
 /// A sequence that is being rendered.
 struct Sequence<'a> {
     job: &'a Job<'a>,
@@ -138,14 +141,15 @@ impl Sequence<'_> {
             &outputs,
             &self.inputs,
         ));
+        // Of long sequences a line for each frame says no more than the count at the end.
+        let quiet = self.job.quiet || self.is_long();
         if existing::all(&outputs) {
             self.done.skipped += 1;
-            return self.say(&format!("frame {number} exists already\n"));
+            return say(quiet, &format!("frame {number} exists already\n"));
         }
         let film = self.film(&scene, number)?;
-        let quiet = self.job.quiet;
         let times = match &mut self.prepared {
-            Some(prepared) => super::film::times(&outputs, &scene, prepared, quiet)?,
+            Some(prepared) => super::film::times(&outputs, &scene, prepared, self.job.quiet)?,
             None => None,
         };
         outputs.write(&scene, &film, times.as_ref(), quiet)?;
@@ -154,6 +158,11 @@ impl Sequence<'_> {
         }
         self.note(number, &scene, &film);
         Ok(())
+    }
+
+    fn is_long(&self) -> bool {
+        let numbers = &self.job.frames.numbers;
+        numbers.end - numbers.start > NAMED_ONE_BY_ONE
     }
 
     /// The scene as a frame shows it.
@@ -187,7 +196,8 @@ impl Sequence<'_> {
         self.white = exposure::common(&scenes, self.job.request)?;
         match self.white {
             Some(white) => self.say(&format!(
-                "one exposure for all frames: white is radiance {white}\n"
+                "one exposure for all frames: white is radiance {}\n",
+                five_digits(white)
             )),
             None => Ok(()),
         }
@@ -255,6 +265,17 @@ impl Sequence<'_> {
     /// Says what was done, and what concerns all frames: inputs that have changed, and frames that are black.
     fn conclude(&self) -> Result<()> {
         let done = &self.done;
+        if done.rendered > 0 && self.is_long() {
+            let numbers = &self.job.frames.numbers;
+            for (_, path) in self.job.outputs.paths() {
+                let [first, last] = [numbers.start, numbers.end - 1].map(|k| numbered(path, k));
+                self.say(&format!(
+                    "wrote {} to {}\n",
+                    first.display(),
+                    last.display()
+                ))?;
+            }
+        }
         let rays = self.plan.rays.camera.saturating_mul(done.rendered);
         if done.rendered > 0 {
             self.say(&remarks::cost(rays, done.prepared_in, done.rendered_in))?;

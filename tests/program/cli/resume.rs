@@ -4,6 +4,7 @@ use std::fs;
 
 use super::frames::{FOUR, folder, pictures, sequence};
 use super::refused::TRIANGLE;
+use crate::cli::Folder;
 
 /// The numbers of the frames that a run skips.
 fn skipped(said: &str) -> Vec<u32> {
@@ -153,4 +154,39 @@ fn other_input_files_make_other_frames() {
     folder.write("mesh.bin", corners(0.5));
     assert_eq!(skipped(&folder.ok(&arguments)), [0; 0]);
     assert_eq!(skipped(&folder.ok(&arguments)), [0, 1, 2, 3]);
+}
+
+#[test]
+fn a_long_sequence_names_its_first_and_its_last_file() {
+    let folder = Folder::new();
+    let run = |frames: &str| {
+        let sizes = ["--size", "4x4", "--spp", "1", "--white", "1"];
+        let sequence = [
+            "render",
+            "scene.toml",
+            "--frames",
+            frames,
+            "--interval",
+            "1 cm",
+            "-o",
+            "f-#.png",
+        ];
+        folder.ok(&[&sequence[..], &sizes].concat())
+    };
+    let of_files = |said: &str| -> Vec<String> {
+        let lines = said
+            .lines()
+            .filter(|line| line.starts_with("wrote ") || line.contains("exists"));
+        lines.map(str::to_owned).collect()
+    };
+    let said = of_files(&run("0..12"));
+    assert!(
+        said.len() == 12 && said[11].starts_with("wrote f-11.png ("),
+        "{said:?}"
+    );
+    let said = of_files(&run("0..14"));
+    assert_eq!(said, ["wrote f-0.png to f-13.png"]);
+    let again = run("0..14");
+    assert!(again.contains("0 rendered, 14 existed already"), "{again}");
+    assert!(of_files(&again).is_empty(), "{again}");
 }

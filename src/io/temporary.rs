@@ -103,8 +103,13 @@ fn live() -> std::sync::MutexGuard<'static, BTreeSet<PathBuf>> {
 fn remove(path: &Path) {
     match fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => {
+            // Under another name first: a thread that still writes files into it finds it no more, and cannot keep it from being empty.
+            let name = path.file_name().and_then(|name| name.to_str());
+            let name = name.and_then(|name| name.strip_suffix(SUFFIX));
+            let renamed = name.map(|name| path.with_file_name(format!("{name}-removed{SUFFIX}")));
+            let renamed = renamed.filter(|to| fs::rename(path, to).is_ok());
             // Nothing more can be done about a directory that cannot be removed.
-            let _ = fs::remove_dir_all(path);
+            let _ = fs::remove_dir_all(renamed.as_deref().unwrap_or(path));
         }
         _ => {}
     }
@@ -247,6 +252,28 @@ mod tests {
                 ".nullray-young.part"
             ]
         );
+    }
+
+    #[test]
+    fn a_folder_goes_while_another_thread_writes_into_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let target = directory.path().join("frames");
+        for _ in 0..20 {
+            let folder = Temporary::folder(&target).unwrap();
+            let path = folder.path().to_path_buf();
+            let writer = std::thread::spawn(move || {
+                let mut number = 0;
+                while fs::write(path.join(format!("{number}.exr")), "x").is_ok() {
+                    number += 1;
+                }
+            });
+            while !folder.path().join("99.exr").exists() {
+                std::thread::yield_now();
+            }
+            drop(folder);
+            writer.join().unwrap();
+            assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+        }
     }
 
     #[test]

@@ -5,4 +5,7 @@ pub mod shapes;
 mod triangles;
 
 pub use shapes::Shape;
-pub use triangles::{AlphaMode, MOST_INDEX, Material, Mesh, MeshError, Part, TextureRef, Wrap};
+pub use triangles::{
+    AlphaMode, MOST_INDEX, Material, Mesh, MeshError, Part, TextureFilter, TextureRef,
+    TextureSampler, Wrap,
+};

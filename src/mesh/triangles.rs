@@ -151,8 +151,36 @@ pub struct TextureRef {
     pub image: usize,
     /// Which list of [`Mesh::uvs`].
     pub uv_set: usize,
+    /// How it is looked up.
+    pub sampler: TextureSampler,
+}
+
+/// How a texture is looked up (glTF sampler).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TextureSampler {
     /// What happens outside [0, 1], along u and along v.
     pub wrap: [Wrap; 2],
+    /// What lies between the centres of texels.
+    pub filter: TextureFilter,
+}
+
+/// What a texture shows between the centres of its texels (magFilter of a glTF sampler).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextureFilter {
+    /// The nearest texel.
+    Nearest,
+    /// The four texels around, interpolated.
+    Linear,
+}
+
+impl TextureSampler {
+    /// Interpolates between texels.
+    pub fn linear(wrap: [Wrap; 2]) -> Self {
+        TextureSampler {
+            wrap,
+            filter: TextureFilter::Linear,
+        }
+    }
 }
 
 /// What a texture does outside [0, 1] (glTF sampler).

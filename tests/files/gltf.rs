@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use nullray::io::gltf::{self, GltfLightKind, Imported, Want};
-use nullray::mesh::{AlphaMode, Material, Mesh, Wrap};
+use nullray::mesh::{AlphaMode, Material, Mesh, TextureFilter, Wrap};
 use nullray::scene::model::BadVertices;
 
 const ALL: Want = Want {
@@ -150,18 +150,62 @@ fn materials_are_those_in_use_and_so_are_images() {
     assert!(plain.double_sided && !default.double_sided && !shifted.double_sided);
     let plain = plain.base_colour_texture.as_ref().unwrap();
     assert_eq!(
-        (plain.image, plain.uv_set, plain.wrap),
+        (plain.image, plain.uv_set, plain.sampler.wrap),
         (0, 1, [Wrap::Clamp, Wrap::Mirror])
     );
     let shifted = shifted.base_colour_texture.as_ref().unwrap();
     assert_eq!(
-        (shifted.image, shifted.uv_set, shifted.wrap),
+        (shifted.image, shifted.uv_set, shifted.sampler.wrap),
         (0, 3, [Wrap::Repeat; 2])
     );
+    // Neither sampler names a filter.
+    assert_eq!(plain.sampler.filter, TextureFilter::Linear);
     assert_eq!(imported.images.len(), 1);
     assert_eq!(imported.images[0].place, "image 1 \"stripes\"");
     let pixels = decode(&imported.images[0].bytes).unwrap();
     assert_eq!(pixels.rgba, [255, 0, 0, 255, 0, 0, 255, 255]);
+}
+
+#[test]
+fn a_sampler_says_whether_texels_are_blended() {
+    // The sampler of the file, and others of as many bytes.
+    let before: &[u8] = br#"{"wrapS":33071,"wrapT":33648}"#;
+    let bytes = std::fs::read(valid("textured.glb")).unwrap();
+    let at = bytes
+        .windows(before.len())
+        .position(|found| found == before)
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sampler.glb");
+    let load = |sampler: &str| {
+        let mut bytes = bytes.clone();
+        bytes[at..at + before.len()].fill(b' ');
+        bytes[at..at + sampler.len()].copy_from_slice(sampler.as_bytes());
+        std::fs::write(&file, bytes).unwrap();
+        let all = gltf::load(&file, None, ALL);
+        all.map(|all| {
+            all.mesh.materials[0]
+                .base_colour_texture
+                .as_ref()
+                .unwrap()
+                .sampler
+                .filter
+        })
+    };
+    assert_eq!(
+        load(r#"{"magFilter":9728}"#).unwrap(),
+        TextureFilter::Nearest
+    );
+    assert_eq!(
+        load(r#"{"magFilter":9729}"#).unwrap(),
+        TextureFilter::Linear
+    );
+    assert_eq!(
+        load(r#"{"minFilter":9728}"#).unwrap(),
+        TextureFilter::Linear
+    );
+    let refused = load(r#"{"magFilter":9987}"#).unwrap_err().to_string();
+    assert!(refused.contains("filter is not of glTF"), "{refused}");
 }
 
 #[test]

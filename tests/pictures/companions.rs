@@ -469,3 +469,63 @@ fn arrays_in_chunks_hold_companions() {
         check_wall(&stage::scene_in(folder.path(), &wall(&keys, -0.6)));
     }
 }
+
+/// A mirror shows the wall behind the camera, in its own motion: what falls onto it is seen of all five channels, and what it
+/// sends on has red, green and blue alone.
+///
+/// A mirror that moves with βc away from the wall sees it along n, in its own frame, with W = γ (1 − β n_z); n is the look direction
+/// of the camera with its part along z reversed. A camera at rest with the mirror adds no shift; another one adds that of its channel.
+#[test]
+fn a_mirror_in_motion_shows_companions_of_what_falls_onto_it() {
+    const CHANNELS: [f64; 5] = [0.5, 0.2, 0.7, 1.2, 0.6];
+    let folder = tempfile::tempdir().unwrap();
+    let samples = (0..4).flat_map(|_| ORDER.map(|(_, c)| CHANNELS[c]));
+    let cube = Cube::new([2, 2, 1, 5], Samples::F64(samples.collect())).unwrap();
+    npz::write_cube(&folder.path().join("even.npy"), &cube).unwrap();
+    for (mirror, camera) in [
+        (0.0, 0.0),
+        (0.4, 0.4),
+        (-0.4, -0.4),
+        (0.8, 0.8),
+        (-0.8, -0.8),
+        (-0.3, 0.2),
+        (0.2, -0.1),
+    ] {
+        let text = format!(
+            "[radiance]\nquantity = \"rgb\"\n[render]\nbounces = 1\n[sky]\nradiance = 0\n\
+             [camera]\neye = [0, 0, 1]\nlook_at = [0, 0, 3]\nhfov = \"30 deg\"\nsize = [5, 4]\n\
+             velocity = {{ beta = [0, 0, {camera}] }}\n\
+             [[object]]\nname = \"wall\"\nshape = {{ plane = {{ size = [400, 400] }} }}\n\
+             transform = {{ rotate = {{ axis = [1, 0, 0], angle = \"90 deg\" }} }}\n\
+             [[object]]\nname = \"mirror\"\nshape = {{ plane = {{ size = [40, 40] }} }}\n\
+             transform = {{ rotate = {{ axis = [1, 0, 0], angle = \"-90 deg\" }}, translate = [0, 0, 3] }}\n\
+             metallic = 1\nroughness = 0\ncolour = [1, 1, 1]\nvelocity = {{ beta = [0, 0, {mirror}] }}\n\
+             [[source]]\nobjects = [\"wall\"]\n[source.cube]\nfile = \"even.npy\"\naxes = \"H W 1 C\"\n{}\n",
+            names()
+        );
+        let film = stage::film(&stage::scene_in(folder.path(), &text));
+        let met = stage::met(&film);
+        assert_eq!(met.len(), 20);
+        for i in met {
+            // The look direction as the mirror has it (aberration), and after the mirror.
+            let z = stage::value(&film, Aov::DirectionZ, i);
+            let z = (z + mirror) / (1.0 + mirror * z);
+            let w = (1.0 + mirror * z) / f64::sqrt(1.0 - mirror * mirror);
+            let [r, g, b] = seen(CHANNELS, w);
+            let on = stage::value(&film, Aov::WavelengthRatio, i);
+            let expected = match mirror == camera {
+                true => [r, g, b],
+                false => seen([r, g, b, 0.0, 0.0], on),
+            };
+            let size =
+                [r, g, b].iter().fold(w.powi(-5), |a, c| a.max(c.abs())) * on.powi(-5).max(1.0);
+            for (got, expected) in film.radiance()[i].into_iter().zip(expected) {
+                let error = (got - expected).abs() / size;
+                assert!(
+                    error < 6e-4,
+                    "{mirror} {camera}: W = {w}, {on}: {got} is not {expected}"
+                );
+            }
+        }
+    }
+}

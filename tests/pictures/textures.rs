@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use nullray::io::image::{Texture, png};
-use nullray::mesh::Wrap;
+use nullray::mesh::{TextureFilter, TextureSampler, Wrap};
 
 fn rgb_png(width: u32, height: u32, rgb: &[u8]) -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();
@@ -21,7 +21,7 @@ fn decode(bytes: &[u8]) -> nullray::Result<Texture> {
 fn a_texture_is_exact_at_texel_centres_and_linear_in_light_between() {
     let texture = decode(&rgb_png(2, 1, &[0, 0, 0, 255, 255, 255])).unwrap();
     assert_eq!(texture.size(), [2, 1]);
-    let at = |u: f64| texture.sample([u, 0.5], [Wrap::Clamp; 2])[0];
+    let at = |u: f64| texture.sample([u, 0.5], TextureSampler::linear([Wrap::Clamp; 2]))[0];
     assert_eq!((at(0.25), at(0.75)), (0.0, 1.0));
     // Half of the light, which a blend of code values would make 0.21.
     assert_eq!(at(0.5), 0.5);
@@ -32,20 +32,51 @@ fn a_texture_is_exact_at_texel_centres_and_linear_in_light_between() {
 fn the_top_row_of_a_texture_is_at_v_0() {
     let texture = decode(&rgb_png(1, 2, &[255, 0, 0, 0, 0, 255])).unwrap();
     assert_eq!(
-        texture.sample([0.5, 0.25], [Wrap::Clamp; 2]),
+        texture.sample([0.5, 0.25], TextureSampler::linear([Wrap::Clamp; 2])),
         [1.0, 0.0, 0.0]
     );
     assert_eq!(
-        texture.sample([0.5, 0.75], [Wrap::Clamp; 2]),
+        texture.sample([0.5, 0.75], TextureSampler::linear([Wrap::Clamp; 2])),
         [0.0, 0.0, 1.0]
     );
+}
+
+#[test]
+fn the_nearest_texel_is_shown_to_the_bit_where_the_sampler_asks_for_it() {
+    // Every pixel differs; sixteen places in each, and some beyond the edges.
+    let rgb: Vec<u8> = (0..3 * 2 * 3).map(|k| 40 + 11 * k).collect();
+    let texture = decode(&rgb_png(3, 2, &rgb)).unwrap();
+    let shown = |uv, wrap, filter| texture.sample(uv, TextureSampler { wrap, filter });
+    for (wrap, index) in [
+        (
+            Wrap::Clamp,
+            (|i: i64, n: i64| i.clamp(0, n - 1)) as fn(i64, i64) -> i64,
+        ),
+        (Wrap::Repeat, |i, n| i.rem_euclid(n)),
+        (Wrap::Mirror, |i, n| match i.rem_euclid(2 * n) {
+            i if i < n => i,
+            i => 2 * n - 1 - i,
+        }),
+    ] {
+        for (k, l) in (-18_i64..30).flat_map(|k| (-12_i64..20).map(move |l| (k, l))) {
+            let [u, v] = [(k as f64 + 0.5) / 18.0, (l as f64 + 0.5) / 12.0];
+            let (j, i) = (index(k.div_euclid(6), 3), index(l.div_euclid(6), 2));
+            let centre = [(j as f64 + 0.5) / 3.0, (i as f64 + 0.5) / 2.0];
+            let texel = shown(centre, [Wrap::Clamp; 2], TextureFilter::Linear);
+            assert_eq!(
+                shown([u, v], [wrap; 2], TextureFilter::Nearest),
+                texel,
+                "{u} {v} {wrap:?}"
+            );
+        }
+    }
 }
 
 #[test]
 fn wrapping_repeats_and_mirrors() {
     let rgb: Vec<u8> = [0u8, 60, 130, 255].iter().flat_map(|&c| [c; 3]).collect();
     let texture = decode(&rgb_png(4, 1, &rgb)).unwrap();
-    let at = |u: f64, wrap| texture.sample([u, 0.5], [wrap; 2])[0];
+    let at = |u: f64, wrap| texture.sample([u, 0.5], TextureSampler::linear([wrap; 2]))[0];
     for i in 0..400 {
         let u = f64::from(i) / 128.0 - 1.0;
         assert_eq!(at(u, Wrap::Repeat), at(u + 2.0, Wrap::Repeat), "{u}");
@@ -75,7 +106,7 @@ fn coordinates_that_are_no_numbers_or_huge_give_a_finite_colour() {
         9e15,
     ] {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
-            let rgb = texture.sample([x, -x], [wrap; 2]);
+            let rgb = texture.sample([x, -x], TextureSampler::linear([wrap; 2]));
             assert!(
                 rgb.iter().all(|c| (c - rgb[0]).abs() < 1e-15 && *c > 0.5),
                 "{x} {wrap:?}"
@@ -93,7 +124,9 @@ fn grey_and_16_bit_images_keep_their_precision() {
     let mut writer = encoder.write_header().unwrap();
     writer.write_image_data(&[0x80, 0x01]).unwrap();
     writer.finish().unwrap();
-    let [r, g, b] = decode(&bytes).unwrap().sample([0.5; 2], [Wrap::Clamp; 2]);
+    let [r, g, b] = decode(&bytes)
+        .unwrap()
+        .sample([0.5; 2], TextureSampler::linear([Wrap::Clamp; 2]));
     let expected = nullray::colour::srgb_decode(f64::from(0x8001) / 65535.0);
     assert_eq!([r, g, b], [expected; 3]);
 }

@@ -1,5 +1,7 @@
 //! All triangles of a scene, divided, moved to where they appear and sorted by tiles.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -60,21 +62,19 @@ impl<'a> Triangles<'a> {
         let size = scene.layout.size;
         // Triangles are cut until they are straight enough; one limit of memory for all frames.
         let cuts = Cuts::within(scene.memory_left);
-        let mut batches = Vec::new();
-        for (frame, (rest, projection)) in frames.iter().zip(&projections).enumerate() {
-            let frustum = Frustum::of(projection);
-            let divider = Divider {
-                projection,
-                frustum: &frustum,
-                tessellation: raster.tessellation,
-                vertices: FrameVertices {
-                    shared: rest.shared_vertices(),
-                    seen: &seen[frame],
-                },
-                cuts: &cuts,
-            };
-            batches.extend(divided(rest, frame as u32, &divider, size, progress)?);
-        }
+        let frusta: Vec<_> = projections.iter().map(Frustum::of).collect();
+        let dividers = (0..frames.len()).map(|frame| Divider {
+            projection: &projections[frame],
+            frustum: &frusta[frame],
+            tessellation: raster.tessellation,
+            vertices: FrameVertices {
+                shared: frames[frame].shared_vertices(),
+                seen: &seen[frame],
+            },
+            cuts: &cuts,
+        });
+        let dividers: Vec<_> = dividers.collect();
+        let batches = divided(frames, &dividers, &cuts, size, progress)?;
         if cuts.are_too_many() {
             return Err(cuts.refusal());
         }
@@ -94,49 +94,53 @@ impl<'a> Triangles<'a> {
     }
 }
 
-/// The batches of rest frame `frame`, in the order of its tree.
+/// The batches of all rest frames, one frame after the other, in the order of their trees.
 fn divided(
-    rest: &RestFrame,
-    frame: u32,
-    divider: &Divider,
+    frames: &[RestFrame],
+    dividers: &[Divider],
+    cuts: &Cuts,
     size: [u32; 2],
     progress: &dyn Progress,
 ) -> Result<Vec<Batch>> {
-    let slots = rest.bvh.len() as u32;
-    let run = slots.div_ceil(BATCHES).clamp(256, BATCH);
-    let begun = |k: u32| {
+    let runs = frames.iter().enumerate().flat_map(|(frame, rest)| {
+        let slots = rest.bvh.len() as u32;
+        let run = slots.div_ceil(BATCHES).clamp(256, BATCH);
+        (0..slots.div_ceil(run)).map(move |k| (frame, k * run..slots.min((k + 1) * run)))
+    });
+    let runs: Vec<_> = runs.collect();
+    let begun = |(frame, slots): (usize, Range<u32>)| {
         progress.check()?;
-        let mut batch = BatchBuilder::new(frame, divider);
-        for slot in k * run..slots.min((k + 1) * run) {
+        let (rest, divider) = (&frames[frame], &dividers[frame]);
+        let mut batch = BatchBuilder::new(frame as u32, divider);
+        for slot in slots {
             // Where the side that the camera is on is there.
             let (_, facing) = rest.bvh.triangle(slot);
             if facing == Facing::TwoSided || is_front(rest.bvh.corners(slot), divider.projection) {
                 batch.add(slot);
             }
         }
+        batch.begin();
         Ok(batch)
     };
     let finished = |batch: BatchBuilder| {
         progress.check()?;
         Ok(batch.finish(Grid { size }))
     };
-    let batches = (0..slots.div_ceil(run)).into_par_iter().map(begun);
-    if divider.tessellation == Tessellation::None {
-        return batches.map(|batch| finished(batch?)).collect();
+    if (dividers.iter()).all(|divider| divider.tessellation == Tessellation::None) {
+        return (runs.into_par_iter().map(|run| finished(begun(run)?))).collect();
     }
-    // What is going to be too much is not begun.
-    let batches = batches.map(|batch| {
-        let mut batch = batch?;
-        batch.begin();
-        Ok(batch)
-    });
-    let mut batches: Vec<_> = batches.collect::<Result<_>>()?;
+    // What is going to be too much in all frames together is not begun in any.
+    let mut batches: Vec<_> = (runs.into_par_iter().map(begun)).collect::<Result<_>>()?;
     loop {
         progress.check()?;
+        // Points of batches that have stopped are not where they appear, and no forecast can be made by them.
+        if cuts.are_too_many() {
+            return Err(cuts.refusal());
+        }
         let forecasts: Vec<f64> = batches.par_iter().map(BatchBuilder::forecast).collect();
         let left = batches.iter().map(BatchBuilder::triangles).sum();
-        match divider.cuts.outlook(forecasts.iter().sum(), left) {
-            Outlook::TooMany => return Err(divider.cuts.refusal()),
+        match cuts.outlook(forecasts.iter().sum(), left) {
+            Outlook::TooMany => return Err(cuts.refusal()),
             Outlook::Uncertain if left > 0 => batches.par_iter_mut().for_each(BatchBuilder::deepen),
             _ => return batches.into_par_iter().map(finished).collect(),
         }
@@ -147,4 +151,62 @@ fn divided(
 /// the rest frame, so that this is exact, and the same for the whole triangle.
 pub(super) fn is_front([a, b, c]: [DVec3; 3], projection: &Projection) -> bool {
     (b - a).cross(c - a).dot(a - projection.origin()) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::render::plan::{Plan, Request};
+    use crate::render::progress::Silent;
+    use crate::scene::{self, Overrides};
+
+    /// Four boxes at four speeds, each of which would be cut at less than eight times as many points as may be.
+    #[test]
+    fn what_is_too_much_in_all_frames_together_is_begun_in_none() {
+        let boxes = [-0.3, -0.1, 0.1, 0.3].map(|beta| {
+            format!(
+                "[[object]]\nshape = {{ box = {{ size = [1, 1, 1] }} }}\nvelocity = {{ beta = [0, {beta}, 0] }}\n"
+            )
+        });
+        let text = "[camera]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nsize = [16, 16]\n".to_string()
+            + &boxes.concat();
+        let scene = scene::parse(&text, "boxes", Path::new("."), &Overrides::default()).unwrap();
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let scene = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let observer = Observer::new(&scene).unwrap();
+        let frames = &scene.frames;
+        assert_eq!(frames.len(), 4);
+        let projections = frames
+            .iter()
+            .map(|f| observer.projection(&f.frame).unwrap());
+        let projections: Vec<_> = projections.collect();
+        let frusta: Vec<_> = projections.iter().map(Frustum::of).collect();
+        let seen = frames.iter().zip(&projections);
+        let seen: Vec<_> =
+            (seen.map(|(f, p)| transformed(p, &f.shared_vertices().positions))).collect();
+
+        // Each is tried alone, and found to be too much by its cuts; all together by the forecast.
+        let divide = |chosen: Range<usize>| {
+            let cuts = Cuts::within(10_000 * Cuts::BYTES);
+            let dividers = chosen.clone().map(|frame| Divider {
+                projection: &projections[frame],
+                frustum: &frusta[frame],
+                tessellation: Tessellation::Uniform(0.01),
+                vertices: FrameVertices {
+                    shared: frames[frame].shared_vertices(),
+                    seen: &seen[frame],
+                },
+                cuts: &cuts,
+            });
+            let dividers: Vec<_> = dividers.collect();
+            let refused = divided(&frames[chosen], &dividers, &cuts, [16, 16], &Silent).is_err();
+            (refused, cuts.are_too_many())
+        };
+        for frame in 0..4 {
+            assert_eq!(divide(frame..frame + 1), (true, true));
+        }
+        assert_eq!(divide(0..4), (true, false));
+    }
 }

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::import::EncodedImage;
 use crate::error::{Error, Result as FileResult};
 use crate::io::image::write_atomically;
-use crate::mesh::{AlphaMode, Material, Mesh, Wrap};
+use crate::mesh::{AlphaMode, Material, Mesh, TextureFilter, Wrap};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -182,9 +182,13 @@ fn sampler(material: &Material) -> Option<Value> {
         Wrap::Mirror => 33648,
         Wrap::Clamp => 33071,
     };
-    let [s, t] = material.base_colour_texture.as_ref()?.wrap.map(code);
-    const LINEAR: u32 = 9729;
-    Some(json!({ "wrapS": s, "wrapT": t, "magFilter": LINEAR, "minFilter": LINEAR }))
+    let sampler = material.base_colour_texture.as_ref()?.sampler;
+    let [s, t] = sampler.wrap.map(code);
+    let filter = match sampler.filter {
+        TextureFilter::Nearest => 9728,
+        TextureFilter::Linear => 9729,
+    };
+    Some(json!({ "wrapS": s, "wrapT": t, "magFilter": filter, "minFilter": filter }))
 }
 
 /// The buffer, and what lies in it.

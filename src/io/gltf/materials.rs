@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use ::gltf::json::material::AlphaMode as JsonAlphaMode;
-use ::gltf::json::texture::{Info, WrappingMode};
+use ::gltf::json::texture::{Info, MagFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{Index, material};
 use glam::DVec2;
@@ -18,7 +18,9 @@ use super::import::Want;
 use super::primitive::MOST_SETS;
 use super::warnings::Warnings;
 use crate::Result;
-use crate::mesh::{AlphaMode, MOST_INDEX, Material, TextureRef, Wrap};
+use crate::mesh::{
+    AlphaMode, MOST_INDEX, Material, TextureFilter, TextureRef, TextureSampler, Wrap,
+};
 
 /// A material as the mesh will hold it, and what its texture coordinates still need.
 #[derive(Debug, Clone)]
@@ -269,16 +271,26 @@ impl Reader<'_, '_> {
         }
         document.get(texture.source, "image", &place)?;
         // Without a sampler both axes repeat (glTF 2.0 §3.8.4.5).
-        let wrap = match texture.sampler {
+        let (wrap, mag_filter) = match texture.sampler {
             Some(sampler) => {
                 let sampler = document.get(sampler, "sampler", &place)?;
-                [&sampler.wrap_s, &sampler.wrap_t].map(wrap)
+                let wrap = [&sampler.wrap_s, &sampler.wrap_t].map(wrap);
+                (wrap, sampler.mag_filter.as_ref())
             }
-            None => [Some(Wrap::Repeat); 2],
+            None => ([Some(Wrap::Repeat); 2], None),
         };
         let [Some(wrap_u), Some(wrap_v)] = wrap else {
             let help = "wrapS and wrapT must be 10497, 33071 or 33648";
             return Err(document.invalid(place, "its sampler's wrapping is not of glTF", help));
+        };
+        // Without a filter the choice is free (ibid.).
+        let filter = match mag_filter {
+            Some(Checked::Valid(MagFilter::Nearest)) => TextureFilter::Nearest,
+            Some(Checked::Valid(MagFilter::Linear)) | None => TextureFilter::Linear,
+            Some(Checked::Invalid) => {
+                let help = "magFilter must be 9728 or 9729";
+                return Err(document.invalid(place, "its sampler's filter is not of glTF", help));
+            }
         };
         // The extension may name another set than the texture does, so the limit is on that one.
         let (set, transform) = transform(document, info, &place)?;
@@ -290,7 +302,10 @@ impl Reader<'_, '_> {
         Ok(TextureRef {
             image: texture.source.value(),
             uv_set: self.set(set as usize, transform),
-            wrap: [wrap_u, wrap_v],
+            sampler: TextureSampler {
+                wrap: [wrap_u, wrap_v],
+                filter,
+            },
         })
     }
 

@@ -1,7 +1,7 @@
 //! Images that surfaces show: sRGB texels, looked up in linear light.
 //!
 //! Texel (j, i) of N × M has its centre at u = (j + ½)/N, v = (i + ½)/M, row 0 at v = 0. A lookup is
-//! bilinear between centres, after decoding: light adds, code values do not.
+//! bilinear between centres, after decoding: light adds, code values do not. Where the sampler asks for it, it is that of the nearest centre.
 //!
 //! PNG and JPEG are decoded by `png` and `zune-jpeg`, as the `image` crate does too; with `image` comes a library for
 //! colour management that nothing here uses, and the two of them took an eighth of a whole build.
@@ -20,7 +20,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::decoder::guarded;
 use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
-use crate::mesh::Wrap;
+use crate::mesh::{TextureFilter, TextureSampler, Wrap};
 
 /// The longest side of an image that is decoded, pixels.
 const MAX_SIDE: usize = 16_384;
@@ -104,19 +104,16 @@ impl Texture {
         [self.width, self.height]
     }
 
-    /// Linear RGB at `uv`, `wrap` saying what lies outside [0, 1] along u and v. A coordinate that is
-    /// not finite counts as 0.
-    pub fn sample(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> [f64; 3] {
-        let u = taps(uv[0], self.width, wrap[0]);
-        let v = taps(uv[1], self.height, wrap[1]);
+    /// Linear RGB at `uv`. A coordinate that is not finite counts as 0.
+    pub fn sample(&self, uv: [f64; 2], sampler: TextureSampler) -> [f64; 3] {
+        let [u, v] = self.taps(uv, sampler);
         let row = |i: usize| mix(self.texel(u.0[0], i), self.texel(u.0[1], i), u.1);
         mix(row(v.0[0]), row(v.0[1]), v.1)
     }
 
     /// The same of a texture whose values are no colours but linear, from 0 to 1.
-    pub(crate) fn sample_linear(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> [f64; 3] {
-        let u = taps(uv[0], self.width, wrap[0]);
-        let v = taps(uv[1], self.height, wrap[1]);
+    pub(crate) fn sample_linear(&self, uv: [f64; 2], sampler: TextureSampler) -> [f64; 3] {
+        let [u, v] = self.taps(uv, sampler);
         let texel = |j, i| match &self.texels {
             Texels::Eight(v) => self.channels(j, i).map(|k| f64::from(v[k]) / 255.0),
             Texels::Sixteen(v) => self.channels(j, i).map(|k| f64::from(v[k]) / 65535.0),
@@ -126,13 +123,12 @@ impl Texture {
     }
 
     /// Alpha at `uv`, as [`Texture::sample`] has the colour; 1 where the image has none.
-    pub(crate) fn sample_alpha(&self, uv: [f64; 2], wrap: [Wrap; 2]) -> f64 {
+    pub(crate) fn sample_alpha(&self, uv: [f64; 2], sampler: TextureSampler) -> f64 {
         // Alpha is the last of two or four samples.
         if !self.stride.is_multiple_of(2) {
             return 1.0;
         }
-        let u = taps(uv[0], self.width, wrap[0]);
-        let v = taps(uv[1], self.height, wrap[1]);
+        let [u, v] = self.taps(uv, sampler);
         let texel = |j: usize, i: usize| {
             let at = (i * self.width + j + 1) * self.stride - 1;
             match &self.texels {
@@ -142,6 +138,23 @@ impl Texture {
         };
         let row = |i: usize| texel(u.0[0], i) + (texel(u.0[1], i) - texel(u.0[0], i)) * u.1;
         row(v.0[0]) + (row(v.0[1]) - row(v.0[0])) * v.1
+    }
+
+    /// The texels on either side of `uv` along u and v, with the weights of the second ones.
+    fn taps(&self, uv: [f64; 2], sampler: TextureSampler) -> [([usize; 2], f64); 2] {
+        let [width, height] = self.size();
+        let taps = [
+            taps(uv[0], width, sampler.wrap[0]),
+            taps(uv[1], height, sampler.wrap[1]),
+        ];
+        match sampler.filter {
+            TextureFilter::Linear => taps,
+            // The one that is nearer, twice: a blend with itself is that texel to the bit.
+            TextureFilter::Nearest => taps.map(|([first, second], weight)| {
+                let nearer = if weight < 0.5 { first } else { second };
+                ([nearer; 2], 0.0)
+            }),
+        }
     }
 
     /// Where the samples of texel `j` of row `i` are, for red, green and blue.

@@ -359,7 +359,7 @@ fn lookup(texture: &Option<TextureRef>, textures: &[usize]) -> Option<TextureLoo
     Some(TextureLookup {
         texture: *textures.get(texture.image)?,
         uv_set: texture.uv_set,
-        wrap: texture.wrap,
+        sampler: texture.sampler,
     })
 }
 
@@ -385,7 +385,7 @@ fn alpha_mask(
     let texture = lookup(&material.base_colour_texture, textures);
     Some(AlphaMask {
         factor: f64::from(material.alpha),
-        texture: texture.map(|of| (decoded[of.texture].clone(), of.uv_set, of.wrap)),
+        texture: texture.map(|of| (decoded[of.texture].clone(), of.uv_set, of.sampler)),
         cutoff: f64::from(cutoff),
     })
 }

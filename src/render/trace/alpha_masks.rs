@@ -6,15 +6,15 @@ use std::sync::Arc;
 
 use crate::accel::AlphaTest;
 use crate::io::image::Texture;
-use crate::mesh::{Mesh, Wrap};
+use crate::mesh::{Mesh, TextureSampler};
 
 /// Where the surfaces of a material have holes.
 #[derive(Debug, Clone)]
 pub(crate) struct AlphaMask {
     /// Factor on alpha.
     pub factor: f64,
-    /// Its texture, the set of texture coordinates, and what lies outside [0, 1] along u and v.
-    pub texture: Option<(Arc<Texture>, usize, [Wrap; 2])>,
+    /// Its texture, the set of texture coordinates, and how it is looked up.
+    pub texture: Option<(Arc<Texture>, usize, TextureSampler)>,
     /// The least alpha that is there.
     pub cutoff: f64,
 }
@@ -45,10 +45,10 @@ impl AlphaMask {
     /// Alpha at a point of triangle `triangle` of `mesh`. Without texture coordinates, of the factor and the vertices alone.
     fn alpha(&self, mesh: &Mesh, triangle: u32, barycentric: [f64; 2]) -> f64 {
         let mut alpha = self.factor;
-        if let Some((texture, set, wrap)) = &self.texture
+        if let Some((texture, set, sampler)) = &self.texture
             && let Some(uv) = mesh.uv(*set, triangle, barycentric)
         {
-            alpha *= texture.sample_alpha(uv.to_array(), *wrap);
+            alpha *= texture.sample_alpha(uv.to_array(), *sampler);
         }
         if let Some([.., of_vertices]) = mesh.colour(triangle, barycentric) {
             alpha *= of_vertices;

@@ -9,7 +9,7 @@ use super::run::Run;
 use crate::accel::Hit;
 use crate::io::image::Texture;
 use crate::light::lamp;
-use crate::mesh::Wrap;
+use crate::mesh::TextureSampler;
 
 /// Radiance or reflectance: a factor, a texture, colours of vertices, and for what shines a profile in time.
 #[derive(Debug, Clone)]
@@ -33,8 +33,8 @@ pub struct TextureLookup {
     pub texture: usize,
     /// The set of texture coordinates.
     pub uv_set: usize,
-    /// What lies outside [0, 1] along u and v.
-    pub wrap: [Wrap; 2],
+    /// How it is sampled.
+    pub sampler: TextureSampler,
 }
 
 /// How a surface reflects and shines.
@@ -127,7 +127,7 @@ impl BaseColours {
         if let Some(lookup) = base.texture
             && let Some(uv) = rest.uv(patch, lookup.uv_set, hit)
         {
-            let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.wrap);
+            let texel = self.textures[lookup.texture].sample(uv.to_array(), lookup.sampler);
             colour = std::array::from_fn(|c| base.factor[c] * texel[c]);
         }
         if base.vertex_colours
@@ -154,7 +154,7 @@ impl BaseColours {
             return both;
         };
         let [_, roughness, metallic] =
-            self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.wrap);
+            self.textures[lookup.texture].sample_linear(uv.to_array(), lookup.sampler);
         [gloss.metallic * metallic, gloss.roughness * roughness]
     }
 

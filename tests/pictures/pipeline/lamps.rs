@@ -6,6 +6,9 @@
 
 use glam::DVec3;
 use nullray::colour::{Scale, Shape, Spectrum};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
 use nullray::scene::model::Scene;
 
 use crate::pipeline::files::{self, Quad};
@@ -440,6 +443,35 @@ fn what_no_light_can_be_is_refused_in_words() {
     ] {
         let error = refused(light);
         assert!(error.contains(words), "{light}: {error}");
+    }
+}
+
+#[test]
+fn emission_of_a_file_that_no_light_lets_be_seen_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for (lights, emissive, said) in [
+        ("", [1.0, 0.5, 0.0], true),
+        ("", [0.0; 3], false),
+        ("[sky]\nradiance = 0\n", [1.0, 0.5, 0.0], false),
+    ] {
+        let material = format!(r#"{{ "emissiveFactor": {emissive:?} }}"#);
+        let quad = Quad {
+            material: Some(&material),
+            ..Quad::PLAIN
+        };
+        files::glb(&folder.path().join("quad.glb"), &quad);
+        let text = format!(
+            "[camera]\neye = [0, 0, 2]\nlook_at = [0, 0, 0]\nsize = [4, 4]\n{lights}[[object]]\nname = 'panel'\ngltf = 'quad.glb'\n"
+        );
+        let scene = stage::scene_in(folder.path(), &text);
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+        let warnings = prepared.warnings.join("\n");
+        assert_eq!(
+            warnings.contains("lit scenes alone"),
+            said,
+            "{lights} {emissive:?}: {warnings}"
+        );
     }
 }
 

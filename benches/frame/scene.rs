@@ -40,10 +40,12 @@ pub struct Case {
 pub enum Light {
     Base,
     Uv { filter: &'static str, line: bool },
+    Spectra,
     Capture,
     Pulse,
     Lamp { shadows: bool },
     Sky,
+    Panorama,
 }
 
 /// The one that the others are compared with.
@@ -81,6 +83,11 @@ pub const CASES: &[Case] = &[
     cube("0.9c, linear in time", "linear", false),
     cube(HEADLINE, "cubic", false),
     cube("0.9c, cubic in time, a line's colour", "cubic", true),
+    case(
+        "0.9c, cubic in time, colours as spectra",
+        true,
+        Light::Spectra,
+    ),
     case("0.9c, projected capture", true, Light::Capture),
     case("0.9c, pulse with shadows", true, Light::Pulse),
     case(
@@ -94,6 +101,7 @@ pub const CASES: &[Case] = &[
         Light::Lamp { shadows: true },
     ),
     case("0.9c, gradient sky behind", true, Light::Sky),
+    case("0.9c, panorama behind", true, Light::Panorama),
 ];
 
 pub const MAIN_CASES: &[Case] = &[
@@ -171,13 +179,14 @@ impl Files {
         }
     }
 
-    /// `mesh.glb` of `triangles`, with texture coordinates by x and y, and `cube.npy`.
+    /// `mesh.glb` of `triangles`, with texture coordinates by x and y, `cube.npy` and `sky.hdr`.
     pub fn write(folder: &Path, triangles: &[[DVec3; 3]], cube: [usize; 3]) -> Files {
         let points = || triangles.iter().flatten().copied();
         let lo = points().fold(DVec3::INFINITY, DVec3::min);
         let hi = points().fold(DVec3::NEG_INFINITY, DVec3::max);
         std::fs::write(folder.join("mesh.glb"), glb(triangles, lo, hi)).expect("mesh");
         std::fs::write(folder.join("cube.npy"), npy(cube)).expect("cube");
+        std::fs::write(folder.join("sky.hdr"), panorama(2048)).expect("sky");
         Files {
             folder: folder.into(),
             centre: (lo + hi) / 2.0,
@@ -191,6 +200,18 @@ impl Files {
         let plan = Plan::new(&scene, &Request::default()).expect("a plan");
         Prepared::new(&scene, &plan, &Silent).expect("a prepared scene")
     }
+}
+
+/// A Radiance picture of all directions, this many texels wide.
+fn panorama(width: usize) -> Vec<u8> {
+    let height = width / 2;
+    let head = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n");
+    let mut texels = head.into_bytes();
+    for at in 0..width * height {
+        let [x, y] = [at % width, at / width].map(|k| (k % 128) as u8);
+        texels.extend([128 + x, 128 + y, 255 - x, 128]);
+    }
+    texels
 }
 
 /// The scene of `case`.
@@ -234,6 +255,12 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
             let bins = bins(-3.4 * r, 3.5 * r / 64.0);
             format!("[[source]]\n{quantity}{bins}filter = \"{filter}\"\nuv = 0\n")
         }
+        Light::Spectra => {
+            let bins = bins(-3.4 * r, 3.5 * r / 64.0);
+            format!(
+                "[[source]]\nradiance = {{ quantity = \"rgb\" }}\n{bins}filter = \"cubic\"\nuv = 0\n"
+            )
+        }
         Light::Capture => {
             let bins = bins(-1.7 * r, 3.4 * r / 64.0);
             let (e, c) = (eye + DVec3::splat(0.1 * r), c.to_array());
@@ -245,6 +272,7 @@ fn source(light: &Light, c: DVec3, r: f64, eye: DVec3) -> String {
                 "[[source]]\n{bins}clock = \"capture\"\nfilter = \"cubic\"\ncapture = {camera}\n"
             )
         }
+        Light::Panorama => "[sky]\nimage = { file = \"sky.hdr\" }\nlights = false\n".into(),
         Light::Sky => "[sky]\ngradient = {}\nlights = false\n".into(),
         Light::Lamp { shadows } => {
             let lamp = (c + DVec3::new(0.5, 0.6, 0.4) * r).to_array();

@@ -60,9 +60,13 @@ pub(super) const WHITE_TEMPERATURE: f64 = 6504.0;
 static ROWS: LazyLock<Vec<[f64; 4]>> =
     LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
 
-/// What Planck's law is multiplied by to be the white at the first and at the last wavelength.
-static THERMAL: LazyLock<[f64; 2]> = LazyLock::new(|| {
-    [FIRST, LAST].map(|nm| row_at(nm * 1e-9)[0] / planck(nm * 1e-9, WHITE_TEMPERATURE))
+/// That of [`thermal`], which tables of colours ask for some million times.
+static THERMAL: LazyLock<[[f64; 3]; 2]> = LazyLock::new(|| {
+    [FIRST, LAST].map(|nm| {
+        let [white, r, g, b] = row_at(nm * 1e-9);
+        let factor = white / planck(nm * 1e-9, WHITE_TEMPERATURE);
+        [r, g, b].map(|b| factor * b)
+    })
 });
 
 fn row(line: &str) -> Option<[f64; 4]> {
@@ -97,11 +101,7 @@ pub(super) fn weights(wavelength: f64) -> [f64; 3] {
 /// What Planck's law at [`WHITE_TEMPERATURE`] is multiplied by to be the radiances of red, green and blue below
 /// 360 nm (the first) and above 830 nm.
 pub(super) fn thermal() -> [[f64; 3]; 2] {
-    let [below, above] = *THERMAL;
-    [
-        weights(FIRST * 1e-9).map(|b| below * b),
-        weights(LAST * 1e-9).map(|b| above * b),
-    ]
+    *THERMAL
 }
 
 /// The white's radiances per metre at the first and at the last wavelength.

@@ -79,11 +79,14 @@ impl<const N: usize> Table<N> {
     #[inline(always)]
     pub(super) fn at(&self, x: f64) -> Option<[f64; N]> {
         let (index, rest) = self.place(x)?;
-        let [a, b] = [self.entries[index], self.entries[index + 1]];
-        Some(from_fn(|k| {
-            let (a, b) = (f64::from(a[k]), f64::from(b[k]));
-            a + (b - a) * rest
-        }))
+        let (below, above) = (&self.entries[index], &self.entries[index + 1]);
+        // Loops, no closures: they are compiled for the vectors of the loop that calls.
+        let mut between = [0.0; N];
+        for k in 0..N {
+            let (a, b) = (f64::from(below[k]), f64::from(above[k]));
+            between[k] = a + (b - a) * rest;
+        }
+        Some(between)
     }
 }
 
@@ -160,11 +163,28 @@ impl RgbShift {
 
     /// M(W) · rgb: the linear RGB that an observer sees of what has the linear RGB `rgb` at rest.
     #[inline(always)]
-    pub fn apply(&self, w: f64, [r, g, b]: [f64; 3]) -> [f64; 3] {
-        match self.table.at(w) {
-            Some(m) => from_fn(|j| m[j] * r + m[4 + j] * g + m[8 + j] * b),
-            None => self.beyond(w, [r, g, b]),
+    pub fn apply(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
+        let [r, g, b, _] = self.apply_padded(w, rgb);
+        [r, g, b]
+    }
+
+    /// The same, and a fourth number of 0: what is kept of four goes in one vector.
+    #[inline(always)]
+    pub(crate) fn apply_padded(&self, w: f64, rgb: [f64; 3]) -> [f64; 4] {
+        let Some((index, rest)) = self.table.place(w) else {
+            let [r, g, b] = self.beyond(w, rgb);
+            return [r, g, b, 0.0];
+        };
+        let (below, above) = (&self.table.entries[index], &self.table.entries[index + 1]);
+        let mut seen = [0.0; 4];
+        for (column, channel) in rgb.into_iter().enumerate() {
+            for (row, seen) in seen.iter_mut().enumerate() {
+                let at = 4 * column + row;
+                let (a, b) = (f64::from(below[at]), f64::from(above[at]));
+                *seen += (a + (b - a) * rest) * channel;
+            }
         }
+        seen
     }
 
     /// M(W), rows of linear RGB.
@@ -174,7 +194,7 @@ impl RgbShift {
     }
 
     /// Where all that the observer sees is of the continuation.
-    #[inline]
+    #[inline(never)]
     fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         // Blueshift shows what is above 830 nm.
         let side = usize::from(w < 1.0);

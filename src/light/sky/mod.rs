@@ -26,6 +26,7 @@ pub use catalogue::stars;
 pub use panorama::Panorama;
 pub use stars::{Star, StarMap};
 
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
 use crate::colour::ColourTable;
 use crate::scene::model;
 
@@ -42,14 +43,18 @@ pub struct Sky {
 #[derive(Debug)]
 enum Background {
     Uniform([f64; 3]),
-    Gradient {
-        zenith: [f64; 3],
-        horizon: [f64; 3],
-        ground: [f64; 3],
-    },
+    Gradient(Gradient),
     Image(Panorama),
     /// The same in all directions.
     Spectrum(ColourTable),
+}
+
+/// From the horizon up to the zenith, above a uniform ground.
+#[derive(Debug, Clone, Copy)]
+struct Gradient {
+    zenith: [f64; 3],
+    horizon: [f64; 3],
+    ground: [f64; 3],
 }
 
 /// The sun: the directions whose cosine with its own is above one.
@@ -78,11 +83,11 @@ impl Sky {
                     ground,
                 },
                 _,
-            ) => Background::Gradient {
+            ) => Background::Gradient(Gradient {
                 zenith: *zenith,
                 horizon: *horizon,
                 ground: *ground,
-            },
+            }),
             (model::SkyRadiance::Spectrum(spectrum), _) => {
                 Background::Spectrum(ColourTable::new(spectrum))
             }
@@ -141,6 +146,39 @@ impl Sky {
         radiance
     }
 
+    /// What [`Sky::radiance`] says of each of `directions`, with a pixel's angle in `angles`, in vector loops.
+    pub(crate) fn radiance_each(
+        &self,
+        directions: &Columns,
+        angles: &[f64],
+        radiance: &mut Vec<[f64; 3]>,
+    ) {
+        radiance.clear();
+        radiance.resize(directions.len(), [0.0; 3]);
+        match &self.background {
+            Background::Uniform(everywhere) => radiance.fill(*everywhere),
+            Background::Gradient(gradient) => dispatch(Gradients {
+                gradient: *gradient,
+                directions,
+                radiance,
+            }),
+            Background::Image(panorama) => panorama.radiance_each(directions, angles, radiance),
+            Background::Spectrum(_) => {}
+        }
+        if let Some(stars) = self.stars.as_ref().filter(|_| !self.thermal_stars) {
+            for (k, radiance) in radiance.iter_mut().enumerate() {
+                *radiance = sum(*radiance, stars.radiance(directions.get(k), Star::channels));
+            }
+        }
+        if let Some(sun) = &self.sun {
+            for (k, radiance) in radiance.iter_mut().enumerate() {
+                if directions.get(k).dot(sun.direction) > sun.cosine {
+                    *radiance = sum(*radiance, sun.radiance);
+                }
+            }
+        }
+    }
+
     /// The same without the sun, which lights surfaces as a lamp does.
     #[inline]
     pub fn without_sun(&self, d: DVec3, angle: f64) -> [f64; 3] {
@@ -157,20 +195,45 @@ impl Background {
     fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
         match self {
             Background::Uniform(radiance) => *radiance,
-            Background::Gradient {
-                zenith,
-                horizon,
-                ground,
-            } => {
-                if d.y < 0.0 {
-                    return *ground;
-                }
-                let square = (1.0 - d.y) * (1.0 - d.y);
-                let weight = 1.0 - square * square;
-                std::array::from_fn(|c| horizon[c] + (zenith[c] - horizon[c]) * weight)
-            }
+            Background::Gradient(gradient) => gradient.radiance(d.y),
             Background::Image(panorama) => panorama.radiance(d, angle),
             Background::Spectrum(_) => [0.0; 3],
+        }
+    }
+}
+
+impl Gradient {
+    /// Along directions of this height.
+    #[inline(always)]
+    fn radiance(&self, y: f64) -> [f64; 3] {
+        let square = (1.0 - y) * (1.0 - y);
+        let weight = 1.0 - square * square;
+        let mut radiance = self.ground;
+        for (c, radiance) in radiance.iter_mut().enumerate() {
+            let above = self.horizon[c] + (self.zenith[c] - self.horizon[c]) * weight;
+            *radiance = if y < 0.0 { *radiance } else { above };
+        }
+        radiance
+    }
+}
+
+/// Directions to the radiance of a gradient.
+struct Gradients<'a> {
+    gradient: Gradient,
+    directions: &'a Columns,
+    radiance: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for Gradients<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut begin = 0;
+        for radiance in self.radiance.chunks_mut(BLOCK) {
+            let d = self.directions.load(begin);
+            for (k, radiance) in radiance.iter_mut().enumerate() {
+                *radiance = self.gradient.radiance(d.get(k).y);
+            }
+            begin += BLOCK;
         }
     }
 }

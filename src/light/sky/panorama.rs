@@ -10,6 +10,8 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
 use glam::DVec3;
 
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch, load};
+
 /// An equirectangular picture in sizes of halves.
 #[derive(Debug)]
 pub struct Panorama {
@@ -25,17 +27,14 @@ pub struct Panorama {
 struct Level {
     width: usize,
     height: usize,
-    texels: Vec<[f32; 3]>,
+    /// Three channels each, by rows, and one number more: a texel is read as four, of which the last does not count.
+    texels: Vec<f32>,
 }
 
 impl Panorama {
     /// The picture of `width` × `width`/2 texels by rows from the top, by `scale`, turned by `rotation` about +Y.
     pub fn new(texels: Vec<[f32; 3]>, width: usize, scale: [f64; 3], rotation: f64) -> Panorama {
-        let mut levels = vec![Level {
-            width,
-            height: width / 2,
-            texels,
-        }];
+        let mut levels = vec![Level::new(width, width / 2, texels)];
         while let Some(smaller) = levels.last().and_then(Level::half) {
             levels.push(smaller);
         }
@@ -49,29 +48,124 @@ impl Panorama {
     /// Radiance along `d` in texels about `angle` wide.
     #[inline]
     pub fn radiance(&self, d: DVec3, angle: f64) -> [f64; 3] {
-        let [cosine, sine] = self.turn;
-        let (x, z) = (cosine * d.x - sine * d.z, sine * d.x + cosine * d.z);
-        let u = arctan(x, -z) * (0.5 * FRAC_1_PI) + 0.5;
-        let v = 0.5 - arctan(d.y, (x * x + z * z).sqrt()) * FRAC_1_PI;
-        // How many texels of the largest size the pixel sees, and by how many halvings they are one.
-        let texels = angle * self.levels[0].width as f64 * (0.5 * FRAC_1_PI);
+        let (u, v) = place(self.turn, d.x, d.y, d.z);
+        let halvings = logarithm(angle * self.texels_per_angle()).min(self.last());
+        self.scaled(self.at(u, v, halvings))
+    }
+
+    /// Sets `radiance` to that along `directions`, each in texels about `angles` wide: [`Panorama::radiance`] in vector loops.
+    pub(super) fn radiance_each(
+        &self,
+        directions: &Columns,
+        angles: &[f64],
+        radiance: &mut [[f64; 3]],
+    ) {
+        dispatch(LookUp {
+            panorama: self,
+            directions,
+            angles,
+            radiance,
+        });
+    }
+
+    /// How many texels of the largest size a radian of the equator has.
+    #[inline(always)]
+    fn texels_per_angle(&self) -> f64 {
+        self.levels[0].width as f64 * (0.5 * FRAC_1_PI)
+    }
+
+    /// The number of the smallest size.
+    #[inline(always)]
+    fn last(&self) -> f64 {
+        (self.levels.len() - 1) as f64
+    }
+
+    /// The texels at a place so many halvings below the largest size, and a fourth number that does not count.
+    #[inline(always)]
+    fn at(&self, u: f64, v: f64, halvings: f64) -> [f64; 4] {
+        let whole = halvings.floor();
+        let (first, weight) = (index(whole), halvings - whole);
         let last = self.levels.len() - 1;
-        let halvings = logarithm(texels.max(1.0)).min(last as f64);
-        let (first, weight) = (halvings as usize, halvings.fract());
-        let fine = self.levels[first].sample(u, v);
-        let texel = match weight > 0.0 {
-            false => fine,
-            true => mix(
-                fine,
-                self.levels[(first + 1).min(last)].sample(u, v),
-                weight,
-            ),
-        };
-        std::array::from_fn(|c| texel[c] * self.scale[c])
+        let fine = self.levels[first.min(last)].sample(u, v);
+        if weight > 0.0 {
+            let coarse = self.levels[(first + 1).min(last)].sample(u, v);
+            return mix(fine, coarse, weight);
+        }
+        fine
+    }
+
+    #[inline(always)]
+    fn scaled(&self, [r, g, b, _]: [f64; 4]) -> [f64; 3] {
+        let [by_r, by_g, by_b] = self.scale;
+        [r * by_r, g * by_g, b * by_b]
+    }
+}
+
+/// Where (x, y, z) lies in the picture, turned back by `turn`: from 0 to 1 along its width and its height.
+#[inline(always)]
+fn place([cosine, sine]: [f64; 2], x: f64, y: f64, z: f64) -> (f64, f64) {
+    let (x, z) = (cosine * x - sine * z, sine * x + cosine * z);
+    let u = arctan(x, -z) * (0.5 * FRAC_1_PI) + 0.5;
+    let v = 0.5 - arctan(y, (x * x + z * z).sqrt()) * FRAC_1_PI;
+    (u, v)
+}
+
+/// A whole number from 0 to 2³² as an index, of anything else some index: a sum with 2⁵² has it in its last bits.
+#[inline(always)]
+fn index(whole: f64) -> usize {
+    (whole + 4_503_599_627_370_496.0).to_bits() as u32 as usize
+}
+
+/// Directions to radiance.
+struct LookUp<'a> {
+    panorama: &'a Panorama,
+    directions: &'a Columns,
+    angles: &'a [f64],
+    radiance: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for LookUp<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (turn, last) = (self.panorama.turn, self.panorama.last());
+        let texels_per_angle = self.panorama.texels_per_angle();
+        let (mut u, mut v, mut halvings) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let mut texels = [[0.0; 4]; BLOCK];
+        let mut begin = 0;
+        for radiance in self.radiance.chunks_mut(BLOCK) {
+            // Places of a block in vectors.
+            let d = self.directions.load(begin);
+            for k in 0..BLOCK {
+                let d = d.get(k);
+                (u[k], v[k]) = place(turn, d.x, d.y, d.z);
+            }
+            let angles = load(self.angles, begin);
+            for k in 0..BLOCK {
+                halvings[k] = logarithm(angles[k] * texels_per_angle).min(last);
+            }
+            // Texels one by one, their channels in a vector.
+            for k in 0..radiance.len() {
+                texels[k] = self.panorama.at(u[k], v[k], halvings[k]);
+            }
+            for (radiance, texel) in radiance.iter_mut().zip(&texels) {
+                *radiance = self.panorama.scaled(*texel);
+            }
+            begin += BLOCK;
+        }
     }
 }
 
 impl Level {
+    fn new(width: usize, height: usize, texels: Vec<[f32; 3]>) -> Level {
+        let mut texels = texels.into_flattened();
+        texels.push(0.0);
+        Level {
+            width,
+            height,
+            texels,
+        }
+    }
+
     /// Half as wide and high, as far as there are halves.
     fn half(&self) -> Option<Level> {
         if self.height < 2 {
@@ -89,37 +183,50 @@ impl Level {
                 let mut sum = [0.0; 3];
                 for &(i, in_row) in row {
                     for &(j, in_column) in column {
-                        let texel = self.texels[i * self.width + j];
+                        let texel = self.texel(i * self.width + j);
                         for c in 0..3 {
-                            sum[c] += f64::from(texel[c]) * (in_row * in_column);
+                            sum[c] += texel[c] * (in_row * in_column);
                         }
                     }
                 }
                 texels.push(sum.map(|x| x as f32));
             }
         }
-        Some(Level {
-            width,
-            height,
-            texels,
-        })
+        Some(Level::new(width, height, texels))
+    }
+
+    /// The channels of a texel, and a fourth number that does not count.
+    #[inline(always)]
+    fn texel(&self, at: usize) -> [f64; 4] {
+        let [r, g, b, next] = *self.texels[3 * at..]
+            .first_chunk()
+            .expect("one number more than those of texels");
+        [f64::from(r), f64::from(g), f64::from(b), f64::from(next)]
     }
 
     /// Bilinear between texel centres, around the longitudes.
-    #[inline]
-    fn sample(&self, u: f64, v: f64) -> [f64; 3] {
+    #[inline(always)]
+    fn sample(&self, u: f64, v: f64) -> [f64; 4] {
         let (x, y) = (u * self.width as f64 - 0.5, v * self.height as f64 - 0.5);
         let (left, top) = (x.floor(), y.floor());
-        let wrapped = |j: f64| {
-            let j = if j < 0.0 { j + self.width as f64 } else { j } as usize;
-            if j >= self.width { 0 } else { j }
-        };
-        let (j0, j1) = (wrapped(left), wrapped(left + 1.0));
-        let clamped = |i: f64| (i.max(0.0) as usize).min(self.height - 1) * self.width;
-        let (i0, i1) = (clamped(top), clamped(top + 1.0));
-        let texel = |at: usize| self.texels[at].map(f64::from);
-        let row = |i: usize| mix(texel(i + j0), texel(i + j1), x - left);
-        mix(row(i0), row(i1), y - top)
+        let (j0, j1) = (self.wrapped(left), self.wrapped(left + 1.0));
+        let (i0, i1) = (self.row(top), self.row(top + 1.0));
+        let (right, below) = (x - left, y - top);
+        let upper = mix(self.texel(i0 + j0), self.texel(i0 + j1), right);
+        let lower = mix(self.texel(i1 + j0), self.texel(i1 + j1), right);
+        mix(upper, lower, below)
+    }
+
+    #[inline(always)]
+    fn wrapped(&self, j: f64) -> usize {
+        let j = index(if j < 0.0 { j + self.width as f64 } else { j });
+        if j >= self.width { 0 } else { j }
+    }
+
+    /// The first texel of row `i`.
+    #[inline(always)]
+    fn row(&self, i: f64) -> usize {
+        index(i.max(0.0)).min(self.height - 1) * self.width
     }
 }
 
@@ -136,13 +243,16 @@ fn shares(from: usize, to: usize, measure: impl Fn(usize) -> f64) -> Vec<Vec<(us
     (0..to).map(part).collect()
 }
 
-#[inline]
-fn mix(a: [f64; 3], b: [f64; 3], weight: f64) -> [f64; 3] {
-    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * weight)
+#[inline(always)]
+fn mix(mut a: [f64; 4], b: [f64; 4], weight: f64) -> [f64; 4] {
+    for c in 0..4 {
+        a[c] += (b[c] - a[c]) * weight;
+    }
+    a
 }
 
 /// The angle of (x, y) from +x to y, right to 2·10⁻⁸ rad, which is far below a texel: Abramowitz and Stegun 4.4.49.
-#[inline]
+#[inline(always)]
 pub(super) fn arctan(y: f64, x: f64) -> f64 {
     let (a, b) = (x.abs(), y.abs());
     let (small, large) = if a < b { (a, b) } else { (b, a) };
@@ -162,13 +272,13 @@ pub(super) fn arctan(y: f64, x: f64) -> f64 {
     if y < 0.0 { -angle } else { angle }
 }
 
-/// About the logarithm to base 2 of x ≥ 1: exact at powers of 2, linear between them (0.09 too low at most).
-#[inline]
+/// About the logarithm to base 2 of x, from 0 on: exact at powers of 2, linear between them (0.09 too low at most).
+#[inline(always)]
 fn logarithm(x: f64) -> f64 {
-    let bits = x.to_bits();
-    let exponent = (bits >> 52) as i64 - 1023;
+    let bits = x.max(1.0).to_bits();
+    let exponent = (bits >> 52) as i32 - 1023;
     let mantissa = f64::from_bits(bits & ((1 << 52) - 1) | 1023 << 52);
-    exponent as f64 + (mantissa - 1.0)
+    f64::from(exponent) + (mantissa - 1.0)
 }
 
 /// The direction of longitude and latitude.
@@ -214,6 +324,32 @@ mod tests {
     }
 
     #[test]
+    fn many_directions_at_once_are_seen_as_each_alone() {
+        let (width, height) = (50, 25);
+        let value = |k: usize| ((k * 7919) % 1009) as f32;
+        let texels: Vec<_> = (0..width * height)
+            .map(|k| [value(k), value(k + 1), value(k + 2)])
+            .collect();
+        let sky = Panorama::new(texels, width, [1.0, 2.0, 3.0], 0.7);
+        let mut directions = Columns::default();
+        // The poles, the seam, and what lies between, as parts of texels and as many of them.
+        let all: Vec<DVec3> = (0..=180)
+            .flat_map(|i| {
+                (0..7).map(move |j| direction(f64::from(j) - PI, PI * (f64::from(i) / 180.0 - 0.5)))
+            })
+            .collect();
+        let angles: Vec<f64> = (0..all.len())
+            .map(|k| 1e-3 * 1.007f64.powi(k as i32))
+            .collect();
+        all.iter().for_each(|d| directions.push(*d));
+        let mut radiance = vec![[0.0; 3]; all.len()];
+        sky.radiance_each(&directions, &angles, &mut radiance);
+        for ((d, angle), together) in all.iter().zip(&angles).zip(radiance) {
+            assert_eq!(sky.radiance(*d, *angle), together, "{d}, {angle}");
+        }
+    }
+
+    #[test]
     fn a_picture_is_turned_right_handed_about_y() {
         // One bright texel in the middle, −Z; by +90° about +Y −Z goes to −X.
         let mut texels = vec![[0.0f32; 3]; 64 * 32];
@@ -241,7 +377,7 @@ mod tests {
             .sum();
         let sky = Panorama::new(texels, width, [1.0; 3], 0.0);
         let top = sky.levels.last().unwrap();
-        let got = top.texels.iter().map(|t| f64::from(t[0])).sum::<f64>() / top.texels.len() as f64;
+        let got = (0..top.width).map(|j| top.texel(j)[0]).sum::<f64>() / top.width as f64;
         assert_eq!(top.height, 1);
         // Odd widths leave parts of three texels: of equal columns that is a per cent.
         assert!((got - mean).abs() < 0.05 * mean, "{got} {mean}");

@@ -9,8 +9,8 @@ use super::emitted::{Colouring, Detail, Emitted, Eye, Response, Scaling};
 use super::radiance::Radiance;
 use super::run::{Run, TracedRays};
 use super::stats::{Counter, Meter, Stage};
-use crate::accel::vectors::{VectorLoop, dispatch};
-use crate::colour;
+use crate::accel::vectors::{BLOCK, Columns, VectorLoop, dispatch};
+use crate::colour::{self, RgbShift};
 use crate::light::sky::Sky;
 use crate::light::time_texture::Coverage;
 use crate::render::film::TileFilm;
@@ -103,6 +103,9 @@ pub struct Shading {
     /// W of each point of a run, and the factor on its radiance.
     ratios: Vec<f64>,
     factors: Vec<f64>,
+    /// Of rays that meet nothing: look directions in the world, and how wide pixels are there.
+    directions: Columns,
+    angles: Vec<f64>,
 }
 
 /// Consecutive rays in `lit` that hit one patch of one frame.
@@ -165,7 +168,7 @@ impl Shading {
                 }
             }
             add_colours(
-                &self.emitted,
+                &mut self.emitted,
                 &self.ratios,
                 &self.factors,
                 run.members,
@@ -200,12 +203,16 @@ impl Shading {
         self.ratios.clear();
         self.ratios
             .extend(escaped.iter().map(|ray| ratios[*ray as usize]));
-        // A pixel sees an angle of the world that is 1/W as wide.
-        let seen = escaped.iter().zip(&self.ratios);
-        let radiance =
-            seen.map(|(ray, w)| sky.radiance(traced.rays.directions[*ray as usize], angle / w));
-        self.emitted.radiance.extend(radiance);
         let ratios = &self.ratios;
+        // A pixel sees an angle of the world that is 1/W as wide.
+        self.angles.clear();
+        self.angles.extend(ratios.iter().map(|w| angle / w));
+        self.directions.resize(escaped.len());
+        for (k, ray) in escaped.iter().enumerate() {
+            self.directions
+                .set(k, traced.rays.directions[*ray as usize]);
+        }
+        sky.radiance_each(&self.directions, &self.angles, &mut self.emitted.radiance);
         let weigh_all = |scaled: Scaling, factors: &mut Vec<f64>| {
             weigh(scaled, ratios, factors);
             if let Some(origins) = traced.rays.origins {
@@ -215,7 +222,7 @@ impl Shading {
             }
         };
         weigh_all(self.emitted.response.scaled, &mut self.factors);
-        add_colours(&self.emitted, ratios, &self.factors, escaped, sink);
+        add_colours(&mut self.emitted, ratios, &self.factors, escaped, sink);
         let Some(spectra) = spectra else {
             return;
         };
@@ -360,9 +367,9 @@ impl VectorLoop for Powers<'_> {
     }
 }
 
-/// Adds the radiance of a run, times `factors`, to the pixels of its members.
+/// Adds the radiance of a run, times `factors`, to the pixels of its members. What `emitted` has of radiance may be overwritten.
 fn add_colours(
-    emitted: &Emitted,
+    emitted: &mut Emitted,
     ratios: &[f64],
     factors: &[f64],
     members: &[u32],
@@ -373,12 +380,26 @@ fn add_colours(
             return add_scaled(&emitted.radiance, factors, members, sink);
         }
         (Colouring::Rgb(shift, eye), []) => {
-            let seen = |_, w, rgb| shift.apply(w, rgb);
-            return add_shifted(seen, *eye, emitted, ratios, factors, members, sink);
+            dispatch(Shifts {
+                shift,
+                eye: *eye,
+                ratios,
+                factors,
+                radiance: &mut emitted.radiance,
+            });
+            for (ray, seen) in members.iter().zip(&emitted.radiance) {
+                sink.add(*ray as usize, *seen);
+            }
+            return;
         }
         (Colouring::Companions(shift, eye), []) => {
-            let seen = |k, w, rgb| shift.apply(w, rgb, emitted.companions(k));
-            return add_shifted(seen, *eye, emitted, ratios, factors, members, sink);
+            let rays = members.iter().zip(&emitted.radiance).enumerate();
+            for ((k, (ray, rgb)), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
+                let factor = factor * eye.gain();
+                let seen = shift.apply(eye.ratio(*w), *rgb, emitted.companions(k));
+                sink.add(*ray as usize, seen.map(|c| factor * c));
+            }
+            return;
         }
         (Colouring::ShiftedLine(wavelength), []) => {
             return add_lines(*wavelength, emitted, ratios, factors, members, sink);
@@ -438,22 +459,30 @@ fn add_scaled(
     }
 }
 
-/// Adds spectra as `eye` sees them at W `ratios`, times `factors`, and nothing else. `seen` says how number k with its RGB is
-/// seen at a W.
-fn add_shifted(
-    seen: impl Fn(usize, f64, [f64; 3]) -> [f64; 3],
+/// Linear RGB to what an eye sees of it at W `ratios`, times `factors`.
+struct Shifts<'a> {
+    shift: &'a RgbShift,
     eye: Eye,
-    emitted: &Emitted,
-    ratios: &[f64],
-    factors: &[f64],
-    members: &[u32],
-    sink: &mut impl RadianceSink,
-) {
-    let rays = members.iter().zip(&emitted.radiance).enumerate();
-    for ((k, (ray, rgb)), (w, factor)) in rays.zip(ratios.iter().zip(factors)) {
-        let factor = factor * eye.gain();
-        let seen = seen(k, eye.ratio(*w), *rgb);
-        sink.add(*ray as usize, seen.map(|c| factor * c));
+    ratios: &'a [f64],
+    factors: &'a [f64],
+    radiance: &'a mut [[f64; 3]],
+}
+
+impl VectorLoop for Shifts<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let mut seen = [[0.0; 4]; BLOCK];
+        let of_rays = self.ratios.chunks(BLOCK).zip(self.factors.chunks(BLOCK));
+        for (radiance, (ratios, factors)) in self.radiance.chunks_mut(BLOCK).zip(of_rays) {
+            // The channels of a ray in a vector.
+            for ((seen, w), rgb) in seen.iter_mut().zip(ratios).zip(&*radiance) {
+                *seen = self.shift.apply_padded(self.eye.ratio(*w), *rgb);
+            }
+            for ((radiance, factor), [r, g, b, _]) in radiance.iter_mut().zip(factors).zip(&seen) {
+                let factor = factor * self.eye.gain();
+                *radiance = [factor * r, factor * g, factor * b];
+            }
+        }
     }
 }
 

@@ -270,8 +270,10 @@ pub(super) struct DiagramEvent {
 pub(super) struct DiagramStyle {
     /// "light" or "dark". Default: "light".
     pub theme: Option<Theme>,
-    /// Width of the page, like "120 mm". Default: "120 mm" for each view.
+    /// Width of the page, like "120 mm". Default: "120 mm" for each view side by side.
     pub width: Option<At<Length>>,
+    /// How many views stand side by side, 1 to 12; the others are below them. Default: all.
+    pub columns: Option<At<u32>>,
     /// Size of the type, points. Default: 10.
     pub font_size: Option<At<Number>>,
     /// Width of world lines, points. Default: 1.4.

@@ -469,8 +469,10 @@ impl JsonSchema for Colour {
 pub struct Style {
     /// For a black page rather than a white one.
     pub dark: bool,
-    /// Width of the page, points; none for 120 mm for each view.
+    /// Width of the page, points; none for 120 mm for each view side by side.
     pub width: Option<f64>,
+    /// How many views stand side by side, 1 at least; none for all.
+    pub columns: Option<u32>,
     /// Height of the page, points; none for what the contents need.
     pub height: Option<f64>,
     /// Size of the type, points.
@@ -490,6 +492,7 @@ impl Default for Style {
         Style {
             dark: false,
             width: None,
+            columns: None,
             height: None,
             font_size: 10.0,
             line_width: 1.4,

@@ -15,6 +15,8 @@ const PLACES: [f64; 19] = [
 ];
 /// How much of a line's length under a label its chord has at least.
 const STRAIGHT: f64 = 0.975;
+/// What is left free of the line on both sides of its label, points.
+const GAP: f64 = 1.5;
 /// The least length of a line with a label, in lengths of the label.
 const LEAST: f64 = 2.2;
 
@@ -51,38 +53,43 @@ impl Labels {
         }
     }
 
-    /// A label with this text along `line`, points, where the fewest other lines go through it; none where there is no
-    /// room for it.
+    /// A label with this text along `line`, points, where the fewest lines go through it, and what is left of the line beside
+    /// it; none where there is no room for it.
     pub fn along(
         &mut self,
         line: &Polyline,
         text: RichText,
         colour: Colour,
-    ) -> Result<Option<Text>> {
+    ) -> Result<Option<(Text, Vec<Polyline>)>> {
         let width = text.width(SIZE)?;
         let lengths = lengths(line);
         let whole = lengths.last().copied().unwrap_or(0.0);
         if whole < LEAST * width {
             return Ok(None);
         }
-        let mut best: Option<(usize, [[f64; 2]; 3])> = None;
+        let mut best: Option<(usize, [[f64; 2]; 3], Vec<Polyline>)> = None;
         for place in PLACES {
             let [a, m, b] = [-0.5, 0.0, 0.5].map(|k| at(line, &lengths, place * whole + k * width));
+            let half = 0.5 * width + GAP;
+            let rest = [
+                part(line, &lengths, [0.0, place * whole - half]),
+                part(line, &lengths, [place * whole + half, whole]),
+            ];
             let [x, y] = [b[0] - a[0], b[1] - a[1]];
             let is_straight = x.hypot(y) >= STRAIGHT * width;
             let discs = [a, m, b].map(|centre| (centre, 0.3 * width + 0.5 * SIZE));
             if !is_straight || !discs.iter().all(|disc| self.is_free(*disc)) {
                 continue;
             }
-            let crossed = self.crossed(Some(line), [a, b], SIZE);
-            if best.is_none_or(|(least, _)| crossed < least) {
-                best = Some((crossed, [a, m, b]));
+            let crossed = self.crossed(Some(line), [a, b], SIZE) + through(&rest, [a, b], SIZE);
+            if best.as_ref().is_none_or(|(least, ..)| crossed < *least) {
+                best = Some((crossed, [a, m, b], rest.into()));
             }
             if crossed == 0 {
                 break;
             }
         }
-        let Some((_, [a, m, b])) = best else {
+        let Some((_, [a, m, b], rest)) = best else {
             return Ok(None);
         };
         self.discs
@@ -91,10 +98,11 @@ impl Labels {
         let [x, y] = [b[0] - a[0], b[1] - a[1]];
         let (x, y) = if x < 0.0 { (-x, -y) } else { (x, y) };
         let label = style::label(text, m, colour, SIZE);
-        Ok(Some(Text {
+        let text = Text {
             angle: libm::atan2(-y, x),
             ..label
-        }))
+        };
+        Ok(Some((text, rest)))
     }
 
     /// The middle of a level label of this width and height, points: that of `places` where the fewest lines go through it.
@@ -111,31 +119,15 @@ impl Labels {
 
     /// How many lines other than `own` go through a label of this height from `a` to `b`.
     fn crossed(&self, own: Option<&Polyline>, [a, b]: [[f64; 2]; 2], height: f64) -> usize {
-        let [x, y] = [b[0] - a[0], b[1] - a[1]];
-        let length = x.hypot(y).max(f64::MIN_POSITIVE);
-        let [x, y] = [x / length, y / length];
-        // In coordinates along the label and across it.
-        let turned = |p: &[f64; 2]| {
-            let [u, v] = [p[0] - a[0], p[1] - a[1]];
-            [u * x + v * y, v * x - u * y]
-        };
-        let label = Rect {
-            min: [0.0, -0.5 * height],
-            max: [length, 0.5 * height],
-        };
         // Its corners are no farther from its middle than this.
-        let far = 0.5 * (length + height);
+        let far = 0.5 * ((b[0] - a[0]).hypot(b[1] - a[1]) + height);
         let middle = [0, 1].map(|i| 0.5 * (a[i] + b[i]));
         let near = |around: &Rect| {
             (0..2).all(|i| (around.min[i] - far..=around.max[i] + far).contains(&middle[i]))
         };
         let others = self.lines.iter().filter(|(_, around)| near(around));
-        let others = others.filter(|(line, _)| Some(line) != own);
-        let crossing = others.filter(|(line, _)| {
-            let mut pairs = line.iter().zip(line.iter().skip(1));
-            pairs.any(|(p, q)| label.is_crossed(turned(p), turned(q)))
-        });
-        crossing.count()
+        let others = others.map(|(line, _)| line);
+        through(others.filter(|line| Some(*line) != own), [a, b], height)
     }
 
     fn is_free(&self, (centre, radius): ([f64; 2], f64)) -> bool {
@@ -146,6 +138,45 @@ impl Labels {
         };
         inside && self.discs.iter().all(apart)
     }
+}
+
+/// How many of `lines` go through a label of this height from `a` to `b`.
+fn through<'a>(
+    lines: impl IntoIterator<Item = &'a Polyline>,
+    [a, b]: [[f64; 2]; 2],
+    height: f64,
+) -> usize {
+    let [x, y] = [b[0] - a[0], b[1] - a[1]];
+    let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    let [x, y] = [x / length, y / length];
+    // In coordinates along the label and across it.
+    let turned = |p: &[f64; 2]| {
+        let [u, v] = [p[0] - a[0], p[1] - a[1]];
+        [u * x + v * y, v * x - u * y]
+    };
+    let label = Rect {
+        min: [0.0, -0.5 * height],
+        max: [length, 0.5 * height],
+    };
+    let crossing = lines.into_iter().filter(|line| {
+        let mut pairs = line.iter().zip(line.iter().skip(1));
+        pairs.any(|(p, q)| label.is_crossed(turned(p), turned(q)))
+    });
+    crossing.count()
+}
+
+/// The part of the line between two lengths.
+fn part(line: &Polyline, lengths: &[f64], [from, to]: [f64; 2]) -> Polyline {
+    if from >= to {
+        return Vec::new();
+    }
+    let within = line.iter().zip(lengths);
+    let within = within.filter(|(_, length)| (from..=to).contains(length));
+    let mut points = vec![at(line, lengths, from)];
+    points.extend(within.map(|(point, _)| *point));
+    points.push(at(line, lengths, to));
+    points.dedup();
+    points
 }
 
 /// The length of the line up to each of its points.
@@ -205,7 +236,7 @@ mod tests {
             labels
                 .along(&line, text(), Colour::WHITE)
                 .unwrap()
-                .map(|label| label.at)
+                .map(|(label, _)| label.at)
         };
         // In the middle; or where a line crosses there, clear of it; and anyway where lines cross everywhere.
         assert_eq!(middle(&[]), Some([150.0, 100.0]));
@@ -215,5 +246,35 @@ mod tests {
         assert!((x - 151.5).abs() > half && y == 100.0, "{x}, {y}");
         let everywhere: Vec<Polyline> = (0..60).map(|k| across(5.0 * f64::from(k))).collect();
         assert!(middle(&everywhere).is_some());
+    }
+
+    #[test]
+    fn a_line_is_interrupted_at_its_own_label_and_does_not_come_back_through_it() {
+        let text = || RichText::plain("12 ns").unwrap();
+        let half = 0.5 * text().width(SIZE).unwrap();
+        let straight: Polyline = (0..=100)
+            .map(|k| [2.0 * f64::from(k) + 50.0, 100.0])
+            .collect();
+        let along = |line: &Polyline| {
+            let mut labels = Labels::new([300.0, 200.0]);
+            labels.keep_off_line(line.clone());
+            labels.along(line, text(), Colour::WHITE).unwrap().unwrap()
+        };
+        let (label, rest) = along(&straight);
+        let [left, right] = &rest[..] else {
+            panic!("two parts")
+        };
+        assert_eq!(
+            (left[0], right[right.len() - 1]),
+            ([50.0, 100.0], [250.0, 100.0])
+        );
+        assert!(label.at[0] - left[left.len() - 1][0] > half);
+        assert!(right[0][0] - label.at[0] > half);
+        // A line that turns round beyond its end and comes back over its middle.
+        let mut back = straight;
+        back.extend([[280.0, 140.0], [150.0, 140.0], [150.0, 60.0]]);
+        let (label, _) = along(&back);
+        let away = (label.at[0] - 150.0).abs();
+        assert!(away > half || label.at[1] != 100.0, "{:?}", label.at);
     }
 }

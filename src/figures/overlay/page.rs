@@ -111,12 +111,12 @@ impl Overlay {
             None => Vec::new(),
         };
         if let Some(isochrones) = &self.isochrones {
-            items.extend(stroked(place, isochrones, false));
-            items.extend(stroked(place, isochrones, true));
-            texts = labelled(place, isochrones, &mut labels)?;
+            let [heavy, light] = labelled(place, isochrones, &mut labels, &mut texts)?;
+            items.extend(ISOCHRONE.draw(path_of(&light, |p| p)));
+            items.extend(HEAVY.draw(path_of(&heavy, |p| p)));
         }
-        texts.extend(self.named(place, &mut labels)?);
-        items.extend(outlined(place, &self.instantaneous, INSTANTANEOUS));
+        let instantaneous = self.named(place, &mut labels, &mut texts)?;
+        items.extend(INSTANTANEOUS.draw(path_of(&instantaneous, |p| p)));
         items.extend(outlined(place, &self.apparent, APPARENT));
         items.extend(texts);
         items.extend(pointer);
@@ -125,23 +125,30 @@ impl Overlay {
 }
 
 impl Overlay {
-    /// The names of objects along the dashed lines of where they are.
-    fn named(&self, place: &Place, labels: &mut Labels) -> Result<Vec<Item>> {
-        let mut texts = Vec::new();
+    /// The dashed lines of where objects are, interrupted at their names, which go to `texts`.
+    fn named(
+        &self,
+        place: &Place,
+        labels: &mut Labels,
+        texts: &mut Vec<Item>,
+    ) -> Result<Vec<Polyline>> {
+        let mut lines = Vec::new();
         for outline in &self.instantaneous {
             let name = self.names.get(outline.object);
             // What cannot be set stays without a name.
-            let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
-                continue;
-            };
-            let longest = outline.lines.iter().max_by_key(|line| line.len());
-            let line = longest.map(|line| place.line(line));
-            if let Some(line) = line {
-                let label = labels.along(&line, name, INSTANTANEOUS.colour)?;
-                texts.extend(label.map(Item::Text));
+            let name = name.and_then(|name| RichText::plain(name).ok());
+            let mut all: Vec<Polyline> = outline.lines.iter().map(|l| place.line(l)).collect();
+            let longest = (0..all.len()).max_by_key(|i| all[*i].len());
+            if let (Some(i), Some(name)) = (longest, name)
+                && let Some((label, rest)) = labels.along(&all[i], name, INSTANTANEOUS.colour)?
+            {
+                texts.push(Item::Text(label));
+                all.remove(i);
+                all.extend(rest);
             }
+            lines.extend(all);
         }
-        Ok(texts)
+        Ok(lines)
     }
 }
 
@@ -184,24 +191,30 @@ fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
     pen.draw(path_of(lines, place.point()))
 }
 
-fn stroked(place: &Place, isochrones: &Isochrones, heavy: bool) -> [Item; 2] {
-    let lines = isochrones.lines.iter().filter(|l| l.is_heavy == heavy);
-    let pen = if heavy { HEAVY } else { ISOCHRONE };
-    pen.draw(path_of(lines.flat_map(|l| &l.lines), place.point()))
-}
-
-/// The labels of isochrones, those of heavy lines first.
-fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Result<Vec<Item>> {
+/// The heavy isochrones and the others, interrupted at their labels, which go to `texts`, those of heavy lines first.
+fn labelled(
+    place: &Place,
+    isochrones: &Isochrones,
+    labels: &mut Labels,
+    texts: &mut Vec<Item>,
+) -> Result<[Vec<Polyline>; 2]> {
     let (heavy, light): (Vec<_>, Vec<_>) = isochrones.lines.iter().partition(|l| l.is_heavy);
-    let mut texts = Vec::new();
-    for isochrone in heavy.into_iter().chain(light) {
-        for line in &isochrone.lines {
-            let text = RichText::plain(&isochrone.label)?;
-            let label = labels.along(&place.line(line), text, HEAVY.colour)?;
-            texts.extend(label.map(Item::Text));
+    let mut parts = [Vec::new(), Vec::new()];
+    for (parts, isochrones) in parts.iter_mut().zip([heavy, light]) {
+        for isochrone in isochrones {
+            for line in isochrone.lines.iter().map(|line| place.line(line)) {
+                let text = RichText::plain(&isochrone.label)?;
+                match labels.along(&line, text, HEAVY.colour)? {
+                    Some((label, rest)) => {
+                        texts.push(Item::Text(label));
+                        parts.extend(rest);
+                    }
+                    None => parts.push(line),
+                }
+            }
         }
     }
-    Ok(texts)
+    Ok(parts)
 }
 
 /// ⊗, ⊙ or an arrow, and the speed beside it.

@@ -1,5 +1,6 @@
 //! From a layout to a drawing: areas, grids, light, lines, world lines, axes, events, and labels last.
 
+mod gaps;
 mod labels;
 mod layers;
 mod legend;
@@ -16,6 +17,7 @@ use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Drawing, Item, Text};
 use crate::figures::text::{Rect, RichText};
 use labels::Ground;
 pub(crate) use labels::Habits;
+use labels::widened;
 use page::Page;
 use theme::Theme;
 
@@ -43,22 +45,21 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
         }
     }
     let mut requests = Vec::new();
-    for (panel, map) in layout.panels.iter().zip(&page.frames) {
+    for (i, (panel, map)) in layout.panels.iter().zip(&page.frames).enumerate() {
         obstacles::add(&mut ground, panel, map, &theme);
-        requests.extend(words::of(
-            panel,
-            map,
-            &theme,
-            style,
-            layout.panels.len() > 1,
-        ));
+        let number = (layout.panels.len() > 1).then_some(i);
+        let words = words::Words::new(panel, map, &theme, number);
+        requests.extend(words.all(style, &ground, habits)?);
     }
     // What sweeps over the page is interrupted at labels, which stay where they are.
     let labels = labels::place(&ground, &requests, habits)?;
-    let gaps = gaps(&labels)?;
+    let boxes = boxes(&labels)?;
+    let gaps: Vec<Rect> = boxes.iter().map(|rect| widened(*rect, GAP)).collect();
+    let mut lines = Vec::new();
     for (panel, map) in layout.panels.iter().zip(&page.frames) {
-        items.extend(layers::of(panel, map, &theme, style, &gaps));
+        lines.extend(layers::of(panel, map, &theme, style, &gaps));
     }
+    items.extend(gaps::interrupted(lines, &boxes));
     items.extend(labels);
     if style.legend {
         items.extend(legend::items(layout, &theme, &page)?);
@@ -74,20 +75,13 @@ pub(crate) fn draw_next(layout: &Layout, style: &Style, habits: &mut Habits) -> 
     })
 }
 
-/// The boxes of labels, with some air.
-fn gaps(labels: &[Item]) -> Result<Vec<Rect>> {
+/// The boxes of labels.
+fn boxes(labels: &[Item]) -> Result<Vec<Rect>> {
     let texts = labels.iter().filter_map(|item| match item {
-        Item::Text(text) => Some(text),
+        Item::Text(text) => Some(text.bounds()),
         _ => None,
     });
-    let airy = texts.map(|text| {
-        let Rect { min, max } = text.bounds()?;
-        Ok(Rect {
-            min: min.map(|side| side - GAP),
-            max: max.map(|side| side + GAP),
-        })
-    });
-    airy.collect()
+    texts.collect()
 }
 
 /// What is said below a diagram that has light beside its plane.

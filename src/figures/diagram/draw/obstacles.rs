@@ -18,8 +18,10 @@ const PIECES: u32 = 64;
 const INNER: f64 = 0.1;
 /// Of the head of a signal's arrow, points.
 const HEAD: f64 = 3.0;
+/// Of the head of an axis, about its tip.
+const AXIS_HEAD: f64 = 2.5;
 
-/// Tells `ground` of all that is drawn of a panel.
+/// Tells `ground` of all that is drawn of a panel, but for the line that sweeps over it: it is interrupted at labels.
 pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) {
     ground.within(widened(map.rect()));
     areas(ground, panel, map, theme);
@@ -33,7 +35,7 @@ pub(super) fn add(ground: &mut Ground, panel: &Panel, map: &Map, theme: &Theme) 
         ground.dot(map.at(event.at), DOT * theme.width);
     }
     for bead in panel.now.iter().flat_map(|now| &now.beads) {
-        ground.dot(map.at(bead.at), BEAD * theme.width);
+        ground.bead(map.at(bead.at), BEAD * theme.width);
     }
     for signal in &panel.signals {
         if let Some((head, size)) = head(panel, map, signal.ends) {
@@ -96,6 +98,7 @@ fn lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     let axes = axes.flat_map(|axes| [&axes.time, &axes.space].into_iter().chain(&axes.depth));
     for axis in axes {
         ground.line(map.points(&axis.ends), 1.0);
+        ground.dot(map.at(axis.ends[1]), AXIS_HEAD);
         for tick in axis.ticks.iter().filter(|tick| is_inner(map, axis, tick)) {
             ground.line(across(map, tick).into(), 1.0);
         }
@@ -113,10 +116,9 @@ fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
     let segments = panel.signals.iter().chain(&panel.slices);
     let segments = segments.chain(&panel.arrows).map(|segment| segment.ends);
     let intervals = panel.intervals.iter().map(|interval| interval.ends);
-    let now = panel.now.iter().map(|now| now.ends);
     let rays = panel.cones.iter().flat_map(|cone| &cone.rays);
     let horizons = panel.areas.iter().flat_map(|area| &area.horizons);
-    let straight = segments.chain(intervals).chain(now);
+    let straight = segments.chain(intervals);
     let straight = straight.chain(rays.chain(horizons).copied());
     for ends in straight {
         ground.line(map.points(&ends), THIN);
@@ -132,6 +134,9 @@ fn thin_lines(ground: &mut Ground, panel: &Panel, map: &Map) {
 /// The outlines of cones and planes in a room.
 fn solids(ground: &mut Ground, panel: &Panel, map: &Map) {
     for nappe in panel.cones.iter().flat_map(|cone| &cone.nappes) {
+        for half in [&nappe.near, &nappe.far] {
+            ground.side(map.points(&solid::mantle(nappe, half)));
+        }
         ground.line(map.points(&nappe.outline()), 1.0);
         ground.line(map.points(&nappe.near), 1.0);
         ground.line(map.points(&nappe.far), THIN);

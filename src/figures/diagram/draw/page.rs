@@ -31,23 +31,25 @@ pub(super) struct Map {
 impl Page {
     /// A page for `panels`, with `head` points above and `foot` below them.
     pub fn new(panels: &[Panel], style: &Style, head: f64, foot: f64) -> Page {
-        let count = panels.len().max(1) as f64;
+        let columns = style.columns.map_or(usize::MAX, |columns| columns as usize);
+        let columns = columns.clamp(1, panels.len().max(1));
+        let rows = panels.len().max(1).div_ceil(columns) as f64;
         let em = style.font_size;
         // The axes of a room are along its edges, and their labels beyond.
         let room = panels.iter().any(|panel| panel.solid.is_some());
         let below = if room { 2.6 * em } else { 1.2 * em };
         let side = if room { 2.8 * em } else { 1.8 * em };
-        // Views side by side are named above.
+        // Several views are named above.
         let names = if panels.len() > 1 { 1.1 * em } else { 0.0 };
         let above = 1.1 * em + names;
-        let width = style.width.unwrap_or(WIDTH * count);
-        let cell = width / count;
+        let width = style.width.unwrap_or(WIDTH * columns as f64);
+        let cell = width / columns as f64;
         let width_left = (cell - 2.0 * side).max(1.0);
         let highest = match style.height {
-            Some(height) => (height - head - foot - above - below).max(1.0),
+            Some(height) => ((height - head - foot) / rows - above - below).max(1.0),
             None => HIGHEST * width_left,
         };
-        // Lengths of views side by side can be compared: they have one scale.
+        // Lengths of several views can be compared: they have one scale.
         let scales = panels.iter().map(|panel| {
             let [w, h] = extent(panel);
             (width_left / w).min(highest / h)
@@ -55,22 +57,22 @@ impl Page {
         let scale = scales.fold(f64::INFINITY, f64::min);
         let heights = panels.iter().map(|panel| extent(panel)[1] * scale);
         let tallest = heights.fold(0.0, f64::max);
+        let line = above + tallest + below;
         let frames = panels.iter().enumerate().map(|(i, panel)| {
             let [w, h] = extent(panel).map(|side| side * scale);
+            let (row, column) = (i / columns, i % columns);
             Map {
                 projection: panel.projection(),
                 page: panel.page(),
-                left: cell * (i as f64 + 0.5) - 0.5 * w,
-                top: head + above + tallest - h,
+                left: cell * (column as f64 + 0.5) - 0.5 * w,
+                top: head + row as f64 * line + above + tallest - h,
                 scale,
             }
         });
         Page {
             frames: frames.collect(),
             width,
-            height: style
-                .height
-                .unwrap_or(head + above + tallest + below + foot),
+            height: style.height.unwrap_or(head + rows * line + foot),
         }
     }
 }

@@ -44,7 +44,7 @@ fn nappes(panel: &Panel) -> [Vec<&Nappe>; 2] {
 }
 
 /// The edge of a side of a mantle, with this part of its rim.
-fn mantle(nappe: &Nappe, rim: &[Point]) -> Vec<Point> {
+pub(super) fn mantle(nappe: &Nappe, rim: &[Point]) -> Vec<Point> {
     let mut edge = vec![nappe.apex];
     edge.extend_from_slice(rim);
     edge

@@ -1,11 +1,12 @@
 //! What labels a panel has, and where each may stand.
 
-use super::labels::{AROUND, Request};
+use super::labels::{AROUND, Ground, Habits, Request, roomier};
 use super::layers::{area_colour, frame_colour, is_inner, line_colour};
 use super::page::Map;
 use super::solid;
 use super::theme::Theme;
-use crate::figures::diagram::layout::{Panel, Placed, Point, Tick};
+use crate::error::Result;
+use crate::figures::diagram::layout::{Axis, Panel, Placed, Point, Tick};
 use crate::figures::diagram::model::{Colour as Name, Segment, Style};
 use crate::figures::drawing::Colour;
 
@@ -24,41 +25,79 @@ const BETWEEN: [[f64; 2]; 8] = [
     [-0.45, -0.9],
     [-0.45, 0.9],
 ];
+/// Where the numbers of an axis of time may stand, and of one of space: on the side that is usual, and on the other.
+const BESIDE: [[[f64; 2]; 5]; 2] = [
+    [
+        [-1.0, 0.0],
+        [-1.0, 0.25],
+        [-1.0, -0.25],
+        [-0.9, 0.5],
+        [-0.9, -0.5],
+    ],
+    [
+        [1.0, 0.0],
+        [1.0, 0.25],
+        [1.0, -0.25],
+        [0.9, 0.5],
+        [0.9, -0.5],
+    ],
+];
+const UNDER: [[[f64; 2]; 5]; 2] = [
+    [
+        [0.0, 1.0],
+        [-0.25, 1.0],
+        [0.25, 1.0],
+        [-0.5, 0.9],
+        [0.5, 0.9],
+    ],
+    [
+        [0.0, -1.0],
+        [-0.25, -1.0],
+        [0.25, -1.0],
+        [-0.5, -0.9],
+        [0.5, -0.9],
+    ],
+];
 /// Beside the upper end of a line first.
 const ALONG: [f64; 9] = [0.93, 0.85, 0.97, 0.77, 0.68, 0.58, 0.48, 0.35, 0.2];
 /// Beside the middle of a segment first.
 const MIDDLE: [f64; 7] = [0.5, 0.42, 0.58, 0.34, 0.66, 0.25, 0.75];
 
-/// The labels of a panel, the most important first.
-pub(super) fn of(
-    panel: &Panel,
-    map: &Map,
-    theme: &Theme,
-    style: &Style,
-    named: bool,
-) -> Vec<Request> {
-    let words = Words { panel, map, theme };
-    let mut all = words.axes(named);
-    all.extend(words.events());
-    all.extend(words.readings());
-    if style.ticks {
-        all.extend(words.ticks());
-    }
-    all.extend(words.texts());
-    if !style.legend {
-        all.extend(words.world_lines());
-    }
-    all.extend(words.others());
-    all
-}
-
-struct Words<'a> {
+/// The words of a panel.
+pub(super) struct Words<'a> {
     panel: &'a Panel,
     map: &'a Map,
     theme: &'a Theme,
+    /// The number of the panel; none where it is the only one.
+    number: Option<usize>,
 }
 
-impl Words<'_> {
+impl<'a> Words<'a> {
+    pub fn new(panel: &'a Panel, map: &'a Map, theme: &'a Theme, number: Option<usize>) -> Self {
+        Words {
+            panel,
+            map,
+            theme,
+            number,
+        }
+    }
+
+    /// The labels of the panel, the most important first.
+    pub fn all(&self, style: &Style, ground: &Ground, habits: &mut Habits) -> Result<Vec<Request>> {
+        let mut all = self.axes(self.number.is_some());
+        all.extend(self.events());
+        all.extend(self.readings());
+        if style.ticks {
+            all.extend(self.ticks(ground, habits)?);
+        }
+        all.extend(self.texts());
+        if !style.legend {
+            all.extend(self.world_lines());
+        }
+        all.extend(self.others());
+        Ok(all)
+    }
+
     fn request(&self, text: &str, colour: Colour, anchors: Vec<[f64; 2]>) -> Request {
         Request {
             text: text.to_string(),
@@ -134,23 +173,27 @@ impl Words<'_> {
         all
     }
 
-    fn ticks(&self) -> Vec<Request> {
+    fn ticks(&self, ground: &Ground, habits: &mut Habits) -> Result<Vec<Request>> {
         let mut all = Vec::new();
         for axes in &self.panel.axes {
             let colour = frame_colour(self.panel, self.theme, axes.frame);
-            // All on one side of their axis.
-            let left = [[-1.0, 0.0], [-0.9, 0.5], [-0.9, -0.5]];
-            let below = [[0.0, 1.0], [-0.5, 0.9], [0.5, 0.9]];
-            let aside = [[0.9, 0.4], [0.9, -0.4], [0.9, 0.0]];
-            let depth = axes.depth.as_ref().map(|axis| (axis, aside));
-            let two = [(&axes.time, left), (&axes.space, below)];
-            for (axis, directions) in two.into_iter().chain(depth) {
-                let inner = axis
-                    .ticks
-                    .iter()
-                    .filter(|tick| is_inner(self.map, axis, tick));
-                let ticks = inner.filter_map(|tick| self.tick(tick, colour, directions.to_vec()));
-                all.extend(ticks);
+            let numbers = |axis: &Axis, sides: &[[f64; 2]]| -> Vec<Request> {
+                let ticks = axis.ticks.iter();
+                let inner = ticks.filter(|tick| is_inner(self.map, axis, tick));
+                inner
+                    .filter_map(|tick| self.tick(tick, colour, sides.to_vec()))
+                    .collect()
+            };
+            let two = [("time", &axes.time, BESIDE), ("space", &axes.space, UNDER)];
+            for (name, axis, sides) in two {
+                // All on one side of their axis: on that with room for more of them.
+                let key = format!("{name} {} {}", axes.frame, self.number.unwrap_or(0));
+                let [first, second] = sides.map(|side| numbers(axis, &side));
+                let is_second = roomier(key, [&first, &second], ground, habits)?;
+                all.extend(if is_second { second } else { first });
+            }
+            if let Some(axis) = &axes.depth {
+                all.extend(numbers(axis, &[[0.9, 0.4], [0.9, -0.4], [0.9, 0.0]]));
             }
         }
         for (i, line) in self.panel.world_lines.iter().enumerate() {
@@ -162,14 +205,14 @@ impl Words<'_> {
                     .filter_map(|t| self.tick(t, colour, sides.clone())),
             );
         }
-        all
+        Ok(all)
     }
 
     fn tick(&self, tick: &Tick, colour: Colour, directions: Vec<[f64; 2]>) -> Option<Request> {
         Some(Request {
             size: SMALL * self.theme.size,
             directions,
-            distances: vec![4.5, 7.5],
+            distances: vec![4.5, 7.5, 11.0],
             optional: true,
             ..self.request(tick.label.as_deref()?, colour, vec![self.map.at(tick.at)])
         })

@@ -10,6 +10,8 @@ use crate::figures::ticks::round_step;
 
 /// About how many ticks the longer side of a diagram has.
 const TICKS: f64 = 7.0;
+/// How much closer than these the ticks of other frames may make them.
+const CLOSEST: f64 = 2.6;
 /// The most ticks of an axis.
 const MOST: i64 = 400;
 
@@ -24,10 +26,16 @@ pub(crate) fn tick_step(rough: f64) -> f64 {
     round_step(0.999 * rough)
 }
 
-/// The distance of the ticks of a frame: its own, or that of the diagram.
+/// The distance of the ticks of a frame: its own, or that of all others, where these are alike and not too close for the
+/// diagram, or else that of the diagram.
 fn step_of(view: &View, frame: &Reference, limits: &Limits) -> f64 {
-    let own = frame.ticks.map(|ticks| ticks / view.diagram.unit.metres);
-    own.unwrap_or_else(|| step(limits))
+    let unit = view.diagram.unit.metres;
+    let mut others = view.diagram.frames.iter().skip(1).filter(|it| it.axes);
+    let first = others.next().and_then(|it| it.ticks);
+    let common = first.filter(|_| others.all(|it| it.ticks == first));
+    let common = common.filter(|ticks| ticks / unit >= step(limits) / CLOSEST);
+    let said = frame.ticks.or(common).map(|ticks| ticks / unit);
+    said.unwrap_or_else(|| step(limits))
 }
 
 /// The axes of the view, and those of all frames that have some.
@@ -129,9 +137,12 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
     let step = step_of(view, frame, limits);
     let [time, space] = view.axes_of(index);
     // A moving frame's ticks have numbers where their distance is given, or where there is room for them.
-    let others = view.diagram.frames.iter().enumerate();
-    let others = others.filter(|(i, other)| *i > 0 && *i != view.index && other.axes);
-    let numbered = frame.ticks.is_some() || index > 0 && others.count() == 1;
+    let moving = view.diagram.frames.iter().enumerate();
+    let mut moving = moving.filter(|(i, other)| *i != view.index && other.axes);
+    let numbered = match index {
+        0 => moving.all(|(i, other)| i == 0 || other.ticks.is_some()),
+        _ => frame.ticks.is_some() || moving.filter(|(i, _)| *i > 0).count() == 1,
+    };
     let axis = |along: Point, label: String| {
         let ends = limits.line(origin, along)?;
         let value = |end: Point| {

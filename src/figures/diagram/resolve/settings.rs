@@ -137,6 +137,8 @@ pub(super) fn positive(cx: &Context, at: &Option<At<Number>>, name: &str) -> Res
     at.as_ref().map(|at| cx.positive(at, name)).transpose()
 }
 
+/// The most views side by side.
+const MOST_COLUMNS: u32 = 12;
 /// The longest text that is set in one line.
 const MOST_CHARACTERS: usize = 400;
 
@@ -166,6 +168,17 @@ pub(super) fn settable<T>(cx: &Context, at: &At<T>, text: &str) -> Result<String
     }
 }
 
+/// How many views stand side by side.
+fn columns(cx: &Context, at: &Option<At<u32>>) -> Result<Option<u32>> {
+    match at {
+        Some(at) if !(1..=MOST_COLUMNS).contains(&at.value) => {
+            let what = format!("{} views cannot stand side by side", at.value);
+            Err(cx.refuse(at, what, format!("give 1 to {MOST_COLUMNS}, like 2")))
+        }
+        at => Ok(at.as_ref().map(|at| at.value)),
+    }
+}
+
 pub(super) fn style(cx: &Context, style: &file::DiagramStyle) -> Result<Style> {
     let default = Style::default();
     let width = style.width.as_ref();
@@ -175,6 +188,7 @@ pub(super) fn style(cx: &Context, style: &file::DiagramStyle) -> Result<Style> {
     Ok(Style {
         dark: matches!(style.theme, Some(file::Theme::Dark)),
         width: width.map(|metres| metres * POINTS),
+        columns: columns(cx, &style.columns)?,
         height: None,
         font_size: positive(cx, &style.font_size, "`font_size`")?.unwrap_or(default.font_size),
         line_width: positive(cx, &style.line_width, "`line_width`")?.unwrap_or(default.line_width),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::figures::text::Rect;
 
-pub(super) fn widened(rect: Rect, by: f64) -> Rect {
+pub(in crate::figures::diagram::draw) fn widened(rect: Rect, by: f64) -> Rect {
     Rect {
         min: rect.min.map(|v| v - by),
         max: rect.max.map(|v| v + by),

@@ -7,9 +7,13 @@ use crate::figures::text::Rect;
 const OUTSIDE: f64 = 300.0;
 const ON_DOT: f64 = 60.0;
 const ON_LINE: f64 = 32.0;
+/// On the near or the far side of a cone.
+const ON_SIDE: f64 = 5.0;
 /// Of a line within [`NEAR`] points of what a label keeps free.
 const NEAR_LINE: f64 = 1.0;
 const NEAR: f64 = 2.0;
+/// The least weight of a line that may not go through a label.
+const STRIKING: f64 = 0.5;
 /// The side of cells in which lines and dots are looked up, points: about the height of a label.
 const CELL: f64 = 8.0;
 /// The most lines that count.
@@ -20,11 +24,15 @@ pub(in crate::figures::diagram::draw) struct Ground {
     page: Rect,
     background: Colour,
     dots: Vec<Rect>,
+    /// Dots that pass by.
+    beads: Vec<Rect>,
     lines: Vec<Line>,
     /// Both by their places.
     dots_by_place: Grid,
     lines_by_place: Grid,
     areas: Vec<(Vec<[f64; 2]>, Colour)>,
+    /// The sides of cones.
+    sides: Vec<Vec<[f64; 2]>>,
     /// Within which lines are seen.
     clip: Rect,
 }
@@ -46,10 +54,12 @@ impl Ground {
             },
             background,
             dots: Vec::new(),
+            beads: Vec::new(),
             lines: Vec::new(),
             dots_by_place: Grid::new(CELL),
             lines_by_place: Grid::new(CELL),
             areas: Vec::new(),
+            sides: Vec::new(),
             clip: Rect {
                 min: [0.0; 2],
                 max: [width, height],
@@ -75,11 +85,19 @@ impl Ground {
     }
 
     /// A dot that labels keep off.
-    pub fn dot(&mut self, [x, y]: [f64; 2], radius: f64) {
-        self.words(Rect {
-            min: [x - radius, y - radius],
-            max: [x + radius, y + radius],
-        });
+    pub fn dot(&mut self, middle: [f64; 2], radius: f64) {
+        self.words(square(middle, radius));
+    }
+
+    /// A dot that passes by, and that only labels of such dots keep off.
+    pub fn bead(&mut self, middle: [f64; 2], radius: f64) {
+        self.beads.push(square(middle, radius));
+    }
+
+    /// What it costs that a label in `rect` is on dots that pass by.
+    pub fn passed(&self, rect: Rect) -> f64 {
+        let on = self.beads.iter().filter(|bead| touch(rect, **bead));
+        ON_DOT * on.count() as f64
     }
 
     /// Words that stand already.
@@ -93,6 +111,11 @@ impl Ground {
         self.areas.push((edge, colour));
     }
 
+    /// A side of a cone, which labels would rather be beside.
+    pub fn side(&mut self, edge: Vec<[f64; 2]>) {
+        self.sides.push(edge);
+    }
+
     /// What a label costs whose ink is in `rect`, and which keeps `airy` free.
     pub fn cost(&self, rect: Rect, airy: Rect) -> f64 {
         let near = self.dots_by_place.near(airy).into_iter();
@@ -101,7 +124,10 @@ impl Ground {
         let inside =
             (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
         let outside = if inside { 0.0 } else { OUTSIDE };
-        ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + outside
+        let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
+        let sides = self.sides.iter().filter(|edge| is_inside(middle, edge));
+        let on_sides = ON_SIDE * sides.count() as f64;
+        ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + on_sides + outside
     }
 
     /// How much lines disturb what is in a rectangle. No more are looked at than count.
@@ -114,6 +140,11 @@ impl Ground {
             }
         }
         lines.min(MOST_LINES)
+    }
+
+    /// Whether a line that would make a label hard to read goes through a rectangle.
+    pub fn is_struck(&self, rect: Rect) -> bool {
+        self.crossing(rect).any(|line| line.weight >= STRIKING)
     }
 
     /// Whether a line goes through a rectangle.
@@ -140,6 +171,13 @@ impl Ground {
             .iter()
             .filter(|(edge, _)| is_inside(middle, edge));
         under.fold(self.background, |ground, (_, colour)| over(*colour, ground))
+    }
+}
+
+fn square([x, y]: [f64; 2], half: f64) -> Rect {
+    Rect {
+        min: [x - half, y - half],
+        max: [x + half, y + half],
     }
 }
 

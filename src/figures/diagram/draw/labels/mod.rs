@@ -23,8 +23,8 @@ use crate::error::Result;
 use crate::figures::drawing::{Anchor, AnchorX, AnchorY, Colour, Item, Path, Stroke, Text};
 use crate::figures::text::Rect;
 use block::Block;
-use geometry::{Grid, distance, moved, widened};
-pub(super) use geometry::{is_inside, without};
+use geometry::{Grid, distance, moved};
+pub(super) use geometry::{is_inside, widened, without};
 pub(super) use ground::Ground;
 
 const ON_LABEL: f64 = 1000.0;
@@ -42,7 +42,7 @@ const HABIT: f64 = 20.0;
 /// The most that a label moves from frame to frame of a series, points; with a point that moves faster it goes along.
 const MOST_STEP: f64 = 6.0;
 /// The least that it may move beside a point that moves fast, so that it comes to its place.
-const LEAST_STEP: f64 = 1.0;
+const LEAST_STEP: f64 = 0.5;
 /// From which cost on a label that may be left out is: it is on a line.
 const TOO_MUCH: f64 = 24.0;
 /// Of a leader that goes under another label.
@@ -72,7 +72,7 @@ pub(super) struct Request {
     pub distances: Vec<f64>,
     /// Whether it is left out where it would be on a label, a dot or several lines.
     pub optional: bool,
-    /// What it is known by from frame to frame; none for its text.
+    /// What it is known by from frame to frame, of what passes by others that stay; none for its text.
     pub key: Option<String>,
 }
 
@@ -90,7 +90,11 @@ pub(super) const AROUND: [[f64; 2]; 8] = [
 
 /// Where the labels of a frame of a series are, for the next one: by label, the n-th of its words.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Habits(HashMap<(String, usize), Habit>);
+pub(crate) struct Habits {
+    places: HashMap<(String, usize), Habit>,
+    /// Whether the numbers of an axis are on its other side.
+    sides: HashMap<String, bool>,
+}
 
 /// The place of a label in a frame.
 #[derive(Debug, Clone, Copy)]
@@ -195,33 +199,19 @@ pub(super) fn place(
     for request in requests {
         let key = request.key.as_deref().unwrap_or(&request.text);
         let count = counts.entry(key).or_default();
-        labels.push(Label::new(request, *count, habits)?);
+        labels.push(Label::new(request, *count, ground, habits)?);
         *count += 1;
     }
     let mut places = Places {
         labels: Grid::new(CELL),
         leaders: Grid::new(CELL),
     };
-    for _ in 0..ROUNDS {
-        let mut moved = false;
-        for i in 0..labels.len() {
-            let before = labels[i].chosen;
-            if let Some(candidate) = labels[i].chosen() {
-                places.remove(i, candidate);
-            }
-            labels[i].chosen = choose(&mut labels, i, &places, ground);
-            if let Some(candidate) = labels[i].chosen() {
-                places.insert(i, candidate);
-            }
-            moved |= labels[i].chosen != before;
-        }
-        if !moved {
-            break;
-        }
-    }
+    // What stays finds its places as if nothing passed by.
+    settle(&mut labels, false, &mut places, ground);
     leave_out(&mut labels, &mut places, ground);
+    settle(&mut labels, true, &mut places, ground);
     labels.iter_mut().for_each(Label::step);
-    give_way(&mut labels);
+    give_way(&mut labels, ground);
     let chosen = labels.iter().filter_map(|label| {
         let candidate = label.candidates.get(label.chosen?)?;
         let habit = Habit {
@@ -231,11 +221,64 @@ pub(super) fn place(
         };
         Some((label.key.clone(), habit))
     });
-    habits.0 = chosen.collect();
+    habits.places = chosen.collect();
     Ok(labels
         .iter()
         .flat_map(|label| label.items(ground))
         .collect())
+}
+
+/// Has the labels that pass by, or all others, choose until none moves.
+fn settle(labels: &mut [Label], passing: bool, places: &mut Places, ground: &Ground) {
+    for _ in 0..ROUNDS {
+        let mut moved = false;
+        for i in 0..labels.len() {
+            if labels[i].is_passing() != passing {
+                continue;
+            }
+            let before = labels[i].chosen;
+            if let Some(candidate) = labels[i].chosen() {
+                places.remove(i, candidate);
+            }
+            labels[i].chosen = choose(labels, i, places, ground);
+            if let Some(candidate) = labels[i].chosen() {
+                places.insert(i, candidate);
+            }
+            moved |= labels[i].chosen != before;
+        }
+        if !moved {
+            break;
+        }
+    }
+}
+
+/// Of two ways to place labels on this side of a line or on that, the one in which more of them have room. Over a series
+/// they change sides only for two more.
+pub(super) fn roomier(
+    key: String,
+    [first, second]: [&[Request]; 2],
+    ground: &Ground,
+    habits: &mut Habits,
+) -> Result<bool> {
+    let room = |requests: &[Request]| -> Result<i32> {
+        let mut count = 0;
+        for request in requests {
+            let mut all = candidates(request)?.into_iter();
+            let is_free = |it: &Candidate| {
+                it.preference + ground.cost(it.rect, widened(it.rect, AIR)) < TOO_MUCH
+            };
+            count += i32::from(all.any(|it| is_free(&it)));
+        }
+        Ok(count)
+    };
+    let more = room(second)? - room(first)?;
+    let is_second = match habits.sides.get(&key) {
+        Some(true) => more > -2,
+        Some(false) => more >= 2,
+        None => more > 0,
+    };
+    habits.sides.insert(key, is_second);
+    Ok(is_second)
 }
 
 /// The cheapest candidate of the i-th label, the others being where they are, in `places`.
@@ -273,23 +316,43 @@ fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
     }
 }
 
-/// Takes away what has another label on its way over it and may be left out, as may what a clock reads for a moment.
-fn give_way(labels: &mut [Label]) {
-    let places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
+/// Takes away, for a moment, what clocks read and what may be left out where it is on a line or on another label, and any
+/// label that is on another on its way. What passes by gives way first, then what is less important.
+fn give_way(labels: &mut [Label], ground: &Ground) {
+    let mut places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
     let mut grid = Grid::new(CELL);
     for (i, place) in places.iter().enumerate() {
         place.iter().for_each(|rect| grid.insert(i, *rect));
     }
-    for (i, label) in labels.iter_mut().enumerate() {
-        let may = label.request.optional || label.request.key.is_some();
-        let Some(own) = places[i].filter(|_| may) else {
+    let mut order: Vec<usize> = (0..labels.len()).rev().collect();
+    order.sort_by_key(|i| !labels[*i].is_passing());
+    let leaders: Vec<_> = labels.iter().map(Label::leader).collect();
+    for i in order {
+        let label = &labels[i];
+        let may = label.request.optional || label.is_passing();
+        let is_late = label.late != [0.0; 2];
+        let Some(own) = places[i].filter(|_| may || is_late) else {
             continue;
         };
-        let airy = widened(own, AIR);
-        let others = grid.near(airy).into_iter().filter(|k| *k != i);
-        let mut others = others.filter_map(|k| places[k]);
-        if others.any(|other| distance(airy, other) == 0.0) {
-            label.chosen = None;
+        let airy = widened(own, if may { AIR } else { 0.0 });
+        let near = |rect: Rect| grid.near(rect).into_iter().filter(|k| *k != i);
+        let covers = near(airy).filter_map(|k| places[k]);
+        let is_covered = covers.into_iter().any(|other| distance(airy, other) == 0.0);
+        let leads = label.leader().is_some_and(|[from, to]| {
+            let mut others = near(geometry::around(&[from, to])).filter_map(|k| places[k]);
+            label.is_passing() && others.any(|other| other.is_crossed(from, to))
+        });
+        let led_over = || {
+            let others = leaders.iter().zip(&places).enumerate();
+            let mut others = others.filter_map(|(k, (leader, place))| {
+                place.filter(|_| k != i)?;
+                *leader
+            });
+            others.any(|[from, to]| own.is_crossed(from, to))
+        };
+        if is_covered || leads || may && (ground.is_struck(own) || led_over()) {
+            labels[i].chosen = None;
+            places[i] = None;
         }
     }
 }
@@ -346,11 +409,21 @@ impl Candidate {
 }
 
 impl<'a> Label<'a> {
-    fn new(request: &'a Request, count: usize, habits: &Habits) -> Result<Label<'a>> {
+    fn new(
+        request: &'a Request,
+        count: usize,
+        ground: &Ground,
+        habits: &Habits,
+    ) -> Result<Label<'a>> {
         let name = request.key.as_ref().unwrap_or(&request.text);
         let key = (name.clone(), count);
         let mut candidates = candidates(request)?;
-        let habit = habits.0.get(&key);
+        if request.key.is_some() {
+            for candidate in &mut candidates {
+                candidate.preference += ground.passed(widened(candidate.rect, AIR));
+            }
+        }
+        let habit = habits.places.get(&key);
         if let Some(habit) = habit.and_then(|habit| candidates.get_mut(habit.index)) {
             habit.preference -= HABIT;
         }
@@ -363,6 +436,18 @@ impl<'a> Label<'a> {
             before: habit.map(|habit| habit.carried(request)),
             late: [0.0; 2],
         })
+    }
+
+    /// Whether it belongs to what passes by: it is gone with the next picture or the one after.
+    fn is_passing(&self) -> bool {
+        self.request.key.is_some()
+    }
+
+    /// The line that leads to where it is drawn.
+    fn leader(&self) -> Option<[[f64; 2]; 2]> {
+        let candidate = self.chosen()?;
+        let ends = [candidate.anchor, nearest(candidate.anchor, self.place()?)];
+        (candidate.distance >= LEADER).then_some(ends)
     }
 
     /// Where its ink is drawn.

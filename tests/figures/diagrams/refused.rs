@@ -270,3 +270,15 @@ fn a_place_that_a_world_line_never_reaches_is_refused() {
         "",
     );
 }
+
+#[test]
+fn no_columns_of_views_and_too_many_are_refused() {
+    for columns in [0, 13] {
+        check(
+            &format!("style = {{ columns = {columns} }}\n"),
+            "diagram.style.columns",
+            "cannot stand side by side",
+            "1 to 12",
+        );
+    }
+}

@@ -182,3 +182,19 @@ fn views_side_by_side_have_one_scale() {
         "{lengths:?}"
     );
 }
+
+#[test]
+fn views_stand_below_each_other_where_columns_say_so() {
+    let page = |style: &str| {
+        let body = "view = [\"world\", \"S'\", \"S''\"]\nx = [-1, 1]\nct = [-1, 1]\n\
+                    frame = [{ name = \"S'\", velocity = 0.6 }, { name = \"S''\", velocity = 0.8 }]\n";
+        let model = parsed(&format!("[diagram]\n{body}{style}")).unwrap();
+        let drawing = diagram::draw(&diagram::layout(&model), &model.style).unwrap();
+        [drawing.width, drawing.height]
+    };
+    let [wide, low] = page("");
+    let [narrow, high] = page("style = { columns = 2 }\n");
+    // Each view has its 340 points; two rows in place of one.
+    assert_eq!([wide, narrow], [1020.0, 680.0]);
+    assert!((high / low - 2.0).abs() < 1e-9, "{high} {low}");
+}

@@ -140,7 +140,10 @@ fn axes(view: &View, limits: &Limits, index: usize, frame: &Reference) -> Option
     let moving = view.diagram.frames.iter().enumerate();
     let mut moving = moving.filter(|(i, other)| *i != view.index && other.axes);
     let numbered = match index {
-        0 => moving.all(|(i, other)| i == 0 || other.ticks.is_some()),
+        0 => {
+            let passing = view.diagram.is_passing(view.index);
+            passing || moving.all(|(i, other)| i == 0 || other.ticks.is_some())
+        }
         _ => frame.ticks.is_some() || moving.filter(|(i, _)| *i > 0).count() == 1,
     };
     let axis = |along: Point, label: String| {

@@ -76,6 +76,84 @@ fn every_kind_of_chunks_is_read() {
     }
 }
 
+#[test]
+fn blosc_and_version_2_are_read() {
+    for name in [
+        "blosc_lz4",
+        "blosc_lz4hc_bits",
+        "blosc_zstd",
+        "blosc_zlib",
+        "blosc_blosclz",
+        "blosc_blosclz_plain",
+        "v2",
+        "v2_fortran",
+        "v2_lz4",
+        "v2_gzip",
+        "v2_zstd",
+        "v2_plain",
+    ] {
+        let path = data(name);
+        let cube = cube::load(&path, Wanted::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(cube.shape, [12, 16, 20, 1], "{name}");
+        assert_counts_up(name, &cube);
+        let info = cube::inspect(&path, Wanted::default()).unwrap();
+        assert_eq!(info.remarks, Vec::<String>::new(), "{name}");
+        assert_eq!(info.assumed, name != "v2", "{name}");
+    }
+    let times = cube::times(&data("v2"), None).unwrap().unwrap();
+    assert_eq!((times.start, times.width), (1.5, 0.25));
+    let two = cube::load(&data("v2_group"), Wanted::array("two")).unwrap();
+    assert_counts_up("v2_group", &two);
+    let refused = cube::load(&data("v2_bz2"), Wanted::default()).unwrap_err();
+    let text = refused.to_string();
+    assert!(
+        text.contains("\"bz2\" are not read") && text.contains(".zarray"),
+        "{text}"
+    );
+}
+
+/// No byte of a chunk can be changed, and no part of it be missing, so that it is read as something that was not written: what is
+/// read is what a damaged chunk decodes to, or a refusal.
+#[test]
+fn damaged_blosc_is_refused_or_read_without_a_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut refused = 0;
+    for name in [
+        "blosc_lz4",
+        "blosc_zstd",
+        "blosc_zlib",
+        "blosc_blosclz",
+        "v2_lz4",
+    ] {
+        let copy = folder.path().join(name);
+        let chunk = ["c/0/0/0", "0/0/0"].map(|chunk| data(name).join(chunk));
+        let chunk = chunk.into_iter().find(|chunk| chunk.is_file()).unwrap();
+        let inner = chunk.strip_prefix(data(name)).unwrap().to_path_buf();
+        fs::create_dir_all(copy.join(&inner).parent().unwrap()).unwrap();
+        for own in ["zarr.json", ".zarray"] {
+            if data(name).join(own).is_file() {
+                fs::copy(data(name).join(own), copy.join(own)).unwrap();
+            }
+        }
+        let whole = fs::read(&chunk).unwrap();
+        let mut read = |bytes: &[u8]| {
+            fs::write(copy.join(&inner), bytes).unwrap();
+            refused += usize::from(cube::load(&copy, Wanted::default()).is_err());
+        };
+        let step = whole.len().div_ceil(97);
+        for at in (0..whole.len()).step_by(step).chain(0..24) {
+            read(&whole[..at]);
+            for value in [0, 0xff, whole[at] ^ 0x55] {
+                let mut bytes = whole.clone();
+                bytes[at] = value;
+                read(&bytes);
+            }
+        }
+    }
+    // All that are cut off, and most of those whose structure is changed.
+    assert!(refused > 5 * 121, "{refused}");
+}
+
 /// The array `plain`, (y, x, time), with other words about its axes.
 #[test]
 fn axes_are_those_that_the_array_says_and_asked_for_where_it_says_others() {

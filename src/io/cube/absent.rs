@@ -7,6 +7,8 @@ pub(super) mod hdf5 {
 
     use super::super::format::{CubeFormat, Wanted};
     use super::super::layout::StoredLayout;
+    #[cfg(feature = "zarr")]
+    use super::super::selection::{Open, Selection};
     use super::super::wall::Wall;
     use crate::error::{Error, Result};
     use crate::io::files::Reader;
@@ -39,6 +41,12 @@ pub(super) mod hdf5 {
     pub(in super::super) fn wall(_: Reader, path: &Path, _: Wanted) -> Result<Option<Wall>> {
         Err(refused(path))
     }
+
+    /// What is stored in chunks is read where another format of such files is built in.
+    #[cfg(feature = "zarr")]
+    pub(in super::super) fn windows(path: &Path, _: Wanted, _: usize) -> Result<(Selection, Open)> {
+        Err(refused(path))
+    }
 }
 
 #[cfg(not(feature = "zarr"))]
@@ -49,6 +57,8 @@ pub(super) mod zarr {
     use super::super::format::{CubeInfo, FileTimes, Wanted};
     use super::super::layout::StoredLayout;
     use super::super::samples::Cube;
+    #[cfg(feature = "hdf5")]
+    use super::super::selection::{Open, Selection};
     use crate::error::{Error, Result};
     use crate::io::npy::Header;
 
@@ -77,6 +87,12 @@ pub(super) mod zarr {
     }
 
     pub(in super::super) fn arrays(path: &Path) -> Result<Vec<Header>> {
+        Err(refused(path))
+    }
+
+    /// As for HDF5.
+    #[cfg(feature = "hdf5")]
+    pub(in super::super) fn windows(path: &Path, _: Wanted, _: usize) -> Result<(Selection, Open)> {
         Err(refused(path))
     }
 }

@@ -2,9 +2,10 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use flate2::read::MultiGzDecoder;
+use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use half::f16;
 
+use super::blosc;
 use super::number::Number;
 use crate::io::files::Reader;
 
@@ -25,7 +26,11 @@ pub(super) enum Codec {
         has_checksum: bool,
         at_start: bool,
     },
+    Blosc,
     Gzip,
+    /// A block of LZ4 after its decoded length, as numcodecs writes it.
+    Lz4,
+    Zlib,
     Zstd,
     Crc32c,
 }
@@ -56,9 +61,16 @@ pub(super) fn decode(
     for codec in codecs.iter().rev() {
         bytes = match codec {
             Codec::Gzip => limited(MultiGzDecoder::new(bytes.as_slice()), expected)?,
-            Codec::Zstd => {
-                let decoder = ruzstd::decoding::StreamingDecoder::new(bytes.as_slice());
-                limited(decoder.map_err(|e| format!("zstd: {e}"))?, expected)?
+            Codec::Zlib => limited(ZlibDecoder::new(bytes.as_slice()), expected)?,
+            Codec::Zstd => zstd(&bytes, expected)?,
+            Codec::Blosc => blosc::decode(&bytes, expected + BESIDE)?,
+            Codec::Lz4 => {
+                let (length, block) = bytes.split_first_chunk().ok_or("it is too short for LZ4")?;
+                let length = u64::from(u32::from_le_bytes(*length));
+                if length > expected + BESIDE {
+                    return Err(format!("it decodes to more than {expected} bytes"));
+                }
+                blosc::lz4(block, length as usize)?
             }
             Codec::Crc32c => checked(bytes)?,
             Codec::Bytes { is_big } => {
@@ -77,8 +89,14 @@ pub(super) fn decode(
     Err("its encoding is not known".into())
 }
 
+/// What a frame of zstd holds.
+pub(super) fn zstd(bytes: &[u8], expected: u64) -> Result<Vec<u8>, Broken> {
+    let decoder = ruzstd::decoding::StreamingDecoder::new(bytes);
+    limited(decoder.map_err(|e| format!("zstd: {e}"))?, expected)
+}
+
 /// All that a decoder gives, if that is no more than a chunk can have.
-fn limited(decoder: impl Read, expected: u64) -> Result<Vec<u8>, Broken> {
+pub(super) fn limited(decoder: impl Read, expected: u64) -> Result<Vec<u8>, Broken> {
     let mut bytes = Vec::new();
     let most = expected + BESIDE;
     let read = decoder.take(most + 1).read_to_end(&mut bytes);

@@ -1,4 +1,5 @@
-//! `zarr.json` of an array: "Zarr core specification (version 3)", its chunk grids, key encodings, data types and codecs.
+//! `zarr.json` of an array: "Zarr core specification (version 3)", its chunk grids, key encodings, data types and codecs. Arrays of version 2
+//! are described in its words.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +9,7 @@ use super::super::axes::Axes;
 use super::super::axes::NAME_AXES;
 use super::codecs::Codec;
 use super::number::Number;
+use super::version_2;
 use crate::error::{Error, Result};
 use crate::io::open::open_regular;
 
@@ -39,6 +41,10 @@ pub(super) struct Metadata {
 impl Metadata {
     /// Of the array in `folder`.
     pub fn read(folder: &Path) -> Result<Metadata> {
+        let file = folder.join(version_2::ARRAY);
+        if file.is_file() {
+            return Reading { file: &file }.array(folder, &version_2::as_version_3(folder)?);
+        }
         let file = folder.join("zarr.json");
         Reading { file: &file }.array(folder, &document(&file)?)
     }
@@ -413,18 +419,22 @@ impl Reading<'_> {
                         at_start,
                     }
                 }
-                ("gzip", true) => Codec::Gzip,
-                ("zstd", true) => Codec::Zstd,
-                ("crc32c", true) => Codec::Crc32c,
-                ("bytes" | "transpose" | "sharding_indexed", true)
-                | ("gzip" | "zstd" | "crc32c", false) => {
+                ("bytes" | "transpose" | "sharding_indexed", true) => {
                     return Err(self.invalid("codecs", format!("{name} stands in the wrong place")));
                 }
-                _ => {
-                    let what = format!("chunks encoded by {name:?} are not read");
-                    let help = "bytes, transpose, gzip, zstd, crc32c and sharding_indexed are: write it with zarr's default codecs";
-                    return Err(self.unsupported("codecs", what, help));
-                }
+                _ => match compressor(name) {
+                    Some(codec) if has_bytes => codec,
+                    Some(_) => {
+                        let what = format!("{name} stands in the wrong place");
+                        return Err(self.invalid("codecs", what));
+                    }
+                    None => {
+                        let name = name.trim_start_matches(NUMCODECS);
+                        let what = format!("chunks encoded by {name:?} are not read");
+                        let help = "bytes, transpose, blosc, gzip, zlib, lz4, zstd, crc32c and sharding_indexed are: write it with zarr's default codecs";
+                        return Err(self.unsupported("codecs", what, help));
+                    }
+                },
             };
             codecs.push(codec);
         }
@@ -432,6 +442,22 @@ impl Reading<'_> {
             true => Ok(codecs),
             false => Err(self.invalid("codecs", "none of them makes bytes")),
         }
+    }
+}
+
+/// What stands before the names of codecs that zarr-python writes beside those of the specification.
+pub(super) const NUMCODECS: &str = "numcodecs.";
+
+/// What turns bytes into bytes, by its name.
+fn compressor(name: &str) -> Option<Codec> {
+    match name {
+        "blosc" | "numcodecs.blosc" => Some(Codec::Blosc),
+        "gzip" | "numcodecs.gzip" => Some(Codec::Gzip),
+        "zstd" | "numcodecs.zstd" => Some(Codec::Zstd),
+        "crc32c" => Some(Codec::Crc32c),
+        "numcodecs.lz4" => Some(Codec::Lz4),
+        "numcodecs.zlib" => Some(Codec::Zlib),
+        _ => None,
     }
 }
 

@@ -1,13 +1,15 @@
-//! Zarr arrays of version 3 in a local folder: chunks in files of their own, or in shards.
+//! Zarr arrays of versions 2 and 3 in a local folder: chunks in files of their own, or in shards.
 //!
 //! The crate `zarrs` reads many more kinds, at the price of a C compiler and some hundred crates; here are those that hold
-//! numbers as zarr-python writes them: bytes, transpose, gzip, zstd, crc32c, sharding. Only the chunks that a window touches are
+//! numbers as zarr-python writes them: bytes, transpose, blosc, gzip, zlib, lz4, zstd, crc32c, sharding. Only the chunks that a window touches are
 //! read, and of a shard only its index and those. A chunk that is not there is the fill value, by the
 //! specification; how many are missing is said.
 
+mod blosc;
 mod codecs;
 mod metadata;
 mod number;
+mod version_2;
 mod write;
 
 use std::collections::VecDeque;
@@ -121,15 +123,15 @@ fn times_of(metadata: &Metadata) -> Option<FileTimes> {
 
 /// The arrays in `path`: itself, or those right below a group.
 fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
-    if path.join(".zarray").is_file() || path.join(".zgroup").is_file() {
-        let what = "this is Zarr of version 2";
-        let help =
-            "write it as version 3: zarr.create_array(path, data=zarr.open(old)[:], zarr_format=3)";
-        return Err(Error::unsupported(path, "", what, help));
-    }
-    let document = metadata::document(&path.join("zarr.json"))?;
-    if document.get("node_type").and_then(|kind| kind.as_str()) != Some("group") {
+    let is_array_2 = |folder: &Path| folder.join(version_2::ARRAY).is_file();
+    if is_array_2(path) {
         return Ok(vec![(None, path.to_path_buf())]);
+    }
+    if !path.join(version_2::GROUP).is_file() {
+        let document = metadata::document(&path.join("zarr.json"))?;
+        if document.get("node_type").and_then(|kind| kind.as_str()) != Some("group") {
+            return Ok(vec![(None, path.to_path_buf())]);
+        }
     }
     let failed = || Error::io(path, "cannot read the folder");
     let mut found = Vec::new();
@@ -140,7 +142,8 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
             let document = metadata::document(&file).ok()?;
             Some(document.get("node_type")?.as_str()? == "array")
         };
-        if found.len() < MOST_LISTED && file.is_file() && is_array() == Some(true) {
+        let is_array = || is_array_2(&folder) || (file.is_file() && is_array() == Some(true));
+        if found.len() < MOST_LISTED && is_array() {
             let name = folder
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned());

@@ -29,6 +29,18 @@ pub(super) struct Labels {
     discs: Vec<([f64; 2], f64)>,
     /// All lines of the drawing, and the boxes around them.
     lines: Vec<(Polyline, Rect)>,
+    /// Those of labels along lines.
+    places: Vec<Place>,
+}
+
+/// Where a label is.
+#[derive(Debug)]
+struct Place {
+    middle: [f64; 2],
+    /// Unit vector along it.
+    along: [f64; 2],
+    /// Half its length and half its height.
+    half: [f64; 2],
 }
 
 impl Labels {
@@ -38,6 +50,7 @@ impl Labels {
             size,
             discs: Vec::new(),
             lines: Vec::new(),
+            places: Vec::new(),
         }
     }
 
@@ -53,21 +66,20 @@ impl Labels {
         }
     }
 
-    /// A label with this text along `line`, points, where the fewest lines go through it, and what is left of the line beside
-    /// it; none where there is no room for it.
+    /// A label with this text along `line`, points, where the fewest lines go through it; none where there is no room for it.
     pub fn along(
         &mut self,
         line: &Polyline,
         text: RichText,
         colour: Colour,
-    ) -> Result<Option<(Text, Vec<Polyline>)>> {
+    ) -> Result<Option<Text>> {
         let width = text.width(SIZE)?;
         let lengths = lengths(line);
         let whole = lengths.last().copied().unwrap_or(0.0);
         if whole < LEAST * width {
             return Ok(None);
         }
-        let mut best: Option<(usize, [[f64; 2]; 3], Vec<Polyline>)> = None;
+        let mut best: Option<(usize, [[f64; 2]; 3])> = None;
         for place in PLACES {
             let [a, m, b] = [-0.5, 0.0, 0.5].map(|k| at(line, &lengths, place * whole + k * width));
             let half = 0.5 * width + GAP;
@@ -82,14 +94,14 @@ impl Labels {
                 continue;
             }
             let crossed = self.crossed(Some(line), [a, b], SIZE) + through(&rest, [a, b], SIZE);
-            if best.as_ref().is_none_or(|(least, ..)| crossed < *least) {
-                best = Some((crossed, [a, m, b], rest.into()));
+            if best.is_none_or(|(least, _)| crossed < least) {
+                best = Some((crossed, [a, m, b]));
             }
             if crossed == 0 {
                 break;
             }
         }
-        let Some((_, [a, m, b], rest)) = best else {
+        let Some((_, [a, m, b])) = best else {
             return Ok(None);
         };
         self.discs
@@ -98,11 +110,34 @@ impl Labels {
         let [x, y] = [b[0] - a[0], b[1] - a[1]];
         let (x, y) = if x < 0.0 { (-x, -y) } else { (x, y) };
         let label = style::label(text, m, colour, SIZE);
-        let text = Text {
+        self.places.push(Place::between(a, b, SIZE));
+        Ok(Some(Text {
             angle: libm::atan2(-y, x),
             ..label
-        };
-        Ok(Some((text, rest)))
+        }))
+    }
+
+    /// What is left of a line, points, beside the labels along lines.
+    pub fn beside(&self, line: &Polyline) -> Vec<Polyline> {
+        let mut left: Vec<Polyline> = Vec::new();
+        for (p, q) in line.iter().zip(line.iter().skip(1)) {
+            let hidden = self.places.iter().filter_map(|place| place.hides(*p, *q));
+            let mut hidden: Vec<[f64; 2]> = hidden.collect();
+            hidden.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let at = |t: f64| [0, 1].map(|i| p[i] + t * (q[i] - p[i]));
+            let mut from = 0.0;
+            for [start, end] in hidden.into_iter().chain([[1.0, 1.0]]) {
+                if start > from {
+                    let [a, b] = [from, start].map(at);
+                    match left.last_mut().filter(|_| from == 0.0) {
+                        Some(line) if line.last() == Some(&a) => line.push(b),
+                        _ => left.push(vec![a, b]),
+                    }
+                }
+                from = end.max(from);
+            }
+        }
+        left
     }
 
     /// The middle of a level label of this width and height, points: that of `places` where the fewest lines go through it.
@@ -137,6 +172,43 @@ impl Labels {
             (disc.0[0] - centre[0]).hypot(disc.0[1] - centre[1]) >= disc.1 + radius
         };
         inside && self.discs.iter().all(apart)
+    }
+}
+
+impl Place {
+    /// The place of a label of this height from `a` to `b`.
+    fn between(a: [f64; 2], b: [f64; 2], height: f64) -> Place {
+        let way = [0, 1].map(|i| b[i] - a[i]);
+        let length = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
+        Place {
+            middle: [0, 1].map(|i| 0.5 * (a[i] + b[i])),
+            along: way.map(|w| w / length),
+            half: [0.5 * length + GAP, 0.5 * height],
+        }
+    }
+
+    /// The part of the way from `p` to `q` that is under the label (Liang and Barsky).
+    fn hides(&self, p: [f64; 2], q: [f64; 2]) -> Option<[f64; 2]> {
+        let turned = |p: [f64; 2]| {
+            let [x, y] = [0, 1].map(|i| p[i] - self.middle[i]);
+            let [u, v] = self.along;
+            [u * x + v * y, u * y - v * x]
+        };
+        let (p, q) = (turned(p), turned(q));
+        let (mut from, mut to) = (0.0f64, 1.0f64);
+        for i in 0..2 {
+            let way = q[i] - p[i];
+            if way == 0.0 {
+                if p[i].abs() > self.half[i] {
+                    return None;
+                }
+                continue;
+            }
+            let (s, t) = ((-self.half[i] - p[i]) / way, (self.half[i] - p[i]) / way);
+            from = from.max(s.min(t));
+            to = to.min(s.max(t));
+        }
+        (from < to).then_some([from, to])
     }
 }
 
@@ -236,7 +308,7 @@ mod tests {
             labels
                 .along(&line, text(), Colour::WHITE)
                 .unwrap()
-                .map(|(label, _)| label.at)
+                .map(|label| label.at)
         };
         // In the middle; or where a line crosses there, clear of it; and anyway where lines cross everywhere.
         assert_eq!(middle(&[]), Some([150.0, 100.0]));
@@ -258,18 +330,22 @@ mod tests {
         let along = |line: &Polyline| {
             let mut labels = Labels::new([300.0, 200.0]);
             labels.keep_off_line(line.clone());
-            labels.along(line, text(), Colour::WHITE).unwrap().unwrap()
+            let label = labels.along(line, text(), Colour::WHITE).unwrap();
+            (label.unwrap(), labels)
         };
-        let (label, rest) = along(&straight);
-        let [left, right] = &rest[..] else {
+        let (label, labels) = along(&straight);
+        let [left, right] = &labels.beside(&straight)[..] else {
             panic!("two parts")
         };
-        assert_eq!(
-            (left[0], right[right.len() - 1]),
-            ([50.0, 100.0], [250.0, 100.0])
-        );
+        let ends = (left[0], right[right.len() - 1]);
+        assert_eq!(ends, ([50.0, 100.0], [250.0, 100.0]));
         assert!(label.at[0] - left[left.len() - 1][0] > half);
         assert!(right[0][0] - label.at[0] > half);
+        // So are others that go through it, and those that go by are whole.
+        let across = vec![[150.0, 50.0], [150.0, 150.0]];
+        assert_eq!(labels.beside(&across).len(), 2);
+        let aside = vec![[50.0, 110.0], [250.0, 110.0], [250.0, 150.0]];
+        assert_eq!(labels.beside(&aside), [aside.clone()]);
         // A line that turns round beyond its end and comes back over its middle.
         let mut back = straight;
         back.extend([[280.0, 140.0], [150.0, 140.0], [150.0, 60.0]]);

@@ -111,13 +111,28 @@ impl Overlay {
             None => Vec::new(),
         };
         if let Some(isochrones) = &self.isochrones {
-            let [heavy, light] = labelled(place, isochrones, &mut labels, &mut texts)?;
-            items.extend(ISOCHRONE.draw(path_of(&light, |p| p)));
-            items.extend(HEAVY.draw(path_of(&heavy, |p| p)));
+            texts = labelled(place, isochrones, &mut labels)?;
         }
-        let instantaneous = self.named(place, &mut labels, &mut texts)?;
-        items.extend(INSTANTANEOUS.draw(path_of(&instantaneous, |p| p)));
-        items.extend(outlined(place, &self.apparent, APPARENT));
+        texts.extend(self.named(place, &mut labels)?);
+        // All lines are interrupted at labels.
+        let drawn = |pen: Pen, lines: Vec<&Polyline>| {
+            let lines = lines.into_iter().map(|line| place.line(line));
+            let parts: Vec<Polyline> = lines.flat_map(|line| labels.beside(&line)).collect();
+            pen.draw(path_of(&parts, |point| point))
+        };
+        if let Some(isochrones) = &self.isochrones {
+            for (pen, heavy) in [(ISOCHRONE, false), (HEAVY, true)] {
+                let lines = isochrones.lines.iter().filter(|l| l.is_heavy == heavy);
+                items.extend(drawn(pen, lines.flat_map(|l| &l.lines).collect()));
+            }
+        }
+        for (pen, outlines) in [
+            (INSTANTANEOUS, &self.instantaneous),
+            (APPARENT, &self.apparent),
+        ] {
+            let lines = outlines.iter().flat_map(|outline| &outline.lines);
+            items.extend(drawn(pen, lines.collect()));
+        }
         items.extend(texts);
         items.extend(pointer);
         Ok(items)
@@ -125,30 +140,23 @@ impl Overlay {
 }
 
 impl Overlay {
-    /// The dashed lines of where objects are, interrupted at their names, which go to `texts`.
-    fn named(
-        &self,
-        place: &Place,
-        labels: &mut Labels,
-        texts: &mut Vec<Item>,
-    ) -> Result<Vec<Polyline>> {
-        let mut lines = Vec::new();
+    /// The names of objects along the dashed lines of where they are.
+    fn named(&self, place: &Place, labels: &mut Labels) -> Result<Vec<Item>> {
+        let mut texts = Vec::new();
         for outline in &self.instantaneous {
             let name = self.names.get(outline.object);
             // What cannot be set stays without a name.
-            let name = name.and_then(|name| RichText::plain(name).ok());
-            let mut all: Vec<Polyline> = outline.lines.iter().map(|l| place.line(l)).collect();
-            let longest = (0..all.len()).max_by_key(|i| all[*i].len());
-            if let (Some(i), Some(name)) = (longest, name)
-                && let Some((label, rest)) = labels.along(&all[i], name, INSTANTANEOUS.colour)?
-            {
-                texts.push(Item::Text(label));
-                all.remove(i);
-                all.extend(rest);
+            let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
+                continue;
+            };
+            let longest = outline.lines.iter().max_by_key(|line| line.len());
+            let line = longest.map(|line| place.line(line));
+            if let Some(line) = line {
+                let label = labels.along(&line, name, INSTANTANEOUS.colour)?;
+                texts.extend(label.map(Item::Text));
             }
-            lines.extend(all);
         }
-        Ok(lines)
+        Ok(texts)
     }
 }
 
@@ -186,35 +194,18 @@ impl Place {
     }
 }
 
-fn outlined(place: &Place, outlines: &[Outline], pen: Pen) -> [Item; 2] {
-    let lines = outlines.iter().flat_map(|o| &o.lines);
-    pen.draw(path_of(lines, place.point()))
-}
-
-/// The heavy isochrones and the others, interrupted at their labels, which go to `texts`, those of heavy lines first.
-fn labelled(
-    place: &Place,
-    isochrones: &Isochrones,
-    labels: &mut Labels,
-    texts: &mut Vec<Item>,
-) -> Result<[Vec<Polyline>; 2]> {
+/// The labels of isochrones, those of heavy lines first.
+fn labelled(place: &Place, isochrones: &Isochrones, labels: &mut Labels) -> Result<Vec<Item>> {
     let (heavy, light): (Vec<_>, Vec<_>) = isochrones.lines.iter().partition(|l| l.is_heavy);
-    let mut parts = [Vec::new(), Vec::new()];
-    for (parts, isochrones) in parts.iter_mut().zip([heavy, light]) {
-        for isochrone in isochrones {
-            for line in isochrone.lines.iter().map(|line| place.line(line)) {
-                let text = RichText::plain(&isochrone.label)?;
-                match labels.along(&line, text, HEAVY.colour)? {
-                    Some((label, rest)) => {
-                        texts.push(Item::Text(label));
-                        parts.extend(rest);
-                    }
-                    None => parts.push(line),
-                }
-            }
+    let mut texts = Vec::new();
+    for isochrone in heavy.into_iter().chain(light) {
+        for line in &isochrone.lines {
+            let text = RichText::plain(&isochrone.label)?;
+            let label = labels.along(&place.line(line), text, HEAVY.colour)?;
+            texts.extend(label.map(Item::Text));
         }
     }
-    Ok(parts)
+    Ok(texts)
 }
 
 /// ⊗, ⊙ or an arrow, and the speed beside it.

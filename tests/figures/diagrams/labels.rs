@@ -289,20 +289,15 @@ fn random(seed: u64) -> String {
 }
 
 #[test]
-fn labels_of_200_random_diagrams_are_on_no_label_and_no_title() {
-    let mut struck = 0;
-    let mut labels = 0;
+fn labels_of_200_random_diagrams_are_on_no_label_no_title_and_no_line() {
     for seed in 0..200 {
         let model = parsed(&random(seed)).unwrap_or_else(|error| panic!("{seed}: {error}"));
         let drawing = drawn(&model);
         let page = Page::of(&drawing);
         assert_eq!(page.beyond(&drawing), Vec::<String>::new(), "seed {seed}");
         assert_eq!(page.overlaps(), Vec::<String>::new(), "seed {seed}");
-        struck += page.struck().len();
-        labels += page.texts.len();
+        assert_eq!(page.struck(), Vec::<String>::new(), "seed {seed}");
     }
-    // A crowded page may leave a label no place that is free of lines; it then has a halo.
-    assert!(100 * struck <= labels, "{struck} of {labels}");
 }
 
 #[test]

@@ -345,7 +345,7 @@ mod tests {
         let across = vec![[150.0, 50.0], [150.0, 150.0]];
         assert_eq!(labels.beside(&across).len(), 2);
         let aside = vec![[50.0, 110.0], [250.0, 110.0], [250.0, 150.0]];
-        assert_eq!(labels.beside(&aside), [aside.clone()]);
+        assert_eq!(labels.beside(&aside), vec![aside]);
         // A line that turns round beyond its end and comes back over its middle.
         let mut back = straight;
         back.extend([[280.0, 140.0], [150.0, 140.0], [150.0, 60.0]]);

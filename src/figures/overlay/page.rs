@@ -3,7 +3,7 @@
 use super::label::Labels;
 use super::legend;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
-use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target};
+use super::{Isochrones, Overlay, Part, Parts, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::isochrones::lines::path_of;

@@ -424,9 +424,16 @@ fn labels_of_moving_classics_are_steady_and_on_no_label_no_title_and_no_line() {
         for (k, drawing) in Series::new(&model).unwrap().enumerate() {
             let drawing = drawing.unwrap();
             let page = Page::of(&drawing);
+            let is_crossed = |rect: &Rect| page.thin.iter().any(|piece| crosses(rect, piece));
+            let crossed = page.texts.iter().filter(|(_, rect)| is_crossed(rect));
             for (what, texts) in [
+                ("beyond the page", page.beyond(&drawing)),
                 ("on another", page.overlaps()),
                 ("on a line", page.struck()),
+                (
+                    "on a thin line",
+                    crossed.map(|(text, _)| text.clone()).collect(),
+                ),
                 ("under a leader", page.led_over()),
             ] {
                 let all = texts.into_iter();

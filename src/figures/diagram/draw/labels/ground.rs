@@ -121,13 +121,16 @@ impl Ground {
         let near = self.dots_by_place.near(airy).into_iter();
         let dots = near.filter(|dot| touch(airy, self.dots[*dot]));
         let (on, near) = (self.crossed(airy), self.crossed(widened(airy, NEAR)));
-        let inside =
-            (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i]);
-        let outside = if inside { 0.0 } else { OUTSIDE };
+        let outside = if self.holds(rect) { 0.0 } else { OUTSIDE };
         let middle = [0, 1].map(|i| 0.5 * (rect.min[i] + rect.max[i]));
         let sides = self.sides.iter().filter(|edge| is_inside(middle, edge));
         let on_sides = ON_SIDE * sides.count() as f64;
         ON_DOT * dots.count() as f64 + ON_LINE * on + NEAR_LINE * (near - on) + on_sides + outside
+    }
+
+    /// Whether a rectangle is on the page.
+    pub fn holds(&self, rect: Rect) -> bool {
+        (0..2).all(|i| rect.min[i] >= self.page.min[i] && rect.max[i] <= self.page.max[i])
     }
 
     /// How much lines disturb what is in a rectangle. No more are looked at than count.

@@ -316,8 +316,8 @@ fn leave_out(labels: &mut [Label], places: &mut Places, ground: &Ground) {
     }
 }
 
-/// Takes away, for a moment, what clocks read and what may be left out where it is on a line or on another label, and any
-/// label that is on another on its way. What passes by gives way first, then what is less important.
+/// Takes away, for a moment, what clocks read and what may be left out where it is on a line, on another label or off the page,
+/// and any label that is on another on its way. What passes by gives way first, then what is less important.
 fn give_way(labels: &mut [Label], ground: &Ground) {
     let mut places: Vec<Option<Rect>> = labels.iter().map(Label::place).collect();
     let mut grid = Grid::new(CELL);
@@ -350,7 +350,8 @@ fn give_way(labels: &mut [Label], ground: &Ground) {
             });
             others.any(|[from, to]| own.is_crossed(from, to))
         };
-        if is_covered || leads || may && (ground.is_struck(own) || led_over()) {
+        let is_bad = || ground.is_struck(own) || !ground.holds(own) || led_over();
+        if is_covered || leads || may && is_bad() {
             labels[i].chosen = None;
             places[i] = None;
         }

@@ -7,6 +7,7 @@ mod line;
 mod observer;
 mod planck;
 mod rgb_basis;
+mod rgb_sums;
 mod shift;
 mod spectrum;
 mod srgb;

@@ -22,6 +22,11 @@ fn row(line: &str) -> Option<[f64; 3]> {
     Some([numbers.next()??, numbers.next()??, numbers.next()??])
 }
 
+/// x̄, ȳ, z̄ from [`FIRST`] to [`LAST`] at every nanometre.
+pub(super) fn rows() -> &'static [[f64; 3]] {
+    &ROWS
+}
+
 /// x̄, ȳ, z̄ at a wavelength in metres; 0 outside 360 to 830 nm.
 pub fn colour_matching(wavelength: f64) -> [f64; 3] {
     between(&ROWS, wavelength * 1e9 - FIRST).unwrap_or([0.0; 3])

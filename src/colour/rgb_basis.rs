@@ -51,7 +51,7 @@ impl Continuation {
 const TABLE: &str = include_str!("rgb_basis.csv");
 
 /// Nanometres between two rows.
-const STEP: f64 = 5.0;
+pub(super) const STEP: f64 = 5.0;
 
 /// Temperature of the white's continuation: the correlated colour temperature of D65.
 pub(super) const WHITE_TEMPERATURE: f64 = 6504.0;
@@ -73,6 +73,11 @@ fn row(line: &str) -> Option<[f64; 4]> {
     let mut numbers = line.split(',').skip(1).map(|n| n.parse().ok());
     let mut next = || numbers.next()?;
     Some([next()?, next()?, next()?, next()?])
+}
+
+/// White, and the reflectances of linear red, green and blue, from [`FIRST`] to [`LAST`] at every [`STEP`].
+pub(super) fn rows() -> &'static [[f64; 4]] {
+    &ROWS
 }
 
 /// Wavelengths of the rows, metres.
@@ -102,6 +107,14 @@ pub(super) fn weights(wavelength: f64) -> [f64; 3] {
 /// 360 nm (the first) and above 830 nm.
 pub(super) fn thermal() -> [[f64; 3]; 2] {
     *THERMAL
+}
+
+/// The radiances per metre of red, green and blue at the first and at the last wavelength.
+pub(super) fn edges() -> [[f64; 3]; 2] {
+    [FIRST, LAST].map(|nm| {
+        let [white, r, g, b] = row_at(nm * 1e-9);
+        [white * r, white * g, white * b]
+    })
 }
 
 /// The white's radiances per metre at the first and at the last wavelength.

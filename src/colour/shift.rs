@@ -19,6 +19,7 @@ use rayon::prelude::*;
 
 use super::observer::{FIRST, LAST};
 use super::rgb_basis::{self, Continuation, WHITE_TEMPERATURE};
+use super::rgb_sums::xyz_of_primaries;
 use super::spectrum::{Shape, Spectrum, integrate};
 use super::{colour_matching, rgb_from_xyz};
 
@@ -238,15 +239,7 @@ static FLAT: LazyLock<[f64; 3]> = LazyLock::new(|| rgb_from_xyz(integrate(&[], c
 
 /// M(W) by integration, rows of linear RGB.
 fn rgb_shift(w: f64, continuation: Continuation) -> [[f64; 3]; 3] {
-    let scale = 1.0 / (w * w * w * w * w);
-    let knots: Vec<f64> = rgb_basis::knots().map(|knot| knot * w).collect();
-    let sums = integrate(&knots, |l| {
-        let radiances = rgb_basis::radiances(l / w, continuation);
-        let xyz = colour_matching(l);
-        from_fn::<f64, 9, _>(|k| scale * radiances[k / 3] * xyz[k % 3])
-    });
-    let column = |k: usize| rgb_from_xyz([sums[3 * k], sums[3 * k + 1], sums[3 * k + 2]]);
-    let columns = [0, 1, 2].map(column);
+    let columns = xyz_of_primaries(w, continuation).map(rgb_from_xyz);
     let m = from_fn(|j| from_fn(|k| columns[k][j]));
     match w == 1.0 {
         // It is the unit matrix by the making of the basis; without the rounding of it.

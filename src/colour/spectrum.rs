@@ -22,6 +22,8 @@
 //!
 //! Luminance is in units of that of linear RGB (1, 1, 1): ∫ L ȳ dλ with L per metre.
 
+use std::sync::LazyLock;
+
 use super::observer::{FIRST, LAST, colour_matching};
 use super::planck::{planck, planck_total};
 use super::rgb_basis::{self, Continuation};
@@ -142,7 +144,10 @@ impl Spectrum {
 
     /// CIE XYZ of the spectrum seen with wavelengths times `w`.
     pub fn xyz_at(&self, w: f64) -> [f64; 3] {
-        self.seen_at(w, colour_matching)
+        match self.thermal_at(w) {
+            Some(temperature) => self.thermal_sums(temperature, |node| node.xyz),
+            None => self.seen_at(w, colour_matching),
+        }
     }
 
     /// Linear sRGB of the spectrum seen with wavelengths times `w`; below 0 outside the gamut.
@@ -153,14 +158,37 @@ impl Spectrum {
     /// R(W): linear sRGB (rows) of what reflects the spectrum, which falls on it with wavelengths times `w`, with
     /// the reflectances of linear red, green and blue (columns).
     pub fn reflected_at(&self, w: f64) -> [[f64; 3]; 3] {
-        let products = self.seen_at(w, |wavelength| {
-            let basis = rgb_basis::weights(wavelength);
-            let xyz = colour_matching(wavelength);
-            std::array::from_fn::<f64, 9, _>(|k| xyz[k / 3] * basis[k % 3])
-        });
+        let products = match self.thermal_at(w) {
+            Some(temperature) => self.thermal_sums(temperature, |node| node.reflected),
+            None => self.seen_at(w, reflected),
+        };
         let column = |k: usize| rgb_from_xyz([products[k], products[3 + k], products[6 + k]]);
         let columns = [0, 1, 2].map(column);
         std::array::from_fn(|j| std::array::from_fn(|k| columns[k][j]))
+    }
+
+    /// The temperature of the blackbody that one is seen as, T/W: no factor that could overflow.
+    fn thermal_at(&self, w: f64) -> Option<f64> {
+        match &self.shape {
+            Shape::Blackbody(t) if w > 0.0 && w.is_finite() => Some(t / w),
+            _ => None,
+        }
+    }
+
+    /// ∫ L′(λ) f(λ) dλ for a blackbody that is seen as one of `temperature`, and an f that is known at the nodes of all such integrals.
+    fn thermal_sums<const N: usize>(
+        &self,
+        temperature: f64,
+        f: impl Fn(&Node) -> [f64; N],
+    ) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for node in NODES.iter() {
+            let radiance = self.factor * planck(node.wavelength, temperature);
+            for (sum, f) in sums.iter_mut().zip(f(node)) {
+                *sum += node.weight * (f * radiance);
+            }
+        }
+        sums
     }
 
     /// ∫ L′(λ) f(λ) dλ for a function of the observer, `w` being W.
@@ -174,14 +202,6 @@ impl Spectrum {
                 lines.iter().fold([0.0; N], |sum, [wavelength, energy]| {
                     let seen = f(wavelength * w);
                     std::array::from_fn(|k| sum[k] + scale * energy * seen[k])
-                })
-            }
-            // As a blackbody of temperature T/W: no factor that could overflow.
-            Shape::Blackbody(t) => {
-                let seen = Shape::Blackbody(t / w);
-                integrate(&[], |l| {
-                    let radiance = self.factor * seen.per_wavelength(l);
-                    f(l).map(|f| f * radiance)
                 })
             }
             shape => {
@@ -239,6 +259,42 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
         _ => 0.0,
     }
 }
+
+/// x̄, ȳ, z̄ (rows) of what linear red, green and blue (columns) reflect at a wavelength.
+fn reflected(wavelength: f64) -> [f64; 9] {
+    let basis = rgb_basis::weights(wavelength);
+    let xyz = colour_matching(wavelength);
+    std::array::from_fn(|k| xyz[k / 3] * basis[k % 3])
+}
+
+/// A wavelength at which integrals take spectra without knots, and what the observer makes of it.
+struct Node {
+    wavelength: f64,
+    weight: f64,
+    xyz: [f64; 3],
+    reflected: [f64; 9],
+}
+
+/// All of them, in the order of [`integrate`].
+static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
+    let mut nodes = Vec::new();
+    let mut from = FIRST * 1e-9;
+    for nanometre in FIRST as u32 + 1..=LAST as u32 {
+        let to = f64::from(nanometre) * 1e-9;
+        let width = to - from;
+        nodes.extend(GAUSS.map(|(at, weight)| {
+            let wavelength = from + width * at;
+            Node {
+                wavelength,
+                weight: width * weight,
+                xyz: colour_matching(wavelength),
+                reflected: reflected(wavelength),
+            }
+        }));
+        from = to;
+    }
+    nodes
+});
 
 /// ∫ f dλ over the wavelengths that the observer sees (metres), between whose knots and `knots`, which ascend, f is
 /// smooth.

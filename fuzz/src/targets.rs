@@ -174,6 +174,22 @@ fn cube_zarr(bytes: &[u8]) {
     load_small(&folder, Wanted::default());
     write("zarr.json", bytes);
     load_small(&folder, Wanted::default());
+    cube_zarr_2(bytes);
+}
+
+/// The same bytes as a chunk in Blosc, and as the description of an array of version 2.
+fn cube_zarr_2(bytes: &[u8]) {
+    const BLOSC: &str = include_str!("../../tests/data/zarr/v2/.zarray");
+    let folder = folder().join("zarr-2");
+    let write = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).expect("a file can be written");
+    };
+    std::fs::create_dir_all(&folder).expect("a folder can be made");
+    write(".zarray", BLOSC.as_bytes());
+    write("0.0.0", bytes);
+    load_small(&folder, Wanted::default());
+    write(".zarray", bytes);
+    load_small(&folder, Wanted::default());
 }
 
 /// Images and cameras of a reconstruction, as binary files and as texts.

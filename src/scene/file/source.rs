@@ -66,7 +66,7 @@ pub(in crate::scene) struct Cube {
     /// Width of a bin, above 0, like "0.05 m" or "4 ps". Required, but for steady pictures and where the file says it (.ti).
     pub bin_width: Option<At<Time>>,
     /// Bins of different widths, in place of `start` and `bin_width`: the start of each bin, and the end of the last,
-    /// like ["0 m", "0.1 m", "0.3 m"].
+    /// like ["0 m", "0.1 m", "0.3 m"]; `edges_file` reads them from a file.
     pub edges: Option<At<Vec<At<Time>>>>,
     /// The same from a file.
     pub edges_file: Option<At<EdgesFile>>,

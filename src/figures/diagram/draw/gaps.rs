@@ -1,34 +1,89 @@
 //! Lines that labels interrupt, where a crowded page or a label on its way has no other place for it.
 
+use std::collections::BTreeMap;
+
 use super::labels::{widened, without};
 use crate::figures::drawing::{Item, Path, Stroke};
 use crate::figures::text::{Rect, Segment};
 
 /// What is left free around a label, points.
 const AIR: f64 = 0.6;
+/// The height of a row in which labels are looked up, points.
+const ROW: f64 = 16.0;
 /// Lines of less opacity are seen as ground.
 const PALE: u8 = 170;
 
 /// `items` with gaps in lines that go through `labels`.
 pub(super) fn interrupted(items: Vec<Item>, labels: &[Rect]) -> Vec<Item> {
-    let gaps = |item: Item| match item {
-        Item::Clip { path, items } => vec![Item::Clip {
-            path,
-            items: interrupted(items, labels),
-        }],
-        Item::Path {
-            path,
-            fill: None,
-            stroke: Some(stroke),
-        } if stroke.colour.alpha >= PALE => match straight(&path) {
-            Some(points) if points.windows(2).any(|w| is_crossed(w, labels)) => {
-                pieces(&points, stroke, labels)
+    let labels = Labels::new(labels);
+    items
+        .into_iter()
+        .flat_map(|item| labels.without(item))
+        .collect()
+}
+
+/// Labels by the rows of the page that they are in.
+struct Labels(BTreeMap<i32, Vec<Rect>>);
+
+impl Labels {
+    fn new(labels: &[Rect]) -> Labels {
+        let mut rows: BTreeMap<i32, Vec<Rect>> = BTreeMap::new();
+        for label in labels {
+            for row in row(label.min[1])..=row(label.max[1]) {
+                rows.entry(row).or_default().push(*label);
             }
-            _ => vec![Item::stroked(path, stroke)],
-        },
-        other => vec![other],
-    };
-    items.into_iter().flat_map(gaps).collect()
+        }
+        Labels(rows)
+    }
+
+    /// An item with gaps.
+    fn without(&self, item: Item) -> Vec<Item> {
+        match item {
+            Item::Clip { path, items } => {
+                let items = items.into_iter().flat_map(|item| self.without(item));
+                vec![Item::Clip {
+                    path,
+                    items: items.collect(),
+                }]
+            }
+            Item::Path {
+                path,
+                fill: None,
+                stroke: Some(stroke),
+            } if stroke.colour.alpha >= PALE => {
+                let points = straight(&path).unwrap_or_default();
+                let gaps = self.crossed(&points);
+                match gaps.is_empty() {
+                    true => vec![Item::stroked(path, stroke)],
+                    false => pieces(&points, stroke, &gaps),
+                }
+            }
+            other => vec![other],
+        }
+    }
+
+    /// The labels that a line goes through, with some air.
+    fn crossed(&self, points: &[[f64; 2]]) -> Vec<Rect> {
+        let mut found: Vec<Rect> = Vec::new();
+        for ends in points.windows(2) {
+            let (low, high) = (ends[0][1].min(ends[1][1]), ends[0][1].max(ends[1][1]));
+            let near = self.0.range(row(low)..=row(high));
+            for label in near.flat_map(|(_, labels)| labels) {
+                if label.is_crossed(ends[0], ends[1]) {
+                    let gap = widened(*label, AIR);
+                    if !found.contains(&gap) {
+                        found.push(gap);
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The row of a height on the page.
+fn row(y: f64) -> i32 {
+    (y / ROW).clamp(-1e6, 1e6).floor() as i32
 }
 
 /// The points of a path of one straight line after the other.
@@ -41,22 +96,11 @@ fn straight(path: &Path) -> Option<Vec<[f64; 2]>> {
     path.0.iter().enumerate().map(point).collect()
 }
 
-fn is_crossed(ends: &[[f64; 2]], labels: &[Rect]) -> bool {
-    labels
-        .iter()
-        .any(|label| label.is_crossed(ends[0], ends[1]))
-}
-
 /// What is left of a line; its arrowheads stay at its ends.
-fn pieces(points: &[[f64; 2]], stroke: Stroke, labels: &[Rect]) -> Vec<Item> {
-    let gaps: Vec<Rect> = labels
-        .iter()
-        .filter(|label| points.windows(2).any(|w| label.is_crossed(w[0], w[1])))
-        .map(|label| widened(*label, AIR))
-        .collect();
+fn pieces(points: &[[f64; 2]], stroke: Stroke, gaps: &[Rect]) -> Vec<Item> {
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     for ends in points.windows(2) {
-        for [from, to] in without([ends[0], ends[1]], &gaps) {
+        for [from, to] in without([ends[0], ends[1]], gaps) {
             match lines.last_mut().filter(|line| line.last() == Some(&from)) {
                 Some(line) => line.push(to),
                 None => lines.push(vec![from, to]),

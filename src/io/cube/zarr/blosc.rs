@@ -6,9 +6,7 @@
 //! first bytes of all numbers, then their second ones; or so by bits. Source: README_CHUNK_FORMAT.rst of c-blosc 1.21, and for BloscLZ
 //! the format of FastLZ at level 2 (`blosclz.c`).
 
-use flate2::read::ZlibDecoder;
-
-use super::codecs::{Broken, limited, zstd};
+use super::decompress::{Broken, lz4, zlib, zstd};
 
 const HEADER: usize = 16;
 
@@ -89,7 +87,7 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
                 "it is compressed by Snappy, which is not read: write it with LZ4 or zstd".into(),
             );
         }
-        3 => limited(ZlibDecoder::new(stream), length as u64)?,
+        3 => zlib(stream, length as u64)?,
         4 => zstd(stream, length as u64)?,
         _ => return Err(format!("codec {codec} of Blosc is not known")),
     };
@@ -97,11 +95,6 @@ fn decompressed(stream: &[u8], codec: u8, length: usize) -> Result<Vec<u8>, Brok
         true => Ok(bytes),
         false => Err("a stream has another length than it says".into()),
     }
-}
-
-/// `length` bytes of a block of LZ4.
-pub(super) fn lz4(stream: &[u8], length: usize) -> Result<Vec<u8>, Broken> {
-    lz4_flex::block::decompress(stream, length).map_err(|e| format!("LZ4: {e}"))
 }
 
 /// BloscLZ: literals, and matches of what came before; none of what is damaged.

@@ -2,10 +2,10 @@
 
 use std::io::{Read, Seek, SeekFrom};
 
-use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use half::f16;
 
 use super::blosc;
+use super::decompress::{Broken, gzip, lz4, zlib, zstd};
 use super::number::Number;
 use crate::io::files::Reader;
 
@@ -42,9 +42,6 @@ impl Codec {
     }
 }
 
-/// What is wrong with a chunk.
-pub(super) type Broken = String;
-
 /// Bytes beside the samples that an encoding may add.
 const BESIDE: u64 = 1 << 16;
 
@@ -57,20 +54,23 @@ pub(super) fn decode(
 ) -> Result<Vec<f64>, Broken> {
     let count: usize = chunk.iter().product();
     let expected = (count * number.bytes()) as u64;
+    let most = expected + BESIDE;
     let mut bytes = bytes;
     for codec in codecs.iter().rev() {
         bytes = match codec {
-            Codec::Gzip => limited(MultiGzDecoder::new(bytes.as_slice()), expected)?,
-            Codec::Zlib => limited(ZlibDecoder::new(bytes.as_slice()), expected)?,
-            Codec::Zstd => zstd(&bytes, expected)?,
-            Codec::Blosc => blosc::decode(&bytes, expected + BESIDE)?,
+            Codec::Gzip => gzip(&bytes, most)?,
+            Codec::Zlib => zlib(&bytes, most)?,
+            Codec::Zstd => zstd(&bytes, most)?,
+            Codec::Blosc => blosc::decode(&bytes, most)?,
             Codec::Lz4 => {
                 let (length, block) = bytes.split_first_chunk().ok_or("it is too short for LZ4")?;
                 let length = u64::from(u32::from_le_bytes(*length));
-                if length > expected + BESIDE {
-                    return Err(format!("it decodes to more than {expected} bytes"));
+                if length > most {
+                    return Err(format!(
+                        "it decodes to {length} bytes, more than a chunk has"
+                    ));
                 }
-                blosc::lz4(block, length as usize)?
+                lz4(block, length as usize)?
             }
             Codec::Crc32c => checked(bytes)?,
             Codec::Bytes { is_big } => {
@@ -87,24 +87,6 @@ pub(super) fn decode(
         };
     }
     Err("its encoding is not known".into())
-}
-
-/// What a frame of zstd holds.
-pub(super) fn zstd(bytes: &[u8], expected: u64) -> Result<Vec<u8>, Broken> {
-    let decoder = ruzstd::decoding::StreamingDecoder::new(bytes);
-    limited(decoder.map_err(|e| format!("zstd: {e}"))?, expected)
-}
-
-/// All that a decoder gives, if that is no more than a chunk can have.
-pub(super) fn limited(decoder: impl Read, expected: u64) -> Result<Vec<u8>, Broken> {
-    let mut bytes = Vec::new();
-    let most = expected + BESIDE;
-    let read = decoder.take(most + 1).read_to_end(&mut bytes);
-    match read {
-        Ok(_) if bytes.len() as u64 <= most => Ok(bytes),
-        Ok(_) => Err(format!("it decodes to more than {expected} bytes")),
-        Err(error) => Err(format!("it cannot be decoded: {error}")),
-    }
 }
 
 /// Without the checksum at their end, if that is right.

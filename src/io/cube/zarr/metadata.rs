@@ -8,13 +8,11 @@ use serde_json::{Map, Value};
 use super::super::axes::Axes;
 use super::super::axes::NAME_AXES;
 use super::codecs::Codec;
+use super::json::document;
 use super::number::Number;
-use super::version_2;
+use super::version_2::{self, NUMCODECS};
 use crate::error::{Error, Result};
-use crate::io::open::open_regular;
 
-/// The longest `zarr.json` that is read, bytes.
-const LONGEST: u64 = 16 << 20;
 /// The largest chunk, bytes once decoded.
 const LARGEST_CHUNK: u64 = 1 << 30;
 /// The most axes.
@@ -86,24 +84,6 @@ impl Metadata {
     /// A number beside the array.
     pub fn number_of(&self, attribute: &str) -> Option<f64> {
         self.attributes.get(attribute)?.as_f64()
-    }
-}
-
-/// The JSON of a node.
-pub(super) fn document(file: &Path) -> Result<Map<String, Value>> {
-    use std::io::Read;
-    let (reader, length) = open_regular(file)?;
-    let invalid =
-        |what: String| Error::invalid(file, "", what, "copy the array again, or write it again");
-    if length > LONGEST {
-        return Err(invalid("it is too long to describe an array".into()));
-    }
-    let mut text = Vec::new();
-    (reader.take(LONGEST).read_to_end(&mut text)).map_err(Error::io(file, "cannot read"))?;
-    match serde_json::from_slice(&text) {
-        Ok(Value::Object(document)) => Ok(document),
-        Ok(_) => Err(invalid("it is not a JSON object".into())),
-        Err(error) => Err(invalid(format!("it is not JSON: {error}"))),
     }
 }
 
@@ -444,9 +424,6 @@ impl Reading<'_> {
         }
     }
 }
-
-/// What stands before the names of codecs that zarr-python writes beside those of the specification.
-pub(super) const NUMCODECS: &str = "numcodecs.";
 
 /// What turns bytes into bytes, by its name.
 fn compressor(name: &str) -> Option<Codec> {

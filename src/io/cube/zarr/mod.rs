@@ -7,6 +7,8 @@
 
 mod blosc;
 mod codecs;
+mod decompress;
+mod json;
 mod metadata;
 mod number;
 mod version_2;
@@ -128,7 +130,7 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
         return Ok(vec![(None, path.to_path_buf())]);
     }
     if !path.join(version_2::GROUP).is_file() {
-        let document = metadata::document(&path.join("zarr.json"))?;
+        let document = json::document(&path.join("zarr.json"))?;
         if document.get("node_type").and_then(|kind| kind.as_str()) != Some("group") {
             return Ok(vec![(None, path.to_path_buf())]);
         }
@@ -139,7 +141,7 @@ fn folders(path: &Path) -> Result<Vec<(Option<String>, PathBuf)>> {
         let folder = entry.map_err(failed())?.path();
         let file = folder.join("zarr.json");
         let is_array = || {
-            let document = metadata::document(&file).ok()?;
+            let document = json::document(&file).ok()?;
             Some(document.get("node_type")?.as_str()? == "array")
         };
         let is_array = || is_array_2(&folder) || (file.is_file() && is_array() == Some(true));

@@ -4,13 +4,16 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::metadata::{NUMCODECS, document};
+use super::json::document;
 use crate::error::{Error, Result};
 
 /// What describes an array.
 pub(super) const ARRAY: &str = ".zarray";
 /// What says that a folder is a group.
 pub(super) const GROUP: &str = ".zgroup";
+
+/// What stands before the names of codecs that zarr-python writes beside those of the specification.
+pub(super) const NUMCODECS: &str = "numcodecs.";
 
 /// How types are called here and in version 3; the first character says the order of bytes.
 const TYPES: [(&str, &str); 11] = [

@@ -173,8 +173,14 @@ impl RgbShift {
     #[inline(always)]
     pub(crate) fn apply_padded(&self, w: f64, rgb: [f64; 3]) -> [f64; 4] {
         let Some((index, rest)) = self.table.place(w) else {
-            let [r, g, b] = self.beyond(w, rgb);
-            return [r, g, b, 0.0];
+            // What is seen ahead from 0.7 c on lies here.
+            return match self.thermal(w, rgb) {
+                Some(seen) => seen,
+                None => {
+                    let [r, g, b] = self.beyond(w, rgb);
+                    [r, g, b, 0.0]
+                }
+            };
         };
         let (below, above) = (&self.table.entries[index], &self.table.entries[index + 1]);
         let mut seen = [0.0; 4];
@@ -188,13 +194,32 @@ impl RgbShift {
         seen
     }
 
+    /// What is seen of thermal continuations alone, as far as their own table goes.
+    #[inline(always)]
+    fn thermal(&self, w: f64, [r, g, b]: [f64; 3]) -> Option<[f64; 4]> {
+        if self.continuation != Continuation::Blackbody {
+            return None;
+        }
+        let (factors, colours) = THERMAL.get();
+        let [by_r, by_g, by_b] = factors[usize::from(w < 1.0)];
+        let scale = by_r * r + by_g * g + by_b * b;
+        let (index, rest) = colours.place(w)?;
+        let (below, above) = (&colours.entries[index], &colours.entries[index + 1]);
+        let mut seen = [0.0; 4];
+        for (k, seen) in seen.iter_mut().enumerate() {
+            let (a, b) = (f64::from(below[k]), f64::from(above[k]));
+            *seen = (a + (b - a) * rest) * scale;
+        }
+        Some(seen)
+    }
+
     /// M(W), rows of linear RGB.
     pub fn matrix(&self, w: f64) -> [[f64; 3]; 3] {
         let columns = [0, 1, 2].map(|k| self.apply(w, from_fn(|i| f64::from(i == k))));
         from_fn(|j| from_fn(|k| columns[k][j]))
     }
 
-    /// Where all that the observer sees is of the continuation.
+    /// Where all that the observer sees is of the continuation, and no table has it.
     #[inline(never)]
     fn beyond(&self, w: f64, rgb: [f64; 3]) -> [f64; 3] {
         // Blueshift shows what is above 830 nm.
@@ -211,13 +236,10 @@ impl RgbShift {
                 FLAT.map(|c| c * scale)
             }
             Continuation::Blackbody => {
-                let (factors, colours) = THERMAL.get();
+                let (factors, _) = THERMAL.get();
                 let factors = factors[side];
                 let scale = (0..3).fold(0.0, |sum, k| sum + factors[k] * rgb[k]);
-                let colour = match colours.at(w) {
-                    Some([r, g, b, _]) => [r, g, b],
-                    None => BLACKBODIES.get().colour(WHITE_TEMPERATURE / w),
-                };
+                let colour = BLACKBODIES.get().colour(WHITE_TEMPERATURE / w);
                 colour.map(|c| c * scale)
             }
         }

@@ -12,7 +12,9 @@
 //! interpolated bilinearly. Cell and step are 4° wide: a light that is as small as a cell is off by up to a cell's half,
 //! and max(0, cos) is interpolated to (4°)²/8 = 6·10⁻⁴ of it, so that E_F is right to 2·10⁻³ of its largest value over n
 //! (tests: 1·10⁻³ of a uniform sky up to 0.99 c). What has a spectrum of its own has its colour at W in place of W⁻ᵖ L, at
-//! each of the lookups, and a star at its own. What is in the way is taken from it by [`BoostedSky::sample`].
+//! each of the lookups, and a star at its own. What is in the way is taken from it by [`BoostedSky::sample`]. There and where light is followed, the stars of a
+//! cell shine from all of it: the mean is theirs, and no direction that is drawn meets a disc that is some thousand times as bright as what is about it. Mirrors show
+//! the discs.
 //!
 //! Directions are drawn with the cosine; where some cell sends 8 times the mean, half of the time by what the cells send
 //! in place of that, and weighed by the mean of the two densities (Veach and Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995).
@@ -24,7 +26,7 @@ use rayon::prelude::*;
 
 use super::panorama::arctan;
 use super::stars::{axes, on_cube};
-use super::{Sky, sum};
+use super::{Background, Sky, sum};
 use crate::light::Received;
 use crate::light::reflection::by_cosine;
 use crate::spacetime::{Boost, Direction, Rest, World};
@@ -46,6 +48,8 @@ pub struct BoostedSky {
     received: Received,
     /// E_F by normal.
     irradiance: Vec<[f64; 3]>,
+    /// W²⁻ᵖ L dω of the stars of each cell; empty where there are none.
+    stars: Vec<[f64; 3]>,
     /// What all cells up to each send, in parts of the whole; empty where drawing by the cosine is as good.
     cumulative: Vec<f64>,
 }
@@ -72,7 +76,7 @@ struct Beam {
 impl BoostedSky {
     /// `sky` without its sun, of whose light `received` comes to surfaces in the frame that `rest_from_world` leads to.
     pub fn new(sky: &Sky, rest_from_world: &Boost<Rest, World>, received: Received) -> Self {
-        let beams = beams(sky, rest_from_world, received);
+        let (beams, stars) = beams(sky, rest_from_world, received);
         let normals: Vec<DVec3> = normals().collect();
         // Each sum in the order of the cells, whatever the threads.
         let irradiance = normals.par_iter().map(|n| irradiance(&beams, *n)).collect();
@@ -81,6 +85,7 @@ impl BoostedSky {
             rest_from_world: *rest_from_world,
             received,
             irradiance,
+            stars,
             cumulative: cumulative(&beams),
         }
     }
@@ -108,23 +113,30 @@ impl BoostedSky {
         })
     }
 
-    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`.
+    /// L_F of light from `d`, ω_rest/ω_world of which is `rho`, without the sun; stars shine from all of their cell.
     #[inline]
     pub fn radiance(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
-        let channels = sky.without_sun(d.unit(), 0.0);
-        self.seen(sky, d, rho, channels)
+        let w = 1.0 / rho;
+        let channels = sky.background.radiance(d.unit(), 0.0);
+        let mut seen = self.received.radiance(w, channels);
+        if sky.has_spectra() {
+            seen = sum(seen, sky.spectral_background(w));
+        }
+        // Through dω_F = W² dω.
+        match self.stars.is_empty() {
+            true => seen,
+            false => {
+                let stars = self.stars[cell_of(d.unit())];
+                sum(seen, stars.map(|flux| flux * (rho * rho / CELL)))
+            }
+        }
     }
 
-    /// The same with the sun.
+    /// The same with the sun, and with stars as the discs that they are.
     #[inline]
     pub fn radiance_with_sun(&self, sky: &Sky, d: Direction<World>, rho: f64) -> [f64; 3] {
-        self.seen(sky, d, rho, sky.radiance(d.unit(), 0.0))
-    }
-
-    #[inline]
-    fn seen(&self, sky: &Sky, d: Direction<World>, rho: f64, channels: [f64; 3]) -> [f64; 3] {
         let w = 1.0 / rho;
-        let seen = self.received.radiance(w, channels);
+        let seen = self.received.radiance(w, sky.radiance(d.unit(), 0.0));
         match sky.has_spectra() {
             false => seen,
             true => sum(seen, sky.spectral(d.unit(), w)),
@@ -230,7 +242,8 @@ fn cell_of(d: DVec3) -> usize {
     (band as usize).min(BANDS - 1) * AROUND + (around as usize).min(AROUND - 1)
 }
 
-fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<Beam> {
+/// What all cells send, and the part of it that their stars do.
+fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> (Vec<Beam>, Vec<[f64; 3]>) {
     let angle = TAU / (AROUND * LOOKUPS) as f64;
     let mut radiance = vec![[0.0; 3]; AROUND * BANDS];
     for (cell, mean) in radiance.iter_mut().enumerate() {
@@ -243,14 +256,6 @@ fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<Beam>
             }
         }
     }
-    // Stars are in the cells that they lie in.
-    let stars = || sky.stars.iter().flat_map(|map| map.stars());
-    for star in stars().filter(|_| !sky.thermal_stars) {
-        let mean = &mut radiance[cell_of(star.direction)];
-        for (mean, e) in mean.iter_mut().zip(star.channels()) {
-            *mean += e / CELL;
-        }
-    }
     let beam = |(cell, radiance): (usize, [f64; 3])| {
         let (in_rest, rho) = boost.direction(Direction::from_unit(place(cell, 0.5, 0.5)));
         Beam {
@@ -259,14 +264,43 @@ fn beams(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<Beam>
         }
     };
     let mut beams: Vec<Beam> = radiance.into_iter().enumerate().map(beam).collect();
-    if sky.has_spectra() {
-        add_spectra(&mut beams, sky, boost);
+    if let Background::Spectrum(_) = sky.background {
+        add_spectrum(&mut beams, sky, boost);
     }
-    beams
+    let stars = stars(sky, boost, received);
+    for (beam, star) in beams.iter_mut().zip(&stars) {
+        beam.flux = sum(beam.flux, *star);
+    }
+    (beams, stars)
 }
 
-/// Adds W² dω times the colour at W of what has a spectrum of its own.
-fn add_spectra(beams: &mut [Beam], sky: &Sky, boost: &Boost<Rest, World>) {
+/// What the stars of each cell send; none where there are none.
+fn stars(sky: &Sky, boost: &Boost<Rest, World>, received: Received) -> Vec<[f64; 3]> {
+    let Some(map) = &sky.stars else {
+        return Vec::new();
+    };
+    let ratio = |d: DVec3| 1.0 / boost.direction(Direction::from_unit(d)).1;
+    let mut cells = vec![[0.0; 3]; AROUND * BANDS];
+    for star in map.stars() {
+        let at = cell_of(star.direction);
+        let flux = match sky.thermal_stars {
+            true => {
+                let w = ratio(star.direction);
+                star.colour(w).map(|c| c * w * w)
+            }
+            // As what the middle of their cell sends.
+            false => {
+                let radiance = star.channels().map(|e| e / CELL);
+                received.irradiance(ratio(place(at, 0.5, 0.5)), radiance, CELL)
+            }
+        };
+        cells[at] = sum(cells[at], flux);
+    }
+    cells
+}
+
+/// Adds W² dω times the colour at W of a background that has a spectrum of its own.
+fn add_spectrum(beams: &mut [Beam], sky: &Sky, boost: &Boost<Rest, World>) {
     let ratio = |d: DVec3| 1.0 / boost.direction(Direction::from_unit(d)).1;
     beams.par_iter_mut().enumerate().for_each(|(cell, beam)| {
         for k in 0..LOOKUPS * LOOKUPS {
@@ -277,12 +311,6 @@ fn add_spectra(beams: &mut [Beam], sky: &Sky, boost: &Boost<Rest, World>) {
             beam.flux = sum(beam.flux, seen);
         }
     });
-    let stars = sky.stars.iter().flat_map(|map| map.stars());
-    for star in stars.filter(|_| sky.thermal_stars) {
-        let w = ratio(star.direction);
-        let beam = &mut beams[cell_of(star.direction)];
-        beam.flux = sum(beam.flux, star.colour(w).map(|c| c * w * w));
-    }
 }
 
 fn irradiance(beams: &[Beam], n: DVec3) -> [f64; 3] {
@@ -328,7 +356,9 @@ fn cumulative(beams: &[Beam]) -> Vec<f64> {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use super::super::{Star, StarMap};
     use super::*;
+    use crate::colour::{Continuation, RgbShift};
     use crate::scene::model;
     use crate::spacetime::{Quantity, Velocity};
 
@@ -410,6 +440,54 @@ mod tests {
                 }
                 let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[0]);
                 assert!((mean - e).abs() < 5e-3 * e, "{beta} {n}: {mean} {e}");
+            }
+        }
+    }
+
+    /// Discs of stars are met by a few of a million directions, and are as much brighter than what is about them: no sum of some draws would have
+    /// their light.
+    #[test]
+    fn stars_light_surfaces_without_noise() {
+        let direction = |k: u32| {
+            let height = 1.0 - (2.0 * f64::from(k) + 1.0) / 400.0;
+            let (sine, cosine) = libm::sincos(2.4 * f64::from(k));
+            let across = (1.0 - height * height).sqrt();
+            DVec3::new(sine * across, height, cosine * across)
+        };
+        let stars: Vec<_> = (0..400)
+            .map(|k| Star::new(direction(k), 4000.0, 1e-3))
+            .collect();
+        for is_thermal in [false, true] {
+            let sky = Sky {
+                background: Background::Uniform([0.0; 3]),
+                sun: None,
+                stars: Some(StarMap::new(stars.clone(), 1e-3)),
+                thermal_stars: is_thermal,
+            };
+            for beta in [0.0, 0.8] {
+                let received = match is_thermal {
+                    true => Received::Rgb(RgbShift::of(Continuation::Blackbody)),
+                    false => Received::Scaled(Quantity::Integrated),
+                };
+                let boosted = BoostedSky::new(&sky, &boost(beta), received);
+                let n = DVec3::new(0.6, 0.0, -0.8);
+                // No multiple of the stars, whose cells would be met at their edges.
+                let (count, mut sum, mut most) = (463, 0.0, 0.0f64);
+                for k in 0..count * count {
+                    let at = |k: usize| (k as f64 + 0.5) / count as f64;
+                    if let Some(s) = boosted.sample(n, [at(k % count), at(k / count)]) {
+                        let radiance = boosted.radiance(&sky, s.d, s.rho)[1];
+                        let drawn = radiance * n.dot(s.in_rest) / s.density;
+                        sum += drawn;
+                        most = most.max(drawn);
+                    }
+                }
+                let (mean, e) = (sum / (count * count) as f64, boosted.irradiance(n)[1]);
+                assert!(
+                    (mean - e).abs() < 0.03 * e,
+                    "{is_thermal} {beta}: {mean} {e}"
+                );
+                assert!(most < 100.0 * e, "{is_thermal} {beta}: {most} {e}");
             }
         }
     }

@@ -181,7 +181,7 @@ impl Sky {
 
     /// The same without the sun, which lights surfaces as a lamp does.
     #[inline]
-    pub fn without_sun(&self, d: DVec3, angle: f64) -> [f64; 3] {
+    fn without_sun(&self, d: DVec3, angle: f64) -> [f64; 3] {
         let background = self.background.radiance(d, angle);
         match self.stars.as_ref().filter(|_| !self.thermal_stars) {
             None => background,

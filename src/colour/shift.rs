@@ -203,12 +203,9 @@ impl RgbShift {
         let (factors, colours) = THERMAL.get();
         let [by_r, by_g, by_b] = factors[usize::from(w < 1.0)];
         let scale = by_r * r + by_g * g + by_b * b;
-        let (index, rest) = colours.place(w)?;
-        let (below, above) = (&colours.entries[index], &colours.entries[index + 1]);
-        let mut seen = [0.0; 4];
-        for (k, seen) in seen.iter_mut().enumerate() {
-            let (a, b) = (f64::from(below[k]), f64::from(above[k]));
-            *seen = (a + (b - a) * rest) * scale;
+        let mut seen = colours.at(w)?;
+        for seen in &mut seen {
+            *seen *= scale;
         }
         Some(seen)
     }

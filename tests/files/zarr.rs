@@ -112,8 +112,7 @@ fn blosc_and_version_2_are_read() {
     );
 }
 
-/// No byte of a chunk can be changed, and no part of it be missing, so that it is read as something that was not written: what is
-/// read is what a damaged chunk decodes to, or a refusal.
+/// Chunks with a changed byte, and chunks that are cut off: most are refused, the others are read as what they decode to.
 #[test]
 fn damaged_blosc_is_refused_or_read_without_a_panic() {
     let folder = tempfile::tempdir().unwrap();

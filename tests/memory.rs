@@ -12,6 +12,8 @@ use std::sync::Mutex;
 
 use nullray::approximate::raster::{self, Method};
 use nullray::io::image::{Channel, Layers, Samples};
+use nullray::render::aov::Aov;
+use nullray::render::bake::{self, Bins, Coordinates, Surface};
 use nullray::render::plan::{Plan, Request};
 use nullray::render::prepare::{Light, Prepared};
 use nullray::render::progress::Silent;
@@ -150,6 +152,40 @@ fn pictures_of_rasterizers_and_warps_take_what_their_plan_says() {
         assert!(taken <= planned, "{method}: {taken} of {planned}");
         assert!(planned <= 3 * taken, "{method}: {taken} of {planned}");
     }
+}
+
+#[test]
+fn charts_that_all_cover_the_same_texels_are_refused_before_they_are_listed_by_texel() {
+    let _alone = ALONE.lock();
+    let camera = "[camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\n";
+    let lattice = "{ lattice = { cells = [4, 4, 4], spacing = 1, bar = 0.1 } }";
+    let lamp = "[[light]]\nposition = [0, 9, 9]\nemission = { gaussian = { sigma = \"5 cm\" } }\n";
+    let text = camera.to_string() + &object(0, lattice, 0.0) + lamp;
+    let scene = parse(&text, "memory", Path::new(""), &Overrides::default()).unwrap();
+    let request = Request {
+        aovs: vec![Aov::UvU],
+        ..Request::default()
+    };
+    let plan = Plan::new(&scene, &request).unwrap();
+    let prepared = Prepared::new(&scene, &plan, &Silent).unwrap();
+    let surface = Surface {
+        object: 0,
+        coordinates: Coordinates::Set(0),
+        size: [128, 128],
+    };
+    let bins = Bins {
+        start: 0.0,
+        width: 1.0,
+        count: 1,
+    };
+    let mut baked = Ok(());
+    let peak = counting::peak_of(|| {
+        let cube = bake::surface_cube(&scene, &prepared, &surface, &bins, None, &Silent);
+        baked = cube.map(drop);
+    });
+    assert!(baked.unwrap_err().to_string().contains("charts overlap"));
+    // Lists of all triangles for each texel would take a hundred times as much.
+    assert!(peak < 4 << 20, "{peak}");
 }
 
 #[test]

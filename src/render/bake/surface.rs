@@ -1,5 +1,7 @@
 //! The cube of the surface of an object.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
@@ -51,7 +53,7 @@ pub fn surface_cube(
 ) -> Result<Baked> {
     check(scene)?;
     let paths = paths(scene, prepared)?;
-    let charts = Charts::new(scene, paths.rest, surface)?;
+    let charts = Charts::new(scene, paths.rest, surface, prepared.memory_left)?;
     let [width, height] = surface.size.map(|n| n as usize);
     // A row of texels is the part that a journal keeps, and that threads share out.
     let row = width * bins.count * 3;
@@ -115,8 +117,8 @@ struct ChartTriangle {
 }
 
 impl<'a> Charts<'a> {
-    /// The triangles of the object, laid into its texture, and for each texel those that touch it.
-    fn new(scene: &'a Scene, rest: &RestFrame, surface: &Surface) -> Result<Self> {
+    /// The triangles of the object, laid into its texture, and for each texel those that touch it, within so many bytes.
+    fn new(scene: &'a Scene, rest: &RestFrame, surface: &Surface, memory: u64) -> Result<Self> {
         let object = scene.objects[surface.object].name.as_str();
         let size = surface.size.map(|n| n as usize);
         let mut charts = Charts {
@@ -136,6 +138,10 @@ impl<'a> Charts<'a> {
         if surface.coordinates == Coordinates::Atlas {
             charts.atlas = Some(charts.made(rest, &slots, surface.size)?);
         }
+        let mut added = Added {
+            centres: vec![false; size[0] * size[1]],
+            left: memory,
+        };
         for slot in slots {
             let (triangle, _) = rest.bvh.triangle(slot);
             let patch = rest.patch(triangle);
@@ -150,7 +156,7 @@ impl<'a> Charts<'a> {
                     corners.map(|uv| Vec2::from(uv).as_dvec2())
                 }
             };
-            charts.add(corners, [triangle, slot]);
+            charts.add(corners, [triangle, slot], &mut added)?;
         }
         Ok(charts)
     }
@@ -218,25 +224,56 @@ impl<'a> Charts<'a> {
     }
 
     /// Adds a triangle by the coordinates of its corners.
-    fn add(&mut self, corners: [DVec2; 3], [triangle, slot]: [u32; 2]) {
+    ///
+    /// # Errors
+    /// One that lies on another at the centre of a texel: most overlaps are found here, before any light is followed. More memory
+    /// than is left.
+    fn add(
+        &mut self,
+        corners: [DVec2; 3],
+        [triangle, slot]: [u32; 2],
+        added: &mut Added,
+    ) -> Result<()> {
         let scale = DVec2::new(self.size[0] as f64, self.size[1] as f64);
-        let corners = corners.map(|uv| uv * scale);
-        let index = self.triangles.len() as u32;
-        let low = corners[0].min(corners[1]).min(corners[2]);
-        let high = corners[0].max(corners[1]).max(corners[2]);
-        let span = |low: f64, high: f64, size: usize| {
-            low.max(0.0) as usize..(high.max(0.0) as usize + 1).min(size)
-        };
-        for i in span(low.y, high.y, self.size[1]) {
-            for j in span(low.x, high.x, self.size[0]) {
-                self.texels[i * self.size[0] + j].push(index);
-            }
-        }
-        self.triangles.push(ChartTriangle {
+        let triangle = ChartTriangle {
             triangle,
             slot,
-            corners,
-        });
+            corners: corners.map(|uv| uv * scale),
+        };
+        let index = self.triangles.len() as u32;
+        for (i, columns) in triangle.reaches(self.size) {
+            // Lists grow by doubling.
+            let bytes = 2 * size_of::<u32>() as u64 * columns.len() as u64;
+            let Some(left) = added.left.checked_sub(bytes) else {
+                let what = "its charts reach so many texels that lists of them take more memory than the limit leaves";
+                let help = "fewer texels, or a higher limit (--max-memory)";
+                return Err(self.refuse(what.into(), help));
+            };
+            added.left = left;
+            for j in columns {
+                let texel = i * self.size[0] + j;
+                self.texels[texel].push(index);
+                let centre = DVec2::new(j as f64 + 0.5, i as f64 + 0.5);
+                if triangle.barycentric(centre).is_some_and(is_inside)
+                    && std::mem::replace(&mut added.centres[texel], true)
+                {
+                    return Err(self.overlap(2, centre));
+                }
+            }
+        }
+        self.triangles.push(triangle);
+        Ok(())
+    }
+
+    /// The refusal of charts of which so many triangles share a point, in texels.
+    fn overlap(&self, triangles: u32, point: DVec2) -> Error {
+        let what = format!(
+            "its charts overlap: {triangles} triangles share the texture coordinates ({:.4}, {:.4})",
+            point.x / self.size[0] as f64,
+            point.y / self.size[1] as f64
+        );
+        let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
+        self.refuse(what, help)
     }
 
     /// The place of the surface at a point of the texture, in texels.
@@ -252,17 +289,10 @@ impl<'a> Charts<'a> {
             if least >= 0.0 {
                 found = found.or(Some(place(triangle.triangle, triangle.slot, [u, v])));
             }
-            // Points on a shared edge are in both triangles; charts overlap only where a point is inside two by more than rounding.
-            inside += u32::from(least > 1e-6);
+            inside += u32::from(is_inside([u, v]));
         }
         if inside > 1 {
-            let what = format!(
-                "its charts overlap: {inside} triangles share the texture coordinates ({:.4}, {:.4})",
-                point.x / self.size[0] as f64,
-                point.y / self.size[1] as f64
-            );
-            let help = "--atlas, which makes coordinates; a mesh that has its own for every place; or --camera";
-            return Err(self.refuse(what, help));
+            return Err(self.overlap(inside, point));
         }
         Ok(found)
     }
@@ -327,7 +357,52 @@ fn place(triangle: u32, slot: u32, [u, v]: [f64; 2]) -> Hit {
     }
 }
 
+/// Whether a point of these weights is in a triangle by more than rounding: points on a shared edge are in both triangles, and charts
+/// overlap only where a point is inside two.
+fn is_inside([u, v]: [f64; 2]) -> bool {
+    u.min(v).min(1.0 - u - v) > 1e-6
+}
+
+/// What was added to charts so far.
+struct Added {
+    /// By texel, whether its centre is inside a triangle.
+    centres: Vec<bool>,
+    /// Bytes that are left.
+    left: u64,
+}
+
 impl ChartTriangle {
+    /// The rows of texels that it reaches, and of each the columns: those between the ends of what the row has of its edges.
+    fn reaches(&self, size: [usize; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
+        // Points that rounding puts inside lie no farther away, texels.
+        const MARGIN: f64 = 1e-6;
+        let corners = self.corners;
+        let span = |low: f64, high: f64, size: usize| {
+            (low - MARGIN).max(0.0) as usize..((high + MARGIN).max(0.0) as usize + 1).min(size)
+        };
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        span(low.y, high.y, size[1]).map(move |i| {
+            let [from, to] = [i as f64 - MARGIN, i as f64 + 1.0 + MARGIN];
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (k, p) in corners.into_iter().enumerate() {
+                let q = corners[(k + 1) % 3];
+                if p.y.max(q.y) < from || p.y.min(q.y) > to {
+                    continue;
+                }
+                for end in [p, q] {
+                    let y = end.y.clamp(from, to);
+                    let x = match y == end.y {
+                        true => end.x,
+                        false => p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y)),
+                    };
+                    (left, right) = (left.min(x), right.max(x));
+                }
+            }
+            (i, span(left, right, size[0]))
+        })
+    }
+
     /// The weights of the second and third corner at a point; none where the triangle has no area on the texture.
     fn barycentric(&self, point: DVec2) -> Option<[f64; 2]> {
         let [a, b, c] = self.corners;
@@ -363,5 +438,62 @@ fn fill_gutters(
             }
             covered[texel] = true;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from 0 to 1 that look random: a linear congruential generator.
+    fn random() -> impl FnMut() -> f64 {
+        let mut state = 1u64;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    #[test]
+    fn a_triangle_reaches_every_texel_that_has_a_point_of_it_and_few_others() {
+        let mut random = random();
+        let size = [40, 30];
+        let mut listed = 0;
+        for k in 0..200 {
+            let mut corner = || DVec2::new(40.0 * random(), 30.0 * random());
+            let [a, b, mut c] = [corner(), corner(), corner()];
+            // Every other one is a sliver.
+            if k % 2 == 0 {
+                c = a.lerp(b, 0.3) + 1e-3 * (c - a);
+            }
+            let triangle = ChartTriangle {
+                triangle: 0,
+                slot: 0,
+                corners: [a, b, c],
+            };
+            let mut reached = vec![false; size[0] * size[1]];
+            for (i, columns) in triangle.reaches(size) {
+                listed += columns.len();
+                columns.for_each(|j| reached[i * size[0] + j] = true);
+            }
+            for _ in 0..1000 {
+                let (u, v) = (random(), random());
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
+                let point = a + u * (b - a) + v * (c - a);
+                assert!(
+                    reached[point.y as usize * size[0] + point.x as usize],
+                    "{point}"
+                );
+            }
+        }
+        // Half of them are 1/13 of a rectangle of 40 × 30 on average, the others lines about 18 texels long: with edges, fewer than
+        // 160 and 40 texels. The rectangles around them have 133.
+        assert!(listed < 100 * (160 + 40), "{listed}");
     }
 }

@@ -85,6 +85,14 @@ pub fn run(arguments: &BakeArguments) -> Result<()> {
             if journal.found() > 0 {
                 say(quiet, &format!("resuming {}\n", job.path.display()))?;
             }
+            if journal.forgot() {
+                let name = job.unfinished();
+                let text = format!(
+                    "{} held parts of another bake (other options or another scene), and is begun anew",
+                    name.display()
+                );
+                warn(quiet, &[text])?;
+            }
             let kept = Some(&journal);
             let baked = match &job.surface {
                 None => bake::camera_cube(&scene, &prepared, &bins, kept, &bar)?,

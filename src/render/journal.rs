@@ -24,6 +24,7 @@ pub struct Journal {
     path: PathBuf,
     file: Mutex<File>,
     found: Found,
+    forgot: bool,
 }
 
 /// By index of a part, where its bytes lie, and how many.
@@ -33,7 +34,7 @@ impl Journal {
     /// Opens the file of the work of this fingerprint; parts of any other are forgotten.
     ///
     /// # Errors
-    /// I/O errors, and a file at which another process is working.
+    /// I/O errors, a file at which another process is working, and one that is no journal.
     pub fn open(path: &Path, fingerprint: &[u8; FINGERPRINT]) -> Result<Journal> {
         let failed = || Error::io(path, "cannot write");
         let mut options = OpenOptions::new();
@@ -48,7 +49,18 @@ impl Journal {
                 "wait for it, or write elsewhere",
             ));
         }
+        if !is_journal(&mut file).map_err(failed())? {
+            let what = "this is no file of finished parts, and would be written over";
+            return Err(Error::invalid(
+                path,
+                "",
+                what,
+                "remove it, or write elsewhere",
+            ));
+        }
         let (found, end) = scan(&mut file, fingerprint).map_err(failed())?;
+        let head = (FORMAT.len() + FINGERPRINT) as u64;
+        let forgot = end == 0 && file.metadata().map_err(failed())?.len() > head;
         file.set_len(end).map_err(failed())?;
         file.seek(SeekFrom::Start(end)).map_err(failed())?;
         if end == 0 {
@@ -59,12 +71,18 @@ impl Journal {
             path: path.into(),
             file: Mutex::new(file),
             found,
+            forgot,
         })
     }
 
     /// How many parts were there.
     pub fn found(&self) -> usize {
         self.found.len()
+    }
+
+    /// Whether there were parts of other work, which are forgotten.
+    pub fn forgot(&self) -> bool {
+        self.forgot
     }
 
     /// The bytes of a part that was there.
@@ -112,6 +130,14 @@ impl Journal {
     pub fn remove(self) -> Result<()> {
         std::fs::remove_file(&self.path).map_err(Error::io(&self.path, "cannot remove"))
     }
+}
+
+/// Whether `file` is empty or begins as journals do, as far as it goes.
+fn is_journal(file: &mut File) -> io::Result<bool> {
+    let mut line = Vec::new();
+    file.take(FORMAT.len() as u64).read_to_end(&mut line)?;
+    file.rewind()?;
+    Ok(FORMAT.starts_with(&line))
 }
 
 /// The whole parts in `file`, if they are of this work, and where they end.
@@ -200,8 +226,20 @@ mod tests {
         assert_eq!(Journal::open(&path, &[1; 32]).unwrap().found(), 0);
         std::fs::write(&path, &whole).unwrap();
         let other = Journal::open(&path, &[2; 32]).unwrap();
-        assert_eq!(other.found(), 0);
+        assert!(other.found() == 0 && other.forgot());
         other.remove().unwrap();
         assert!(!path.exists());
+        // Nothing that is not ours is written over.
+        for text in [
+            "notes",
+            "notes that are longer than the first line of a journal",
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let error = Journal::open(&path, &[1; 32]).unwrap_err();
+            assert!(error.to_string().contains("written over"), "{error}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        std::fs::write(&path, &FORMAT[..7]).unwrap();
+        assert_eq!(Journal::open(&path, &[1; 32]).unwrap().found(), 0);
     }
 }

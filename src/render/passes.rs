@@ -217,7 +217,7 @@ impl Passes {
     /// Goes on from the sums in `path`; false, with nothing changed, where they are of something else, and where there is no such file.
     ///
     /// # Errors
-    /// A file that is damaged; I/O errors.
+    /// A file that is damaged, or no file of passes; I/O errors.
     pub fn resume(&mut self, path: &Path, fingerprint: &[u8; DIGEST]) -> Result<bool> {
         let file = match std::fs::File::open(path) {
             Ok(file) => file,
@@ -232,9 +232,22 @@ impl Passes {
             io::ErrorKind::UnexpectedEof => damaged(path),
             _ => Error::io(path, "cannot read")(error),
         };
-        let mut head = [0; FORMAT.len() + DIGEST];
-        reader.read_exact(&mut head).map_err(failed)?;
-        if !head.starts_with(FORMAT) || !head.ends_with(fingerprint) {
+        let mut head = Vec::new();
+        let length = (FORMAT.len() + DIGEST) as u64;
+        (&mut reader)
+            .take(length)
+            .read_to_end(&mut head)
+            .map_err(failed)?;
+        if !head.starts_with(FORMAT) {
+            let what = "this is no file of finished passes, and would be written over";
+            return Err(Error::invalid(
+                path,
+                "",
+                what,
+                "remove it, or write elsewhere",
+            ));
+        }
+        if head.len() as u64 == length && !head.ends_with(fingerprint) {
             return Ok(false);
         }
         let (done, mean) = self.read_sums(&mut reader).map_err(failed)?;

@@ -196,6 +196,12 @@ fn passes_that_are_taken_up_again_have_the_bits_of_those_that_were_not_stopped()
         }
         std::fs::write(&path, &bytes[..bytes.len() - 40]).unwrap();
         assert!(stopped.resume(&path, &[7; 32]).is_err());
+        // Nor is anything else written over.
+        for text in ["notes", &"notes that are long ".repeat(5)] {
+            std::fs::write(&path, text).unwrap();
+            let error = stopped.resume(&path, &[7; 32]).unwrap_err().to_string();
+            assert!(error.contains("written over"), "{error}");
+        }
     }
 }
 

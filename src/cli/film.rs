@@ -17,6 +17,14 @@ use super::progress::Bar;
 use super::stats::{Account, Preparation};
 use super::{inputs, interrupt, overlay, remarks, say, warn};
 
+/// What one scene needs. Everything that can be refused before anything heavy is loaded is refused here.
+pub fn check_one(scene: &Scene, request: &Request, outputs: &Outputs) -> Result<Plan> {
+    let plan = outputs.method.plan(scene, request)?;
+    overlay::check(outputs, scene)?;
+    check_all([outputs.clone()], &inputs::of(scene, &plan))?;
+    Ok(plan)
+}
+
 /// Renders one scene to its outputs; prints what was written unless `quiet`, and notes the cost on `account`.
 pub fn one(
     scene: &Scene,
@@ -25,9 +33,7 @@ pub fn one(
     quiet: bool,
     account: Option<&mut Account>,
 ) -> Result<()> {
-    let plan = outputs.method.plan(scene, request)?;
-    overlay::check(outputs, scene)?;
-    check_all([outputs.clone()], &inputs::of(scene, &plan))?;
+    let plan = check_one(scene, request, outputs)?;
     let mut rendered = film(scene, &plan, &outputs.method, quiet, account)?;
     let times = times(outputs, scene, &mut rendered.prepared, quiet)?;
     outputs.write(scene, &rendered.film, times.as_ref(), quiet)?;

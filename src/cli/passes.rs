@@ -26,26 +26,37 @@ const LEAST_BETWEEN: f64 = 1.0;
 /// For how many passes trees are built: how many there will be is not known before.
 const USUAL_PASSES: u64 = 16;
 
-/// Renders one scene to its outputs in passes.
-pub fn one(
+/// What passes of one scene need, all as they are asked for. Everything that can be refused before anything heavy is loaded is refused here.
+pub fn check_one(
     scene: &Scene,
     mut request: Request,
     outputs: &Outputs,
-    wanted: PassArguments,
-    quiet: bool,
-) -> Result<()> {
-    let began = Instant::now();
+) -> Result<(Request, Plan)> {
     // The sums of the passes count as memory beside the scene, so the plan is made twice.
     let layout = Plan::new(scene, &request)?.film;
     request.beside = request.beside.saturating_add(passes::bytes(&layout));
     request.pictures = USUAL_PASSES;
     let plan = Plan::new(scene, &request)?;
     overlay::check(outputs, scene)?;
+    // No output may overwrite an input or another output.
     let read = inputs::of(scene, &plan);
     check_all([outputs.clone()], &read)?;
-    // Refused before anything is loaded: outputs that would overwrite inputs or each other.
+    check_beside(&sums_of(outputs), outputs, &read)?;
+    Ok((request, plan))
+}
+
+/// Renders one scene to its outputs in passes.
+pub fn one(
+    scene: &Scene,
+    request: Request,
+    outputs: &Outputs,
+    wanted: PassArguments,
+    quiet: bool,
+) -> Result<()> {
+    let began = Instant::now();
+    let (request, plan) = check_one(scene, request, outputs)?;
+    let read = inputs::of(scene, &plan);
     let sums = sums_of(outputs);
-    check_beside(&sums, outputs, &read)?;
     let inputs = Inputs::read(read.get(1..).unwrap_or_default());
     let identity = Identity::new(scene, &request, outputs, &inputs);
     let fingerprint = identity.of_sums(&format!("passes {:?}", wanted.error));
@@ -107,6 +118,13 @@ impl Work<'_> {
             let text = format!("resuming after pass {}\n", self.passes.done());
             say(self.quiet, &text)?;
         } else {
+            if self.sums.exists() {
+                let text = format!(
+                    "{} holds passes of another picture (other options or another scene), and is begun anew",
+                    self.sums.display()
+                );
+                warn(self.quiet, &[text])?;
+            }
             // What was read of another's sums is forgotten.
             self.passes = Passes::new(prepared, self.wanted.error);
         }

@@ -13,7 +13,7 @@ use nullray::{Error, Result};
 use super::args::{Changes, FrameArguments, RenderArguments};
 use super::check::{check_all, check_statistics};
 use super::failure::refused;
-use super::film::{in_pool, one};
+use super::film::{check_one, in_pool, one};
 use super::frames::{self, Frames, Job};
 use super::names::{named_after, numbered, suffixed};
 use super::output::{Kind, Outputs, extension};
@@ -200,10 +200,15 @@ fn check_caption(arguments: &RenderArguments, outputs: &Outputs, films: &[PathBu
             "add a picture or a film: -o FILE.png or -o FILE.apng",
         ));
     }
-    match &outputs.caption {
-        Some(words) => RichText::plain(words)?.width(1.0).map(|_| ()),
-        None => Ok(()),
-    }
+    check_words(outputs.caption.as_deref())
+}
+
+/// Refuses characters that cannot be set beneath a picture.
+fn check_words(caption: Option<&str>) -> Result<()> {
+    let Some(words) = caption else {
+        return Ok(());
+    };
+    RichText::plain(words)?.width(1.0).map(|_| ())
 }
 
 /// The scene file that is named, or that a model stands for.
@@ -320,6 +325,8 @@ fn all_panels(
             false => outputs.renamed(|path| suffixed(path, &panel.name)),
         };
         outputs.show = panel.show;
+        outputs.caption = caption(arguments, &scene);
+        check_words(outputs.caption.as_deref())?;
         jobs.push((request(arguments, &outputs, &scene), scene, outputs));
     }
     let mut read = Vec::new();
@@ -327,6 +334,13 @@ fn all_panels(
         read.extend(inputs::of(scene, &Plan::new(scene, request)?));
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
+    // No panel is rendered before all are known to be possible.
+    for (request, scene, outputs) in &jobs {
+        match arguments.passes.given() {
+            Some(_) => passes::check_one(scene, request.clone(), outputs).map(drop)?,
+            None => check_one(scene, request, outputs).map(drop)?,
+        }
+    }
     for (request, scene, outputs) in &jobs {
         let quiet = arguments.work.quiet.on;
         match arguments.passes.given() {
@@ -348,10 +362,15 @@ fn outputs(arguments: &RenderArguments, scene: &Scene) -> Outputs {
         step: step.map(|time| time.metres(scene.speed_of_light)),
         aovs: arguments.channels.list(),
         half: arguments.half,
-        caption: arguments.caption.clone().or_else(|| scene.caption.clone()),
+        caption: caption(arguments, scene),
         method: arguments.method.method,
         ..Outputs::default()
     }
+}
+
+/// The words beneath pictures of `scene`, which may be a panel with words of its own.
+fn caption(arguments: &RenderArguments, scene: &Scene) -> Option<String> {
+    arguments.caption.clone().or_else(|| scene.caption.clone())
 }
 
 /// What `-o` says, or the scene's name with .png.

@@ -361,3 +361,54 @@ fn info_lists_the_panels() {
     let json: Value = serde_json::from_str(&folder.ok(&["info", "figure.toml", "--json"])).unwrap();
     assert_eq!(json["panels"][1], "later");
 }
+
+#[test]
+fn a_panel_that_cannot_be_made_is_refused_before_any_is_rendered() {
+    let folder = Folder::empty();
+    let two = |set: &str| {
+        format!("{SMALL}[[panel]]\nname = \"a\"\n[[panel]]\nname = \"b\"\nset = {{ {set} }}\n")
+    };
+    for (set, options, words) in [
+        ("display.caption = \"\\u4e00\"", &[][..], "no character"),
+        (
+            "display.caption = \"\\u4e00\"",
+            &["--passes", "2"],
+            "no character",
+        ),
+        // Of rasterizers: a shutter that is open for a while.
+        (
+            "camera.shutter = { duration = \"1 m\" }",
+            &["--method", "raster:none"],
+            "shutter",
+        ),
+        (
+            "camera.size = [4000, 4000]",
+            &["--max-memory", "1100MiB", "--passes", "2"],
+            "memory",
+        ),
+    ] {
+        folder.write("figure.toml", two(set));
+        let arguments = [&["render", "figure.toml", "-o", "f.png"], options].concat();
+        refused(&folder, &arguments, &[words]);
+        assert_eq!(folder.names(), ["figure.toml"], "{set}");
+    }
+}
+
+#[test]
+fn a_panel_has_a_caption_of_its_own() {
+    let folder = Folder::empty();
+    let panels = "[[panel]]\nname = \"a\"\n[[panel]]\nname = \"b\"\nset = { display.caption = \"its own words\" }\n";
+    folder.write("figure.toml", format!("{SMALL}{panels}"));
+    folder.ok(&["render", "figure.toml", "-o", "f.png"]);
+    let of_panel = folder.read("f-b.png");
+    let set = ["--set", "display.caption=\"its own words\""];
+    let alone = [
+        &["render", "figure.toml", "--panel", "a", "-o", "g.png"],
+        &set[..],
+    ]
+    .concat();
+    folder.ok(&alone);
+    let height = |bytes: &[u8]| u32::from_be_bytes(bytes[20..24].try_into().unwrap());
+    assert_eq!(height(&of_panel), height(&folder.read("g.png")));
+    assert!(height(&of_panel) > height(&folder.read("f-a.png")));
+}

@@ -199,12 +199,16 @@ impl<'a> Work<'a> {
         let bins = kept[2].len() + largest;
         // Shifted data end in the dark, so that bins may be added; others are not cut or added to silently.
         if !bins.is_multiple_of(merge) && changes.shift.is_none() {
-            let what = format!("{bins} bins cannot be merged by {merge}");
-            let help = format!(
-                "keep a multiple of {merge}, like --bins {}:{}",
-                kept[2].start,
-                kept[2].end - bins % merge
-            );
+            let plural = if bins == 1 { "" } else { "s" };
+            let what = format!("{bins} bin{plural} cannot be merged by {merge}");
+            let help = match bins < merge {
+                true => format!("merge at most {bins}"),
+                false => format!(
+                    "keep a multiple of {merge}, like --bins {}:{}",
+                    kept[2].start,
+                    kept[2].end - bins % merge
+                ),
+            };
             return Err(Error::invalid(from, "", what, help));
         }
         Ok(Work {

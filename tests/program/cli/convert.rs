@@ -255,6 +255,10 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
             "90 bins cannot be merged by 4",
         ),
         (
+            &["-o", "a.npy", "--bins", "7:8", "--merge", "2"],
+            "merge at most 1",
+        ),
+        (
             &["-o", "a.npy", "--to-axes", "W H T"],
             "row by row or bin by bin",
         ),

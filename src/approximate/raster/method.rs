@@ -86,6 +86,7 @@ impl FromStr for Method {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        // KIND:WAY[=VALUE][,OPTION]…
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
         let mut words = rest.split(',').map(str::trim);
         let first = words.next().unwrap_or("");
@@ -115,6 +116,7 @@ fn raster(text: &str) -> Result<Method, String> {
 
 fn positive(text: &str, key: &str, what: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
+    // NaN is in no range.
     let number = number.filter(|x| (1e-9..=1e9).contains(x));
     number.ok_or_else(|| format!("{key}={text}: give {what}, a number from 1e-9 to 1e9"))
 }
@@ -129,6 +131,7 @@ fn warp(text: &str) -> Result<Method, String> {
         }
         _ => return Err(format!("\"warp:{text}\" is not a method; {FORMS}")),
     };
+    // Sides up to 65,536 keep products in u64.
     if map.texels() > MOST_TEXELS {
         let all = map.texels();
         return Err(format!(

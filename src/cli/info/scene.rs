@@ -27,6 +27,7 @@ pub fn info(path: &Path) -> Result<Info> {
         info.row("sky", self::sky(sky));
     }
     info.list("source", &scene.sources, |s| source(&scene, s));
+    // Headers of files alone; one that cannot be read is a row, not an error: the scene may still be worked on.
     for source in scene.sources.iter().take(super::MOST) {
         if let SourceKind::Cube(cube) = &source.kind {
             cube_rows(&mut info, &source.name, cube);
@@ -241,6 +242,7 @@ fn settings(info: &mut Info, scene: &Scene) {
         _ => scene.quantity.to_string(),
     };
     info.row("radiance", radiance);
+    // What is as in nature has no row.
     let effects = scene.effects;
     let all = [
         ("aberration", effects.aberration),
@@ -292,6 +294,7 @@ fn data(info: &mut Info, scene: &Scene) {
         };
         json!({ "name": o.name, "file": file, "velocity": camera::velocity(o.velocity) })
     });
+    // Scripts read these keys: they do not follow the words of the rows.
     let sources = scene.sources.iter().map(|s| {
         let file = match &s.kind {
             SourceKind::Cube(cube) => json!(path(cube)),

@@ -116,12 +116,14 @@ impl Draft {
         let (part, least, most) = EM;
         let em = (part * f64::from(widest)).clamp(least, most);
         let count = panels.len() as u32;
+        // The fewest columns of which as many rows have room for all panels.
         let nearly_square = || (1..count).find(|n| n * n >= count).unwrap_or(count);
         let columns = options.columns.unwrap_or_else(nearly_square);
         let columns = columns.clamp(1, count);
         let (labels, width) = labels(panels, widest, em)?;
         let slots = slots(panels, columns);
         let space = (SPACE * em).round() as u32;
+        // Each row is as high as its own highest picture and longest label.
         let heights = panels.iter().zip(&labels).zip(&slots);
         let heights = heights.map(|((panel, label), [row, _])| {
             let label = height_of(label.len(), em);
@@ -150,6 +152,7 @@ impl Draft {
     }
 
     fn place(self, panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
+        // No word of the title is broken: one that is wider than all cells makes the page wider, and the cells stay in its middle.
         let [across, down] = self.extent();
         let size = TITLE * self.em;
         let title = options.title.as_deref().unwrap_or("");
@@ -157,6 +160,7 @@ impl Draft {
         let title = broken(title, size, content)?;
         let above = u64::from(height_of(title.len(), size));
         let margin = u64::from(self.space);
+        // Checked before cells get places: these count pixels in u32.
         let (width, height) = (content as u64 + 2 * margin, above + down + 2 * margin);
         if width.max(height) > u64::from(MAX_SIDE) || width * height > MAX_AREA {
             return Err(too_large(width, height));
@@ -189,6 +193,7 @@ impl Draft {
             width: self.width,
             height: row.height(),
         };
+        // In the middle of its cell; lower pictures stand at the foot of the row's highest, above the labels.
         let [width, height] = [panel.picture.width, panel.picture.height].map(|n| n * self.scale);
         let picture = Rect {
             left: frame.left + (self.width - width) / 2,

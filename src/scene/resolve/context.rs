@@ -104,6 +104,7 @@ impl Context {
         help: &str,
     ) -> Result<()> {
         let mut said = ways.iter().filter_map(|(key, span)| Some((key, (*span)?)));
+        // Those that are there; more than two are told of one after the other.
         let (Some((first, here)), Some((second, there))) = (said.next(), said.next()) else {
             return Ok(());
         };
@@ -134,6 +135,7 @@ impl Context {
         times: &[f64],
         said: impl Fn(usize) -> Option<&'a At<T>>,
     ) -> Result<()> {
+        // Compared in metres, shown as they were written.
         let before = times.windows(2).position(|pair| pair[1] <= pair[0]);
         let pair = before.and_then(|before| Some((said(before)?, said(before + 1)?)));
         let Some((first, second)) = pair else {
@@ -217,6 +219,7 @@ impl Context {
         if value >= SMALLEST {
             return Ok(value);
         }
+        // NaN comes here, too.
         let what = match value > 0.0 {
             true => format!("{name} is below {SMALLEST:e}"),
             false => format!("{name} is {value}, which is not above 0"),
@@ -250,6 +253,7 @@ impl Context {
 
     /// The path of a file that is there, with one of these extensions.
     pub fn path(&self, file: &At<String>, extensions: &[&str]) -> Result<PathBuf> {
+        // By its name alone, then by what was found when the inputs were read: resolving opens no file.
         let base = &self.inputs.base;
         let path = base.join(self.text(file, "the file's name")?);
         if !has_extension(&path, extensions) {

@@ -47,6 +47,8 @@ fn times(view: &View, limits: &Limits, track: &Track) -> [f64; 2] {
 
 fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> Curve {
     let at = |time: f64| Some(view.point(track.at(time)?.event));
+    // Straight pieces need their corners alone. A curve is looked at in so many pieces at least: one that bends to both sides
+    // may pass through the middle of its chord.
     let mut knots = vec![from];
     match track.corners() {
         corners if !corners.is_empty() => knots.extend(corners),
@@ -57,6 +59,7 @@ fn curve(view: &View, limits: &Limits, track: &Track, [from, to]: [f64; 2]) -> C
     }
     knots.retain(|time| (from..to).contains(time));
     knots.push(to);
+    // Between knots, as many points as it bends.
     let mut points: Vec<Point> = at(from).into_iter().collect();
     let allowed = FLATNESS * limits.size().into_iter().fold(0.0, f64::max);
     for pair in knots.windows(2) {
@@ -78,12 +81,14 @@ fn within(limits: &Limits, points: &[Point]) -> Curve {
             parts.push(Vec::new());
             continue;
         };
+        // A part begins where the curve comes in, at the edge …
         if let Some(part) = parts.last_mut() {
             if part.is_empty() {
                 part.push(a);
             }
             part.push(b);
         }
+        // … and ends where it goes out.
         if b != pair[1] && !limits.contains(pair[1]) {
             parts.push(Vec::new());
         }
@@ -111,6 +116,7 @@ fn bend(
     let middle = a.0 + 0.5 * (b.0 - a.0);
     let Some(m) = at(middle) else { return };
     let vector = |p: Point| DVec3::new(p.x, p.y, p.ct);
+    // How far the middle lies from the chord: |chord × (m − a)| / |chord|.
     let chord = vector(b.1.from(a.1));
     let across = chord.cross(vector(m.from(a.1))).length() / chord.length();
     if halvings > 0 && across > allowed {
@@ -127,6 +133,7 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
     let Some(step) = line.ticks else {
         return Vec::new();
     };
+    // Times are k·step; rounding takes none at an end away.
     let first = libm::ceil(from / step - 1e-9);
     let last = libm::floor(to / step + 1e-9);
     let ticked = view
@@ -134,6 +141,7 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
         .lines
         .iter()
         .filter(|line| line.ticks.is_some());
+    // More than can be told apart are none.
     let most = MOST_TICKS.min(MOST_TICKS_IN_ALL / ticked.count() as f64);
     if last - first > most {
         return Vec::new();
@@ -141,6 +149,7 @@ fn ticks(view: &View, limits: &Limits, line: &NamedLine, [from, to]: [f64; 2]) -
     let tick = |k: i64| {
         let time = (first + k as f64) * step;
         let moment = line.track.at(time.clamp(from, to))?;
+        // The clock's own direction of time, across which its tick is drawn.
         let ahead = Displacement::new(unit, glam::DVec3::ZERO);
         let value = time / unit;
         Some(Tick {
@@ -172,6 +181,7 @@ pub(super) fn cones(view: &View, limits: &Limits) -> Vec<Cone> {
             if !drawn {
                 continue;
             }
+            // |dx| = d(ct): light to both sides, as far as the edge; the shade goes beyond it and is cut off there.
             let rays = [Point::new(up, -1.0), Point::new(up, 1.0)];
             laid.rays
                 .extend(rays.iter().filter_map(|ray| limits.ray(apex, *ray)));
@@ -214,6 +224,7 @@ fn hyperbola_curve(view: &View, limits: &Limits, hyperbola: &model::Hyperbola) -
     let step = hyperbola.vertex - hyperbola.about;
     let (time, length) = (step.ct / unit, view.diagram.direction.dot(step.x) / unit);
     let about = view.point(hyperbola.about);
+    // sinh φ = (what is in view) / (the distance of the vertex) at both ends.
     let size = time.abs().max(length.abs());
     let largest = libm::asinh(limits.beyond(about) / size);
     let points = (-HYPERBOLA..=HYPERBOLA).map(|k| {
@@ -242,6 +253,7 @@ pub(super) fn areas(view: &View, limits: &Limits) -> Vec<Area> {
     let sheets = d.sheets.iter().map(|sheet| {
         let [a, b] = sheet_curves(view, limits, sheet.between);
         let middles = sheet_middles(limits, &a, &b);
+        // Up along one line and down along the other.
         let edge = a.into_iter().chain(b.into_iter().rev()).collect();
         let mut area = area(edge, &sheet.label, sheet.colour, Some(sheet.between[0]));
         if let Some(label) = area.label.as_mut().filter(|_| !middles.is_empty()) {

@@ -29,6 +29,7 @@ pub fn page(
     [reference, candidate]: [&Picture; 2],
     maps: &[ErrorMap],
 ) -> Result<String> {
+    // Names come from files: whatever is not our own words is escaped.
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\"><title>{}</title>\n<style>{STYLE}</style></head><body>\n",
@@ -156,6 +157,7 @@ fn reduced(image: &RgbImage) -> RgbImage {
     let [width, height] = [image.width.div_ceil(k), image.height.div_ceil(k)];
     let mut rgb = Vec::with_capacity(3 * (width * height) as usize);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        // Sums of red, green and blue, and how many: blocks at the edges are smaller.
         let pixels = block([x, y], k, [image.width, image.height]);
         let mut sums = [0u32; 4];
         for i in pixels {
@@ -176,6 +178,7 @@ fn largest(map: &ErrorMap) -> ErrorMap {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let errors = places.map(|place| {
         let pixels = block(place, k, [map.width, map.height]);
+        // `max` passes over NaN, which marks pixels without an error: a block of these alone stays NaN.
         pixels.map(|i| map.errors[i]).fold(f32::NAN, f32::max)
     });
     ErrorMap {
@@ -202,6 +205,7 @@ fn errors(html: &mut String, comparison: &Comparison) {
     html.push_str("<h2>Errors</h2>\n<div class=\"wide\"><table><tr><th></th>");
     let rows = rows(comparison);
     let first = rows.first();
+    // Headings by the cells of the first row: which metrics have any depends on none of the values.
     for (heading, _) in first
         .into_iter()
         .flat_map(|(_, e)| METRICS.iter().filter_map(|m| m.cell(*e)))
@@ -257,6 +261,7 @@ fn bars(html: &mut String, name: &str, histogram: &Histogram) {
         );
         return;
     };
+    // The highest bar fills the 100 units of the drawing, all bars its 300 in width.
     let most = histogram
         .bins
         .iter()

@@ -131,6 +131,41 @@ fn black_pictures_are_equal() {
     assert_eq!((e.relrmse, e.ssim), (Some(0.0), Some(1.0)));
 }
 
+#[test]
+fn pictures_of_one_row_or_one_column_are_compared() {
+    for (width, height) in [(70, 1), (1, 70), (1, 1)] {
+        let [r, c] = light(width, height);
+        let compared = compare(&r, &c, &CompareOptions::default()).unwrap();
+        assert!(compared.radiance.unwrap().rmse > 0.0, "{width} × {height}");
+    }
+}
+
+#[test]
+fn pictures_of_light_that_is_all_but_gone_have_as_many_exposures_as_f32_has_factors() {
+    // More than half of it is the tail of a pulse, below the normal numbers of f32, where 1/x is infinite.
+    let dim = |tail: f32| {
+        let mut picture = light(16, 16)[0].clone();
+        for channel in &mut picture.layers.channels {
+            let value = |k: usize| if k < 200 { tail } else { 1.0 };
+            channel.samples = nullray::io::image::Samples::F32((0..256).map(value).collect());
+        }
+        picture
+    };
+    let flip = |candidate: f32| {
+        let compared = compare(&dim(1e-40), &dim(candidate), &CompareOptions::default());
+        compared.unwrap().flip.unwrap()
+    };
+    let same = flip(1e-40);
+    let [_, stop] = same.exposures.unwrap();
+    assert!(
+        same.mean == 0.0 && stop == 127.0 && same.steps < 150,
+        "{same:?}"
+    );
+    // 1e-38 is 1.7 of the brightest exposure's light, 1e-40 is 0.017 of it.
+    let brighter = flip(1e-38);
+    assert!(brighter.mean > 0.1 && brighter.mean <= 1.0, "{brighter:?}");
+}
+
 /// The part of both pictures from `[x, y]` on.
 fn part(pair: &[Picture; 2], [x, y]: [usize; 2], [w, h]: [usize; 2]) -> [Picture; 2] {
     pair.clone().map(|mut picture| {

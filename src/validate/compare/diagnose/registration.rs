@@ -242,13 +242,16 @@ impl Light {
         let last = self.size() - 1.0;
         let is_inside = p.cmpge(DVec2::ZERO).all() && p.cmple(last).all();
         is_inside.then_some(())?;
+        // A picture of one row or column is the same on both sides of it.
         let (x, y) = (
-            (p.x as usize).min(self.width - 2),
-            (p.y as usize).min(self.height - 2),
+            (p.x as usize).min(self.width.saturating_sub(2)),
+            (p.y as usize).min(self.height.saturating_sub(2)),
         );
+        let right = usize::from(self.width > 1);
+        let below = if self.height > 1 { self.width } else { 0 };
         let (u, v) = (p.x - x as f64, p.y - y as f64);
         let i = y * self.width + x;
-        let [a, b] = [i, i + self.width].map(|i| [self.colours[i], self.colours[i + 1]]);
+        let [a, b] = [i, i + below].map(|i| [self.colours[i], self.colours[i + right]]);
         Some(std::array::from_fn(|k| {
             let [above, below] = [a, b].map(|[left, right]| left[k] + u * (right[k] - left[k]));
             above + v * (below - above)

@@ -176,9 +176,13 @@ pub(super) fn lab(v: &[f32; 5]) -> [f32; 3] {
 const OVER: [f32; 2] = [0.6 * 0.6 * 2.51, 0.6 * 0.03];
 const UNDER: [f32; 3] = [0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14];
 
+/// Light that is shown as white, and of which f32 holds the square: brighter light would be ∞/∞.
+const BRIGHTEST: f32 = 1e9;
+
 /// The curve: light to what a display shows of it.
 #[inline(always)]
 pub(super) fn tone_map(x: f32) -> f32 {
+    let x = if x > BRIGHTEST { BRIGHTEST } else { x };
     let x2 = x * x;
     (x2 * OVER[0] + x * OVER[1]) / (x2 * UNDER[0] + x * UNDER[1] + UNDER[2])
 }
@@ -200,6 +204,14 @@ pub(super) fn power_of_definition(distance: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn light_of_any_brightness_is_shown_as_white() {
+        for x in [1e3, 1e9, 1e19, 1e20, f32::MAX, f32::INFINITY] {
+            assert_eq!(clip(tone_map(x)), 1.0, "{x}");
+        }
+        assert!(tone_map(1e-40) >= 0.0 && tone_map(f32::NAN).is_nan());
+    }
 
     #[test]
     fn elementary_functions_are_right_to_a_few_units() {

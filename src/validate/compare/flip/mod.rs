@@ -128,9 +128,11 @@ fn exposures(question: &Question) -> Option<Range> {
         middle = median(&mut luminances);
     }
     let white = colour::inverse_tone_map(0.85);
+    // Of numbers below f32's normal ones the quotient is infinite: no exposure is beyond the factors that f32 holds.
+    let stops = |luminance: f32| libm::log2f(white / luminance).clamp(-126.0, 127.0);
     (largest > 0.0 && largest.is_finite()).then(|| Range {
-        start: libm::log2f(white / largest),
-        stop: libm::log2f(white / middle),
+        start: stops(largest),
+        stop: stops(middle),
     })
 }
 

@@ -4,8 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use nullray::approximate::raster::Method;
-use nullray::figures::contact_sheet;
-use nullray::figures::text::RichText;
+use nullray::figures::contact_sheet::{self, Layout, SheetOptions, Size};
 use nullray::io::image;
 use nullray::render::plan::{Plan, Request};
 use nullray::scene::SceneFile;
@@ -28,7 +27,7 @@ pub fn run(arguments: &SheetArguments) -> Result<()> {
         .map(|path| Figure::new(path, arguments))
         .collect();
     let figures = figures?;
-    figures.iter().try_for_each(Figure::check_text)?;
+    figures.iter().try_for_each(Figure::check_page)?;
     make_directory(arguments)?;
     check(&figures)?;
     film::in_pool(arguments.work.threads.count, || {
@@ -73,13 +72,27 @@ impl Figure {
         })
     }
 
-    /// Refuses characters that cannot be set, before anything is rendered.
-    fn check_text(&self) -> Result<()> {
-        let labels = self.parts.iter().map(|part| &part.label);
-        for line in labels.chain(&self.whole.sheet.title) {
-            RichText::plain(line)?.width(1.0)?;
+    /// Refuses characters that cannot be set, and pictures that have no room on a page, before anything is rendered. Legends make
+    /// pictures larger than they are here, never smaller.
+    fn check_page<'s>(&'s self) -> Result<()> {
+        let size = |part: &'s Part| {
+            let [width, height] = part.scene.camera.size;
+            Size {
+                width,
+                height,
+                label: &part.label,
+                new_row: part.new_row,
+            }
+        };
+        let panels: Vec<Size> = self.parts.iter().map(size).collect();
+        Layout::of_sizes(&panels, &self.options()).map(drop)
+    }
+
+    fn options(&self) -> SheetOptions {
+        SheetOptions {
+            title: self.whole.sheet.title.clone(),
+            columns: self.whole.sheet.columns,
         }
-        Ok(())
     }
 
     /// All that is read for it.
@@ -101,11 +114,7 @@ impl Figure {
             say(quiet, &format!("panel {}\n", part.label))?;
             panels.push(part.render(quiet)?);
         }
-        let options = contact_sheet::SheetOptions {
-            title: self.whole.sheet.title.clone(),
-            columns: self.whole.sheet.columns,
-        };
-        let page = contact_sheet::compose(&panels, &options)?;
+        let page = contact_sheet::compose(&panels, &self.options())?;
         interrupt::check()?;
         image::png::write(
             &self.output,

@@ -41,6 +41,31 @@ pub struct Cell {
     pub label: Vec<TextLine>,
 }
 
+/// A panel by the size of its picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Size<'a> {
+    /// Columns of pixels.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// What stands beneath it.
+    pub label: &'a str,
+    /// Whether it begins a row.
+    pub new_row: bool,
+}
+
+impl<'a> Size<'a> {
+    /// That of a panel.
+    fn of(panel: &'a Panel) -> Self {
+        Size {
+            width: panel.picture.width,
+            height: panel.picture.height,
+            label: &panel.label,
+            new_row: panel.new_row,
+        }
+    }
+}
+
 /// A rectangle of whole pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rect {
@@ -60,11 +85,18 @@ impl Layout {
     /// # Errors
     /// As [`compose`](super::compose) has them.
     pub fn new(panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
-        for panel in panels {
-            check(panel)?;
-        }
-        let largest = |side: fn(&Panel) -> u32| panels.iter().map(side).max().unwrap_or(0);
-        let (width, height) = (largest(|p| p.picture.width), largest(|p| p.picture.height));
+        panels.iter().try_for_each(check)?;
+        let sizes: Vec<Size> = panels.iter().map(Size::of).collect();
+        Layout::of_sizes(&sizes, options)
+    }
+
+    /// The same of pictures that are not there yet: whether a page has room for them is known before they are rendered.
+    ///
+    /// # Errors
+    /// As [`compose`](super::compose) has them.
+    pub fn of_sizes(panels: &[Size], options: &SheetOptions) -> Result<Layout> {
+        let largest = |side: fn(&Size) -> u32| panels.iter().map(side).max().unwrap_or(0);
+        let (width, height) = (largest(|p| p.width), largest(|p| p.height));
         if width == 0 || height == 0 {
             return Err(refuse("a sheet without panels", "give at least one panel"));
         }
@@ -112,7 +144,7 @@ impl Row {
 
 impl Draft {
     /// For pictures of which the widest takes `widest` pixels of the page.
-    fn new(panels: &[Panel], widest: u32, scale: u32, options: &SheetOptions) -> Result<Draft> {
+    fn new(panels: &[Size], widest: u32, scale: u32, options: &SheetOptions) -> Result<Draft> {
         let (part, least, most) = EM;
         let em = (part * f64::from(widest)).clamp(least, most);
         let count = panels.len() as u32;
@@ -127,7 +159,7 @@ impl Draft {
         let heights = panels.iter().zip(&labels).zip(&slots);
         let heights = heights.map(|((panel, label), [row, _])| {
             let label = height_of(label.len(), em);
-            (*row as usize, [panel.picture.height * scale, label])
+            (*row as usize, [panel.height * scale, label])
         });
         Ok(Draft {
             em,
@@ -151,7 +183,7 @@ impl Draft {
         ]
     }
 
-    fn place(self, panels: &[Panel], options: &SheetOptions) -> Result<Layout> {
+    fn place(self, panels: &[Size], options: &SheetOptions) -> Result<Layout> {
         // No word of the title is broken: one that is wider than all cells makes the page wider, and the cells stay in its middle.
         let [across, down] = self.extent();
         let size = TITLE * self.em;
@@ -181,7 +213,7 @@ impl Draft {
     /// Where a panel's picture and label are: pictures stand on one line along a row.
     fn cell(
         &self,
-        panel: &Panel,
+        panel: &Size,
         label: &[Measured],
         [row, column]: [u32; 2],
         [left, top]: [u32; 2],
@@ -194,7 +226,7 @@ impl Draft {
             height: row.height(),
         };
         // In the middle of its cell; lower pictures stand at the foot of the row's highest, above the labels.
-        let [width, height] = [panel.picture.width, panel.picture.height].map(|n| n * self.scale);
+        let [width, height] = [panel.width, panel.height].map(|n| n * self.scale);
         let picture = Rect {
             left: frame.left + (self.width - width) / 2,
             top: frame.top + row.picture - height,
@@ -228,9 +260,9 @@ fn rows(panels: impl Iterator<Item = (usize, [u32; 2])>, space: u32) -> Vec<Row>
 }
 
 /// Row and column of each panel: rows of `columns`, or shorter where a panel begins one.
-fn slots(panels: &[Panel], columns: u32) -> Vec<[u32; 2]> {
+fn slots(panels: &[Size], columns: u32) -> Vec<[u32; 2]> {
     let mut next = [0, 0];
-    let slot = |panel: &Panel| {
+    let slot = |panel: &Size| {
         let [row, column] = next;
         let slot = match column == columns || panel.new_row && column > 0 {
             true => [row + 1, 0],
@@ -243,9 +275,9 @@ fn slots(panels: &[Panel], columns: u32) -> Vec<[u32; 2]> {
 }
 
 /// All labels in lines, and the width in which each word of them has room.
-fn labels(panels: &[Panel], picture: u32, em: f64) -> Result<(Vec<Vec<Measured>>, u32)> {
+fn labels(panels: &[Size], picture: u32, em: f64) -> Result<(Vec<Vec<Measured>>, u32)> {
     let numbered = panels.iter().enumerate();
-    let texts = numbered.map(|(index, panel)| lettered(index, panels.len(), &panel.label));
+    let texts = numbered.map(|(index, panel)| lettered(index, panels.len(), panel.label));
     let texts: Vec<String> = texts.collect();
     let mut width = f64::from(picture);
     for text in &texts {

@@ -20,7 +20,7 @@ mod lines;
 use crate::error::Result;
 use crate::io::image::RgbImage;
 
-pub use layout::{Cell, Layout, Rect};
+pub use layout::{Cell, Layout, Rect, Size};
 pub use lines::TextLine;
 
 /// A picture and what stands beneath it.

@@ -161,4 +161,17 @@ fn what_cannot_be_done_is_refused_before_anything_is_rendered() {
         let long = ["sheet", "--spp", "60000", "--size", "4000x4000"];
         refused(&folder, &[&long[..], options].concat(), parts);
     }
+    // Two panels side by side are wider than any page, which is known before the first of them is there.
+    let before = folder.names();
+    let wide = [
+        "sheet",
+        "figure.toml",
+        "--keep-panels",
+        "--spp",
+        "1",
+        "--size",
+        "17000x2",
+    ];
+    refused(&folder, &wide, &["34", "cannot be drawn"]);
+    assert_eq!(folder.names(), before);
 }

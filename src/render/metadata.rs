@@ -215,6 +215,7 @@ pub fn motion(motion: &Motion) -> &'static str {
         Motion::Segments(_) => "segments",
         Motion::Profile { .. } => "profile",
         Motion::Keyframes(_) => "keyframes",
+        Motion::Polyline(_) => "polyline",
         Motion::Circular { .. } => "circle",
     }
 }

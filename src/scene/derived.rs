@@ -75,6 +75,7 @@ impl Motion {
             Motion::Segments(segments) => WorldLine::segments(velocity, zero, segments),
             Motion::Profile { knots, axes } => WorldLine::profile(velocity, zero, knots, *axes),
             Motion::Keyframes(events) => WorldLine::keyframes(events),
+            Motion::Polyline(events) => WorldLine::polyline(events),
             Motion::Circular { centre, axis, rate } => {
                 WorldLine::circular(zero, *centre, *axis, *rate)
             }
@@ -103,10 +104,11 @@ impl CameraModel {
     /// The matrices of OpenEXR's `worldToCamera` and `worldToNDC` at the event of the shot, row by row, for points as
     /// rows (p M).
     ///
-    /// Camera coordinates are right, up and backward, metres. Normalised device coordinates are −1 to 1 from the
-    /// left to the right and from the bottom to the top, after division by the fourth: the depth. They are those of a
-    /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 2 cm over depth: −1 at
-    /// 1 cm, 1 far away. A stereo pair has neither, and only a perspective picture has the second.
+    /// Camera coordinates are right, up and forward (left-handed), metres. Normalised device coordinates are 0 to 1 from the
+    /// left to the right and from the top to the bottom, after division by the fourth: the depth. They are those of a
+    /// camera that rests where the pinhole is; aberration is in no matrix. The third is depth − 1 cm over depth: 0 at
+    /// 1 cm, 1 far away. A stereo pair has neither, and only a perspective picture has the second. Source:
+    /// ImfStandardAttributes.h of OpenEXR 3.
     pub fn matrices(&self) -> [Option<[f32; 16]>; 2] {
         let [camera, ndc] = self.matrices_of_perspective();
         let is_single = self.stereo.is_none();
@@ -124,14 +126,17 @@ impl CameraModel {
         let camera = [
             (right, -right.dot(eye)),
             (up, -up.dot(eye)),
-            (-forward, forward.dot(eye)),
+            (forward, -forward.dot(eye)),
             (DVec3::ZERO, 1.0),
         ];
+        // ½ (1 + x right/depth) and ½ (1 − y up/depth).
+        let across = forward + right * x;
+        let down = forward - up * y;
         let depth = -forward.dot(eye);
         let ndc = [
-            (right * x, -right.dot(eye) * x),
-            (up * y, -up.dot(eye) * y),
-            (forward, depth - 0.02),
+            (across * 0.5, -0.5 * across.dot(eye)),
+            (down * 0.5, -0.5 * down.dot(eye)),
+            (forward, depth - 0.01),
             (forward, depth),
         ];
         [camera, ndc].map(|columns| {
@@ -187,14 +192,15 @@ shape = { sphere = { radius = 1 } }
             let p = [p[0], p[1], p[2], 1.0];
             std::array::from_fn(|column| (0..4).map(|row| p[row] * m[4 * row + column]).sum())
         };
-        // 4 m ahead, 2 m to the right and 1 m up: x = 2/(4 tan 45°), y = 1/(2 · tan of half the height, 1/2).
+        // 4 m ahead, 2 m to the right and 1 m up: half of the way from the middle to the right, 2/(4 tan 45°), and to the top,
+        // 1/(4 · tan of half the height, 1/2).
         let p = [3.0, 3.0, -1.0];
-        assert_eq!(times(camera, p), [2.0, 1.0, -4.0, 1.0]);
+        assert_eq!(times(camera, p), [2.0, 1.0, 4.0, 1.0]);
         let [x, y, z, w] = times(ndc, p);
         assert!(
-            (x / w - 0.5).abs() < 1e-6 && (y / w - 0.5).abs() < 1e-6,
+            (x / w - 0.75).abs() < 1e-6 && (y / w - 0.25).abs() < 1e-6,
             "{x} {y} {w}"
         );
-        assert!((w - 4.0).abs() < 1e-6 && (z - 3.98).abs() < 1e-6);
+        assert!((w - 4.0).abs() < 1e-6 && (z - 3.99).abs() < 1e-6);
     }
 }

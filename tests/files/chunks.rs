@@ -154,6 +154,18 @@ fn every_layout_of_hdf5_is_read_brick_by_brick() {
     }
 }
 
+/// Before HDF5 there may be a block of any other kind.
+#[test]
+fn hdf5_behind_a_block_is_known_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("block.h5");
+    let mut bytes = fs::read(data("hdf5/phasor_fields.mat")).unwrap();
+    bytes[..512].fill(0);
+    fs::write(&path, bytes).unwrap();
+    assert_same(&path, Wanted::default());
+    assert_converted(&path, Wanted::default());
+}
+
 /// A number that tells nothing of its neighbours.
 fn sample(index: usize) -> f32 {
     let mixed = (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -6,7 +6,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use nullray::io::gltf::{self, GltfLightKind, Imported, Want};
 use nullray::mesh::{AlphaMode, Material, Mesh, TextureFilter, Wrap};
+use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::Prepared;
+use nullray::render::progress::Silent;
+use nullray::render::render;
 use nullray::scene::model::BadVertices;
+use nullray::scene::{self, Overrides};
 
 const ALL: Want = Want {
     uvs: true,
@@ -437,6 +442,46 @@ fn vertex_colours_are_floats_or_normalized_integers_with_alpha_or_without() {
     assert_eq!(middle, [0.5, 0.5, 0.5, 1.0]);
 }
 
+/// What a camera at `eye` sees of a node of materials.gltf straight ahead, where −z is.
+fn seen(node: &str, eye: [f64; 3], light: &str) -> ([f64; 3], Plan) {
+    let text = format!(
+        "[camera]\neye = {eye:?}\nforward = [0, 0, -1]\nhfov = \"0.01 deg\"\nsize = [1, 1]\n\
+         [[object]]\ngltf = \"materials.gltf\"\nnode = \"{node}\"\n{light}"
+    );
+    let folder = valid("");
+    let scene = scene::parse(&text, "test scene", &folder, &Overrides::default()).unwrap();
+    let plan = Plan::new(&scene, &Request::default()).unwrap();
+    let film = render(&Prepared::new(&scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+    (film.radiance()[0], plan)
+}
+
+/// Beside the first corner of each node's triangle, whose colour is known; neither node has a texture.
+#[test]
+fn vertex_colours_are_seen_without_textures_and_unlit_materials_without_light() {
+    let (words, many) = ([0.001, 0.001, 3.0], [10.001, 0.001, 8.0]);
+    let dark = "[sky]\nradiance = 0\n";
+    let flash = "[[light]]\nposition = [10, 0, 9]\nemission = { gaussian = { time = \"90 m\", sigma = \"1 m\" } }\n";
+    for (node, eye, light, expected) in [
+        ("words", words, "", [1.0, 0.2, 0.0]),
+        ("words", words, dark, [0.0; 3]),
+        ("many", many, "", [1.0, 0.5, 0.25]),
+        // It is unlit.
+        ("many", many, dark, [1.0, 0.5, 0.25]),
+        // All light comes as a pulse, which has not come yet.
+        ("many", many, flash, [0.0; 3]),
+    ] {
+        let (radiance, plan) = seen(node, eye, light);
+        for (found, expected) in radiance.iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 2e-3,
+                "{node} {light}: {radiance:?}"
+            );
+        }
+        let says_unlit = plan.objects[0].radiance[0].contains("KHR_materials_unlit");
+        assert_eq!(says_unlit, node == "many" && light == dark);
+    }
+}
+
 /// The node moves by (0, 0, 5); its second instance is turned by half a turn about z, doubled, and moved by
 /// (0, 20, 0).
 #[test]
@@ -495,14 +540,14 @@ fn what_is_not_read_is_named_once() {
 }
 
 /// A glTF file whose node "tip" hangs two metres along x from "arm", which turns by a right angle about y within a second;
-/// "cart" goes from x = 0 to 3 m in two seconds, and jumps by animation "jump".
+/// "cart" goes from x = 0 to 3 m in two seconds, and in two more as far to the side, and jumps by animation "jump".
 fn animated(folder: &Path) -> PathBuf {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let floats = [
         0.0, 1.0, // seconds of the turn
         0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half, // its rotations
-        0.0, 2.0, // seconds of the cart
-        0.0, 0.0, 0.0, 3.0, 0.0, 0.0, // its places
+        0.0, 2.0, 4.0, // seconds of the cart
+        0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 3.0, 0.0, -3.0, // its places
     ];
     let bytes: Vec<u8> = floats.iter().flat_map(|f: &f32| f.to_le_bytes()).collect();
     std::fs::write(folder.join("animated.bin"), &bytes).unwrap();
@@ -541,12 +586,12 @@ fn animated(folder: &Path) -> PathBuf {
         bytes.len(),
         view(0, 2),
         view(2, 8),
-        view(10, 2),
-        view(12, 6),
+        view(10, 3),
+        view(13, 9),
         accessor(0, 2, "SCALAR"),
         accessor(1, 2, "VEC4"),
-        accessor(2, 2, "SCALAR"),
-        accessor(3, 2, "VEC3"),
+        accessor(2, 3, "SCALAR"),
+        accessor(3, 3, "VEC3"),
     );
     let path = folder.join("animated.gltf");
     std::fs::write(&path, text).unwrap();
@@ -566,7 +611,11 @@ fn an_animated_node_goes_where_those_above_it_take_it() {
         assert!((at - expected).length() < 1e-7, "{at} at {seconds} s");
     }
     let cart = gltf::track(&path, "cart", Some("drive")).unwrap().points;
-    assert_eq!(cart, [(0.0, DVec3::ZERO), (2.0, DVec3::X * 3.0)]);
+    let side = DVec3::new(3.0, 0.0, -3.0);
+    assert_eq!(
+        cart,
+        [(0.0, DVec3::ZERO), (2.0, DVec3::X * 3.0), (4.0, side)]
+    );
 }
 
 #[test]
@@ -587,7 +636,6 @@ fn animations_that_are_no_way_are_refused() {
 
 #[test]
 fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
-    use nullray::scene::{self, Overrides};
     let folder = tempfile::tempdir().unwrap();
     animated(folder.path());
     let scene = |speed: &str, node: &str, name: &str| {
@@ -603,6 +651,13 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     // 3 m in two seconds, of which light goes 4 m: β = 0.75.
     let driven = scene("2 m/s", "cart", "drive").unwrap();
     assert!((driven.camera.velocity.beta() - DVec3::X * 0.75).length() < 1e-12);
+    // And straight on, as LINEAR says, whatever comes after.
+    let line = driven.camera.world_line().unwrap();
+    let later = line.state(2.0 * (1.0f64 - 0.75 * 0.75).sqrt()).unwrap();
+    assert!(
+        (later.event.x - DVec3::X * 1.5).length() < 1e-12,
+        "{later:?}"
+    );
     let error = scene("1 m/s", "cart", "drive").unwrap_err();
     let (said, help) = (error.to_string(), error.help().to_string());
     assert!(

@@ -210,6 +210,7 @@ fn axes_are_those_that_the_file_says_and_asked_for_where_it_says_others() {
         ("fixed", "attribute `axes`"),
         ("both", "attribute `axes`"),
         ("unsaid", ""),
+        ("matlab", ""),
     ] {
         let info = cube::inspect(&path, Wanted::array(name)).unwrap();
         assert_eq!(info.shape, [2, 3, 5, 1], "{name}");

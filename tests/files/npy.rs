@@ -87,6 +87,19 @@ fn integers_are_read_exactly() {
     let cube = cube::load(&valid("counts-i4-big-endian.npy"), Wanted::default()).unwrap();
     let counts = (0..24).map(|n| 90e6 * f64::from(n) - 1.0).collect();
     assert_eq!(cube.samples, Samples::F64(counts));
+    let cube = cube::load(&valid("counts-i8.npy"), Wanted::default()).unwrap();
+    let counts = (0..24).map(|n| 9e10 * f64::from(n) - 1.0).collect();
+    assert_eq!(cube.samples, Samples::F64(counts));
+    // 2⁵³ + 1 is the first that is not.
+    let mut bytes = std::fs::read(valid("counts-i8.npy")).unwrap();
+    let last = bytes.len() - 8;
+    bytes[last..].copy_from_slice(&((1u64 << 53) + 1).to_le_bytes());
+    let refused = cube::load_bytes(&bytes, "a.npy", Wanted::default()).unwrap_err();
+    assert!(
+        refused.to_string().contains("sample [1, 2, 3, 0]"),
+        "{refused}"
+    );
+    assert!(refused.help().contains("2^53"), "{}", refused.help());
     let info = cube::inspect(&valid("counts-u2.npy"), Wanted::default()).unwrap();
     assert_eq!((info.bytes, info.assumed), (96, true));
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nullray::io::budget::Budget;
-use nullray::io::cube::{self, Transfer, Wanted};
+use nullray::io::cube::{self, Axes, Transfer, Wanted};
 use nullray::io::image::tiff;
 
 fn data(name: &str) -> PathBuf {
@@ -75,7 +75,39 @@ fn damaged_pictures_are_refused_or_read_but_never_break_the_reader() {
                 bytes.truncate(random() % whole.len());
             }
             std::fs::write(&path, &bytes).unwrap();
-            let _ = tiff::read(&path, &Budget::new(1 << 24));
+            let _ = tiff::count(&path);
+            let _ = tiff::read(&path, 0, &Budget::new(1 << 24));
         }
     }
+}
+
+/// A stack of frames in one file is a cube where that is said, and is not taken for its first picture alone.
+#[test]
+fn a_stack_has_all_of_its_pictures_and_a_preview_is_none() {
+    let axes: Axes = "T H W".parse().unwrap();
+    let in_time = Wanted {
+        axes: Some(&axes),
+        ..Wanted::default()
+    };
+    let cube = cube::load(&data("stack.tif"), in_time).unwrap();
+    assert_eq!(cube.shape, [5, 6, 4, 1]);
+    let apart = cube::load(&data("f32_%03d.tif"), Wanted::default()).unwrap();
+    assert_eq!(cube, apart);
+    assert_eq!(cube::frame_count(&data("stack.tif")).unwrap(), 4);
+    let refused = cube::load(&data("stack.tif"), Wanted::default()).unwrap_err();
+    assert!(refused.to_string().contains("4 pictures"), "{refused}");
+    assert!(refused.help().contains("T H W"), "{}", refused.help());
+    // In a folder every file is one frame.
+    let folder = tempfile::tempdir().unwrap();
+    for k in 0..2 {
+        let to = folder.path().join(format!("{k}.tif"));
+        std::fs::copy(data("stack.tif"), to).unwrap();
+    }
+    let refused = cube::load(folder.path(), Wanted::default()).unwrap_err();
+    assert!(
+        refused.to_string().contains("one of a sequence"),
+        "{refused}"
+    );
+    let steady = cube::load(&data("preview.tif"), Wanted::default()).unwrap();
+    assert_eq!(steady.shape, [5, 6, 1, 1]);
 }

@@ -110,6 +110,17 @@ fn blosc_and_version_2_are_read() {
         text.contains("\"bz2\" are not read") && text.contains(".zarray"),
         "{text}"
     );
+    // What stands before compression is named, too.
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(data("v2_plain").join(".zarray")).unwrap();
+    let filter = "\"filters\": [{ \"id\": \"delta\", \"dtype\": \"<f4\" }]";
+    let text = text.replace("\"filters\": null", filter);
+    std::fs::write(folder.path().join(".zarray"), text).unwrap();
+    let refused = cube::load(folder.path(), Wanted::default()).unwrap_err();
+    assert!(
+        refused.to_string().contains("filter \"delta\""),
+        "{refused}"
+    );
 }
 
 /// Chunks with a changed byte, and chunks that are cut off: most are refused, the others are read as what they decode to.

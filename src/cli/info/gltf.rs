@@ -40,6 +40,11 @@ pub fn info(path: &Path) -> Result<Info> {
         info.row("holes", "by alpha masks");
     }
     info.data("has_masks", held.has_masks);
+    if held.has_colours {
+        info.row("colours", "of vertices");
+    }
+    info.data("has_colours", held.has_colours);
+    info.names("unlit", held.unlit);
     let images = format!("{} images", held.images);
     info.fact("textures", images, "images", held.images);
     info.fact("uv sets", held.uv_sets.to_string(), "uv_sets", held.uv_sets);

@@ -63,7 +63,19 @@ pub fn frame(path: &Path, name: &str) -> Result<Info> {
         "channels",
         channels,
     );
-    let usable = "as one of a folder of numbered pictures, which is the file of a [source.cube]";
+    let count = cube::frame_count(path)?;
+    let usable = match count {
+        1 => "as one of a folder of numbered pictures, which is the file of a [source.cube]",
+        _ => "as the file of a [source.cube] with axes = \"T H W\"",
+    };
+    if count > 1 {
+        info.fact(
+            "pictures",
+            format!("{count}, of one size"),
+            "pictures",
+            count,
+        );
+    }
     info.row("usable", usable);
     Ok(info)
 }

@@ -95,7 +95,7 @@ impl CubeFormat {
         self.extensions.iter().any(is)
     }
 
-    /// Whether the file begins as those of this format do; leaves the reader at the start.
+    /// Whether the file begins as those of this format do, or is called so and begins as no array does; leaves the reader at the start.
     pub(super) fn is(&self, reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
         let mut start = Vec::new();
         (&mut *reader)
@@ -103,7 +103,9 @@ impl CubeFormat {
             .read_to_end(&mut start)
             .and_then(|_| reader.rewind())
             .map_err(Error::io(file, "cannot read"))?;
-        Ok(self.magic.iter().any(|magic| start.starts_with(magic)))
+        // What stands before HDF5 in its file may be anything.
+        let is_called = || self.named && self.has_name_of(file) && !start.starts_with(b"\x93NUMPY");
+        Ok(self.magic.iter().any(|magic| start.starts_with(magic)) || is_called())
     }
 }
 

@@ -22,6 +22,7 @@ mod negative;
 mod npy;
 mod number;
 mod pages;
+mod picture;
 mod samples;
 #[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod selection;
@@ -47,6 +48,7 @@ pub use cube_store::CubeStore;
 pub use format::{CubeFormat, CubeInfo, FileTimes, Transfer, Wanted};
 pub use negative::{BelowZero, Negative};
 pub use pages::BRICK;
+pub use picture::frame_count;
 pub use samples::{Cube, CubeError, Samples};
 pub use sequence::{frame_size, is_picture, is_sequence, is_zarr, pictures};
 pub use table::{FORMATS, arrays, format_of, inspect, load, load_bytes, times, wall};

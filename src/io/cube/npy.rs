@@ -1,4 +1,4 @@
-//! NumPy arrays as cubes: half, single or double precision, or integers (counts) of at most 32 bits, of either
+//! NumPy arrays as cubes: half, single or double precision, or integers (counts), of either
 //! byte order, in C or Fortran order, with axes in any order that is named; C is 1 or 3, or what is named of the channels.
 //!
 //! Samples go to their places in the cube as they are read, so that no second copy is held.
@@ -13,7 +13,7 @@ use super::byte_order::ByteOrder;
 use super::channels::Channels;
 use super::format::{CubeFormat, CubeInfo, Wanted};
 use super::layout::StoredLayout;
-use super::number::Number;
+use super::number::{Number, exact_i64, exact_u64};
 use super::samples::{Cube, Samples, place_of};
 use crate::Result;
 use crate::io::files::ReadSeek;
@@ -126,6 +126,18 @@ fn samples(stored: &mut Stored, layout: &Layout) -> Result<Samples> {
         (Number::I32, false) => {
             Samples::F64(finite(stored, layout, |b| i32::from_le_bytes(b).into())?)
         }
+        (Number::U64, true) => Samples::F64(finite(stored, layout, |b| {
+            exact_u64(u64::from_be_bytes(b))
+        })?),
+        (Number::U64, false) => Samples::F64(finite(stored, layout, |b| {
+            exact_u64(u64::from_le_bytes(b))
+        })?),
+        (Number::I64, true) => Samples::F64(finite(stored, layout, |b| {
+            exact_i64(i64::from_be_bytes(b))
+        })?),
+        (Number::I64, false) => Samples::F64(finite(stored, layout, |b| {
+            exact_i64(i64::from_le_bytes(b))
+        })?),
     })
 }
 
@@ -143,11 +155,14 @@ fn finite<const N: usize, T: Copy + Default + Into<f64>>(
             return Ok(());
         };
         let [i, j, k, l] = place_of(arrangement.place(first + bad), arrangement.shape);
-        // Integers are all finite.
         let numbers: Vec<f64> = piece.iter().map(|sample| (*sample).into()).collect();
         let help = match ByteOrder::of(&numbers, N, 1).is_some() {
             true => {
                 "the samples make sense with their bytes in the other order: numpy.save(path, a.view(a.dtype.newbyteorder()))"
+            }
+            // Of integers, what double precision does not hold.
+            false if matches!(layout.number, Number::U64 | Number::I64) => {
+                "integers are at most 2^53, which double precision holds: array.astype(numpy.float64) rounds them"
             }
             false => "radiance must be finite; numpy.nan_to_num replaces NaN and infinity",
         };
@@ -186,6 +201,8 @@ fn number(header: &Header, place: &Place) -> Result<(Number, bool)> {
             "i2" => Number::I16,
             "u4" => Number::U32,
             "i4" => Number::I32,
+            "u8" => Number::U64,
+            "i8" => Number::I64,
             _ => return Err(no_radiance(place, descr)),
         },
     };
@@ -330,6 +347,7 @@ fn no_radiance(place: &Place, descr: &str) -> crate::Error {
         }
         _ => format!("samples of type {descr:?} cannot hold radiance"),
     };
-    let help = "give f2, f4 or f8 samples, or integers of at most 32 bits: numpy.save(path, array.astype(numpy.float32))";
+    let help =
+        "give f2, f4 or f8 samples, or integers: numpy.save(path, array.astype(numpy.float32))";
     place.unsupported("header", what, help)
 }

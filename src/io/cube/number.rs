@@ -16,6 +16,24 @@ pub(super) enum Number {
     I16,
     U32,
     I32,
+    U64,
+    I64,
+}
+
+/// Whole numbers up to here are exact in double precision.
+const EXACT: u64 = 1 << 53;
+
+/// As a floating-point number; NaN where that does not hold it.
+pub(super) fn exact_u64(n: u64) -> f64 {
+    if n <= EXACT { n as f64 } else { f64::NAN }
+}
+
+/// As a floating-point number; NaN where that does not hold it.
+pub(super) fn exact_i64(n: i64) -> f64 {
+    match n.unsigned_abs() <= EXACT {
+        true => n as f64,
+        false => f64::NAN,
+    }
 }
 
 impl Number {
@@ -25,16 +43,16 @@ impl Number {
             Number::U8 | Number::I8 => 1,
             Number::F16 | Number::U16 | Number::I16 => 2,
             Number::F32 | Number::U32 | Number::I32 => 4,
-            Number::F64 => 8,
+            Number::F64 | Number::U64 | Number::I64 => 8,
         }
     }
 
-    /// The type in memory. Every integer is exact in it.
+    /// The type in memory. Every integer is exact in it, or NaN.
     pub fn loaded(self) -> (Dtype, u64) {
         match self {
             Number::F16 => (Dtype::F16, 2),
             Number::F32 | Number::U8 | Number::I8 | Number::U16 | Number::I16 => (Dtype::F32, 4),
-            Number::F64 | Number::U32 | Number::I32 => (Dtype::F64, 8),
+            Number::F64 | Number::U32 | Number::I32 | Number::U64 | Number::I64 => (Dtype::F64, 8),
         }
     }
 
@@ -60,6 +78,10 @@ impl Number {
             (Number::U32, false) => each(bytes, to, |b| u32::from_le_bytes(b).into()),
             (Number::I32, true) => each(bytes, to, |b| i32::from_be_bytes(b).into()),
             (Number::I32, false) => each(bytes, to, |b| i32::from_le_bytes(b).into()),
+            (Number::U64, true) => each(bytes, to, |b| exact_u64(u64::from_be_bytes(b))),
+            (Number::U64, false) => each(bytes, to, |b| exact_u64(u64::from_le_bytes(b))),
+            (Number::I64, true) => each(bytes, to, |b| exact_i64(i64::from_be_bytes(b))),
+            (Number::I64, false) => each(bytes, to, |b| exact_i64(i64::from_le_bytes(b))),
         }
     }
 }

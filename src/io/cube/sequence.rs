@@ -5,6 +5,7 @@
 //! order of their numbers, whatever their zeros; none may be missing between the first and the last.
 //!
 //! A single picture, or a folder of one, may be steady: its axes are "H W" then, those of a single picture unless the caller says otherwise.
+//! A TIFF file may hold many pictures, a stack: with an axis of time these are the pictures of the sequence.
 //!
 //! Axes are named for (files, rows, columns) of the pictures, "T H W" unless the caller says otherwise; colours follow.
 //! Streaks are "H W T": a file per row of the camera, in it a row per column of the camera, time along x.
@@ -17,15 +18,12 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::axes::{Arrangement, Axes};
-use super::channels::Channels;
 use super::format::{CubeInfo, Transfer, Wanted};
 use super::layout::StoredLayout;
 use super::number::Number;
+use super::picture::{Frame, Picture, file_name, frame_count};
 use super::samples::{Cube, Samples};
-use crate::colour::srgb_decode;
 use crate::error::{Error, Result};
-use crate::io::budget::Budget;
-use crate::io::image::{self, Layers};
 use crate::io::npy::Dtype;
 
 /// Extensions of pictures that frames may be, lower case.
@@ -33,9 +31,6 @@ const PICTURES: [&str; 5] = ["exr", "png", "hdr", "tif", "tiff"];
 
 /// The most pictures.
 const MOST: usize = 1 << 20;
-
-/// The longest file of a picture that is read as a whole, bytes.
-const LONGEST: u64 = 1 << 30;
 
 /// Pictures that are decoded at a time.
 const TOGETHER: usize = 16;
@@ -90,6 +85,38 @@ pub fn pictures(path: &Path) -> Result<Vec<PathBuf>> {
         return Err(Error::invalid(path, "", what, help));
     }
     Ok(numbered.into_iter().map(|(_, file)| file).collect())
+}
+
+/// The pictures of a sequence in their order: those of its files, or all of a single TIFF file, a stack.
+fn frames(path: &Path, wanted: Wanted) -> Result<Vec<Frame>> {
+    let files = pictures(path)?;
+    if is_picture(path) {
+        let count = frame_count(path)?;
+        let frame = |number| Frame {
+            file: path.to_path_buf(),
+            number,
+        };
+        return match wanted.axes {
+            _ if count == 1 => Ok(vec![frame(0)]),
+            Some(axes) if axes.has_time() => Ok((0..count).map(frame).collect()),
+            _ => Err(Error::invalid(
+                path,
+                "",
+                format!("it holds {count} pictures of one size"),
+                "if these are the frames of a cube, say axes = \"T H W\"; for a steady picture, save one of them",
+            )),
+        };
+    }
+    let single = |file: PathBuf| match frame_count(&file)? {
+        1 => Ok(Frame { file, number: 0 }),
+        count => Err(Error::invalid(
+            &file,
+            "",
+            format!("it holds {count} pictures, and is one of a sequence"),
+            "name this file alone, with axes = \"T H W\", or save each picture in a file of its own",
+        )),
+    };
+    files.into_iter().map(single).collect()
 }
 
 /// The first few numbers that are missing, and how many are.
@@ -265,9 +292,9 @@ fn told_apart(name: &str) -> Option<(Pattern, u64)> {
 /// What would be loaded, by the number of pictures and the first of them.
 pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
     refuse_array(path, wanted)?;
-    let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted)?;
-    let layout = Layout::new(path, &files, &first, wanted)?;
+    let frames = frames(path, wanted)?;
+    let first = Picture::read(&frames[0], wanted)?;
+    let layout = Layout::new(path, &frames, &first, wanted)?;
     let [h, w, t, c] = layout.arrangement.shape;
     Ok(CubeInfo {
         shape: layout.arrangement.shape,
@@ -276,14 +303,15 @@ pub(super) fn inspect(path: &Path, wanted: Wanted) -> Result<CubeInfo> {
         axes: layout.axes,
         assumed: wanted.axes.is_none() && !is_picture(path),
         array: None,
-        notes: match files.as_slice() {
+        notes: match frames.as_slice() {
             [_] if is_picture(path) => vec!["one picture, which does not change".into()],
-            [one] => vec![format!("one picture, {}", file_name(one))],
+            [one] => vec![format!("one picture, {}", file_name(&one.file))],
+            all if is_picture(path) => vec![format!("{} pictures in one file", all.len())],
             [first, .., last] => vec![format!(
                 "{} pictures, {} to {}",
-                files.len(),
-                file_name(first),
-                file_name(last)
+                frames.len(),
+                file_name(&first.file),
+                file_name(&last.file)
             )],
             [] => Vec::new(),
         },
@@ -301,8 +329,12 @@ pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
         transfer: Some(Transfer::Linear),
         ..Wanted::default()
     };
-    let picture = Picture::read(file, Wanted::default())
-        .or_else(|error| Picture::read(file, linear).map_err(|_| error))?;
+    let frame = Frame {
+        file: file.to_path_buf(),
+        number: 0,
+    };
+    let picture = Picture::read(&frame, Wanted::default())
+        .or_else(|error| Picture::read(&frame, linear).map_err(|_| error))?;
     let [columns, rows] = picture.size;
     Ok([columns, rows, picture.channels])
 }
@@ -310,9 +342,9 @@ pub fn frame_size(file: &Path) -> Result<[usize; 3]> {
 /// The cube.
 pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     refuse_array(path, wanted)?;
-    let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted)?;
-    let Layout { arrangement, .. } = Layout::new(path, &files, &first, wanted)?;
+    let frames = frames(path, wanted)?;
+    let first = Picture::read(&frames[0], wanted)?;
+    let Layout { arrangement, .. } = Layout::new(path, &frames, &first, wanted)?;
     let count: usize = arrangement.shape.iter().product();
     let mut samples = Vec::new();
     samples.try_reserve_exact(count).map_err(|_| {
@@ -321,13 +353,13 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
     })?;
     samples.resize(count, 0.0f32);
     // Some at a time, and then in their order, so that the first broken one is refused.
-    for (group, chunk) in files.chunks(TOGETHER).enumerate() {
-        let decode = |file: &PathBuf| Picture::read(file, wanted);
+    for (group, chunk) in frames.chunks(TOGETHER).enumerate() {
+        let decode = |frame: &Frame| Picture::read(frame, wanted);
         let decoded: Vec<_> = chunk.par_iter().map(decode).collect();
         for (place, picture) in decoded.into_iter().enumerate() {
             let number = group * TOGETHER + place;
             let picture = picture?;
-            picture.refuse_other_than(&first, &files[number], &files[0])?;
+            picture.refuse_other_than(&first, &frames[number].file, &frames[0].file)?;
             arrangement.put(
                 number * picture.samples.len(),
                 &picture.samples,
@@ -344,12 +376,12 @@ pub(super) fn load(path: &Path, wanted: Wanted) -> Result<Cube> {
 /// Writes the samples of all pictures to `to`, in single precision, one picture after the other.
 pub(super) fn write_out(path: &Path, wanted: Wanted, to: &mut dyn Write) -> Result<StoredLayout> {
     refuse_array(path, wanted)?;
-    let files = pictures(path)?;
-    let first = Picture::read(&files[0], wanted)?;
-    let Layout { axes, sizes, .. } = Layout::new(path, &files, &first, wanted)?;
-    for file in &files {
-        let picture = Picture::read(file, wanted)?;
-        picture.refuse_other_than(&first, file, &files[0])?;
+    let frames = frames(path, wanted)?;
+    let first = Picture::read(&frames[0], wanted)?;
+    let Layout { axes, sizes, .. } = Layout::new(path, &frames, &first, wanted)?;
+    for frame in &frames {
+        let picture = Picture::read(frame, wanted)?;
+        picture.refuse_other_than(&first, &frame.file, &frames[0].file)?;
         for sample in &picture.samples {
             let failed = Error::io(path, "cannot write a temporary file for");
             to.write_all(&sample.to_le_bytes()).map_err(failed)?;
@@ -376,13 +408,6 @@ fn refuse_array(path: &Path, wanted: Wanted) -> Result<()> {
     }
 }
 
-fn file_name(file: &Path) -> String {
-    file.file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
-}
-
 /// How the pictures become a cube.
 struct Layout {
     arrangement: Arrangement,
@@ -392,7 +417,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(path: &Path, files: &[PathBuf], first: &Picture, wanted: Wanted) -> Result<Layout> {
+    fn new(path: &Path, frames: &[Frame], first: &Picture, wanted: Wanted) -> Result<Layout> {
         let help = "name the axes of (files, rows, columns): \"T H W\" for frames, \"H W T\" for streaks, \"H W\" for a single steady picture";
         let axes = match wanted.axes {
             Some(axes) => axes.clone(),
@@ -400,9 +425,9 @@ impl Layout {
             None => Axes::of_frames(),
         };
         // Without time it is one picture.
-        let is_steady = files.len() == 1 && !axes.has_time();
+        let is_steady = frames.len() == 1 && !axes.has_time();
         let axes = axes.with_channels();
-        let mut sizes = vec![files.len(), first.size[1], first.size[0], first.channels];
+        let mut sizes = vec![frames.len(), first.size[1], first.size[0], first.channels];
         if is_steady {
             sizes.remove(0);
         }
@@ -435,266 +460,6 @@ impl Layout {
             sizes,
         })
     }
-}
-
-/// A decoded picture, linear.
-struct Picture {
-    /// Columns and rows.
-    size: [usize; 2],
-    /// 1 or 3, or as many as are named.
-    channels: usize,
-    /// By rows, colours fastest; all finite.
-    samples: Vec<f32>,
-}
-
-impl Picture {
-    /// The picture in `file`, by its extension; every sample of it is finite.
-    fn read(file: &Path, wanted: Wanted) -> Result<Picture> {
-        let transfer = wanted.transfer;
-        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
-        let extension = extension.to_ascii_lowercase();
-        if wanted.channels.is_some() && extension != "exr" {
-            let what = "the channels of this picture are grey or red, green and blue";
-            let help = "leave `channels` out, or store others in an EXR picture under their names";
-            return Err(Error::invalid(file, "channels", what, help));
-        }
-        let picture = match extension.as_str() {
-            "exr" => {
-                refuse_transfer(file, transfer)?;
-                let layers = image::exr::read(file, &Budget::default())?;
-                match wanted.channels {
-                    Some(channels) => Picture::of_names(file, &layers, channels)?,
-                    None => Picture::of_exr(file, &layers)?,
-                }
-            }
-            "hdr" => {
-                refuse_transfer(file, transfer)?;
-                let (size, pixels) = image::hdr::read(&bytes(file)?, file, &Budget::default())?;
-                Picture {
-                    size,
-                    channels: 3,
-                    samples: pixels.into_iter().flatten().collect(),
-                }
-            }
-            "png" => Picture::of_png(file, transfer)?,
-            "tif" | "tiff" => Picture::of_tiff(file, transfer)?,
-            _ => {
-                let what = "frames are .exr, .png, .hdr or .tif pictures";
-                return Err(Error::unsupported(
-                    file,
-                    "",
-                    what,
-                    "convert the frames to EXR",
-                ));
-            }
-        };
-        let width = picture.size[0] * picture.channels;
-        match picture
-            .samples
-            .iter()
-            .position(|sample| !sample.is_finite())
-        {
-            Some(bad) => Err(Error::invalid(
-                file,
-                format!(
-                    "row {}, column {}",
-                    bad / width,
-                    bad % width / picture.channels
-                ),
-                "the sample is not a finite number",
-                "radiance must be finite",
-            )),
-            None => Ok(picture),
-        }
-    }
-
-    /// The channels of these names, in their order.
-    fn of_names(file: &Path, layers: &Layers, channels: &Channels) -> Result<Picture> {
-        let mut planes = Vec::with_capacity(channels.count());
-        for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
-            let Some(channel) = layers.channel(stored) else {
-                let names: Vec<_> = (layers.channels.iter().take(10))
-                    .map(|c| c.name.as_str())
-                    .collect();
-                let what = format!(
-                    "it has no channel {name}; its channels are {}",
-                    names.join(", ")
-                );
-                let help = "name in `channels` those that the picture has";
-                return Err(Error::invalid(file, "channels", what, help));
-            };
-            planes.push(channel.samples.to_f64());
-        }
-        let count = planes.first().map_or(0, Vec::len);
-        let pixel = |at: usize| planes.iter().map(move |plane| plane[at] as f32);
-        Ok(Picture {
-            size: [layers.width as usize, layers.height as usize],
-            channels: planes.len(),
-            samples: (0..count).flat_map(pixel).collect(),
-        })
-    }
-
-    /// R, G and B, or else the only channel that is not alpha or depth.
-    fn of_exr(file: &Path, layers: &Layers) -> Result<Picture> {
-        let size = [layers.width as usize, layers.height as usize];
-        if let Some(rgb) = layers.radiance() {
-            return Ok(Picture {
-                size,
-                channels: 3,
-                samples: rgb.into_iter().flatten().map(|x| x as f32).collect(),
-            });
-        }
-        let others = ["A", "alpha", "Z", "distance"];
-        let mut grey = layers
-            .channels
-            .iter()
-            .filter(|c| !others.contains(&c.name.as_str()));
-        match (grey.next(), grey.next()) {
-            (Some(channel), None) => Ok(Picture {
-                size,
-                channels: 1,
-                samples: channel
-                    .samples
-                    .to_f64()
-                    .into_iter()
-                    .map(|x| x as f32)
-                    .collect(),
-            }),
-            _ => {
-                let names: Vec<_> = layers
-                    .channels
-                    .iter()
-                    .take(10)
-                    .map(|c| c.name.as_str())
-                    .collect();
-                let what = format!(
-                    "its channels are {}, neither R, G, B nor a single one",
-                    names.join(", ")
-                );
-                Err(Error::unsupported(
-                    file,
-                    "",
-                    what,
-                    "write frames with the channels R, G, B, or Y alone",
-                ))
-            }
-        }
-    }
-
-    fn of_png(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
-        let linear = linear_of(file, transfer)?;
-        let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
-        let layers = image::png::read(file, &Budget::default())?;
-        let channels = if is_grey { 1 } else { 3 };
-        let rgb = layers.radiance().unwrap_or_default();
-        let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
-        Ok(Picture {
-            size: [layers.width as usize, layers.height as usize],
-            channels,
-            samples: samples.map(|code| linear(*code)).collect(),
-        })
-    }
-
-    /// Integers are codes, as in PNG; floating-point samples are linear.
-    #[cfg(feature = "tiff")]
-    fn of_tiff(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
-        let image::tiff::Tiff {
-            size,
-            channels,
-            mut samples,
-            is_coded,
-        } = image::tiff::read(file, &Budget::default())?;
-        if is_coded {
-            let linear = linear_of(file, transfer)?;
-            for sample in &mut samples {
-                *sample = linear((*sample).into());
-            }
-        } else {
-            refuse_transfer(file, transfer)?;
-        }
-        Ok(Picture {
-            size,
-            channels,
-            samples,
-        })
-    }
-
-    #[cfg(not(feature = "tiff"))]
-    fn of_tiff(file: &Path, _: Option<Transfer>) -> Result<Picture> {
-        let what = "this program was built without TIFF";
-        let help = "build it with that (cargo install nullray --features tiff), or convert the frames to EXR";
-        Err(Error::unsupported(file, "", what, help))
-    }
-
-    fn refuse_other_than(&self, first: &Picture, file: &Path, first_file: &Path) -> Result<()> {
-        if (self.size, self.channels) == (first.size, first.channels) {
-            return Ok(());
-        }
-        let said = |p: &Picture| {
-            format!(
-                "{} × {} pixels of {} channels",
-                p.size[0], p.size[1], p.channels
-            )
-        };
-        let what = format!(
-            "it has {}, and {} has {}",
-            said(self),
-            file_name(first_file),
-            said(first)
-        );
-        Err(Error::invalid(
-            file,
-            "",
-            what,
-            "all pictures of a sequence have one size and the same channels",
-        ))
-    }
-}
-
-/// From codes to radiance, as the caller declares it.
-fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> {
-    match transfer {
-        Some(Transfer::Linear) => Ok(|code| code as f32),
-        Some(Transfer::Srgb) => Ok(|code| srgb_decode(code) as f32),
-        None => {
-            let what = "the codes of this picture are not radiance by themselves";
-            let help =
-                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
-            Err(Error::invalid(file, "", what, help))
-        }
-    }
-}
-
-fn refuse_transfer(file: &Path, transfer: Option<Transfer>) -> Result<()> {
-    match transfer {
-        Some(Transfer::Srgb) => Err(Error::invalid(
-            file,
-            "",
-            "this picture is linear by its format",
-            "leave out `transfer`",
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// A whole file.
-fn bytes(file: &Path) -> Result<Vec<u8>> {
-    use std::io::Read;
-    let (reader, length) = crate::io::open::open_regular(file)?;
-    if length > LONGEST {
-        return Err(Error::unsupported(
-            file,
-            "",
-            "the picture is longer than 1 GiB",
-            "convert the frames to EXR",
-        ));
-    }
-    let mut bytes = Vec::new();
-    reader
-        .take(LONGEST)
-        .read_to_end(&mut bytes)
-        .map_err(Error::io(file, "cannot read"))?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

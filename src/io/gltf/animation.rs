@@ -32,6 +32,9 @@ use crate::Result;
 pub struct Track {
     /// Seconds, ascending, and the node's origin, metres, in the coordinates of the file's root.
     pub points: Vec<(f64, DVec3)>,
+    /// Whether the node goes straight from each to the next, at constant velocity: the animation says so where it only moves nodes,
+    /// linearly. Otherwise the points lie on a curve.
+    pub is_straight: bool,
 }
 
 /// Pieces of the way between two times where it bends.
@@ -76,7 +79,10 @@ pub(super) fn track(document: &mut Document, node: &str, animation: Option<&str>
         );
         return Err(document.invalid(place, what, format!("at most {MOST} finite points")));
     }
-    Ok(Track { points })
+    Ok(Track {
+        points,
+        is_straight: is_straight(&channels),
+    })
 }
 
 /// Refuses a file that refers to others outside its own folder: its data are read before anybody is asked.
@@ -258,6 +264,13 @@ fn read(
     })
 }
 
+/// Whether the way is straight between the times of all channels: a sum of linear translations, by constant rotations and scales.
+fn is_straight(channels: &[Channel]) -> bool {
+    channels
+        .iter()
+        .all(|c| c.property == Property::Translation && c.interpolation == Interpolation::Linear)
+}
+
 /// All times at which a channel has values, and some between them where the way bends.
 fn times(channels: &[Channel]) -> Vec<f64> {
     let mut times: Vec<f64> = channels
@@ -266,11 +279,7 @@ fn times(channels: &[Channel]) -> Vec<f64> {
         .collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let straight = |c: &Channel| {
-        c.property == Property::Translation && c.interpolation == Interpolation::Linear
-    };
-    // Several channels of one straight way each still make a curve.
-    if channels.len() == 1 && channels.iter().all(straight) {
+    if is_straight(channels) {
         return times;
     }
     let mut all = Vec::with_capacity(PIECES * times.len());

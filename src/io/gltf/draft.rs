@@ -62,8 +62,7 @@ impl Draft {
 }
 
 /// What is said of the lights of a file.
-pub(crate) const LIGHTS_UNREAD: &str =
-    "the lights of a scene are its [[light]] tables, and not those of the file";
+pub(crate) const LIGHTS_UNREAD: &str = "the lights of a scene are its [[light]] tables, and not those of the file, which light it without a scene";
 
 /// Says what of the file is passed over as a whole.
 fn warn_of_unread(document: &Document, placed: &[Placed], want: Want, warnings: &mut Warnings) {

@@ -36,6 +36,10 @@ pub struct Summary {
     pub images: usize,
     /// Whether one of them has an alpha mask: holes.
     pub has_masks: bool,
+    /// Whether vertices have colours.
+    pub has_colours: bool,
+    /// Names of the materials that show their base colours under any light (KHR_materials_unlit).
+    pub unlit: Vec<String>,
     /// How many texture coordinate sets there are: the highest number, plus one.
     pub uv_sets: usize,
     /// Names of the lights (KHR_lights_punctual) that [`lights`](super::lights) finds; "" for one without a name.
@@ -76,6 +80,10 @@ pub(super) fn summary(document: &Document, node: Option<&str>) -> Result<Summary
             .sum(),
         images: images.len(),
         has_masks: materials.iter().any(|m| m.is_masked()),
+        has_colours: pieces.all().any(|(_, piece)| piece.colours.is_some()),
+        unlit: (materials.iter().filter(|m| m.unlit))
+            .map(|m| m.name.clone())
+            .collect(),
         uv_sets: draft.uv_sets(),
         materials: materials.iter().map(|m| m.name.clone()).collect(),
         lights: lights::names(document),

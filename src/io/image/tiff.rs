@@ -24,13 +24,41 @@ pub struct Tiff {
     pub is_coded: bool,
 }
 
-/// Reads the first picture of a file.
+/// The most pictures of a file.
+const MOST: usize = 1 << 16;
+
+/// How many pictures of the size of the first stand at the beginning of a file: the frames of a stack, but no previews.
 ///
 /// # Errors
-/// The file cannot be read or is broken; it needs more memory than `budget` has; it is neither grey nor RGB.
-pub fn read(path: &Path, budget: &Budget) -> Result<Tiff> {
-    let (reader, length) = open_regular(path)?;
-    let broken = |error: tiff::TiffError| match error {
+/// The file cannot be read or is broken.
+pub fn count(path: &Path) -> Result<usize> {
+    let broken = |error| broken(path, error);
+    let (reader, _) = open_regular(path)?;
+    let mut decoder = Decoder::new(BufReader::new(reader)).map_err(broken)?;
+    let size = decoder.dimensions().map_err(broken)?;
+    let mut count = 1;
+    while decoder.more_images() {
+        decoder.next_image().map_err(broken)?;
+        if decoder.dimensions().map_err(broken)? != size {
+            break;
+        }
+        count += 1;
+        if count > MOST {
+            let what = format!("it holds more than {MOST} pictures");
+            return Err(Error::unsupported(
+                path,
+                "",
+                what,
+                "save it as an array, in .npy",
+            ));
+        }
+    }
+    Ok(count)
+}
+
+/// What is wrong with a file.
+fn broken(path: &Path, error: tiff::TiffError) -> Error {
+    match error {
         tiff::TiffError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
             Error::io(path, "cannot read")(error)
         }
@@ -46,8 +74,20 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Tiff> {
             format!("{error}"),
             "copy the file again, or save it again",
         ),
-    };
+    }
+}
+
+/// Reads picture `number` of a file, the first being 0.
+///
+/// # Errors
+/// The file cannot be read or is broken; it needs more memory than `budget` has; it is neither grey nor RGB.
+pub fn read(path: &Path, number: usize, budget: &Budget) -> Result<Tiff> {
+    let broken = |error| broken(path, error);
+    let (reader, length) = open_regular(path)?;
     let mut decoder = Decoder::new(BufReader::new(reader)).map_err(broken)?;
+    if number > 0 {
+        decoder.seek_to_image(number).map_err(broken)?;
+    }
     let (width, height) = decoder.dimensions().map_err(broken)?;
     let colour = decoder.colortype().map_err(broken)?;
     let (channels, stored) = match colour {

@@ -3,7 +3,9 @@
 
 use super::planned::PlannedObject;
 use crate::error::{Error, Problem, Result};
-use crate::scene::model::{Binding, Mapping, Scene, Source, SourceKind};
+use crate::scene::model::{
+    Binding, EmissionProfile, Light, LightKind, Mapping, Scene, Source, SourceKind,
+};
 
 /// What gives a material of an object its radiance; indices of sources.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,6 +54,27 @@ pub fn lit_by(scene: &Scene, object: usize, material: &str) -> Lit {
     }
 }
 
+/// The same of a material that is unlit, or is not. In a scene with steady light, an unlit one shows its base colour, which is the
+/// radiance that was recorded; where all light comes in pulses, it reflects them like others.
+pub fn shown_by(scene: &Scene, object: usize, (material, is_unlit): (&str, bool)) -> Lit {
+    let steady = |light: &Light| match &light.kind {
+        LightKind::Lamp(lamp) => lamp.emission == EmissionProfile::Steady,
+        LightKind::Area { emission, .. } => *emission == EmissionProfile::Steady,
+    };
+    let own =
+        |light: &Light| matches!(light.kind, LightKind::Area { object: o, .. } if o == object);
+    let has_steady =
+        || scene.sky.as_ref().is_some_and(|sky| sky.lights) || scene.lights.iter().any(steady);
+    match lit_by(scene, object, material) {
+        Lit::Reflecting(pulses)
+            if is_unlit && pulses.is_empty() && has_steady() && !scene.lights.iter().any(own) =>
+        {
+            Lit::Base
+        }
+        lit => lit,
+    }
+}
+
 /// Which sources light anything.
 pub(super) fn used_sources(scene: &Scene, objects: &[PlannedObject]) -> Vec<bool> {
     let mut used = vec![false; scene.sources.len()];
@@ -95,8 +118,10 @@ pub(super) fn most_captures(scene: &Scene, objects: &[PlannedObject]) -> u64 {
 pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, wants_uv: bool) {
     object.uvs = wants_uv || object.has_masks;
     for material in object.materials.clone() {
-        let lit = lit_by(scene, index, &material);
-        let (uvs, textures, radiance) = needs(scene, &lit, object.images > 0);
+        let is_unlit = object.unlit.contains(&material);
+        let lit = shown_by(scene, index, (&material, is_unlit));
+        let has = (object.images > 0, object.has_colours);
+        let (uvs, textures, radiance) = needs(scene, &lit, has);
         object.uvs |= uvs;
         object.textures |= textures;
         if !object.radiance.contains(&radiance) {
@@ -105,11 +130,20 @@ pub(super) fn resolve(scene: &Scene, index: usize, object: &mut PlannedObject, w
     }
 }
 
-/// Whether texture coordinates and images are needed for what a surface shows, and what `plan` calls it.
-fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
+/// Whether texture coordinates, and images and colours of vertices, are needed for what a surface shows, and what `plan` calls it.
+fn needs(
+    scene: &Scene,
+    lit: &Lit,
+    (has_images, has_colours): (bool, bool),
+) -> (bool, bool, String) {
     let name = |s: &usize| scene.sources[*s].name.as_str();
+    let textures = has_images || has_colours;
     match lit {
-        Lit::Base => (has_images, has_images, "base colour".into()),
+        Lit::Base if scene.is_lit() => {
+            let words = "base colour as it is, whatever light there is (KHR_materials_unlit)";
+            (has_images, textures, words.into())
+        }
+        Lit::Base => (has_images, textures, "base colour".into()),
         Lit::Spectrum => (false, false, "its own spectrum".into()),
         Lit::Reflecting(pulses) => {
             let lights = scene.lights.iter().map(|light| light.name.as_str());
@@ -117,7 +151,7 @@ fn needs(scene: &Scene, lit: &Lit, has_images: bool) -> (bool, bool, String) {
             let names: Vec<_> = pulses.iter().map(name).chain(lights).chain(sky).collect();
             (
                 has_images,
-                has_images,
+                textures,
                 format!("base colour lit by {}", names.join(", ")),
             )
         }

@@ -25,7 +25,7 @@ use crate::scene::model::{
     TimeBins,
 };
 
-pub use bindings::{Lit, lit_by};
+pub use bindings::{Lit, lit_by, shown_by};
 pub(crate) use memory::BUILT_TOGETHER;
 pub use planned::{Memory, Plan, PlannedCube, PlannedFrame, PlannedObject, Rays, Request, Skipped};
 pub use report::{bytes, count, motion};
@@ -174,6 +174,8 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 uv_sets: summary.uv_sets,
                 materials: summary.materials,
                 images: summary.images,
+                has_colours: summary.has_colours,
+                unlit: summary.unlit,
                 has_masks: summary.has_masks,
                 unread: summary.warnings,
             })
@@ -194,6 +196,8 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
                 uv_sets: 1,
                 materials: vec![String::new()],
                 images: 0,
+                has_colours: false,
+                unlit: Vec::new(),
                 has_masks: false,
                 unread: Vec::new(),
             })
@@ -211,6 +215,10 @@ fn inspect_geometry(object: &Object) -> Result<PlannedObject> {
             uv_sets: mesh.uvs.iter().filter(|set| !set.is_empty()).count(),
             materials: mesh.materials.iter().map(|m| m.name.clone()).collect(),
             images: 0,
+            has_colours: !mesh.colours.is_empty(),
+            unlit: (mesh.materials.iter().filter(|m| m.unlit))
+                .map(|m| m.name.clone())
+                .collect(),
             has_masks: mesh.has_masks(),
             unread: Vec::new(),
         }),

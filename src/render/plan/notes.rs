@@ -3,6 +3,8 @@
 use super::planned::{Plan, Skipped};
 use crate::camera::Kind;
 use crate::colour::Continuation;
+use crate::io::gltf;
+use crate::scene::MADE_FOR_MODEL;
 use crate::scene::model::{Geometry, Object, Scene, SourceKind};
 use crate::spacetime::Quantity;
 
@@ -152,7 +154,10 @@ fn notes(scene: &Scene, plan: &Plan) -> Vec<String> {
     }
     for object in &plan.objects {
         let file = object.file.as_ref().map(|file| file.display().to_string());
-        for sentence in &object.unread {
+        // A scene that was made for a model has the lights of its file.
+        let has_lights = scene.text.starts_with(MADE_FOR_MODEL);
+        let unread = object.unread.iter();
+        for sentence in unread.filter(|s| !has_lights || !s.contains(gltf::LIGHTS_UNREAD)) {
             let note = format!("{}: {sentence}", file.as_deref().unwrap_or_default());
             if !notes.contains(&note) {
                 notes.push(note);

@@ -104,7 +104,7 @@ pub struct PlannedObject {
     pub vertices: u64,
     /// Whether texture coordinates are loaded.
     pub uvs: bool,
-    /// Whether base colour textures are loaded.
+    /// Whether base colour textures and colours of vertices are loaded.
     pub textures: bool,
     /// What gives it radiance.
     pub radiance: Vec<String>,
@@ -116,6 +116,12 @@ pub struct PlannedObject {
     pub(super) materials: Vec<String>,
     #[serde(skip)]
     pub(super) images: usize,
+    /// Whether vertices have colours.
+    #[serde(skip)]
+    pub(super) has_colours: bool,
+    /// Names of materials that show their base colours under any light.
+    #[serde(skip)]
+    pub(super) unlit: Vec<String>,
     /// What of its file is passed over, a sentence each.
     #[serde(skip)]
     pub(super) unread: Vec<String>,

@@ -22,7 +22,7 @@ use crate::light::sky::Sky;
 use crate::light::time_texture::survey::{self, Order};
 use crate::light::time_texture::{Capture, SeenPoint, TimeAxis, TimeTexture};
 use crate::mesh::{AlphaMode, Material, Mesh, TextureRef};
-use crate::render::plan::{Lit, Plan, lit_by};
+use crate::render::plan::{Lit, Plan, shown_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{
     AlphaMask, AreaLights, BaseColour, BaseColours, CapturedCube, Colouring, Element,
@@ -166,7 +166,7 @@ impl<'a> Builder<'a> {
             .map(|area| Arc::new(Emission::from(area.emission)));
         let vertex_colours = !mesh.colours.is_empty();
         let emitter = |material: &Material| {
-            let lit = lit_by(self.scene, object, &material.name);
+            let lit = shown_by(self.scene, object, (&material.name, material.unlit));
             let colour = match &own {
                 // Of an area light, its radiance is a factor on its spectrum.
                 Some(colour) => BaseColour {

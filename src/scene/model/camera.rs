@@ -108,6 +108,8 @@ pub enum Motion {
     },
     /// A smooth curve through world events, from the first to the last; the clock shows 0 at the first.
     Keyframes(Vec<Event<World>>),
+    /// Straight from world event to world event, with short turns; the clock shows 0 at the first.
+    Polyline(Vec<Event<World>>),
     /// At constant speed around an axis.
     Circular {
         /// A point of the axis, world metres.

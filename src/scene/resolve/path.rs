@@ -76,7 +76,11 @@ pub(super) fn animation(cx: &Context, at: &At<Animation>) -> Result<Motion> {
         return Err(cx.refuse(node, what, "give two keys or more"));
     }
     let event = |(seconds, x): &(f64, DVec3)| Event::new(metres(*seconds), *x);
-    Ok(Motion::Keyframes(track.points.iter().map(event).collect()))
+    let events = track.points.iter().map(event).collect();
+    Ok(match track.is_straight {
+        true => Motion::Polyline(events),
+        false => Motion::Keyframes(events),
+    })
 }
 
 /// A motion by keyframes.

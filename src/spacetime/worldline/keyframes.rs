@@ -1,6 +1,6 @@
-//! Motion along a smooth curve through events of the world.
+//! Motion along a curve through events of the world.
 //!
-//! The curve is [`super::spline`], its clock [`super::clock`]. With v = dx/dct and w = dv/dct the four-velocity is
+//! The curve is [`super::spline`] or [`super::polyline`], its clock [`super::clock`]. With v = dx/dct and w = dv/dct the four-velocity is
 //! γ(1, v), and the proper acceleration in the comoving, boosted axes is
 //!
 //! ```text
@@ -11,12 +11,13 @@ use super::clock::Clock;
 use super::cone::past_cone;
 use super::elapsed::Elapsed;
 use super::error::{WorldLineError, check_ascending, check_count};
+use super::polyline;
 use super::series::{Found, Series};
 use super::spline;
 use super::state::{Crossing, State};
 use crate::spacetime::{Displacement, Event, Velocity, World};
 
-/// A spline by world time, and its clock.
+/// A curve by world time, and its clock.
 #[derive(Debug, Clone)]
 pub(super) struct Keyframes {
     series: Series,
@@ -24,14 +25,25 @@ pub(super) struct Keyframes {
 }
 
 impl Keyframes {
-    pub fn new(events: &[Event<World>]) -> Result<Self, WorldLineError> {
+    pub fn smooth(events: &[Event<World>]) -> Result<Self, WorldLineError> {
+        Keyframes::new(events, spline::natural)
+    }
+
+    pub fn straight(events: &[Event<World>]) -> Result<Self, WorldLineError> {
+        Keyframes::new(events, polyline::polyline)
+    }
+
+    fn new(
+        events: &[Event<World>],
+        curve: impl Fn(&[Event<World>]) -> Result<Series, WorldLineError>,
+    ) -> Result<Self, WorldLineError> {
         check_count(events.len())?;
         let finite = |e: &Event<World>| e.ct.is_finite() && e.x.is_finite();
         if let Some(index) = events.iter().position(|e| !finite(e)) {
             return Err(WorldLineError::EntryNotFinite { index });
         }
         check_ascending(events.iter().map(|e| e.ct))?;
-        let series = spline::natural(events)?;
+        let series = curve(events)?;
         let clock = Clock::new(&series.parameters, |ct| rate(&series, ct));
         Ok(Keyframes { series, clock })
     }

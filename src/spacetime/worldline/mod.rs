@@ -6,7 +6,8 @@
 //! | [hyperbolic](WorldLine::hyperbolic) | constant proper acceleration | all |
 //! | [segments](WorldLine::segments) | stretches of constant proper acceleration | all |
 //! | [profile](WorldLine::profile) | proper acceleration over proper time | first to last knot |
-//! | [keyframes](WorldLine::keyframes) | events of the world | first to last event |
+//! | [keyframes](WorldLine::keyframes) | events of the world, a smooth curve between | first to last event |
+//! | [polyline](WorldLine::polyline) | events of the world, straight between | first to last event |
 //! | [circular](WorldLine::circular) | axis and rate | all |
 //!
 //! Proper time τ and world time ct are in metres, accelerations in 1/m (1 m⁻¹ is c²/m = 9·10¹⁶ m/s²).
@@ -49,6 +50,7 @@ mod elapsed;
 mod error;
 mod hyperbola;
 mod keyframes;
+mod polyline;
 mod profile;
 mod root;
 mod rounding;

@@ -69,7 +69,15 @@ impl WorldLine {
     /// Of all curves through them it has the least ∫|x″|² dct; velocity and acceleration are continuous, and
     /// the latter is zero at both ends. Refused where it is not slower than light.
     pub fn keyframes(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
-        Ok(Kind::Keyframes(Keyframes::new(events)?).into())
+        Ok(Kind::Keyframes(Keyframes::smooth(events)?).into())
+    }
+
+    /// Straight at constant velocity from each of `events` to the next, from the first, at proper time 0, to the last.
+    ///
+    /// About each event between, the velocity changes within 1/16 of the shorter of the two times beside it, before
+    /// and after, at a constant rate in world time. Refused where it is not slower than light.
+    pub fn polyline(events: &[Event<World>]) -> Result<WorldLine, WorldLineError> {
+        Ok(Kind::Keyframes(Keyframes::straight(events)?).into())
     }
 
     /// At constant speed around the axis through the point `centre` along `axis` (of any length but 0), with

@@ -12,7 +12,7 @@ use crate::io::gltf::glb::Run;
 use crate::mesh::{AlphaMode, Mesh};
 use crate::render::aov::{Aov, Combine};
 use crate::render::metadata;
-use crate::render::plan::{Lit, lit_by};
+use crate::render::plan::{Lit, shown_by};
 use crate::render::prepare::scaling;
 use crate::scene::model::{Mapping, Object, ProjectionKind, Pulse, Scene, Sensor};
 use crate::spacetime::{Boost, Displacement, Event, Frame, Quantity, Velocity, World};
@@ -126,7 +126,7 @@ pub(super) fn object(
 
 fn part(scene: &Scene, object: usize, mesh: &Mesh, run: &Run) -> PartEntry {
     let material = &mesh.materials[run.material as usize];
-    let (radiance, sources) = match lit_by(scene, object, &material.name) {
+    let (radiance, sources) = match shown_by(scene, object, (&material.name, material.unlit)) {
         Lit::Base => ("base_colour", Vec::new()),
         Lit::Spectrum => ("spectrum", Vec::new()),
         Lit::Cube(source) => ("cube", vec![source]),

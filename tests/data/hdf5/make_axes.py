@@ -30,4 +30,6 @@ with h5py.File("axes.h5", "w", track_order=False) as f:
     array("others", frames, labels=["wavelength", "y", "x"])
     array("wrong", frames, axes="T Q W")
     array("unsaid", cube)
+    # MATLAB's (rows, columns, bins).
+    array("matlab", cube.T, MATLAB_class=np.bytes_("single"))
     array("picture", np.zeros((8, 9, 3), "f4"))

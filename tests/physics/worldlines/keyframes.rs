@@ -203,3 +203,70 @@ fn keys_just_below_the_speed_of_light_are_followed_as_far_as_their_rate_is_known
     let expected = 999.0 * 6e-12f64.sqrt();
     assert!((line.span()[1] / expected - 1.0).abs() < 1e-4);
 }
+
+/// Along the sides of a square, 4 m of light each: β = 1/4, and turns from 1/4 m before the corners to 1/4 m after them. There the
+/// velocity goes linearly from one side to the next, and the way passes the corner at w |v′ − v|/4.
+#[test]
+fn between_events_of_a_polyline_the_way_is_straight_and_turns_are_short() {
+    let events = [
+        event(0.0, 0.0, 0.0, 0.0),
+        event(4.0, 1.0, 0.0, 0.0),
+        event(8.0, 1.0, 1.0, 0.0),
+        event(12.0, 0.0, 1.0, 0.0),
+    ];
+    let line = WorldLine::polyline(&events).unwrap();
+    let (w, jump) = (0.25, 2f64.sqrt() / 4.0);
+    for (ct, x, v) in [
+        (1.0, DVec3::new(0.25, 0.0, 0.0), DVec3::X),
+        (3.74, DVec3::new(0.935, 0.0, 0.0), DVec3::X),
+        (4.26, DVec3::new(1.0, 0.065, 0.0), DVec3::Y),
+        (6.0, DVec3::new(1.0, 0.5, 0.0), DVec3::Y),
+        (11.0, DVec3::new(0.25, 1.0, 0.0), -DVec3::X),
+    ] {
+        let state = at_time(&line, ct);
+        assert!(apart(state.event, Event::new(ct, x)) < 4e-15, "{state:?}");
+        assert!((state.velocity.beta() - v / 4.0).length() < 1e-15);
+        assert!(state.acceleration.length() < 1e-14);
+    }
+    // In the middle of a turn the velocity is the mean of both, and its rate their difference over 2w.
+    let corner = at_time(&line, 4.0);
+    let [off, mean] = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+    let expected = events[1].x + off.normalize() * (w * jump / 4.0);
+    assert!((corner.event.x - expected).length() < 4e-15, "{corner:?}");
+    assert!((corner.velocity.beta() - mean / 8.0).length() < 1e-15);
+    let bent = coordinate_acceleration(&corner);
+    assert!((bent - off / (4.0 * 2.0 * w)).length() < 1e-14, "{bent}");
+    // Half of a square's diagonal is a fifth slower than its side: 11 m go straight, and 1 m in both turns, where
+    // |v|² = (1 + u²)/32 with u from -1 to 1; the next term of the root's series is 5e-6.
+    let turns = 1.0 - (4.0 / 3.0) / 64.0 - (1.0 + 2.0 / 3.0 + 0.2) / (8.0 * 1024.0);
+    let expected = 11.0 * (15.0f64 / 16.0).sqrt() + turns;
+    assert!(
+        (line.span()[1] - expected).abs() < 1e-5,
+        "{}",
+        line.span()[1]
+    );
+}
+
+/// Where a smooth curve would have to be faster than light, a turn back on the same way need not be.
+#[test]
+fn a_polyline_is_as_fast_as_its_fastest_way() {
+    let events =
+        |x: f64| [(0.0, 0.0), (1.0, x), (2.0, 0.0), (3.0, x)].map(|(t, x)| event(t, x, 0.0, 0.0));
+    assert!(WorldLine::keyframes(&events(0.95)).is_err());
+    let line = WorldLine::polyline(&events(0.95)).unwrap();
+    for i in 0..=1000 {
+        let speed = line.state(line.span()[1] * f64::from(i) / 1000.0);
+        assert!(speed.unwrap().velocity.beta().length() < 0.95 + 1e-12);
+    }
+    let mut too_fast = events(0.5);
+    too_fast[3].x.x = 1.25;
+    let error = WorldLine::polyline(&too_fast).unwrap_err();
+    assert!(matches!(
+        error,
+        WorldLineError::Superluminal {
+            index: 2,
+            speed: 1.25,
+            ..
+        }
+    ));
+}

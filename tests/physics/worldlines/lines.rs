@@ -61,6 +61,8 @@ pub fn every_kind() -> Vec<(&'static str, WorldLine, [f64; 2])> {
             [-2.0, 3.0],
         ),
         ("keyframes", turn(), turn().span()),
+        // Such that the times of tests away from corners are away from where its acceleration jumps.
+        ("polyline", corners(), [0.0, 5.2887]),
         (
             "circular",
             WorldLine::circular(
@@ -88,6 +90,11 @@ pub fn keys() -> Vec<Event<World>> {
 
 pub fn turn() -> WorldLine {
     WorldLine::keyframes(&keys()).unwrap()
+}
+
+/// Straight between the same events.
+pub fn corners() -> WorldLine {
+    WorldLine::polyline(&keys()).unwrap()
 }
 
 /// The four-velocity (γ, γβ), as (ct, x).

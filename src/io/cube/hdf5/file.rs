@@ -349,6 +349,9 @@ impl Windows for Array {
 
 const AGAIN: &str = "copy the file again, or write it again";
 
+/// The class of layout of virtual datasets.
+const VIRTUAL: u8 = 3;
+
 /// An error of the reader, in words.
 fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error {
     use hdf5_reader::error::Error as Reading;
@@ -368,6 +371,12 @@ fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error 
             what,
             "write it in smaller chunks: h5repack -l CHUNK=… IN OUT",
         ),
+        Reading::UnsupportedLayoutClass(VIRTUAL) => Error::unsupported(
+            path,
+            place,
+            "it holds a virtual dataset, whose samples are in other files",
+            "write its samples into one file, in h5py by create_dataset(name, data=virtual[()])",
+        ),
         other => Error::invalid(
             path,
             place,
@@ -380,72 +389,40 @@ fn refused(path: &Path, place: &str, error: hdf5_reader::error::Error) -> Error 
 /// Numbers as they are stored.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
-    number: Stored,
+    number: Number,
     big_endian: bool,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Stored {
-    Short(Number),
-    I64,
-    U64,
 }
 
 impl Kind {
     fn loaded(self) -> Dtype {
-        match self.number {
-            Stored::Short(number) => number.loaded().0,
-            Stored::I64 | Stored::U64 => Dtype::F64,
-        }
+        self.number.loaded().0
     }
 
     /// As numpy calls it.
     fn shown(self) -> Dtype {
         let name = match self.number {
-            Stored::Short(Number::F16) => return Dtype::F16,
-            Stored::Short(Number::F32) => return Dtype::F32,
-            Stored::Short(Number::F64) => return Dtype::F64,
-            Stored::Short(Number::U8) => "u1",
-            Stored::Short(Number::I8) => "i1",
-            Stored::Short(Number::U16) => "u2",
-            Stored::Short(Number::I16) => "i2",
-            Stored::Short(Number::U32) => "u4",
-            Stored::Short(Number::I32) => "i4",
-            Stored::I64 => "i8",
-            Stored::U64 => "u8",
+            Number::F16 => return Dtype::F16,
+            Number::F32 => return Dtype::F32,
+            Number::F64 => return Dtype::F64,
+            Number::U8 => "u1",
+            Number::I8 => "i1",
+            Number::U16 => "u2",
+            Number::I16 => "i2",
+            Number::U32 => "u4",
+            Number::I32 => "i4",
+            Number::I64 => "i8",
+            Number::U64 => "u8",
         };
         Dtype::Other(format!("{}{name}", if self.big_endian { '>' } else { '<' }))
     }
 
     fn bytes(self) -> usize {
-        match self.number {
-            Stored::Short(number) => number.stored() as usize,
-            Stored::I64 | Stored::U64 => 8,
-        }
+        self.number.stored() as usize
     }
 
     /// The numbers that `bytes` are; those that double precision does not hold are NaN.
     fn decode(self, bytes: &[u8], to: &mut Vec<f64>) {
-        const EXACT: u64 = 1 << 53;
-        let whole = |x: [u8; 8]| match self.big_endian {
-            true => u64::from_be_bytes(x),
-            false => u64::from_le_bytes(x),
-        };
-        let words = || bytes.as_chunks().0.iter().map(|x| whole(*x));
-        match self.number {
-            Stored::Short(number) => number.decode(bytes, self.big_endian, to),
-            Stored::U64 => to.extend(words().map(|n| if n <= EXACT { n as f64 } else { f64::NAN })),
-            Stored::I64 => {
-                to.extend(
-                    words()
-                        .map(|n| n as i64)
-                        .map(|n| match n.unsigned_abs() <= EXACT {
-                            true => n as f64,
-                            false => f64::NAN,
-                        }),
-                )
-            }
-        }
+        self.number.decode(bytes, self.big_endian, to);
     }
 }
 
@@ -460,7 +437,7 @@ fn kind(datatype: &Datatype) -> Option<Kind> {
                 8 => Number::F64,
                 _ => return None,
             };
-            (Stored::Short(number), byte_order)
+            (number, byte_order)
         }
         Datatype::FixedPoint {
             size,
@@ -468,14 +445,14 @@ fn kind(datatype: &Datatype) -> Option<Kind> {
             byte_order,
         } => {
             let number = match (size, signed) {
-                (1, false) => Stored::Short(Number::U8),
-                (1, true) => Stored::Short(Number::I8),
-                (2, false) => Stored::Short(Number::U16),
-                (2, true) => Stored::Short(Number::I16),
-                (4, false) => Stored::Short(Number::U32),
-                (4, true) => Stored::Short(Number::I32),
-                (8, false) => Stored::U64,
-                (8, true) => Stored::I64,
+                (1, false) => Number::U8,
+                (1, true) => Number::I8,
+                (2, false) => Number::U16,
+                (2, true) => Number::I16,
+                (4, false) => Number::U32,
+                (4, true) => Number::I32,
+                (8, false) => Number::U64,
+                (8, true) => Number::I64,
                 _ => return None,
             };
             (number, byte_order)

@@ -190,8 +190,18 @@ fn plain(file: &File, name: String) -> Result<Layout> {
         }
         Ok(None) => {
             assumed = true;
-            without_alpha = matches!(*sizes, [_, _, _, 4]);
-            Axes::assumed(&sizes)
+            // MATLAB stores axes in reverse.
+            let is_reversed = array.text("MATLAB_class").is_some();
+            let mut own = sizes.clone();
+            if is_reversed {
+                own.reverse();
+                notes.push(format!(
+                    "written by MATLAB, whose axes are stored in reverse: size {own:?} there"
+                ));
+            }
+            without_alpha = matches!(*own, [_, _, _, 4]) && !is_reversed;
+            Axes::assumed(&own)
+                .map(|axes| if is_reversed { axes.reversed() } else { axes })
                 .map_err(|(what, help)| (doubt, unsaid) = (Some(what), help.into()))
                 .ok()
         }

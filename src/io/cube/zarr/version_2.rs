@@ -48,12 +48,14 @@ pub(super) fn as_version_3(folder: &Path) -> Result<Map<String, Value>> {
         return Err(unsupported("dtype", what, "give f2, f4, f8 or integers"));
     };
     let endian = if order == ">" { "big" } else { "little" };
-    if get("filters")
+    if let Some(filter) = get("filters")
         .as_array()
-        .is_some_and(|filters| !filters.is_empty())
+        .and_then(|filters| filters.first())
     {
-        let what = "filters are not read".into();
-        return Err(unsupported("filters", what, "write it without filters"));
+        let name = filter.get("id").and_then(Value::as_str).unwrap_or_default();
+        let what = format!("chunks with the filter {name:?} are not read");
+        let help = "write it without filters: zarr.create_array(..., filters=None)";
+        return Err(unsupported("filters", what, help));
     }
     // The order of what is stored, its bytes, and how they are compressed.
     let axes = get("shape").as_array().map_or(0, Vec::len);

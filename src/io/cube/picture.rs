@@ -1,0 +1,306 @@
+//! A picture of a sequence, decoded: linear radiance, whatever its format.
+
+use std::path::{Path, PathBuf};
+
+use super::channels::Channels;
+use super::format::{Transfer, Wanted};
+use crate::colour::srgb_decode;
+use crate::error::{Error, Result};
+use crate::io::budget::Budget;
+use crate::io::image::{self, Layers};
+
+/// The longest file of a picture that is read as a whole, bytes.
+const LONGEST: u64 = 1 << 30;
+
+/// A picture of a sequence: one of the pictures in a file.
+pub(super) struct Frame {
+    pub file: PathBuf,
+    /// The first in it is 0.
+    pub number: usize,
+}
+
+/// How many pictures of one size the file of a picture holds; more than one in stacks of TIFF.
+///
+/// # Errors
+/// It cannot be read.
+pub fn frame_count(file: &Path) -> Result<usize> {
+    match extension(file).as_str() {
+        #[cfg(feature = "tiff")]
+        "tif" | "tiff" => image::tiff::count(file),
+        _ => Ok(1),
+    }
+}
+
+fn extension(file: &Path) -> String {
+    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("");
+    extension.to_ascii_lowercase()
+}
+
+/// Its name without its folder.
+pub(super) fn file_name(file: &Path) -> String {
+    file.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// A decoded picture, linear.
+pub(super) struct Picture {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// 1 or 3, or as many as are named.
+    pub channels: usize,
+    /// By rows, colours fastest; all finite.
+    pub samples: Vec<f32>,
+}
+
+impl Picture {
+    /// The picture, by the extension of its file; every sample of it is finite.
+    pub fn read(frame: &Frame, wanted: Wanted) -> Result<Picture> {
+        let (file, transfer) = (&*frame.file, wanted.transfer);
+        let extension = extension(file);
+        if wanted.channels.is_some() && extension != "exr" {
+            let what = "the channels of this picture are grey or red, green and blue";
+            let help = "leave `channels` out, or store others in an EXR picture under their names";
+            return Err(Error::invalid(file, "channels", what, help));
+        }
+        let picture = match extension.as_str() {
+            "exr" => {
+                refuse_transfer(file, transfer)?;
+                let layers = image::exr::read(file, &Budget::default())?;
+                match wanted.channels {
+                    Some(channels) => Picture::of_names(file, &layers, channels)?,
+                    None => Picture::of_exr(file, &layers)?,
+                }
+            }
+            "hdr" => {
+                refuse_transfer(file, transfer)?;
+                let (size, pixels) = image::hdr::read(&bytes(file)?, file, &Budget::default())?;
+                Picture {
+                    size,
+                    channels: 3,
+                    samples: pixels.into_iter().flatten().collect(),
+                }
+            }
+            "png" => Picture::of_png(file, transfer)?,
+            "tif" | "tiff" => Picture::of_tiff(frame, transfer)?,
+            _ => {
+                let what = "frames are .exr, .png, .hdr or .tif pictures";
+                return Err(Error::unsupported(
+                    file,
+                    "",
+                    what,
+                    "convert the frames to EXR",
+                ));
+            }
+        };
+        let width = picture.size[0] * picture.channels;
+        match picture
+            .samples
+            .iter()
+            .position(|sample| !sample.is_finite())
+        {
+            Some(bad) => Err(Error::invalid(
+                file,
+                format!(
+                    "row {}, column {}",
+                    bad / width,
+                    bad % width / picture.channels
+                ),
+                "the sample is not a finite number",
+                "radiance must be finite",
+            )),
+            None => Ok(picture),
+        }
+    }
+
+    /// The channels of these names, in their order.
+    fn of_names(file: &Path, layers: &Layers, channels: &Channels) -> Result<Picture> {
+        let mut planes = Vec::with_capacity(channels.count());
+        for (name, stored) in channels.names().into_iter().zip(channels.in_pictures()) {
+            let Some(channel) = layers.channel(stored) else {
+                let names: Vec<_> = (layers.channels.iter().take(10))
+                    .map(|c| c.name.as_str())
+                    .collect();
+                let what = format!(
+                    "it has no channel {name}; its channels are {}",
+                    names.join(", ")
+                );
+                let help = "name in `channels` those that the picture has";
+                return Err(Error::invalid(file, "channels", what, help));
+            };
+            planes.push(channel.samples.to_f64());
+        }
+        let count = planes.first().map_or(0, Vec::len);
+        let pixel = |at: usize| planes.iter().map(move |plane| plane[at] as f32);
+        Ok(Picture {
+            size: [layers.width as usize, layers.height as usize],
+            channels: planes.len(),
+            samples: (0..count).flat_map(pixel).collect(),
+        })
+    }
+
+    /// R, G and B, or else the only channel that is not alpha or depth.
+    fn of_exr(file: &Path, layers: &Layers) -> Result<Picture> {
+        let size = [layers.width as usize, layers.height as usize];
+        if let Some(rgb) = layers.radiance() {
+            return Ok(Picture {
+                size,
+                channels: 3,
+                samples: rgb.into_iter().flatten().map(|x| x as f32).collect(),
+            });
+        }
+        let others = ["A", "alpha", "Z", "distance"];
+        let mut grey = layers
+            .channels
+            .iter()
+            .filter(|c| !others.contains(&c.name.as_str()));
+        match (grey.next(), grey.next()) {
+            (Some(channel), None) => Ok(Picture {
+                size,
+                channels: 1,
+                samples: channel
+                    .samples
+                    .to_f64()
+                    .into_iter()
+                    .map(|x| x as f32)
+                    .collect(),
+            }),
+            _ => {
+                let names: Vec<_> = layers
+                    .channels
+                    .iter()
+                    .take(10)
+                    .map(|c| c.name.as_str())
+                    .collect();
+                let what = format!(
+                    "its channels are {}, neither R, G, B nor a single one",
+                    names.join(", ")
+                );
+                Err(Error::unsupported(
+                    file,
+                    "",
+                    what,
+                    "write frames with the channels R, G, B, or Y alone",
+                ))
+            }
+        }
+    }
+
+    fn of_png(file: &Path, transfer: Option<Transfer>) -> Result<Picture> {
+        let linear = linear_of(file, transfer)?;
+        let is_grey = image::png::inspect(file)?.colour.starts_with("grey");
+        let layers = image::png::read(file, &Budget::default())?;
+        let channels = if is_grey { 1 } else { 3 };
+        let rgb = layers.radiance().unwrap_or_default();
+        let samples = rgb.iter().flat_map(|rgb| &rgb[..channels]);
+        Ok(Picture {
+            size: [layers.width as usize, layers.height as usize],
+            channels,
+            samples: samples.map(|code| linear(*code)).collect(),
+        })
+    }
+
+    /// Integers are codes, as in PNG; floating-point samples are linear.
+    #[cfg(feature = "tiff")]
+    fn of_tiff(frame: &Frame, transfer: Option<Transfer>) -> Result<Picture> {
+        let file = &*frame.file;
+        let image::tiff::Tiff {
+            size,
+            channels,
+            mut samples,
+            is_coded,
+        } = image::tiff::read(file, frame.number, &Budget::default())?;
+        if is_coded {
+            let linear = linear_of(file, transfer)?;
+            for sample in &mut samples {
+                *sample = linear((*sample).into());
+            }
+        } else {
+            refuse_transfer(file, transfer)?;
+        }
+        Ok(Picture {
+            size,
+            channels,
+            samples,
+        })
+    }
+
+    #[cfg(not(feature = "tiff"))]
+    fn of_tiff(frame: &Frame, _: Option<Transfer>) -> Result<Picture> {
+        let file = &*frame.file;
+        let what = "this program was built without TIFF";
+        let help = "build it with that (cargo install nullray --features tiff), or convert the frames to EXR";
+        Err(Error::unsupported(file, "", what, help))
+    }
+
+    pub fn refuse_other_than(&self, first: &Picture, file: &Path, first_file: &Path) -> Result<()> {
+        if (self.size, self.channels) == (first.size, first.channels) {
+            return Ok(());
+        }
+        let said = |p: &Picture| {
+            format!(
+                "{} × {} pixels of {} channels",
+                p.size[0], p.size[1], p.channels
+            )
+        };
+        let what = format!(
+            "it has {}, and {} has {}",
+            said(self),
+            file_name(first_file),
+            said(first)
+        );
+        Err(Error::invalid(
+            file,
+            "",
+            what,
+            "all pictures of a sequence have one size and the same channels",
+        ))
+    }
+}
+
+/// From codes to radiance, as the caller declares it.
+fn linear_of(file: &Path, transfer: Option<Transfer>) -> Result<fn(f64) -> f32> {
+    match transfer {
+        Some(Transfer::Linear) => Ok(|code| code as f32),
+        Some(Transfer::Srgb) => Ok(|code| srgb_decode(code) as f32),
+        None => {
+            let what = "the codes of this picture are not radiance by themselves";
+            let help =
+                "declare how they stand for it: transfer = \"linear\" or \"srgb\" in the source";
+            Err(Error::invalid(file, "", what, help))
+        }
+    }
+}
+
+fn refuse_transfer(file: &Path, transfer: Option<Transfer>) -> Result<()> {
+    match transfer {
+        Some(Transfer::Srgb) => Err(Error::invalid(
+            file,
+            "",
+            "this picture is linear by its format",
+            "leave out `transfer`",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A whole file.
+fn bytes(file: &Path) -> Result<Vec<u8>> {
+    use std::io::Read;
+    let (reader, length) = crate::io::open::open_regular(file)?;
+    if length > LONGEST {
+        return Err(Error::unsupported(
+            file,
+            "",
+            "the picture is longer than 1 GiB",
+            "convert the frames to EXR",
+        ));
+    }
+    let mut bytes = Vec::new();
+    reader
+        .take(LONGEST)
+        .read_to_end(&mut bytes)
+        .map_err(Error::io(file, "cannot read"))?;
+    Ok(bytes)
+}

@@ -1,0 +1,80 @@
+//! Straight ways at constant velocity from event to event, with short turns.
+//!
+//! A jump of the velocity would be an infinite acceleration. About each event between the first and the last, from w before it to
+//! w after it, the velocity goes linearly from that before, v, to that after, v′:
+//!
+//! ```text
+//! x(u) = x(0) + 2w v u + w (v′ − v) u²,    u from 0 to 1;    w = 1/16 of the shorter of the two times between events.
+//! ```
+//!
+//! The way is then as fast as the faster of the two at most, and passes the event at the distance w |v′ − v|/4, in the angle
+//! between both ways.
+
+use super::error::{MAX_KEYFRAME_SPEED, WorldLineError};
+use super::series::{Piece, Series};
+use crate::spacetime::{Displacement, Event, World};
+
+/// Part of the time between two events within which the velocity changes at each.
+const TURN: f64 = 1.0 / 16.0;
+
+/// The ways between `events`, which ascend in time, with world time as parameter.
+pub(super) fn polyline(events: &[Event<World>]) -> Result<Series, WorldLineError> {
+    let ways: Vec<Displacement<World>> = events.windows(2).map(|e| e[1] - e[0]).collect();
+    check_speed(events, &ways)?;
+    let mut series = Series {
+        parameters: vec![events[0].ct],
+        events: vec![events[0]],
+        ..Series::default()
+    };
+    for (i, pair) in ways.windows(2).enumerate() {
+        let [before, after] = [pair[0].x / pair[0].ct, pair[1].x / pair[1].ct];
+        let w = TURN * pair[0].ct.min(pair[1].ct);
+        let turn = events[i + 1];
+        add(&mut series, turn + Displacement::new(-w, before * -w), &[]);
+        let bend = (after - before) * w;
+        let end = turn + Displacement::new(w, after * w);
+        add(&mut series, end, &[before * (2.0 * w), bend]);
+    }
+    add(&mut series, events[events.len() - 1], &[]);
+    Ok(series)
+}
+
+/// A piece from where the series ends to `end`, by the coefficients of its position, or straight.
+fn add(series: &mut Series, end: Event<World>, coefficients: &[glam::DVec3]) {
+    let centre = series.events.len() - 1;
+    let way = end - series.events[centre];
+    let first = series.coefficients.len();
+    match coefficients {
+        [] => series.coefficients.push(way.x.extend(way.ct)),
+        [c, rest @ ..] => {
+            series.coefficients.push(c.extend(way.ct));
+            series
+                .coefficients
+                .extend(rest.iter().map(|c| c.extend(0.0)));
+        }
+    }
+    series.pieces.push(Piece {
+        centre,
+        scale: way.ct,
+        first,
+        count: series.coefficients.len() - first,
+    });
+    series.parameters.push(end.ct);
+    series.events.push(end);
+}
+
+/// Refuses ways that are not slower than light, with the fastest of them.
+fn check_speed(
+    events: &[Event<World>],
+    ways: &[Displacement<World>],
+) -> Result<(), WorldLineError> {
+    let speeds = ways.iter().map(|way| way.x.length() / way.ct).enumerate();
+    match speeds.reduce(|a, b| if b.1 > a.1 { b } else { a }) {
+        Some((index, speed)) if speed > MAX_KEYFRAME_SPEED => Err(WorldLineError::Superluminal {
+            index,
+            ct: events[index].ct,
+            speed,
+        }),
+        _ => Ok(()),
+    }
+}

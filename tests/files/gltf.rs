@@ -671,3 +671,15 @@ fn cameras_and_lights_follow_animated_nodes_slower_than_light() {
     assert!((beta - std::f64::consts::FRAC_PI_4).abs() < 0.02, "{beta}");
     assert!(scene("3.1 m/s", "tip", "turn").is_err());
 }
+
+/// What is written for other programs and read again is lit as it was.
+#[test]
+fn written_meshes_are_unlit_where_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("again.glb");
+    for (node, is_unlit) in [("many", true), ("words", false)] {
+        gltf::save(&path, "again", &load("materials.gltf", Some(node)).mesh).unwrap();
+        let again = gltf::load(&path, None, ALL).unwrap().mesh;
+        assert_eq!(again.materials[0].unlit, is_unlit, "{node}");
+    }
+}

@@ -16,6 +16,10 @@ const LONGEST: u64 = 1 << 30;
 pub(super) struct Frame {
     pub file: PathBuf,
     /// The first in it is 0.
+    #[cfg_attr(
+        not(feature = "tiff"),
+        expect(dead_code, reason = "only stacks of TIFF have more than one")
+    )]
     pub number: usize,
 }
 

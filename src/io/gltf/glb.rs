@@ -75,13 +75,13 @@ pub(crate) fn is_exact(mesh: &Mesh) -> bool {
 /// # Errors
 /// The mesh is too large for the format, or beyond single precision; I/O errors.
 pub fn save(path: &Path, name: &str, mesh: &Mesh) -> FileResult<()> {
-    let bytes = write(name, mesh, &runs(mesh), &[])
+    let bytes = write(name, mesh, &runs(mesh), &[], |m| m.unlit)
         .map_err(|what| Error::unsupported(path, "", what, "write a part of it"))?;
     let failed = Error::io(path, "cannot write");
     write_atomically(path, |writer| writer.write_all(&bytes).map_err(failed))
 }
 
-/// The GLB file of `mesh`, whose primitives are `runs`.
+/// The GLB file of `mesh`, whose primitives are `runs`; `is_unlit` says which materials show their base colours under any light.
 ///
 /// # Errors
 /// Why there is none: too large, or beyond single precision.
@@ -90,6 +90,7 @@ pub fn write(
     mesh: &Mesh,
     runs: &[Run],
     images: &[EncodedImage],
+    is_unlit: impl Fn(&Material) -> bool,
 ) -> Result<Vec<u8>, &'static str> {
     let mut file = File::default();
     let position = file.positions(&mesh.positions)?;
@@ -110,14 +111,20 @@ pub fn write(
         .filter_map(|m| m.base_colour_texture.as_ref())
         .enumerate()
         .map(|(index, t)| json!({ "source": t.image, "sampler": index }));
+    let any_unlit = mesh.materials.iter().any(&is_unlit);
+    let extensions: &[&str] = if any_unlit {
+        &["KHR_materials_unlit"]
+    } else {
+        &[]
+    };
     let mut document = json!({
         "asset": { "version": "2.0", "generator": concat!("nullray ", env!("CARGO_PKG_VERSION")) },
-        "extensionsUsed": ["KHR_materials_unlit"],
+        "extensionsUsed": extensions,
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0, "name": name }],
         "meshes": [{ "name": name, "primitives": primitives }],
-        "materials": materials(&mesh.materials),
+        "materials": materials(&mesh.materials, is_unlit),
         "samplers": samplers.collect::<Vec<_>>(),
         "textures": textures.collect::<Vec<_>>(),
         "images": images,
@@ -151,7 +158,7 @@ fn container(mut json: Vec<u8>, mut binary: Vec<u8>) -> Result<Vec<u8>, &'static
     Ok(file)
 }
 
-fn materials(materials: &[Material]) -> Vec<Value> {
+fn materials(materials: &[Material], is_unlit: impl Fn(&Material) -> bool) -> Vec<Value> {
     let mut textures = 0;
     let material = |m: &Material| {
         // glTF has no factors above 1; the bundle's own description has them.
@@ -165,8 +172,10 @@ fn materials(materials: &[Material]) -> Vec<Value> {
             "name": m.name,
             "doubleSided": m.double_sided,
             "pbrMetallicRoughness": pbr,
-            "extensions": { "KHR_materials_unlit": {} },
         });
+        if is_unlit(m) {
+            written["extensions"] = json!({ "KHR_materials_unlit": {} });
+        }
         if let AlphaMode::Mask { cutoff } = m.alpha_mode {
             written["alphaMode"] = "MASK".into();
             written["alphaCutoff"] = cutoff.into();

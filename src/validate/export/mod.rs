@@ -255,7 +255,7 @@ fn objects(
         };
         let (mesh, images) = object_mesh(object, all, warnings)?;
         let runs = gltf::glb::runs(&mesh);
-        let bytes = gltf::glb::write(&object.name, &mesh, &runs, &images)
+        let bytes = gltf::glb::write(&object.name, &mesh, &runs, &images, |_| true)
             .map_err(|what| unfit(scene, &object.name, what))?;
         let name = format!("geometry/{index:03}.glb");
         files.bytes(&name, &bytes)?;

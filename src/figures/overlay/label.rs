@@ -140,16 +140,48 @@ impl Labels {
         left
     }
 
-    /// The middle of a level label of this width and height, points: that of `places` where the fewest lines go through it.
+    /// The middle of a level label of this width and height, points: the first of `places` on the page that is free of other labels and that no line
+    /// goes through, or that where the fewest lines do. Lines are interrupted there. None where no place is free.
     pub fn level(&mut self, places: &[[f64; 2]], [width, height]: [f64; 2]) -> Option<[f64; 2]> {
         let ends = |[x, y]: [f64; 2]| [[x - 0.5 * width, y], [x + 0.5 * width, y]];
-        let crossed = |place: &&[f64; 2]| self.crossed(None, ends(**place), height);
-        let best = places.iter().min_by_key(crossed).copied()?;
-        let [a, b] = ends(best);
-        for centre in [a, best, b] {
-            self.keep_off(centre, 0.3 * width + 0.5 * height);
+        let discs = |place: [f64; 2]| {
+            let [a, b] = ends(place);
+            [a, place, b].map(|centre| (centre, 0.3 * width + 0.5 * height))
+        };
+        let mut best: Option<(usize, [f64; 2])> = None;
+        for place in places {
+            if !self.is_clear(ends(*place), height) {
+                continue;
+            }
+            let crossed = self.crossed(None, ends(*place), height);
+            if best.is_none_or(|(least, _)| crossed < least) {
+                best = Some((crossed, *place));
+            }
+            if crossed == 0 {
+                break;
+            }
         }
+        let (_, best) = best?;
+        let [a, b] = ends(best);
+        self.discs.extend(discs(best));
+        self.places.push(Place::between(a, b, height));
         Some(best)
+    }
+
+    /// Whether a level label of this height from `a` to `b` is on the page, and free of what else is taken.
+    fn is_clear(&self, [a, b]: [[f64; 2]; 2], height: f64) -> bool {
+        let (low, high) = ([a[0], a[1] - 0.5 * height], [b[0], b[1] + 0.5 * height]);
+        let inside = (0..2).all(|i| low[i] >= GAP && high[i] <= self.size[i] - GAP);
+        // How far the disc's centre is from the label.
+        let far = |[x, y]: [f64; 2]| {
+            let away = |x: f64, low: f64, high: f64| (low - x).max(x - high).max(0.0);
+            away(x, low[0], high[0]).hypot(away(y, low[1], high[1]))
+        };
+        inside
+            && self
+                .discs
+                .iter()
+                .all(|(centre, radius)| far(*centre) >= *radius)
     }
 
     /// How many lines other than `own` go through a label of this height from `a` to `b`.
@@ -281,16 +313,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_level_label_is_at_the_first_place_that_no_line_goes_through() {
-        let mut labels = Labels::new([300.0, 200.0]);
-        labels.keep_off_line(vec![[100.0, 0.0], [100.0, 200.0]]);
+    fn a_level_label_is_at_the_first_free_place_that_no_line_goes_through() {
+        let upright: Polyline = vec![[100.0, 0.0], [100.0, 200.0]];
+        let level: Polyline = vec![[120.0, 44.0], [160.0, 44.0]];
+        let labels = |lines: &[&Polyline]| {
+            let mut labels = Labels::new([300.0, 200.0]);
+            let lines = lines.iter().copied().cloned();
+            lines.for_each(|line| labels.keep_off_line(line));
+            labels
+        };
         let places = [[95.0, 50.0], [140.0, 50.0], [200.0, 50.0]];
-        assert_eq!(labels.level(&places, [30.0, 8.0]), Some(places[1]));
-        assert_eq!(labels.level(&places[..1], [30.0, 8.0]), Some(places[0]));
+        let at = |places: &[[f64; 2]], height| labels(&[&upright]).level(places, [30.0, height]);
+        assert_eq!(at(&places, 8.0), Some(places[1]));
+        assert_eq!(at(&places[..1], 8.0), Some(places[0]));
         // Where lines are clear of its height.
-        labels.keep_off_line(vec![[120.0, 44.0], [160.0, 44.0]]);
-        assert_eq!(labels.level(&places, [30.0, 8.0]), Some(places[1]));
-        assert_eq!(labels.level(&places, [30.0, 14.0]), Some(places[2]));
+        let mut both = labels(&[&upright, &level]);
+        assert_eq!(both.level(&places, [30.0, 8.0]), Some(places[1]));
+        let at = |height| labels(&[&upright, &level]).level(&places, [30.0, height]);
+        assert_eq!(at(14.0), Some(places[2]));
+        // A place is taken once, and its lines are interrupted.
+        assert_eq!(both.level(&places[1..2], [30.0, 8.0]), None);
+        assert_eq!(both.level(&places[..1], [30.0, 8.0]), Some(places[0]));
+        assert_eq!(both.beside(&upright).len(), 2);
+        // Nothing stands beyond the page.
+        assert_eq!(
+            both.level(&[[290.0, 150.0], [200.0, 2.0]], [30.0, 8.0]),
+            None
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! | part | what is drawn |
 //! |---|---|
 //! | isochrones | lines of equal retarded time ct of the light's emission, labelled along the line |
-//! | outlines | of every object, where it is seen (whole lines) and where it is (dashed lines) |
+//! | outlines | of every object, where it is seen (whole lines) and where it is (dashed lines); its name stands where it is, or is seen |
 //! | beta | where the camera moves in its picture: ⊗ ahead, ⊙ behind, an arrow at the edge where both are outside |
 //! | legend | what the lines mean, the step of the isochrones, an angle to scale, and the camera's time |
 //!
@@ -20,6 +20,7 @@
 mod instant;
 mod label;
 mod legend;
+mod name;
 mod outline;
 mod page;
 mod parts;
@@ -54,6 +55,10 @@ pub struct Overlay {
     pub apparent: Vec<Outline>,
     /// Where objects are at the world time of the shot.
     pub instantaneous: Vec<Outline>,
+    /// Which object is seen at the centre of each pixel, −1 where none is; empty where outlines are not wanted.
+    pub objects_seen: Vec<i32>,
+    /// Which is there at the world time of the shot.
+    pub objects_there: Vec<i32>,
     /// The names of objects, by their index.
     pub names: Vec<String>,
     /// Where the camera moves; none where it rests.
@@ -119,6 +124,11 @@ impl Overlay {
             let seen = seen.filter(|_| parts.has(Part::Outlines));
             seen.map_or(Vec::new(), |seen| seen.outlines.clone())
         };
+        let identities = |seen: Option<&Seen>| {
+            let seen = seen.filter(|_| parts.has(Part::Outlines));
+            let ids = seen.and_then(|seen| seen.film.aov(Aov::Object));
+            ids.map_or(Vec::new(), |ids| ids.iter().map(|id| *id as i32).collect())
+        };
         let pointer = Pointer::of(&shot, &projection);
         let facts = Facts {
             speed_of_light: scene.speed_of_light,
@@ -131,6 +141,8 @@ impl Overlay {
             isochrones: isochrones.transpose()?.flatten(),
             apparent: outlined(apparent),
             instantaneous: outlined(instantaneous),
+            objects_seen: identities(apparent),
+            objects_there: identities(instantaneous),
             names: scene.objects.iter().map(|o| o.name.clone()).collect(),
             pointer: pointer.filter(|_| parts.has(Part::Beta)),
             legend: parts.has(Part::Legend).then_some(facts),

@@ -2,14 +2,19 @@
 
 use super::label::Labels;
 use super::legend;
+use super::name::Regions;
 use super::style::{self, APPARENT, HEAVY, INSTANTANEOUS, ISOCHRONE, POINTER, Pen, RADIUS};
-use super::{Isochrones, Overlay, Part, Parts, Pointer, Polyline, Target};
+use super::{Isochrones, Outline, Overlay, Part, Parts, Pointer, Polyline, Target};
 use crate::error::{Error, Result};
 use crate::figures::drawing::{Colour, Drawing, Item, Path};
 use crate::figures::isochrones::lines::path_of;
 use crate::figures::text::{Rect, RichText};
 use crate::io::image::RgbImage;
 
+/// Points per em of the names of objects.
+const NAME: f64 = 6.5;
+/// What is left free between them and outlines, points.
+const BESIDE: f64 = 2.5;
 /// The picture's longer side, points.
 const SIDE: f64 = 480.0;
 /// The least width of a page with a legend, points.
@@ -34,7 +39,8 @@ pub fn bytes(size: [u32; 2], parts: Parts) -> u64 {
         channels => 2 * (24 + 8 * channels),
     };
     let instantaneous = if parts.has(Part::Outlines) {
-        2 * (24 + 8)
+        // Identities of both, and where names have room.
+        2 * (24 + 8) + 12
     } else {
         0
     };
@@ -97,19 +103,17 @@ impl Overlay {
         let mut items = Vec::new();
         let mut labels = Labels::new(place.size);
         let mut texts = Vec::new();
-        if let Some(pointer) = &self.pointer {
-            labels.keep_off(place.pointed_at(pointer.target), 3.5 * RADIUS);
-        }
         let isochrones = self.isochrones.iter().flat_map(|all| &all.lines);
         let outlines = self.instantaneous.iter().chain(&self.apparent);
         let all = isochrones.flat_map(|line| &line.lines);
         for line in all.chain(outlines.flat_map(|outline| &outline.lines)) {
             labels.keep_off_line(place.line(line));
         }
-        let pointer = match &self.pointer {
-            Some(pointer) => pointed(place, pointer, &mut labels)?,
-            None => Vec::new(),
-        };
+        let mut pointed_at = Vec::new();
+        if let Some(pointer) = &self.pointer {
+            pointed_at = pointed(place, pointer, &mut labels)?;
+            labels.keep_off(place.pointed_at(pointer.target), 3.5 * RADIUS);
+        }
         if let Some(isochrones) = &self.isochrones {
             texts = labelled(place, isochrones, &mut labels)?;
         }
@@ -134,30 +138,80 @@ impl Overlay {
             items.extend(drawn(pen, lines.collect()));
         }
         items.extend(texts);
-        items.extend(pointer);
+        items.extend(pointed_at);
         Ok(items)
     }
 }
 
 impl Overlay {
-    /// The names of objects along the dashed lines of where they are.
+    /// The names of objects, where they are, or where they are seen of those that are out of view.
     fn named(&self, place: &Place, labels: &mut Labels) -> Result<Vec<Item>> {
-        let mut texts = Vec::new();
-        for outline in &self.instantaneous {
-            let name = self.names.get(outline.object);
-            // What cannot be set stays without a name.
-            let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
+        let is_there = |outline: &&Outline| {
+            let mut there = self.instantaneous.iter();
+            there.any(|there| there.object == outline.object)
+        };
+        let there = self.instantaneous.iter().collect();
+        let left = self.apparent.iter().filter(|seen| !is_there(seen));
+        let mut items = Vec::new();
+        for (outlines, objects, pen) in [
+            (there, &self.objects_there, INSTANTANEOUS),
+            (left.collect::<Vec<_>>(), &self.objects_seen, APPARENT),
+        ] {
+            let Some(regions) = Regions::new(self.size, objects) else {
                 continue;
             };
-            let longest = outline.lines.iter().max_by_key(|line| line.len());
-            let line = longest.map(|line| place.line(line));
-            if let Some(line) = line {
-                let label = labels.along(&line, name, INSTANTANEOUS.colour)?;
-                texts.extend(label.map(Item::Text));
+            for outline in outlines {
+                let name = self.names.get(outline.object);
+                // What cannot be set stays without a name.
+                let Some(name) = name.and_then(|name| RichText::plain(name).ok()) else {
+                    continue;
+                };
+                let size = [name.width(NAME)?, NAME];
+                let at = spot(place, outline, &regions, size, labels);
+                let label = at.map(|at| style::label(name, at, pen.colour, NAME));
+                items.extend(label.map(Item::Text));
             }
         }
-        Ok(texts)
+        Ok(items)
     }
+}
+
+/// Where a name of this size, points, stands: within what is seen of its object, or beside it where that has no room.
+fn spot(
+    place: &Place,
+    outline: &Outline,
+    regions: &Regions,
+    size: [f64; 2],
+    labels: &mut Labels,
+) -> Option<[f64; 2]> {
+    // With the dashes of its outline all around.
+    let room = size.map(|side| (side + 2.0 * BESIDE) / place.scale);
+    let within = regions.places(outline.object, room).into_iter();
+    let within: Vec<[f64; 2]> = within.map(place.point()).collect();
+    let beside = || around(place, outline, size);
+    labels
+        .level(&within, size)
+        .or_else(|| labels.level(&beside(), size))
+}
+
+/// Places for a name of this size, points, above, below and to both sides of what is there of an object; none where that is much smaller.
+fn around(place: &Place, outline: &Outline, [width, height]: [f64; 2]) -> Vec<[f64; 2]> {
+    let points = outline.lines.iter().flatten().copied().map(place.point());
+    let Some(Rect { min, max }) = Rect::around(points) else {
+        return Vec::new();
+    };
+    let reach = (max[0] - min[0]) + (max[1] - min[1]);
+    if reach < width {
+        return Vec::new();
+    }
+    let middle = [0, 1].map(|i| 0.5 * (min[i] + max[i]));
+    let [aside, up] = [0.5 * width + BESIDE, 0.5 * height + BESIDE];
+    vec![
+        [middle[0], min[1] - up],
+        [middle[0], max[1] + up],
+        [max[0] + aside, middle[1]],
+        [min[0] - aside, middle[1]],
+    ]
 }
 
 /// From pixels of the film to the page.
@@ -234,8 +288,9 @@ fn pointed(place: &Place, pointer: &Pointer, labels: &mut Labels) -> Result<Vec<
         ]
     });
     let places: Vec<[f64; 2]> = places.collect();
-    let beside = labels.level(&places, [width, size]).unwrap_or(at);
-    items.push(Item::Text(style::label(text, beside, POINTER.colour, size)));
+    let beside = labels.level(&places, [width, size]);
+    let label = beside.map(|beside| style::label(text, beside, POINTER.colour, size));
+    items.extend(label.map(Item::Text));
     Ok(items)
 }
 

@@ -18,7 +18,9 @@ use super::points::Points;
 use crate::camera::{AnyProjection, Projection, Shot};
 use crate::scene::model::{CameraModel, Effects, Equations, Scene};
 use crate::scene::{self, CameraMotion, Overrides};
-use crate::spacetime::{self, Boost, Direction, Event, InertialFrame, Rest, Velocity, World};
+use crate::spacetime::{
+    self, Boost, Direction, Displacement, Event, InertialFrame, Rest, Velocity, World,
+};
 
 /// A scene as far as it says where points of objects are seen.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +47,8 @@ pub(super) enum Change {
     CameraAtRest,
     /// An object rests.
     AtRest(usize),
+    /// An object rests where its origin is at the time of the shot.
+    Standing(usize),
     /// An object moves the opposite way.
     Reversed(usize),
     /// Two objects have each other's velocity.
@@ -123,6 +127,13 @@ impl KnownScene {
                 changed.camera = InertialFrame::new(-self.camera.velocity(), self.camera.origin());
             }
             Change::AtRest(k) => set(k, Velocity::REST),
+            Change::Standing(k) => {
+                let frame = self.objects.get(k)?;
+                let (origin, beta) = (frame.origin(), frame.velocity().beta());
+                let there = origin.x + beta * (self.event.ct - origin.ct);
+                let origin = Event::new(self.event.ct, there);
+                changed.objects[k] = InertialFrame::new(Velocity::REST, origin);
+            }
             Change::Reversed(k) => set(k, -velocity(k)?),
             Change::Swapped(j, k) => {
                 let (of_j, of_k) = (velocity(j)?, velocity(k)?);
@@ -131,6 +142,23 @@ impl KnownScene {
             }
         }
         (changed != *self).then_some(changed)
+    }
+
+    /// The displacement from the shot to an event of the world: its place in the world, and in the camera's frame.
+    pub(super) fn since_shot(&self, ct: f64, x: DVec3) -> [DVec3; 2] {
+        let way = Displacement::new(ct - self.event.ct, x - self.event.x);
+        [way.x, self.camera.frame_from_world().displacement(way).x]
+    }
+
+    /// The look direction of the camera's frame for one of the world.
+    pub(super) fn own_look(&self, d: DVec3) -> Option<DVec3> {
+        let d = Direction::new(d)?;
+        Some(self.camera.frame_from_world().direction(d).0.unit())
+    }
+
+    /// A vector of the camera's frame along its own axes: right, up and backwards.
+    pub(super) fn view(&self, v: DVec3) -> DVec3 {
+        self.film.along_axes(v) * DVec3::new(1.0, 1.0, -1.0)
     }
 
     /// The camera's velocity in the world.

@@ -4,6 +4,7 @@ mod arrays;
 mod browser;
 mod by_light;
 mod metrics;
+mod other_frames;
 mod pictures;
 mod planted;
 mod planting;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::super::picture::Plane;
 use super::super::points::place;
 use super::motion::camera_velocity;
-use super::{Case, Diagnosis, Kind, Tally, median, time};
+use super::{Case, Diagnosis, Kind, Tally, frames, median, time};
 use crate::render::aov::Aov;
 use crate::scene::model::SPEED_OF_LIGHT;
 
@@ -114,6 +114,10 @@ pub(super) fn coordinates(case: &Case) -> Vec<Diagnosis> {
     if time::shifted(case).is_none() {
         found.extend(scale_of(case, Aov::EventCt));
         found.extend(scale_of(case, Aov::ObjectEventCt));
+        found.extend(frames::signs(case));
+    }
+    if found.is_empty() {
+        found.extend(frames::frames(case));
     }
     found
 }

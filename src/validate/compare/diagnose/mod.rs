@@ -10,14 +10,19 @@
 //! | picture moved by whole pixels | the same for a shift by one or two pixels |
 //! | identities wrong | the objects' (or triangles') indices count from 1; or are those of other objects |
 //! | aberration reversed, or missing | look directions, or places of a known scene, are those for −β, or for 0 |
-//! | retardation missing | all emission times are the same; or points of a known scene are where they are at the time of the shot |
+//! | retardation missing | all emission times are the same; or points of a known scene, or of one object, are where they are at the time of the shot |
 //! | velocities swapped, reversed, missing, wrong | by wavelength ratios, or by places of a known scene (`motion`) |
 //! | film moved or scaled | points belong at a + k p for the pixel p: half a pixel, another field of view or focal length, another aspect |
 //! | axes exchanged | x, y, z of events, normals, directions are others of these, or their opposites |
 //! | directions reversed | d is −d |
+//! | frame wrong | events are those of the objects' or the camera's frame, or relative to the shot; directions have the camera's axes |
+//! | sign opposite | times are −t |
 //! | units | lengths, or times, are multiplied by one factor: mm, cm, km, s, ns |
 //! | texture coordinates flipped | v is 1 − v; u is 1 − u; u and v exchanged |
+//! | triangles shifted | in an object, their indices begin at another number |
+//! | weights exchanged | barycentric u and v belong to other corners |
 //! | W inverted | W is 1/W |
+//! | W of another camera | W is that of a camera at rest, or that moves the opposite way |
 //! | W by a factor | W is multiplied by γ of the camera or the object, or by 1/γ, or by another factor |
 //! | emission time shifted | the time differs by a constant |
 //! | time lookup shifted | the light is that of the scene with its cubes half a bin, or one, earlier or later; needs the scene |
@@ -30,6 +35,7 @@
 //! | film, or aberration, by light | the pictures lie over each other after a shift, scales, or a boost (`registration`) |
 //! | object elsewhere | by their events, points of an object are not on its surface, where nothing hides it; or they are in the frame of another velocity (`events`) |
 //! | object missing | the reference shows it, the candidate nowhere |
+//! | object misplaced | most of its points are not where they are seen, and others are; nothing else explains it |
 //! | triangle, or object displaced | δ on one triangle, or one object, alone: nine tenths of Σ\|δ\|², on at most half of the pixels of surfaces |
 //!
 //! A hypothesis without the channels that it needs is not asked. What follows from a wrong film or a wrong velocity (time,
@@ -38,6 +44,7 @@
 mod channels;
 mod events;
 mod film;
+mod frames;
 mod light;
 mod motion;
 mod part;
@@ -106,10 +113,20 @@ pub enum Kind {
     DirectionsReversed,
     /// Lengths or times have another unit.
     Units,
+    /// Events or directions are in the coordinates of another frame.
+    FrameWrong,
+    /// Times have the opposite sign.
+    SignOpposite,
+    /// Indices of triangles begin at another number than 0.
+    IdentitiesShifted,
+    /// Barycentric coordinates are the weights of other corners.
+    WeightsExchanged,
     /// Texture coordinates run the other way.
     TextureFlipped,
     /// Wavelength ratios are their inverses.
     RatioInverted,
+    /// Wavelength ratios are those of a camera of another velocity.
+    RatioOfCamera,
     /// Wavelength ratios are wrong by a factor.
     RatioFactor,
     /// Emission times are shifted by a constant.
@@ -194,6 +211,8 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
         return found;
     }
     let mut found: Vec<Diagnosis> = channels::texture(case).into_iter().collect();
+    found.extend(frames::beginnings(case));
+    found.extend(frames::weights(case));
     found.extend(channels::ratio(case));
     found.extend(time::instant(case).or_else(|| time::shifted(case)));
     let by_light = light::light(case);
@@ -222,6 +241,9 @@ fn causes(case: &Case) -> Vec<Diagnosis> {
     }
     if found.is_empty() {
         found.extend(part::displaced(case));
+    }
+    if found.is_empty() {
+        found.extend(part::misplaced(case));
     }
     found
 }

@@ -156,6 +156,14 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
     let [Some(r), Some(c)] = [0, 1].map(|which| seen(case, which)) else {
         return Vec::new();
     };
+    if let Some(found) = another_camera(case, &r, &c) {
+        // Where points are seen says more, where they are known.
+        let by_places = changes(case);
+        return match by_places.is_empty() {
+            true => vec![found],
+            false => by_places,
+        };
+    }
     let moved: Vec<Moved> = (r.iter())
         .filter_map(|(object, r)| Moved::of(*object, r, c.get(object)?))
         .collect();
@@ -169,6 +177,54 @@ pub(super) fn velocities(case: &Case) -> Vec<Diagnosis> {
         return swapped;
     }
     moved.iter().map(Moved::wrong).collect()
+}
+
+/// Wavelength ratios of all objects that are those of a camera at rest, or that moves the opposite way.
+fn another_camera(
+    case: &Case,
+    r: &BTreeMap<i64, Seen>,
+    c: &BTreeMap<i64, Seen>,
+) -> Option<Diagnosis> {
+    let camera = camera_velocity(case.pair[0])?;
+    let (gamma, beta) = (camera.gamma(), camera.beta());
+    let mut objects = Vec::new();
+    for (object, c) in c {
+        let r = r.get(object).filter(|r| r.rows.len() >= FEWEST);
+        if let Some(u) = r.and_then(Seen::velocity) {
+            objects.push((u, &c.rows));
+        }
+    }
+    // W γc(1 + βc·d), of the candidate's W, over γ(1 + β·d): 1 where it is right. With another camera, W times that camera's is.
+    let tally = |other: fn(f64) -> f64, gamma_of_other: f64| {
+        let pixels = objects
+            .iter()
+            .flat_map(|(u, rows)| rows.iter().map(move |row| (u, row)));
+        Tally::of(pixels.map(|(u, (row, value))| {
+            let along = beta.dot(row.yzw());
+            let is = libm::log(value / row.dot(*u));
+            let factor = gamma_of_other * (1.0 + other(along)) / (gamma * (1.0 + along));
+            [is.abs(), (is + libm::log(factor)).abs()]
+        }))
+    };
+    let hypotheses = [
+        ("at rest", tally(|_| 0.0, 1.0)),
+        (
+            "that moves the opposite way (−β for β)",
+            tally(|along| -along, gamma),
+        ),
+    ];
+    let explaining = hypotheses.into_iter();
+    let explaining = explaining.filter(|(_, tally)| tally.explains(NOTABLE_RATIO));
+    let (which, tally) = explaining.min_by(|a, b| a.1.rest().total_cmp(&b.1.rest()))?;
+    Some(Diagnosis {
+        kind: Kind::RatioOfCamera,
+        what: format!("wavelength ratios are those of a camera {which}"),
+        evidence: vec![
+            ("ln W differs by (rms)", tally.error()),
+            ("and from the hypothesis by", tally.rest()),
+            ("beta of the camera", beta.length()),
+        ],
+    })
 }
 
 /// An object whose velocity differs between the pictures.
@@ -319,7 +375,7 @@ pub(super) fn changes(case: &Case) -> Vec<Diagnosis> {
             case,
             known,
             Some(k),
-            &[Change::AtRest(k), Change::Reversed(k)],
+            &[Change::AtRest(k), Change::Reversed(k), Change::Standing(k)],
         )
     };
     moving.iter().filter_map(of_object).collect()
@@ -431,6 +487,11 @@ fn describe_change(known: &KnownScene, change: Change, tally: &Tally) -> Diagnos
         Change::AtRest(k) => (
             Kind::VelocityMissing,
             format!("the velocity of object {k} is missing: its points are shown where they are seen at rest"),
+            beta(k),
+        ),
+        Change::Standing(k) => (
+            Kind::RetardationMissing,
+            format!("the velocity of object {k} is missing, but for its place: its points are shown where they are seen at rest where it is at the time of the shot"),
             beta(k),
         ),
         Change::Reversed(k) => (

@@ -32,6 +32,49 @@ pub(super) fn displaced(case: &Case) -> Option<Diagnosis> {
     by_points.or_else(|| localised(case, &Field::on_triangles(&case.points)?))
 }
 
+/// Samples elsewhere in pixels displace points by less than this, pixels.
+const SAMPLED: f64 = 1.0;
+
+/// Objects whose points, of a known scene, are not seen where the candidate shows them, be it where the reference shows the object or not.
+/// None where this is so of all objects: then no object is to blame.
+pub(super) fn misplaced(case: &Case) -> Vec<Diagnosis> {
+    let (Some(known), [_, points]) = (case.known, &case.points) else {
+        return Vec::new();
+    };
+    let [width, _] = points.size();
+    let mut objects: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for i in case.region.pixels(points.size()) {
+        let Some((object, p)) = known.point(points, i) else {
+            continue;
+        };
+        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        // A point that is seen nowhere is as far away as the picture is wide.
+        let off = known.film_point(object, p);
+        let off = off.map_or(width as f64, |seen| (seen - centre).length());
+        objects.entry(object).or_default().push(off);
+    }
+    objects.retain(|_, off| off.len() >= FEWEST);
+    let count = objects.len();
+    let medians = objects
+        .into_iter()
+        .filter_map(|(object, off)| Some((object, off.len(), median(off)?)));
+    let found: Vec<_> = medians.filter(|(.., off)| *off > SAMPLED).collect();
+    if found.len() == count {
+        return Vec::new();
+    }
+    let describe = |(object, pixels, off): (usize, usize, f64)| Diagnosis {
+        kind: Kind::ObjectElsewhere,
+        what: format!(
+            "object {object} is elsewhere, or moves otherwise: half of its points are shown {off:.1} pixels or more from where they are seen"
+        ),
+        evidence: vec![
+            ("median displacement (pixels)", off),
+            ("pixels", pixels as f64),
+        ],
+    };
+    found.into_iter().map(describe).collect()
+}
+
 /// Objects of the reference that no pixel of the candidate shows.
 pub(super) fn vanished(case: &Case) -> Vec<Diagnosis> {
     let [r, c] = &case.points;

@@ -1,6 +1,8 @@
 //! Mistakes that are known by the light of the scene rendered with them: times of lookup, and where channels of places are
 //! missing, motions and retardation. They need the scene itself.
 
+use glam::DVec3;
+
 use super::super::known::Change;
 use super::light::{Lit, NOTABLE, evidence, lit, told};
 use super::time::words_for_bins;
@@ -16,6 +18,8 @@ use crate::spacetime::Velocity;
 const SHIFTS: [f64; 4] = [0.5, -0.5, 1.0, -1.0];
 /// No more moving objects are asked about.
 const MOST_OBJECTS: usize = 8;
+/// How far away what is left out goes, metres.
+const FAR: f64 = 1e7;
 /// Samples per pixel at most: edges alone have more.
 const MOST_SAMPLES: u32 = 16;
 
@@ -36,6 +40,8 @@ pub(super) fn changes(case: &Case) -> Option<Diagnosis> {
     }
     let mut mistakes = lookups(scene);
     if !case.has_places() {
+        // Before other mistakes that leave an object out of view.
+        mistakes.extend(absences(scene));
         mistakes.extend(motions(scene));
     }
     let tallies = mistakes.into_iter().filter_map(|mistake| {
@@ -142,6 +148,27 @@ fn motions(scene: &Scene) -> Vec<Mistake> {
     mistakes
 }
 
+/// The scene with an object far out of view.
+fn absences(scene: &Scene) -> Vec<Mistake> {
+    let without = |k: usize| {
+        let mut without = scene.clone();
+        let origin = &mut without.objects[k].origin;
+        origin.x += DVec3::splat(FAR);
+        Mistake {
+            kind: Kind::ObjectMissing,
+            what: format!(
+                "object {k} is missing, or out of view: the picture is that without it: light alone says so"
+            ),
+            size: ("object", k as f64),
+            scene: without,
+        }
+    };
+    (0..scene.objects.len())
+        .take(MOST_OBJECTS)
+        .map(without)
+        .collect()
+}
+
 /// The scene with a mistake; none where it has no such thing, or would be refused.
 fn changed(scene: &Scene, change: Change) -> Option<Scene> {
     let mut changed = scene.clone();
@@ -158,7 +185,7 @@ fn changed(scene: &Scene, change: Change) -> Option<Scene> {
             let object = changed.objects.get_mut(k)?;
             object.velocity = -object.velocity;
         }
-        Change::Swapped(..) => return None,
+        Change::Standing(_) | Change::Swapped(..) => return None,
     }
     Some(changed)
 }

@@ -405,7 +405,8 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
                     title: None,
                     columns: Some(n as u32),
                 },
-            ),
+            )
+            .map(reel::even),
         }
     };
     let reel = Reel {

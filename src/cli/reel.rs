@@ -153,6 +153,22 @@ pub fn opaque(raster: &Raster) -> RgbImage {
     }
 }
 
+/// The picture with its last column or row once more where their number is odd: encoders that halve colours take even numbers alone.
+pub fn even(picture: RgbImage) -> RgbImage {
+    let [width, height] = [picture.width, picture.height].map(|side| side.next_multiple_of(2));
+    let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
+    for row in 0..height {
+        let row = row.min(picture.height - 1) as usize;
+        let length = 3 * picture.width as usize;
+        let pixels = &picture.rgb[row * length..][..length];
+        rgb.extend_from_slice(pixels);
+        if width > picture.width {
+            rgb.extend_from_slice(&pixels[length - 3..]);
+        }
+    }
+    RgbImage { width, height, rgb }
+}
+
 /// Has `write` write a film to a file, or to standard output.
 pub fn pipe_or_save(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     match is_pipe(path) {

@@ -118,11 +118,11 @@ fn video(
     let Some(first) = rasters.next() else {
         return Ok(());
     };
-    let first = reel::opaque(&first?);
+    let first = reel::even(reel::opaque(&first?));
     let mut film = FilmWriter::y4m(out, [first.width, first.height], count, delay)?;
     film.picture(&first)?;
     for raster in rasters {
-        film.picture(&reel::opaque(&raster?))?;
+        film.picture(&reel::even(reel::opaque(&raster?)))?;
     }
     film.finish()
 }

@@ -316,6 +316,8 @@ shape = { sphere = { radius = 2.0 } }
             true => {
                 let output = folder.command(&command).output().unwrap();
                 assert!(output.status.success() && output.stdout.starts_with(b"YUV4MPEG2 "));
+                // Which takes even sizes alone: the page is drawn on 1020 × 1021 pixels.
+                assert!(output.stdout.starts_with(b"YUV4MPEG2 W1020 H1022 "));
             }
             false => drop(folder.ok(&command)),
         }

@@ -42,17 +42,26 @@ pub(super) struct Table<const N: usize> {
     entries: Vec<[f32; N]>,
 }
 
+/// `count` values of `f`, from that of the argument with shifted bits `first` on; the loop over threads is compiled once for each N.
+fn entries<const N: usize>(
+    first: u64,
+    count: usize,
+    f: &(dyn Fn(f64) -> [f64; N] + Sync),
+) -> Vec<[f32; N]> {
+    let entry = |at| f(f64::from_bits((first + at as u64) << SHIFT)).map(|x| x as f32);
+    (0..count).into_par_iter().map(entry).collect()
+}
+
 impl<const N: usize> Table<N> {
     /// `f` from the step at or below `from` to that above `to`.
     pub(super) fn new([from, to]: [f64; 2], f: impl Fn(f64) -> [f64; N] + Sync) -> Self {
         let last = (to.to_bits() >> SHIFT) + 1;
         let most = u64::from(MOST_OCTAVES) << STEP_BITS;
         let first = (from.to_bits() >> SHIFT).max(last.saturating_sub(most));
-        let entry = |bits| f(f64::from_bits(bits << SHIFT)).map(|x| x as f32);
         Table {
             first,
             steps: last - first,
-            entries: (first..=last).into_par_iter().map(entry).collect(),
+            entries: entries(first, (last - first + 1) as usize, &f),
         }
     }
 

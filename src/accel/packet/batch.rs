@@ -216,15 +216,19 @@ impl Bvh {
                         space.replace(self, precision, rays, hits, tally, &mut replaced)
                     }
                     Outcome::Incoherent => {
-                        method.kernel.run(ClosestSingles {
+                        let order = &space.block.order[..space.block.count];
+                        let mut nearer = method.kernel.run(ClosestSingles {
                             bvh: self,
                             rays,
-                            order: &space.block.order[..space.block.count],
+                            order,
                             hits,
                             stack,
                             tally,
-                            replaced: &mut replaced,
                         });
+                        while nearer != 0 {
+                            replaced(order[nearer.trailing_zeros() as usize] as usize);
+                            nearer &= nearer - 1;
+                        }
                     }
                 }
             }

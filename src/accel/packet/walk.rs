@@ -27,8 +27,8 @@ use crate::accel::tally::{Tally, Work};
 use crate::accel::traverse::Query;
 use crate::accel::wide::{WIDTH, WideLeaf};
 
-/// The nearest hits of rays, one by one.
-pub(super) struct ClosestSingles<'a, R, T, F> {
+/// The nearest hits of at most 64 rays, one by one; by place in `order`, bits say which hits were replaced.
+pub(super) struct ClosestSingles<'a, R, T> {
     pub bvh: &'a Bvh,
     pub rays: R,
     /// Which of them.
@@ -36,16 +36,16 @@ pub(super) struct ClosestSingles<'a, R, T, F> {
     pub hits: &'a mut [Option<Hit>],
     pub stack: &'a mut [StackEntry],
     pub tally: &'a mut T,
-    pub replaced: F,
 }
 
-impl<R: RaySet, T: Tally, F: FnMut(usize)> Task for ClosestSingles<'_, R, T, F> {
-    type Output = ();
+impl<R: RaySet, T: Tally> Task for ClosestSingles<'_, R, T> {
+    type Output = u64;
 
     #[inline(always)]
-    fn run<K: Simd>(mut self, k: K) {
+    fn run<K: Simd>(self, k: K) -> u64 {
         self.tally.add(Work::Singles, self.order.len());
-        for ray in self.order {
+        let mut replaced = 0;
+        for (place, ray) in self.order.iter().enumerate() {
             let at = *ray as usize;
             let s_max = match &self.hits[at] {
                 Some(hit) => hit.s,
@@ -59,9 +59,10 @@ impl<R: RaySet, T: Tally, F: FnMut(usize)> Task for ClosestSingles<'_, R, T, F> 
             walk(k.children(), self.bvh, &ray, self.stack, &mut query);
             if let Some(hit) = query.into_hit(&ray) {
                 self.hits[at] = Some(hit);
-                (self.replaced)(at);
+                replaced |= 1 << place;
             }
         }
+        replaced
     }
 }
 

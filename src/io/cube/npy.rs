@@ -45,14 +45,14 @@ fn arrays(path: &Path) -> Result<Vec<Header>> {
     npy::inspect(path, None)
 }
 
-fn inspect(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<CubeInfo> {
-    npy::with_array(&mut reader, file, wanted.array, |stored| {
+fn inspect(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<CubeInfo> {
+    npy::with_array(reader, file, wanted.array, |stored| {
         Ok(layout(stored, wanted)?.info())
     })
 }
 
-fn load(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
-    npy::with_array(&mut reader, file, wanted.array, |stored| {
+fn load(reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cube> {
+    npy::with_array(reader, file, wanted.array, |stored| {
         let layout = layout(stored, wanted)?;
         let samples = samples(stored, &layout)?;
         Ok(Cube {
@@ -64,23 +64,23 @@ fn load(mut reader: &mut dyn ReadSeek, file: &Path, wanted: Wanted) -> Result<Cu
 
 /// How the samples of a file of one array lie in it.
 pub(super) fn stored(
-    mut reader: &mut dyn ReadSeek,
+    reader: &mut dyn ReadSeek,
     file: &Path,
     wanted: Wanted,
 ) -> Result<StoredLayout> {
-    npy::with_array(&mut reader, file, wanted.array, |stored| {
+    npy::with_array(reader, file, wanted.array, |stored| {
         Ok(layout(stored, wanted)?.stored())
     })
 }
 
 /// Writes the samples of an array of an archive to `to`, where they begin at 0.
 pub(super) fn write_out(
-    mut reader: &mut dyn ReadSeek,
+    reader: &mut dyn ReadSeek,
     file: &Path,
     wanted: Wanted,
     to: &mut dyn Write,
 ) -> Result<StoredLayout> {
-    npy::with_array(&mut reader, file, wanted.array, |stored| {
+    npy::with_array(reader, file, wanted.array, |stored| {
         let layout = layout(stored, wanted)?.stored();
         let count = layout.sizes.iter().product::<usize>() * layout.number.stored() as usize;
         stored.pieces(count, |_, _, bytes: &[[u8; 1]]| {

@@ -1,6 +1,6 @@
 //! From a file to one of its arrays: `.npy` holds one, `.npz` is a zip archive of many.
 
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Read, SeekFrom};
 use std::path::Path;
 
 use zip::ZipArchive;
@@ -8,6 +8,7 @@ use zip::result::ZipError;
 
 use super::header::{self, Header};
 use super::place::{MEMBERS, Place, WRITE_AGAIN};
+use crate::io::files::ReadSeek;
 use crate::{Error, Result};
 
 /// Deflate makes at most 1032 bytes of one.
@@ -120,8 +121,8 @@ impl Stored<'_> {
 }
 
 /// Calls `then` with the array of the file, or the one named `array`.
-pub(in crate::io) fn with_array<R: Read + Seek, T>(
-    reader: &mut R,
+pub(in crate::io) fn with_array<T>(
+    reader: &mut dyn ReadSeek,
     file: &Path,
     array: Option<&str>,
     then: impl FnOnce(&mut Stored) -> Result<T>,
@@ -151,7 +152,7 @@ pub(in crate::io) fn with_array<R: Read + Seek, T>(
 }
 
 /// The bytes of the file; leaves the reader at the start.
-fn length<R: Read + Seek>(reader: &mut R, file: &Path) -> Result<u64> {
+fn length(reader: &mut dyn ReadSeek, file: &Path) -> Result<u64> {
     reader
         .seek(SeekFrom::End(0))
         .and_then(|length| reader.rewind().map(|()| length))
@@ -164,17 +165,17 @@ fn has_magic(stored: &mut Stored) -> Result<bool> {
 }
 
 /// The headers of all arrays, or of the one named `array`.
-pub(super) fn headers<R: Read + Seek>(
-    mut reader: R,
+pub(super) fn headers(
+    reader: &mut dyn ReadSeek,
     file: &Path,
     array: Option<&str>,
 ) -> Result<Vec<Header>> {
     let one = |stored: &mut Stored| Ok(header::read(stored.reader, &stored.place)?.0);
-    if array.is_some() || !is_zip(&mut reader, file)? {
-        return Ok(vec![with_array(&mut reader, file, array, one)?]);
+    if array.is_some() || !is_zip(reader, file)? {
+        return Ok(vec![with_array(reader, file, array, one)?]);
     }
-    let length = length(&mut reader, file)?;
-    let mut archive = open(&mut reader, file)?;
+    let length = length(reader, file)?;
+    let mut archive = open(reader, file)?;
     members(&archive, file)?
         .into_iter()
         .map(|(index, name)| {
@@ -185,16 +186,16 @@ pub(super) fn headers<R: Read + Seek>(
 }
 
 /// Whether the file starts as a zip archive does; leaves the reader at the start.
-fn is_zip<R: Read + Seek>(reader: &mut R, file: &Path) -> Result<bool> {
+fn is_zip(reader: &mut dyn ReadSeek, file: &Path) -> Result<bool> {
     let mut start = Vec::with_capacity(4);
-    (reader.by_ref().take(4).read_to_end(&mut start))
+    (Read::take(&mut *reader, 4).read_to_end(&mut start))
         .and_then(|_| reader.rewind())
         .map_err(Error::io(file, "cannot read"))?;
     // A local file header, or the end record of an archive without members.
     Ok(start == *b"PK\x03\x04" || start == *b"PK\x05\x06")
 }
 
-fn open<'a, R: Read + Seek>(reader: &'a mut R, file: &Path) -> Result<ZipArchive<&'a mut R>> {
+fn open<'a>(reader: &'a mut dyn ReadSeek, file: &Path) -> Result<ZipArchive<&'a mut dyn ReadSeek>> {
     let place = Place::new(file, None);
     let archive = ZipArchive::new(reader).map_err(|error| zip_error(&place, error))?;
     match archive.has_duplicate_names() {
@@ -204,7 +205,7 @@ fn open<'a, R: Read + Seek>(reader: &'a mut R, file: &Path) -> Result<ZipArchive
 }
 
 /// Index and name of every array; members that are not `name.npy` are none.
-fn members<R: Read + Seek>(archive: &ZipArchive<R>, file: &Path) -> Result<Vec<(usize, String)>> {
+fn members(archive: &ZipArchive<&mut dyn ReadSeek>, file: &Path) -> Result<Vec<(usize, String)>> {
     let mut members = Vec::new();
     for (index, name) in archive.file_names().enumerate() {
         let name = name.map_err(|error| zip_error(&Place::new(file, None), error))?;
@@ -261,8 +262,8 @@ fn names(members: &[(usize, String)]) -> String {
     names.join(", ")
 }
 
-fn with_member<R: Read + Seek, T>(
-    archive: &mut ZipArchive<R>,
+fn with_member<T>(
+    archive: &mut ZipArchive<&mut dyn ReadSeek>,
     index: usize,
     file_length: u64,
     place: Place,

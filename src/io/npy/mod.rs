@@ -31,7 +31,7 @@ use crate::Result;
 /// The file cannot be read, is neither a `.npy` nor a `.npz` file, or has no such array.
 pub fn inspect(path: &Path, array: Option<&str>) -> Result<Vec<Header>> {
     let (file, _) = open_regular(path)?;
-    archive::headers(BufReader::new(file), path, array)
+    archive::headers(&mut BufReader::new(file), path, array)
 }
 
 /// An array of numbers of any shape, or the one named `array` in a `.npz` file (which may be left out where the

@@ -44,6 +44,11 @@ use super::output::Outputs;
 use super::reel::{self, Folder, Reel};
 use super::{builtin, caption, exposure, inputs};
 
+/// Pixels of a point in a diagram beside a picture, at least, where the page has room for it.
+const SMALLEST: f64 = 0.9;
+/// The least and the greatest side of such a diagram, points.
+const PAGES: [f64; 2] = [180.0, 320.0];
+
 pub fn run(mut arguments: FilmArguments) -> Result<()> {
     if arguments.output.is_empty() {
         arguments.output = vec![named_after(arguments.scene.path(), ".apng")];
@@ -446,13 +451,16 @@ fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
         ));
     };
     let n = heading(arguments.motion.direction, scene.camera.axes[2])?;
+    // Its words are as large as those beneath the picture, and its lines as far apart as there is room for.
+    let height = f64::from(scene.camera.size[1]);
+    let page = (height / SMALLEST).clamp(PAGES[0], PAGES[1]);
     let series = boosts(
         arguments.scene.path(),
         &arguments.changes.overrides(),
         n * beta,
         arguments.pictures,
+        Some(page),
     )?;
-    let height = f64::from(scene.camera.size[1]);
     let picture = |drawing: Result<nullray::figures::drawing::Drawing>| {
         let drawing = drawing?;
         let raster = png::render(&drawing, height / drawing.height)?;
@@ -461,12 +469,14 @@ fn diagrams(arguments: &FilmArguments, scene: &Scene) -> Result<Vec<RgbImage>> {
     series.map(picture).collect()
 }
 
-/// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`.
+/// The diagram of a scene, boosted in `steps` equal steps of rapidity from the world to the camera's frame, which moves with `beta`; about
+/// the event of the picture, which stays where it is. On a page of so many points to a side, or of as many as a diagram has.
 pub fn boosts(
     path: Option<&std::path::Path>,
     overrides: &Overrides,
     beta: DVec3,
     steps: u32,
+    height: Option<f64>,
 ) -> Result<Series> {
     let mut overrides = Overrides {
         set: overrides.set.clone(),
@@ -485,7 +495,15 @@ pub fn boosts(
     overrides
         .set
         .extend(set.map(|(key, value)| (key.to_string(), value)));
-    let diagram = builtin::load_diagram(path, &overrides)?;
+    let mut diagram = builtin::load_diagram(path, &overrides)?;
+    let shot = diagram.events.iter().find(|event| event.name == "shot");
+    if let Some(shot) = shot.map(|shot| shot.at) {
+        diagram.boost_about(shot);
+    }
+    if let Some(height) = height {
+        diagram.style.width.get_or_insert(height);
+        diagram.style.height.get_or_insert(height);
+    }
     Series::new(&diagram).ok_or_else(|| {
         let what = "the diagram of this scene cannot be boosted";
         Error::invalid("diagram", "", what, "leave out --beside diagram")

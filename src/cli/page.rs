@@ -171,7 +171,13 @@ fn diagrams(arguments: &PageArguments, shots: &[Shot], times: &[f64]) -> Result<
             time: Some(format!("{time:?} m")),
             ..arguments.changes.overrides()
         };
-        let series = motion::boosts(path, &overrides, last.velocity.beta(), shots.len() as u32)?;
+        let series = motion::boosts(
+            path,
+            &overrides,
+            last.velocity.beta(),
+            shots.len() as u32,
+            None,
+        )?;
         for drawing in series {
             interrupt::check()?;
             all.push(svg::write(&drawing?)?);

@@ -642,3 +642,67 @@ fn the_plot_of_figure_9_is_the_aberrated_sensor() {
         assert!((at.ct - sine * gamma(sine)).abs() < 1e-4, "{v} {at:?}");
     }
 }
+
+/// The figures whose light is baked, by their files.
+const IN_THE_HALL: [&str; 9] = [
+    "figure-03",
+    "figure-04",
+    "figure-05",
+    "figure-06",
+    "figure-07",
+    "figure-08",
+    "figure-10",
+    "figure-11",
+    "paper-and-exact",
+];
+
+#[test]
+fn the_figures_with_bunny_and_dragon_look_light_up_that_was_baked_in_their_hall() {
+    let hall = scene::load(&folder().join("hall-lit.toml"), &Overrides::default()).unwrap();
+    assert_eq!(hall.lights.len(), 3);
+    let names: Vec<_> = hall.objects.iter().map(|o| o.name.clone()).collect();
+    for figure in IN_THE_HALL {
+        let path = folder().join(format!("{figure}.toml"));
+        let (_, scene) = panels(&path, &Overrides::default()).remove(0);
+        let own: Vec<_> = scene.objects.iter().map(|o| o.name.clone()).collect();
+        assert_eq!(own, names, "{figure}");
+        for (here, baked) in scene.objects.iter().zip(&hall.objects) {
+            assert_eq!(here.transform, baked.transform, "{figure} {}", here.name);
+        }
+        let sources: Vec<_> = scene.sources.iter().map(|s| s.name.clone()).collect();
+        let lit: Vec<_> = names.iter().map(|n| format!("light on {n}")).collect();
+        assert_eq!(sources, lit, "{figure}");
+        // Nothing is said of light that lasts beyond the data, as it is held.
+        let plan = Plan::new(&scene, &Request::default()).unwrap();
+        let warnings = Prepared::new(&scene, &plan, &Silent).unwrap().warnings;
+        assert!(warnings.is_empty(), "{figure}: {warnings:?}");
+    }
+}
+
+/// Figure 4 at rest, by its baked light and by paths: sums over quarters of the picture agree to 5 %, which is what texels and bins leave.
+#[test]
+fn the_light_of_the_hall_is_what_paths_find() {
+    let small = |samples| Overrides {
+        size: Some([32, 24]),
+        samples_per_pixel: Some(samples),
+        ..Overrides::default()
+    };
+    let quarters = |scene: &Scene| {
+        let request = Request::default();
+        let plan = Plan::new(scene, &request).unwrap();
+        let film = render(&Prepared::new(scene, &plan, &Silent).unwrap(), &Silent).unwrap();
+        let mut sums = [0.0; 4];
+        for (k, pixel) in film.radiance().iter().enumerate() {
+            let (column, row) = (k % 32, k / 32);
+            sums[2 * (row / 12) + column / 16] += pixel.iter().sum::<f64>();
+        }
+        sums
+    };
+    let lit = scene::load(&folder().join("hall-lit.toml"), &small(256)).unwrap();
+    let figure = panels(&folder().join("figure-04.toml"), &small(64)).remove(0);
+    assert_eq!(figure.0, "aberration-towards-0");
+    let (baked, traced) = (quarters(&figure.1), quarters(&lit));
+    for (baked, traced) in baked.into_iter().zip(traced) {
+        assert!((baked / traced - 1.0).abs() < 0.05, "{baked} {traced}");
+    }
+}

@@ -10,7 +10,7 @@
 //! the same boost. Its origin goes from that of the first view to that of the other in equal steps.
 
 use super::model::{Boost, Colour, Diagram, Now, Reference, Sweep};
-use crate::spacetime::{InertialFrame, Velocity};
+use crate::spacetime::{Event, InertialFrame, Velocity, World};
 
 impl Diagram {
     /// Picture `k` of the animation, counted from 0; the diagram as it stands where there is none.
@@ -40,6 +40,45 @@ impl Diagram {
         }
         self.views = vec![self.frames.len()];
         self.frames.push(passing);
+    }
+
+    /// Has a boost leave `event` where it is: both frames begin there, and the pictures show, all along the way, where the light left that
+    /// comes to it. Without a boost, or where limits are given, nothing changes.
+    pub fn boost_about(&mut self, event: Event<World>) {
+        let animation = self.animation.and_then(|a| Some((a.frames, a.boost?)));
+        let (Some((frames, boost)), Some(&first)) = (animation, self.views.first()) else {
+            return;
+        };
+        if self.x.is_some() || self.ct.is_some() {
+            return;
+        }
+        for frame in [first, boost.to] {
+            if let Some(Reference { frame, .. }) = self.frames.get_mut(frame) {
+                *frame = InertialFrame::new(frame.velocity(), event);
+            }
+        }
+        let arrives = self.signals.iter().filter(|light| light.ends[1] == event);
+        let left: Vec<Event<World>> = arrives.map(|light| light.ends[0]).collect();
+        let (mut x, mut ct) = ([0f64; 2], [0f64; 2]);
+        for k in 0..frames {
+            let part = boost.part(k, frames);
+            let (Some(from), Some(to)) = (self.frames.get(first), self.frames.get(boost.to)) else {
+                return;
+            };
+            let view = between(&from.frame, &to.frame, part);
+            for event in &left {
+                let own = view.event_from_world(*event);
+                let along = self.direction.dot(own.x);
+                x = [x[0].min(along), x[1].max(along)];
+                ct = [ct[0].min(own.ct), ct[1].max(own.ct)];
+            }
+        }
+        let room = (x[1] - x[0]).max(ct[1] - ct[0]);
+        if room > 0.0 {
+            // World lines go on above the event, and to the side of it that no light comes from.
+            self.x = Some([x[0] - 0.2 * room, x[1] + 0.2 * room]);
+            self.ct = Some([ct[0] - 0.1 * room, ct[1] + 0.4 * room]);
+        }
     }
 
     /// Whether `frame` is one through which the view passes.

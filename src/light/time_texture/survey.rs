@@ -139,11 +139,16 @@ impl<'a> Lines<'a> {
 /// What looks wrong about the samples of a cube by themselves, of whose samples below 0 nothing is said. Of one whose bricks are
 /// only counted nothing is looked at.
 pub fn of_samples(cube: &CubeStore, order: Order) -> Vec<String> {
-    of_samples_with(cube, order, None)
+    of_samples_with(cube, order, None, false)
 }
 
-/// The same where it is said what becomes of samples below 0.
-pub fn of_samples_with(cube: &CubeStore, order: Order, negative: Option<Negative>) -> Vec<String> {
+/// The same where it is said what becomes of samples below 0, and of light at the ends of the data if it `is_held` there.
+pub fn of_samples_with(
+    cube: &CubeStore,
+    order: Order,
+    negative: Option<Negative>,
+    is_held: bool,
+) -> Vec<String> {
     if cube.on_disk().is_some_and(|bricks| bricks.counts_only()) {
         return Vec::new();
     }
@@ -162,7 +167,9 @@ pub fn of_samples_with(cube: &CubeStore, order: Order, negative: Option<Negative
     if negative.is_none() {
         remarks.extend(below_zero(&mut lines, &light));
     }
-    remarks.extend(ends(&light.per_bin));
+    if !is_held {
+        remarks.extend(ends(&light.per_bin));
+    }
     remarks.extend(dead(&light.unsigned));
     if order != Order::Stated {
         remarks.extend(self::order(&mut lines, order == Order::Pictures));

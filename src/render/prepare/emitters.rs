@@ -31,7 +31,7 @@ use crate::render::trace::{
 };
 use crate::scene::model::{
     Binding, Brightness, CaptureCamera, Clock, CubeData, CubeFile, CubeSource, Effects,
-    EmissionProfile, Geometry, LightKind, Mapping, Reconstruction, Scene, SourceKind,
+    EmissionProfile, Fill, Geometry, LightKind, Mapping, Reconstruction, Scene, SourceKind,
 };
 use crate::spacetime::{Event, Quantity, World};
 
@@ -611,10 +611,12 @@ impl Stores {
             };
             self.warn(scene, source, info.remarks);
         }
-        let remarks = survey::of_samples_with(texture.cube(), assumed, negative);
+        let is_held = [scene.outside.before, scene.outside.after] == [Fill::Hold; 2];
+        let remarks = survey::of_samples_with(texture.cube(), assumed, negative, is_held);
         self.warn(scene, source, remarks);
         for (channel, companion) in companions.iter().zip(&others) {
-            let remarks = survey::of_samples_with(companion.cube(), Order::Stated, negative);
+            let cube = companion.cube();
+            let remarks = survey::of_samples_with(cube, Order::Stated, negative, is_held);
             let named = |remark| format!("channel {}: {remark}", channel.name());
             self.warn(scene, source, remarks.into_iter().map(named).collect());
         }

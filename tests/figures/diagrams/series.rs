@@ -74,6 +74,42 @@ fn the_axes_of_both_frames_move_and_none_is_the_views() {
     );
 }
 
+/// A camera at rest 4 m from what it sees, whose light is boosted away from it as it moves there.
+const SEEN: &str = "\
+camera = { eye = [0, 0, 4], look_at = [0, 0, 0], velocity = { beta = [0, 0, -0.6] }, clock_zero = \"7 m\" }
+object = [{ shape = { box = { size = [1, 1, 1] } } }]
+[diagram]
+animation = { boost_to = \"camera\", frames = 5 }
+";
+
+#[test]
+fn a_boost_about_the_picture_leaves_it_in_its_place_and_shows_where_its_light_left() {
+    let mut diagram = model(SEEN);
+    let shot = diagram.events[0].at;
+    assert_eq!(diagram.events[0].name, "shot");
+    diagram.boost_about(shot);
+    let (x, ct) = (diagram.x.unwrap(), diagram.ct.unwrap());
+    for k in 0..5 {
+        let panel = layout(&diagram.picture(k)).panels.remove(0);
+        near(event(&panel, "shot"), 0.0, 0.0);
+        // What is 4 m ahead is seen 4 · 2^(k/4) m away: e^φ = 2 at 0.6 c.
+        let away = 4.0 * 2f64.powf(f64::from(k) / 4.0);
+        let [left, _] = panel.signals[0].ends;
+        near(left, -away, away);
+        assert!(x[0] < left.x && left.x < x[1], "{x:?}");
+        assert!(ct[0] < left.ct && left.ct < ct[1], "{ct:?}");
+    }
+    // Not in the upper edge of the page: there is a fifth of it above the picture, and some beside it.
+    assert!(
+        ct[1] > 0.2 * (ct[1] - ct[0]) && x[0] < -0.1 * (x[1] - x[0]),
+        "{ct:?}"
+    );
+    // Limits that are given stay.
+    let mut given = model(&SEEN.replace("animation", "x = [-1, 9]\nanimation"));
+    given.boost_about(shot);
+    assert_eq!((given.x, given.ct), (Some([-1.0, 9.0]), None));
+}
+
 #[test]
 fn all_pictures_of_a_boost_have_one_size_and_hold_its_events() {
     let sizes = Series::new(&model(BOOST)).unwrap().map(|drawing| {

@@ -87,10 +87,18 @@ for (let j = 0; j <= Number(time.max); j++) for (let i = 0; i <= Number(speed.ma
   drawn.add(at("diagram").src);
   shown.add(at("picture").src + at("speed-said").value + at("time-said").value + at("diagram").src.length);
 }
-document.querySelectorAll("#cells button")[3].click();
+// By keyboard: the grid is one stop, and the arrow keys go on from there, not over its edge.
+const cells = [...document.querySelectorAll("#cells button")];
+const key = key => document.activeElement.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+cells[0].focus();
+["ArrowLeft", "ArrowRight", "ArrowDown", "ArrowDown"].forEach(key);
+const where = cells.indexOf(document.activeElement), stops = cells.filter(cell => cell.tabIndex === 0).length;
+document.activeElement.click();
+const named = [...document.querySelectorAll("button, input, img")].filter(e => !(e.getAttribute("aria-label") || e.alt || e.labels?.length)).length;
+const wide = document.documentElement.scrollWidth - innerWidth;
 const loaded = performance.getEntriesByType("resource").filter(entry => !entry.name.startsWith("data:"));
 setTimeout(() => document.title = `shown ${shown.size}, drawn ${drawn.size}, probe ${at("probe").hidden}, ` +
-  `${at("probe-picture").naturalWidth > 100}, failed ${failed.length}, loaded ${loaded.length}`, 500);
+  `${at("probe-picture").naturalWidth > 100}, at ${where} of ${stops}, unnamed ${named}, wider ${wide > 0}, narrow ${innerWidth < 640}, failed ${failed.length}, loaded ${loaded.length}`, 500);
 </script></body>"##;
 
 /// Collects errors and requests that the page's policy forbids.
@@ -127,6 +135,7 @@ fn a_page_lives_in_a_browser() {
         "--headless",
         "--no-sandbox",
         "--disable-gpu",
+        "--window-size=390,844",
         "--virtual-time-budget=5000",
         "--dump-dom",
     ];
@@ -143,7 +152,7 @@ fn a_page_lives_in_a_browser() {
     let title = title.map_or("", |(title, _)| title);
     assert_eq!(
         title,
-        "shown 6, drawn 6, probe false, true, failed 0, loaded 0",
+        "shown 6, drawn 6, probe false, true, at 3 of 1, unnamed 0, wider false, narrow true, failed 0, loaded 0",
         "{}",
         Path::new(browser).display()
     );

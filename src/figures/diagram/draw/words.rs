@@ -162,7 +162,12 @@ impl<'a> Words<'a> {
                 rect.min[1] - 1.2 * self.theme.size,
             ];
             let frame = &self.panel.frame;
-            let name = if frame == "world" { "S" } else { frame };
+            let name = match frame.trim_end_matches('\'') {
+                "world" => "*S*".into(),
+                // A letter with its primes.
+                letter if letter.len() == 1 => format!("*{frame}*"),
+                _ => frame.clone(),
+            };
             let place = vec![[0.0, -1.0], [0.9, 0.0], [-0.9, 0.0]];
             all.push(Request {
                 directions: place,

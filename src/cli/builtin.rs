@@ -1,6 +1,8 @@
-//! The scene that is compiled in.
+//! Where scenes come from: files, standard input, and the program itself, into which one is compiled.
 
+use std::io;
 use std::path::Path;
+use std::sync::Mutex;
 
 use nullray::figures::diagram::model::Diagram;
 use nullray::io::budget::Budget;
@@ -14,6 +16,8 @@ use super::failure::refused;
 pub const TEXT: &str = include_str!("../../scenes/corner.toml");
 const NAME: &str = "built-in scene";
 const FOLDER: &str = files::BUILT_IN;
+/// What a scene of standard input is called.
+const STANDARD_INPUT: &str = "<stdin>";
 
 /// The scene file of a command, read once: the one that was named, or that which a named model stands for, or the built-in one.
 /// A model is loaded for it in `memory` bytes.
@@ -23,12 +27,45 @@ pub fn open(path: Option<&Path>, overrides: &Overrides, memory: u64) -> Result<S
             let text = model_text(path, &ModelView::default(), overrides, memory)?;
             Ok(of_model(path, &text))
         }
-        Some(path) => SceneFile::read(path),
+        Some(path) => read(path),
         None => Ok(SceneFile::of_text(TEXT, NAME, Path::new(FOLDER))),
     }
 }
 
-/// The same; a model is looked at as `model` says, which scenes refuse.
+/// The scene file at `path`, or what standard input holds; paths in that resolve against the working directory.
+pub fn read(path: &Path) -> Result<SceneFile> {
+    // It can be read once alone, and some commands ask for their scene more than once.
+    static TEXT: Mutex<Option<String>> = Mutex::new(None);
+    if !is_standard_input(path) {
+        return SceneFile::read(path);
+    }
+    let mut text = TEXT.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let text = match &mut *text {
+        Some(text) => text,
+        none => {
+            let file = SceneFile::read_from(io::stdin().lock(), STANDARD_INPUT, Path::new(""))?;
+            none.insert(file.text().to_string())
+        }
+    };
+    Ok(SceneFile::of_text(text, STANDARD_INPUT, Path::new("")))
+}
+
+/// Whether standard input goes by this name.
+pub fn is_standard_input(path: &Path) -> bool {
+    const NAMES: [&str; 4] = ["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"];
+    NAMES.iter().any(|name| path.as_os_str() == *name)
+}
+
+/// The folder against which paths of the scene of a command resolve.
+pub fn base(path: Option<&Path>) -> &Path {
+    match path {
+        Some(path) if is_standard_input(path) => Path::new(""),
+        Some(path) => path.parent().unwrap_or(Path::new("")),
+        None => Path::new(FOLDER),
+    }
+}
+
+/// The same as [`open`]; a model is looked at as `model` says, which scenes refuse.
 pub fn open_as(
     path: Option<&Path>,
     model: &ModelView,
@@ -104,6 +141,10 @@ pub fn of_model(path: &Path, text: &str) -> SceneFile {
 /// The space-time diagram of a command: of the file that was named, or of the built-in scene.
 pub fn load_diagram(path: Option<&Path>, overrides: &Overrides) -> Result<Diagram> {
     match path {
+        Some(path) if is_standard_input(path) => {
+            let file = read(path)?;
+            figures::diagram::parse(file.text(), STANDARD_INPUT, Path::new(""), overrides)
+        }
         Some(path) => figures::diagram::load(path, overrides),
         None => figures::diagram::parse(TEXT, NAME, Path::new(FOLDER), overrides),
     }

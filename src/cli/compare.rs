@@ -19,7 +19,7 @@ use super::args::CompareArguments;
 use super::check::Names;
 use super::failure::{Done, refused};
 use super::output::extension;
-use super::{interrupt, print, print_json};
+use super::{builtin, interrupt, print, print_json};
 
 /// Compares, writes what is asked for, and says whether all tolerances are met.
 pub fn run(arguments: &CompareArguments) -> Result<Done> {
@@ -73,7 +73,7 @@ fn scene(arguments: &CompareArguments, reference: &Picture) -> Result<Option<Arc
         time: time.map(|metres| format!("{metres} m")),
         ..Overrides::default()
     };
-    Ok(Some(Arc::new(nullray::scene::load(path, &overrides)?)))
+    Ok(Some(Arc::new(builtin::read(path)?.scene(&overrides)?)))
 }
 
 /// A picture, as the options say how to read it.

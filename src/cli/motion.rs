@@ -17,7 +17,6 @@
 //!
 //! (Hyperbolic motion: Rindler, Relativity, 2nd ed., 3.7; aberration: 4.3.)
 
-use std::path::PathBuf;
 use std::str::FromStr;
 
 use glam::DVec3;
@@ -422,10 +421,7 @@ fn film(arguments: &FilmArguments, file: &SceneFile, scene: &Scene, takes: &[Tak
         quiet: arguments.work.quiet.on,
     };
     reel.write(picture)?;
-    let names = takes.iter().map(|take| folder.pattern(take.name));
-    let pictures = names.flat_map(|path| (0..count).map(move |k| numbered(&path, k)));
-    let pictures: Vec<PathBuf> = pictures.collect();
-    folder.remove(pictures);
+    folder.remove();
     Ok(())
 }
 

@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use super::builtin;
+
 /// A number's place in a pattern.
 const PLACE: char = '#';
 /// Digits of a number where there is no pattern.
@@ -42,6 +44,9 @@ pub fn suffixed(path: &Path, suffix: &str) -> PathBuf {
 
 /// The name of the scene's file without its extension.
 pub fn stem(path: Option<&Path>) -> PathBuf {
+    if path.is_some_and(builtin::is_standard_input) {
+        return "stdin".into();
+    }
     let stem = path.and_then(Path::file_stem);
     stem.unwrap_or("nullray".as_ref()).into()
 }

@@ -15,7 +15,7 @@ use nullray::figures::drawing::{Drawing, pdf, png, svg, tikz};
 use nullray::figures::isochrones;
 use nullray::figures::overlay::{self, Parts};
 use nullray::io::files;
-use nullray::io::image::{self, Layers, RgbImage, Samples};
+use nullray::io::image::{self, Layers, RgbImage};
 use nullray::render::aov::Aov;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
@@ -266,20 +266,19 @@ impl Outputs {
         metadata: Vec<(String, String)>,
     ) -> Result<String> {
         let [width, height] = film.size();
-        let mut layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
+        let layers = Layers::new(width, height, film.channels(&self.aovs), metadata)?;
+        // Of single pictures nobody asks later whether they are whole.
+        let is_sealed = self.identity.is_some();
         match kind {
             Kind::Exr => {
-                // The format has no checksums of its own; of single pictures nobody asks for them.
-                if self.identity.is_some() {
-                    let sum = content_checksum(&layers, self.half);
-                    layers.metadata.push((CHECKSUM_KEY.into(), sum));
-                }
                 let options = image::exr::Options {
                     half: self.half,
+                    sealed: is_sealed,
                     matrices: scene.camera.matrices(),
                 };
                 image::exr::write_with(path, &layers, &options)?;
             }
+            _ if is_sealed => image::npz::write_sealed(path, &layers)?,
             _ => image::npz::write(path, &layers)?,
         }
         Ok(format!(" ({} channels)", layers.channels.len()))
@@ -521,40 +520,6 @@ fn content(path: &Path) -> Option<Vec<u8>> {
             n => hash.update(block.get(..n)?),
         }
     }
-}
-
-/// The key of the checksum of an EXR file's content in its metadata.
-pub const CHECKSUM_KEY: &str = "content_sha256";
-
-/// The SHA-256 of metadata and samples as an EXR file has them, in the order of their names; with light and alpha in half
-/// precision, where the file has it.
-pub fn content_checksum(layers: &Layers, half: bool) -> String {
-    let mut parts = Digests::default();
-    let mut metadata: Vec<_> = layers.metadata.iter().collect();
-    metadata.sort();
-    for (key, text) in metadata {
-        parts.add(key.as_bytes());
-        parts.add(text.as_bytes());
-    }
-    let mut channels: Vec<_> = layers.channels.iter().collect();
-    channels.sort_by(|a, b| a.name.cmp(&b.name));
-    for channel in channels {
-        parts.add(channel.name.as_bytes());
-        let is_halved = half
-            && ["radiance.R", "radiance.G", "radiance.B", "alpha"].contains(&channel.name.as_str());
-        let bits: Vec<u8> = match &channel.samples {
-            samples if is_halved => {
-                let halves = samples.to_f64().into_iter().map(image::exr::half_of);
-                halves.flat_map(|x| x.to_le_bytes()).collect()
-            }
-            Samples::F32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Samples::F64(v) => v.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect(),
-            Samples::U32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-            Samples::I32(v) => v.iter().flat_map(|x| x.to_le_bytes()).collect(),
-        };
-        parts.add(&bits);
-    }
-    hex(&parts.finish())
 }
 
 fn hex(bytes: &[u8]) -> String {

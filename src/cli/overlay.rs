@@ -3,6 +3,7 @@
 use nullray::Result;
 use nullray::figures::drawing;
 use nullray::figures::overlay::{self, Overlay, Part};
+use nullray::io::sealed;
 use nullray::render::film::Film;
 use nullray::render::metadata::metadata;
 use nullray::render::prepare::Prepared;
@@ -39,10 +40,17 @@ pub fn write(
     if let Some(identity) = &outputs.identity {
         page.origin
             .push((Identity::KEY.into(), identity.of_overlay(outputs.parts)));
+        page.origin.push((sealed::KEY.into(), sealed::blank()));
     }
     for path in &outputs.overlays {
         interrupt::check()?;
-        drawing::save(path, encoded(&page, &extension(path), scale)?)?;
+        let kind = extension(path);
+        let mut bytes = encoded(&page, &kind, scale)?;
+        // Pixels have checksums of their own.
+        if outputs.identity.is_some() && kind != "png" {
+            sealed::seal_bytes(&mut bytes);
+        }
+        drawing::save(path, bytes)?;
         say(quiet, &format!("wrote {} (overlay)\n", path.display()))?;
     }
     Ok(())

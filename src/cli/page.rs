@@ -6,7 +6,6 @@ use nullray::figures::diagram;
 use nullray::figures::drawing::{png, svg};
 use nullray::figures::page::{self, Page};
 use nullray::figures::pixel_probe;
-use nullray::io::files;
 use nullray::io::image::write_atomically;
 use nullray::render::plan::Plan;
 use nullray::scene::model::Scene;
@@ -122,7 +121,7 @@ fn make(arguments: &PageArguments, file: &SceneFile, scene: &Scene, path: &Path)
     write_atomically(path, |out| {
         std::io::Write::write_all(out, html.as_bytes()).map_err(Error::io(path, "cannot write"))
     })?;
-    folder.remove(files);
+    folder.remove();
     let count = page.pictures.len();
     say(
         quiet,
@@ -191,10 +190,7 @@ fn probes(arguments: &PageArguments, scene: &Scene, shots: &[Shot]) -> Result<Ve
     let Some([columns, rows]) = arguments.grid else {
         return Ok(Vec::new());
     };
-    let base = match arguments.scene.path() {
-        Some(path) => path.parent().unwrap_or(Path::new("")),
-        None => Path::new(files::BUILT_IN),
-    };
+    let base = builtin::base(arguments.scene.path());
     let base = diagram::parse(&scene.text, &scene.name, base, &Overrides::default())?;
     let limit = arguments.changes.memory.bytes();
     let [width, height] = scene.camera.size;

@@ -1,9 +1,10 @@
 //! Films of finished pictures: animated PNG and raw video, to files or to a pipe.
 //!
 //! The pictures of a film are numbered PNG files first, in a folder beside it: what was stopped goes on where it was, as sequences
-//! do. The folder goes once the film is complete.
+//! do. The folder goes once the film is complete; one that a killed program has left is removed after a day by the next that makes a film
+//! beside it.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -11,13 +12,14 @@ use nullray::figures::drawing::png::Raster;
 use nullray::io::budget::Budget;
 use nullray::io::image::film::{Delay, FilmWriter};
 use nullray::io::image::{RgbImage, Samples, png, write_atomically};
+use nullray::io::temporary;
 use nullray::{Error, Result};
 use tempfile::TempDir;
 
 use super::check::Names;
 use super::failure::refused;
 use super::output::extension;
-use super::{interrupt, memory, say};
+use super::{inputs, interrupt, memory, say};
 
 /// The name of a film that goes to standard output.
 const PIPE: &str = "-";
@@ -67,10 +69,35 @@ pub fn check(films: &[PathBuf], read: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
+/// The end of the name of a film's folder.
+const ENDING: &str = ".frames";
+
+/// Whether what is called so has such a folder while it is made: films, and pages.
+fn has_folder(name: &str) -> bool {
+    [".apng", ".y4m", ".html"].iter().any(|e| name.ends_with(e))
+}
+
+/// Whether a file in such a folder is a picture of a film: a word, and a number of six digits.
+fn is_picture(name: &str) -> bool {
+    let number = name
+        .strip_suffix(".png")
+        .and_then(|name| name.split_once('-'));
+    number.is_some_and(|(word, number)| {
+        PICTURES.contains(&word) && number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit())
+    })
+}
+
+/// The words before the numbers of pictures.
+const PICTURES: [&str; 3] = ["film", "rest", "page"];
+
 /// The folder of a film's pictures.
 pub enum Folder {
     /// Beside the film, to be resumed from.
-    Beside(PathBuf),
+    Beside {
+        path: PathBuf,
+        /// As long as it is locked nobody takes it for left over.
+        lock: Option<File>,
+    },
     /// Of a film that nobody can resume.
     Passing(TempDir),
 }
@@ -86,28 +113,43 @@ impl Folder {
             ));
         };
         let mut name = film.file_name().unwrap_or_default().to_os_string();
-        name.push(".frames");
+        name.push(ENDING);
         let path = film.with_file_name(name);
         fs::create_dir_all(&path).map_err(Error::io(&path, "cannot create the directory"))?;
-        Ok(Folder::Beside(path))
+        let lock = File::open(&path).ok();
+        if let Some(folder) = &lock {
+            // On file systems without locks its age has to do.
+            let _ = folder.try_lock_shared();
+        }
+        let is_folder = |name: &str| name.strip_suffix(ENDING).is_some_and(has_folder);
+        temporary::clear_folders(inputs::directory(&path), &path, is_folder, is_picture);
+        Ok(Folder::Beside { path, lock })
     }
 
     /// A name for numbered pictures in it.
     pub fn pattern(&self, name: &str) -> PathBuf {
         let path = match self {
-            Folder::Beside(path) => path.as_path(),
+            Folder::Beside { path, .. } => path.as_path(),
             Folder::Passing(folder) => folder.path(),
         };
         path.join(format!("{name}-######.png"))
     }
 
-    /// Takes these pictures away, and the folder if nothing else is in it.
-    pub fn remove(self, pictures: impl IntoIterator<Item = PathBuf>) {
+    /// Takes all pictures away, also those of earlier films of this name, and the folder if nothing else is in it; unless another program
+    /// makes the same film just now.
+    pub fn remove(self) {
         // What stays costs space and nothing else.
-        if let Folder::Beside(_) = self {
-            for picture in pictures {
-                let _ = fs::remove_file(picture);
+        if let Folder::Beside { path, lock } = &self {
+            let is_alone = |lock: &File| !matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
+            if !lock.as_ref().is_none_or(is_alone) {
+                return;
             }
+            for entry in fs::read_dir(path).into_iter().flatten().flatten() {
+                if is_picture(&entry.file_name().to_string_lossy()) {
+                    let _ = fs::remove_file(entry.path());
+                }
+            }
+            temporary::clear(path);
         }
     }
 }
@@ -115,7 +157,9 @@ impl Folder {
 impl Drop for Folder {
     /// Removes the folder if it is empty: pictures of a film that was not finished stay.
     fn drop(&mut self) {
-        if let Folder::Beside(path) = self {
+        if let Folder::Beside { path, lock } = self {
+            // Where open directories cannot be removed.
+            drop(lock.take());
             let _ = fs::remove_dir(path);
         }
     }

@@ -6,6 +6,7 @@ use nullray::approximate::raster::Method;
 use nullray::figures::text::RichText;
 use nullray::render::metadata;
 use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::check_files;
 use nullray::scene::model::Scene;
 use nullray::scene::{Overrides, SceneFile};
 use nullray::{Error, Result};
@@ -17,6 +18,7 @@ use super::film::{check_one, in_pool, one};
 use super::frames::{self, Frames, Job};
 use super::names::{named_after, numbered, suffixed};
 use super::output::{Kind, Outputs, extension};
+use super::progress::Bar;
 use super::reel::{self, Folder, Reel};
 use super::stats::Account;
 use super::{builtin, exposure, inputs, panels, passes, print, say};
@@ -183,7 +185,7 @@ impl Film<'_> {
         };
         reel.write(|k| reel::read(&name(k)))?;
         if let Some(folder) = folder {
-            folder.remove((0..reel.count).map(name));
+            folder.remove();
         }
         Ok(())
     }
@@ -335,12 +337,16 @@ fn all_panels(
     }
     check_all(jobs.iter().map(|(.., outputs)| outputs.clone()), &read)?;
     // No panel is rendered before all are known to be possible.
-    for (request, scene, outputs) in &jobs {
-        match arguments.passes.given() {
-            Some(_) => passes::check_one(scene, request.clone(), outputs).map(drop)?,
-            None => check_one(scene, request, outputs).map(drop)?,
-        }
-    }
+    let plan = |(request, scene, outputs): &(Request, Scene, Outputs)| {
+        Ok(match arguments.passes.given() {
+            Some(_) => passes::check_one(scene, request.clone(), outputs)?.1,
+            None => check_one(scene, request, outputs)?,
+        })
+    };
+    let plans = jobs.iter().map(plan).collect::<Result<Vec<_>>>()?;
+    let scenes = jobs.iter().map(|(_, scene, _)| scene);
+    check_files(scenes.zip(&plans), &Bar::new(0, true))?;
+    drop(plans);
     for (request, scene, outputs) in &jobs {
         let quiet = arguments.work.quiet.on;
         match arguments.passes.given() {

@@ -7,6 +7,7 @@ use nullray::approximate::raster::Method;
 use nullray::figures::contact_sheet::{self, Layout, SheetOptions, Size};
 use nullray::io::image;
 use nullray::render::plan::{Plan, Request};
+use nullray::render::prepare::check_files;
 use nullray::scene::SceneFile;
 use nullray::scene::model::{Panel, Scene, Show};
 use nullray::{Error, Result};
@@ -15,7 +16,8 @@ use super::args::SheetArguments;
 use super::check::{check_all, check_page};
 use super::names::{named_after, stem, suffixed};
 use super::output::{Outputs, Picture, picture};
-use super::{film, inputs, interrupt, panels, say};
+use super::progress::Bar;
+use super::{builtin, film, inputs, interrupt, panels, say};
 
 pub fn run(arguments: &SheetArguments) -> Result<()> {
     if let Some(output) = &arguments.output {
@@ -58,7 +60,7 @@ struct Part {
 
 impl Figure {
     fn new(path: &Path, arguments: &SheetArguments) -> Result<Figure> {
-        let file = SceneFile::read(path)?;
+        let file = builtin::read(path)?;
         let whole = file.scene(&arguments.changes.overrides())?;
         let directory = arguments.directory.as_deref().unwrap_or(Path::new(""));
         let default = || directory.join(named_after(Some(path), "-sheet.png"));
@@ -237,6 +239,13 @@ fn check(figures: &[Figure]) -> Result<()> {
         images: vec![figure.output.clone()],
         ..Outputs::default()
     });
-    let panels = figures.iter().flat_map(|figure| &figure.parts);
-    check_all(pages.chain(panels.map(|part| part.outputs.clone())), &read)
+    let panels = || figures.iter().flat_map(|figure| &figure.parts);
+    check_all(
+        pages.chain(panels().map(|part| part.outputs.clone())),
+        &read,
+    )?;
+    let plans = panels().map(|part| Plan::new(&part.scene, &part.request));
+    let plans = plans.collect::<Result<Vec<_>>>()?;
+    let scenes = panels().map(|part| &part.scene);
+    check_files(scenes.zip(&plans), &Bar::new(0, true))
 }

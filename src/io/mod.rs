@@ -17,5 +17,6 @@ pub mod image;
 pub mod npy;
 mod open;
 mod packed;
+pub mod sealed;
 pub mod spectrum;
 pub mod temporary;

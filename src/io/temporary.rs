@@ -158,22 +158,88 @@ fn clear_once(directory: &Path, ours: &Metadata) {
         return;
     }
     drop(cleared);
+    clear_from(directory, |path, metadata| {
+        is_left_over(path, metadata, ours)
+    });
+}
+
+/// Removes what has names of things in the making from `directory`, and `is_left`.
+fn clear_from(directory: &Path, is_left: impl Fn(&Path, &Metadata) -> bool) {
     for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_named = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
-        if is_named
-            && entry
-                .metadata()
-                .is_ok_and(|m| is_left_over(&entry.path(), &m, ours))
-        {
+        if is_named && entry.metadata().is_ok_and(|m| is_left(&entry.path(), &m)) {
             remove(&entry.path());
+        }
+    }
+}
+
+/// Removes what killed processes have left in `directory`, however young it is: for one that the caller has locked for itself.
+pub fn clear(directory: &Path) {
+    let Ok(ours) = fs::metadata(directory) else {
+        return;
+    };
+    clear_from(directory, |path, metadata| {
+        is_left_for(path, metadata, &ours, Duration::ZERO)
+    });
+}
+
+/// Removes folders in `directory` that killed processes have left: those whose name `is_folder`, except for `own`, where each file is one
+/// whose name `is_file` or one in the making, and everything is old, belongs to our user and is locked by nobody. A folder in which anything
+/// else lies is no left-over.
+pub fn clear_folders(
+    directory: &Path,
+    own: &Path,
+    is_folder: impl Fn(&str) -> bool,
+    is_file: impl Fn(&str) -> bool,
+) {
+    // What is made now tells the file system's time and our user.
+    let Ok(Ok(ours)) = tempfile::tempfile_in(directory).map(|file| file.metadata()) else {
+        return;
+    };
+    let is_old = |entry: &fs::DirEntry| {
+        let metadata = entry.metadata();
+        metadata.is_ok_and(|m| is_left_for(&entry.path(), &m, &ours, FOLDER_AGE))
+    };
+    let name = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let is_making = |name: &str| name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+    for folder in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let path = folder.path();
+        if !is_folder(&name(&folder)) || path.file_name() == own.file_name() || !is_old(&folder) {
+            continue;
+        }
+        let Ok(entries) = fs::read_dir(&path).and_then(Iterator::collect::<io::Result<Vec<_>>>)
+        else {
+            continue;
+        };
+        let is_ours = |entry: &fs::DirEntry| {
+            let name = name(entry);
+            let is_file_of_ours = entry.file_type().is_ok_and(|kind| kind.is_file());
+            is_file_of_ours && (is_file(&name) || is_making(&name)) && is_old(entry)
+        };
+        if entries.iter().all(is_ours) {
+            for entry in &entries {
+                let _ = fs::remove_file(entry.path());
+            }
+            // It stays where something was put into it just now.
+            let _ = fs::remove_dir(&path);
         }
     }
 }
 
 /// Whether nobody works at the file or directory at `path`.
 fn is_left_over(path: &Path, metadata: &Metadata, ours: &Metadata) -> bool {
+    let needed = if metadata.is_dir() {
+        FOLDER_AGE
+    } else {
+        FILE_AGE
+    };
+    is_left_for(path, metadata, ours, needed)
+}
+
+/// The same where it has not changed for as long as is `needed`.
+fn is_left_for(path: &Path, metadata: &Metadata, ours: &Metadata, needed: Duration) -> bool {
     let lock = match metadata {
         m if m.is_dir() => File::open(path),
         m if m.is_file() => OpenOptions::new().read(true).write(true).open(path),
@@ -185,13 +251,9 @@ fn is_left_over(path: &Path, metadata: &Metadata, ours: &Metadata) -> bool {
             .duration_since(m.modified().ok()?)
             .ok()
     };
-    let needed = if metadata.is_dir() {
-        FOLDER_AGE
-    } else {
-        FILE_AGE
-    };
     let is_locked = lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)));
-    same_owner(metadata, ours) && !is_locked && age(metadata).is_some_and(|age| age >= needed)
+    let is_old = needed.is_zero() || age(metadata).is_some_and(|age| age >= needed);
+    same_owner(metadata, ours) && !is_locked && is_old
 }
 
 #[cfg(unix)]

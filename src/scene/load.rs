@@ -47,6 +47,20 @@ impl SceneFile {
         Ok(SceneFile::of_text(&text_of(path)?, &name, base(path)))
     }
 
+    /// Reads a scene called `name` from what is no file, like a pipe; relative paths in it resolve against `base`.
+    ///
+    /// # Errors
+    /// As [`SceneFile::read`].
+    pub fn read_from(reader: impl Read, name: &str, base: &Path) -> Result<SceneFile> {
+        let text = text(start_of(reader, Path::new(name))?, Path::new(name))?;
+        Ok(SceneFile::of_text(&text, name, base))
+    }
+
+    /// The text as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The text of a scene called `name`; relative paths in it resolve against `base`.
     pub fn of_text(text: &str, name: &str, base: &Path) -> SceneFile {
         SceneFile {
@@ -88,7 +102,11 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Scene> {
 
 /// The text of the scene file at `path`.
 pub(crate) fn text_of(path: &Path) -> Result<String> {
-    String::from_utf8(read(path)?).map_err(|error| {
+    text(read(path)?, path)
+}
+
+fn text(bytes: Vec<u8>, path: &Path) -> Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let help = "a scene is a TOML file in UTF-8";
         Error::invalid(path, format!("byte {at}"), "not UTF-8 text", help)
@@ -358,14 +376,19 @@ fn read(path: &Path) -> Result<Vec<u8>> {
                 path,
                 "",
                 error.to_string(),
-                "name a file, not a directory, a pipe or a device",
+                "name a file, not a directory, a pipe or a device; a scene can come from standard input, as -",
             ));
         }
         Err(error) => return Err(Error::io(path, "cannot open")(error)),
     };
+    start_of(file, path)
+}
+
+/// All of what is no longer than scenes are.
+fn start_of(reader: impl Read, path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut start = file.take(LONGEST as u64 + 1);
-    start
+    reader
+        .take(LONGEST as u64 + 1)
         .read_to_end(&mut bytes)
         .map_err(Error::io(path, "cannot read"))?;
     refuse_long(bytes.len(), path)?;

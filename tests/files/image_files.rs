@@ -120,6 +120,7 @@ fn half_precision_is_for_what_is_looked_at_alone() {
     let options = exr::Options {
         half: true,
         matrices: matrices.map(Some),
+        ..exr::Options::default()
     };
     exr::write_with(&path, &written, &options).unwrap();
     let read = exr::read(&path, &Default::default()).unwrap();

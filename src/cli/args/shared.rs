@@ -18,7 +18,7 @@ use crate::cli::{memory, panels, values};
 /// Which scene.
 #[derive(Debug, Args)]
 pub struct ScenePath {
-    /// The scene file (TOML), or a model without a scene (.glb, .gltf). Default: the built-in scene.
+    /// The scene file (TOML; - for standard input), or a model without a scene (.glb, .gltf). Default: the built-in scene.
     #[arg(value_name = "SCENE")]
     scene: Option<PathBuf>,
 }
@@ -126,6 +126,7 @@ impl Changes {
             pixel_centers: self.pixel_centers,
             memory_limit: self.memory.bytes(),
             precision: self.precision,
+            program: memory::PROGRAM,
             ..Request::default()
         }
     }

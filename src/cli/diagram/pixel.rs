@@ -1,11 +1,8 @@
 //! `nullray diagram --pixel`.
 
-use std::path::Path;
-
 use nullray::figures;
 use nullray::figures::diagram::model::Diagram;
 use nullray::figures::pixel_probe::{self, Probe};
-use nullray::io::files;
 use nullray::scene::Overrides;
 use nullray::scene::model::Scene;
 use nullray::{Error, Result};
@@ -14,7 +11,7 @@ use super::overrides;
 use crate::cli::args::{DiagramArguments, Origin};
 use crate::cli::failure::refused;
 use crate::cli::progress::Bar;
-use crate::cli::{interrupt, panels, print_json};
+use crate::cli::{builtin, interrupt, panels, print_json};
 
 /// The diagram of what a pixel sees, whose numbers it prints.
 pub fn model(arguments: &DiagramArguments, pixel: [u32; 2]) -> Result<Diagram> {
@@ -52,10 +49,7 @@ pub fn scene(arguments: &DiagramArguments, overrides: &Overrides) -> Result<Scen
 
 /// The diagram of `scene`, whose text has all changes made.
 pub fn diagram_of(arguments: &DiagramArguments, scene: &Scene) -> Result<Diagram> {
-    let base = match arguments.scene.path() {
-        Some(path) => path.parent().unwrap_or(Path::new("")),
-        None => Path::new(files::BUILT_IN),
-    };
+    let base = builtin::base(arguments.scene.path());
     figures::diagram::parse(&scene.text, &scene.name, base, &Overrides::default())
 }
 

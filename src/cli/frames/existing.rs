@@ -1,15 +1,13 @@
 //! Whether a file is there already: whole, and with the fingerprint that it would be given.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read};
 use std::path::Path;
 
-use nullray::io::budget::Budget;
 use nullray::io::image::{exr, png};
-use nullray::validate::compare::{Encoding, Picture};
+use nullray::io::sealed;
 
-use crate::cli::memory;
-use crate::cli::output::{CHECKSUM_KEY, Identity, Kind, Outputs, content_checksum, extension};
+use crate::cli::output::{Identity, Kind, Outputs, extension};
 
 /// Whether all files of a frame are there, as they would be written.
 pub fn all(outputs: &Outputs) -> bool {
@@ -28,30 +26,29 @@ pub fn all(outputs: &Outputs) -> bool {
 
 /// Whether a file with lines over a picture is whole and has this fingerprint.
 fn is_drawn(path: &Path, fingerprint: &str) -> bool {
-    let end: &[u8] = match extension(path).as_str() {
-        "svg" => b"</svg>\n",
-        "pdf" => b"%%EOF",
-        _ => {
-            let text = of_png(path).unwrap_or_default();
-            return text.contains(&(Identity::KEY.into(), fingerprint.into()));
-        }
-    };
-    let bytes = match path.is_file() {
-        true => std::fs::read(path).unwrap_or_default(),
-        false => return false,
-    };
+    if extension(path) == "png" {
+        let text = of_png(path).unwrap_or_default();
+        return text.contains(&(Identity::KEY.into(), fingerprint.into()));
+    }
+    if !is_sealed(path) {
+        return false;
+    }
+    let bytes = std::fs::read(path).unwrap_or_default();
     let mut places = bytes.windows(fingerprint.len());
-    bytes.ends_with(end) && places.any(|part| part == fingerprint.as_bytes())
+    places.any(|part| part == fingerprint.as_bytes())
+}
+
+/// Whether a file is there, and is byte for byte as it was written with its checksum.
+fn is_sealed(path: &Path) -> bool {
+    path.is_file() && sealed::is_whole(path).unwrap_or(false)
 }
 
 /// The fingerprint in a file that is whole; none in any other.
 fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
-    if !path.is_file() {
-        return None;
-    }
     let metadata = match kind {
         Kind::Display | Kind::Isochrones | Kind::Luminance => of_png(path)?,
-        Kind::Exr => of_exr(path)?,
+        Kind::Exr | Kind::Npz if !is_sealed(path) => return None,
+        Kind::Exr => exr::metadata(path).ok()?,
         Kind::Npz => of_npz(path)?,
     };
     let entry = metadata.into_iter().find(|(key, _)| key == Identity::KEY);
@@ -60,6 +57,9 @@ fn fingerprint(path: &Path, kind: Kind) -> Option<String> {
 
 /// The text of a PNG of which all checksums are right.
 fn of_png(path: &Path) -> Option<Vec<(String, String)>> {
+    if !path.is_file() {
+        return None;
+    }
     let bytes = std::fs::read(path).ok()?;
     if !png_is_whole(&bytes) {
         return None;
@@ -93,56 +93,15 @@ fn png_is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// The metadata of an EXR file whose content has the checksum that it was given.
-fn of_exr(path: &Path) -> Option<Vec<(String, String)>> {
-    let mut layers = exr::read(path, &Budget::new(memory::limit(None))).ok()?;
-    let given = layers
-        .metadata
-        .iter()
-        .position(|(key, _)| key == CHECKSUM_KEY)?;
-    let (_, given) = layers.metadata.swap_remove(given);
-    let half = !exr::half_channels(path).ok()?.is_empty();
-    (given == content_checksum(&layers, half)).then_some(layers.metadata)
-}
-
-/// The metadata of an archive of which every checksum is right, and whose arrays can be read: lengths and offsets in its
-/// directory have no checksum, nor have names, which stand both there and before the arrays.
+/// The metadata of an archive that is whole.
 fn of_npz(path: &Path) -> Option<Vec<(String, String)>> {
     let file = BufReader::new(File::open(path).ok()?);
     let mut archive = zip::ZipArchive::new(file).ok()?;
-    let mut text = None;
-    let mut names = Vec::new();
-    for index in 0..archive.len() {
-        let mut member = archive.by_index(index).ok()?;
-        names.push((member.header_start(), member.name_raw().to_vec()));
-        if member.name().is_ok_and(|name| name == "metadata.npy") {
-            text = Some(numpy_text(&mut member)?);
-        }
-        io::copy(&mut member, &mut io::sink()).ok()?;
-    }
-    let mut file = archive.into_inner();
-    for (start, name) in names {
-        if local_name(&mut file, start).ok()? != name {
-            return None;
-        }
-    }
-    let budget = Budget::new(memory::limit(None));
-    Picture::read(path, Encoding::Linear, &budget).ok()?;
-    let entries: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text?).ok()?;
+    let text = numpy_text(&mut archive.by_name("metadata.npy").ok()?)?;
+    let entries: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&text).ok()?;
     let entries = entries.into_iter();
     let texts = entries.filter_map(|(key, value)| Some((key, value.as_str()?.to_string())));
     Some(texts.collect())
-}
-
-/// The name in the local header of an archive's member that starts at `start`: its length is at byte 26, and the name at byte 30.
-fn local_name(file: &mut (impl Read + Seek), start: u64) -> io::Result<Vec<u8>> {
-    let mut length = [0; 2];
-    file.seek(SeekFrom::Start(start + 26))?;
-    file.read_exact(&mut length)?;
-    let mut name = vec![0; usize::from(u16::from_le_bytes(length))];
-    file.seek(SeekFrom::Start(start + 30))?;
-    file.read_exact(&mut name)?;
-    Ok(name)
 }
 
 /// The text of a numpy array of one `<U`: a header that ends with its line, then UTF-32.
@@ -165,33 +124,38 @@ mod tests {
     use nullray::io::image::{Channel, Layers, Samples, npz};
 
     #[test]
-    fn an_archive_with_a_changed_name_is_not_whole() {
+    fn a_file_with_any_byte_changed_is_not_whole() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.npz");
         let entries = [(Identity::KEY.to_string(), "is known".to_string())];
         let channel = |name: &str| Channel {
             name: name.into(),
             samples: Samples::F64(vec![0.5; 6]),
         };
-        let channels = ["radiance.R", "radiance.G", "radiance.B"]
-            .map(channel)
-            .to_vec();
-        npz::write(
-            &path,
-            &Layers::new(3, 2, channels, entries.to_vec()).unwrap(),
-        )
-        .unwrap();
-        assert_eq!(of_npz(&path), Some(entries.to_vec()));
-        let bytes = std::fs::read(&path).unwrap();
-        let name = b"radiance.npy";
-        let places = bytes.windows(name.len()).enumerate();
-        let places: Vec<_> = places.filter(|(_, part)| part == name).collect();
-        assert_eq!(places.len(), 2);
-        for (at, _) in places {
-            let mut changed = bytes.clone();
-            changed[at] ^= 4;
-            std::fs::write(&path, changed).unwrap();
-            assert_eq!(of_npz(&path), None, "byte {at}");
+        let channels = ["radiance.R", "radiance.G", "radiance.B"].map(channel);
+        let layers = Layers::new(3, 2, channels.to_vec(), entries.to_vec()).unwrap();
+        let [exr, npz] = ["a.exr", "a.npz"].map(|name| folder.path().join(name));
+        let options = exr::Options {
+            sealed: true,
+            ..exr::Options::default()
+        };
+        exr::write_with(&exr, &layers, &options).unwrap();
+        npz::write_sealed(&npz, &layers).unwrap();
+        for (path, kind) in [(exr, Kind::Exr), (npz, Kind::Npz)] {
+            let is_known = || fingerprint(&path, kind).as_deref() == Some("is known");
+            assert!(is_known(), "{kind:?}");
+            let mut bytes = std::fs::read(&path).unwrap();
+            for at in 0..bytes.len() {
+                bytes[at] ^= 4;
+                std::fs::write(&path, &bytes).unwrap();
+                assert!(!is_known(), "{kind:?}, byte {at}");
+                bytes[at] ^= 4;
+                std::fs::write(&path, &bytes[..at]).unwrap();
+                assert!(!is_known(), "{kind:?}, cut to {at}");
+            }
+            std::fs::write(&path, [&bytes[..], b"0"].concat()).unwrap();
+            assert!(!is_known(), "{kind:?} with a byte more");
+            std::fs::write(&path, &bytes).unwrap();
+            assert!(is_known(), "{kind:?}");
         }
     }
 

@@ -15,7 +15,7 @@ use nullray::{Error, Result};
 use serde_json::{Map, Value};
 
 use super::args::InfoArguments;
-use super::{print, print_json};
+use super::{builtin, print, print_json};
 
 /// The longest value that is shown to people; JSON has all of it.
 const LONGEST: usize = 100;
@@ -162,6 +162,9 @@ impl Kind {
     /// By the first bytes; by the extension where these say nothing, so that the reader of that kind
     /// tells what is wrong.
     fn of(path: &Path) -> Result<Kind> {
+        if builtin::is_standard_input(path) {
+            return Ok(Kind::Scene);
+        }
         if is_sequence(path) && !is_picture(path) {
             return Ok(Kind::Pictures);
         }

@@ -16,9 +16,10 @@ use nullray::scene::{self, Overrides};
 use serde_json::{Value, json};
 
 use super::{Info, camera};
+use crate::cli::builtin;
 
 pub fn info(path: &Path) -> Result<Info> {
-    let scene = scene::load(path, &Overrides::default())?;
+    let scene = builtin::read(path)?.scene(&Overrides::default())?;
     let mut info = Info::new("scene", "nullray scene");
     camera::rows(&mut info, &scene);
     info.list("object", &scene.objects, object);

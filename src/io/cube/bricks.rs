@@ -218,6 +218,11 @@ impl Bricks {
 
     /// The same without its dead bins, and with what is wanted of samples below 0.
     fn mended(self, path: &Path, wanted: Wanted) -> Result<Bricks> {
+        if self.shape.contains(&0) {
+            let what = format!("a cube of shape {:?} has no samples", self.shape);
+            let help = "every axis must have a size of at least 1";
+            return Err(Error::invalid(path, "", what, help));
+        }
         let dead = DeadBins::new(path, wanted.dead_bins, self.shape[2])?;
         Ok(Bricks {
             dead,

@@ -21,6 +21,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use ::exr::meta::Headers;
 use ::exr::meta::MetaData;
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::meta::header::Header;
@@ -36,6 +37,7 @@ use super::layers::{Channel, Layers, Samples, check_metadata};
 use crate::error::{Error, Result};
 use crate::io::budget::Budget;
 use crate::io::open::open_regular;
+use crate::io::sealed;
 
 /// The beginning of the name of the software that has written our files.
 const OWN: &str = concat!(env!("CARGO_PKG_NAME"), " ");
@@ -74,6 +76,8 @@ fn name_in_memory(name: &str, is_own: bool) -> String {
 pub struct Options {
     /// Radiance (also grey, `Y`) and alpha in half precision.
     pub half: bool,
+    /// With a checksum of the whole file in it: [`sealed`].
+    pub sealed: bool,
     /// Row-major matrices for points as rows, of the standard's attributes `worldToCamera` and `worldToNDC`.
     pub matrices: [Option<[f32; 16]>; 2],
 }
@@ -116,14 +120,28 @@ pub fn read(path: &Path, budget: &Budget) -> Result<Layers> {
 /// # Errors
 /// I/O errors; files that are not EXR or are broken.
 pub fn half_channels(path: &Path) -> Result<Vec<String>> {
-    let mut file = BufReader::new(open_regular(path)?.0);
-    let decoded = guarded(|| MetaData::read_from_buffered(&mut file, false));
-    let headers = settle(path, decoded)?.headers;
+    let headers = headers(path)?;
     let channels = headers.iter().flat_map(|header| &header.channels.list);
     let half = channels.filter(|channel| channel.sample_type == SampleType::F16);
     Ok(half
         .map(|channel| name_in_memory(&channel.name.to_string(), false))
         .collect())
+}
+
+/// The metadata of the first part; no pixel is decoded.
+///
+/// # Errors
+/// As [`half_channels`].
+pub fn metadata(path: &Path) -> Result<Vec<(String, String)>> {
+    let headers = headers(path)?;
+    let first = headers.first().map(|first| texts(&first.own_attributes).0);
+    Ok(first.unwrap_or_default())
+}
+
+fn headers(path: &Path) -> Result<Headers> {
+    let mut file = BufReader::new(open_regular(path)?.0);
+    let decoded = guarded(|| MetaData::read_from_buffered(&mut file, false));
+    Ok(settle(path, decoded)?.headers)
 }
 
 /// The result of a decoder that may have panicked (none).
@@ -284,7 +302,11 @@ pub fn write_with(path: &Path, layers: &Layers, options: &Options) -> Result<()>
     write_atomically(path, |writer| {
         let written = image.write().to_buffered(&mut *writer);
         written.map_err(|e| failure(path, e))?;
-        sort(writer).map_err(write_failed(path))
+        sort(writer).map_err(write_failed(path))?;
+        match options.sealed {
+            true => sealed::seal(writer.get_mut()).map_err(write_failed(path)),
+            false => Ok(()),
+        }
     })
 }
 
@@ -331,7 +353,12 @@ fn image(layers: &Layers, options: &Options) -> Image<Layer<AnyChannels<FlatSamp
 
 fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
     if half && matches!(name_in_file(&channel.name), "R" | "G" | "B" | "A" | "Y") {
-        let samples = channel.samples.to_f64().into_iter().map(half_of).collect();
+        let samples = match &channel.samples {
+            Samples::F32(v) => v.iter().map(|&x| half_of(x.into())).collect(),
+            Samples::F64(v) => v.iter().map(|&x| half_of(x)).collect(),
+            Samples::U32(v) => v.iter().map(|&x| half_of(x.into())).collect(),
+            Samples::I32(v) => v.iter().map(|&x| half_of(x.into())).collect(),
+        };
         return AnyChannel::new(text(name_in_file(&channel.name)), FlatSamples::F16(samples));
     }
     let samples = match &channel.samples {
@@ -344,7 +371,7 @@ fn channel(channel: &Channel, half: bool) -> AnyChannel<FlatSamples> {
 }
 
 /// The nearest half; the largest one in place of what is beyond it, which would become infinite.
-pub fn half_of(value: f64) -> f16 {
+fn half_of(value: f64) -> f16 {
     let largest = f64::from(f16::MAX);
     match value.is_infinite() {
         true => f16::from_f64(value),
@@ -385,6 +412,9 @@ fn layer_attributes(layers: &Layers, options: &Options) -> LayerAttributes {
     };
     for (key, value) in &layers.metadata {
         put(key, value);
+    }
+    if options.sealed {
+        put(sealed::KEY, &sealed::blank());
     }
     if !signed.is_empty() {
         put(SIGNED, &signed.join("\n"));

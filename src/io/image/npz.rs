@@ -19,6 +19,7 @@ use super::file::{write_all, write_atomically, write_failed};
 use super::layers::{Channel, Layers, Samples};
 use crate::error::{Error, Result};
 use crate::io::cube::{Cube, Samples as CubeSamples};
+use crate::io::sealed;
 
 const RADIANCE: [&str; 3] = ["radiance.R", "radiance.G", "radiance.B"];
 
@@ -29,18 +30,43 @@ type Archive<'a> = ZipWriter<Unfailing<'a>>;
 /// # Errors
 /// Layers that fail [`Layers::check`]; names that an archive cannot hold; I/O errors.
 pub fn write(path: &Path, layers: &Layers) -> Result<()> {
+    write_with(path, layers, false)
+}
+
+/// The same with a checksum of the whole file in the archive's comment: [`sealed`].
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_sealed(path: &Path, layers: &Layers) -> Result<()> {
+    write_with(path, layers, true)
+}
+
+fn write_with(path: &Path, layers: &Layers, is_sealed: bool) -> Result<()> {
     layers.check()?;
     let arrays = arrays(layers);
     check_names(path, &arrays)?;
     write_atomically(path, |writer| {
         let failed = RefCell::new(None);
-        let archive = ZipWriter::new(Unfailing::new(writer, &failed));
+        let mut archive = ZipWriter::new(Unfailing::new(writer, &failed));
+        if is_sealed {
+            let set = archive.set_comment(sealed::blank());
+            set.map_err(|e| failure(path, e))?;
+        }
         let written = write_archive(archive, path, layers, &arrays, &failed);
         match failed.into_inner() {
-            None => written,
-            Some(failure) => Err(write_failed(path)(failure)),
+            None => written?,
+            Some(failure) => return Err(write_failed(path)(failure)),
+        }
+        match is_sealed {
+            true => seal(writer).map_err(write_failed(path)),
+            false => Ok(()),
         }
     })
+}
+
+fn seal(writer: &mut BufWriter<File>) -> io::Result<()> {
+    writer.flush()?;
+    sealed::seal(writer.get_mut())
 }
 
 /// Writes all members, or those before the one where writing has failed.

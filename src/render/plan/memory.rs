@@ -1,6 +1,6 @@
 //! How much memory a plan takes.
 
-use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject};
+use super::planned::{Memory, PlannedCube, PlannedFrame, PlannedObject, Request};
 use crate::accel::Bvh;
 use crate::io::cube::{BRICK, LEAST_ROOM};
 use crate::light::time_texture::Capture;
@@ -16,7 +16,7 @@ pub(crate) const BUILT_TOGETHER: u64 = 1 << 18;
 /// compressed file. Measured: 1.6 for EXR, 1.1 for npz.
 const WRITING_TENTHS: u64 = 17;
 
-/// What the program takes beside what is planned, bytes: pages of its own code, stacks, what the allocator loses. Measured: 33 MiB
+/// What the program takes beside what is planned for it, bytes: pages of its own code, stacks, what the allocator loses. Measured: 33 MiB
 /// with two threads, and of room that is not given to bricks two thirds are not resident.
 const PROGRAM: u64 = 64 << 20;
 
@@ -48,8 +48,9 @@ pub(super) fn read_in_parts(
     }
     let in_parts = cubes.iter().flatten().filter(|c| c.held.is_some()).count() as u64;
     // What is resident is to stay within the limit, as far as that leaves room.
-    let left = limit - memory(cubes).total();
-    let left = left - PROGRAM.min(left / 4);
+    let planned = memory(cubes);
+    let left = limit - planned.total();
+    let left = left - PROGRAM.saturating_sub(planned.program).min(left / 4);
     let Some(each) = left.checked_div(in_parts) else {
         return;
     };
@@ -65,7 +66,7 @@ pub(super) fn memory(
     objects: &[PlannedObject],
     cubes: &[Option<PlannedCube>],
     layout: &Layout,
-    beside: u64,
+    request: &Request,
 ) -> Memory {
     let bvhs = frames
         .iter()
@@ -105,7 +106,8 @@ pub(super) fn memory(
         cubes: files.iter().map(|f| f.2).sum::<u64>() + captures.sum::<u64>(),
         film: layout.bytes(),
         temporary: temporary(frames, layout).max(splitting),
-        beside,
+        beside: request.beside,
+        program: request.program,
     }
 }
 

@@ -52,7 +52,7 @@ impl Plan {
         let layout = layout(scene, request, &objects);
         let rays = rays(scene, &layout, &objects, &cubes);
         let trees = trees(request, &rays, &objects);
-        let memory = |cubes: &_| memory::memory(&frames, &objects, cubes, &layout, request.beside);
+        let memory = |cubes: &_| memory::memory(&frames, &objects, cubes, &layout, request);
         memory::read_in_parts(&mut cubes, request.memory_limit, &memory);
         let memory = memory(&cubes);
         let view = Camera::new(scene)?.view.kind();

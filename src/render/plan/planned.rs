@@ -22,6 +22,8 @@ pub struct Request {
     pub precision: Precision,
     /// What is held beside the picture, bytes: maps that are warped, films that lines are traced on. Default: 0.
     pub beside: u64,
+    /// What the program itself takes, bytes: its code, stacks, tables, what allocators keep. Default: 0.
+    pub program: u64,
     /// How many pictures are taken of what is loaded: trees are built for their rays. Default: 1.
     pub pictures: u64,
 }
@@ -34,6 +36,7 @@ impl Default for Request {
             memory_limit: 16 << 30,
             precision: Precision::Certified,
             beside: 0,
+            program: 0,
             pictures: 1,
         }
     }
@@ -202,6 +205,8 @@ pub struct Memory {
     pub temporary: u64,
     /// What the request says is held beside the picture.
     pub beside: u64,
+    /// What the request says of the program itself.
+    pub program: u64,
 }
 
 impl Memory {
@@ -212,5 +217,6 @@ impl Memory {
             .saturating_add(self.film)
             .saturating_add(self.temporary)
             .saturating_add(self.beside)
+            .saturating_add(self.program)
     }
 }

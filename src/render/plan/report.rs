@@ -153,6 +153,10 @@ impl Plan {
             0 => text,
             beside => format!("{text}, beside the picture {}", bytes(beside)),
         };
+        let text = match memory.program {
+            0 => text,
+            program => format!("{text}, the program itself {}", bytes(program)),
+        };
         row(f, "memory", &text)
     }
 }

@@ -14,7 +14,7 @@ use crate::io::budget::Budget;
 use crate::io::{gltf, npy};
 use crate::mesh::atlas::Corners;
 use crate::mesh::{Material, Mesh, shapes};
-use crate::render::plan::{BUILT_TOGETHER, Lit, Plan, PlannedFrame, lit_by};
+use crate::render::plan::{BUILT_TOGETHER, Lit, Plan, PlannedFrame, PlannedObject, lit_by};
 use crate::render::progress::Progress;
 use crate::render::trace::{AlphaMasks, MaskedRun, Patch, RestFrame};
 use crate::scene::MADE_FOR_MODEL;
@@ -68,12 +68,7 @@ fn gathered_frame(
     for &index in &planned.objects {
         let object = &scene.objects[index];
         let planned = &plan.objects[index];
-        let want = gltf::Want {
-            uvs: planned.uvs,
-            textures: planned.textures,
-            shading: scene.is_lit(),
-            bad_vertices: object.bad_vertices,
-        };
+        let want = want(scene, object, planned);
         let mut told = Vec::new();
         let (mesh, images) = object_mesh(object, want, &mut told)?;
         // A scene that was made for a model has the lights of its file.
@@ -97,6 +92,16 @@ fn gathered_frame(
     // Where materials have masks, triangles have holes.
     gathered.masked = masked_runs(&gathered.patches, light);
     Ok(gathered)
+}
+
+/// What is read of the file of an object.
+pub(super) fn want(scene: &Scene, object: &Object, planned: &PlannedObject) -> gltf::Want {
+    gltf::Want {
+        uvs: planned.uvs,
+        textures: planned.textures,
+        shading: scene.is_lit(),
+        bad_vertices: object.bad_vertices,
+    }
 }
 
 /// The patches whose material has an alpha mask.

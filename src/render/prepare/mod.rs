@@ -2,11 +2,13 @@
 
 mod backs;
 mod emitters;
+mod files;
 mod geometry;
 mod response;
 mod sky;
 
 pub use emitters::Light;
+pub use files::check_files;
 pub use geometry::object_mesh;
 pub(crate) use response::scaling;
 

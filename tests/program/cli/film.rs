@@ -181,6 +181,37 @@ fn an_acceleration_from_rest_ends_with_the_speed_after_the_distance() {
 }
 
 #[test]
+fn folders_of_films_that_were_killed_days_ago_go_with_the_next_film() {
+    let folder = Folder::new();
+    let days_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3 * 86_400);
+    let aged = |name: &str| {
+        let file = std::fs::File::open(folder.path(name)).unwrap();
+        file.set_modified(days_ago).unwrap();
+    };
+    let pictures = |name: &str, other: &str| {
+        std::fs::create_dir(folder.path(name)).unwrap();
+        for picture in ["film-000000.png", other] {
+            folder.write(&format!("{name}/{picture}"), b"x");
+            aged(&format!("{name}/{picture}"));
+        }
+    };
+    pictures("left.apng.frames", "film-000001.png");
+    pictures("young.apng.frames", "film-000001.png");
+    pictures("own.apng.frames", "notes.txt");
+    aged("left.apng.frames");
+    aged("own.apng.frames");
+    let film = "film scene.toml --speeds 0.5 --pictures 2 -q -o a.apng";
+    folder.ok(&film.split(' ').collect::<Vec<_>>());
+    let expected = [
+        "a.apng",
+        "own.apng.frames",
+        "scene.toml",
+        "young.apng.frames",
+    ];
+    assert_eq!(folder.names(), expected);
+}
+
+#[test]
 fn a_film_can_show_rest_or_a_diagram_beside_its_pictures() {
     let folder = Folder::new();
     folder.ok(&"film scene.toml --speeds 0.9 --pictures 3 -o one.apng"

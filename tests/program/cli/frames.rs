@@ -183,7 +183,7 @@ fn a_frame_is_the_picture_that_its_time_gives_alone() {
     assert!(frame.channels == alone.channels);
     assert!(frame.channels != read("f-0004.exr").channels);
     // Apart from what resuming checks, it says the same of its origin.
-    let resuming = ["frame_fingerprint", "content_sha256"];
+    let resuming = ["frame_fingerprint", "file_sha256"];
     let metadata = frame.metadata.into_iter();
     let metadata: Vec<_> = metadata
         .filter(|(k, _)| !resuming.contains(&k.as_str()))

@@ -4,7 +4,7 @@ use nullray::io::image::{exr, png};
 use serde_json::Value;
 
 use super::refused::refused;
-use super::{Folder, SMALL};
+use super::{Folder, SMALL, repository};
 
 /// Panels for `SMALL`.
 pub const PANELS: &str = r#"
@@ -228,6 +228,28 @@ fn files_of_panels_that_meet_are_refused() {
     folder.write("figure.toml", scene);
     let arguments = ["render", "figure.toml", "-o", "x.png", "-o", "x-a.png"];
     refused(&folder, &arguments, &["x-a-b.png", "two outputs"]);
+}
+
+#[test]
+fn a_broken_file_of_a_later_panel_is_found_before_the_first_is_rendered() {
+    let folder = folder();
+    // A number of a corner is none.
+    let whole = std::fs::read(repository("scenes/gallery/die.glb")).unwrap();
+    let json = u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
+    let mut broken = whole.clone();
+    let numbers = 20 + json + 8;
+    broken[numbers..numbers + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    folder.write("whole.glb", whole);
+    folder.write("broken.glb", broken);
+    let model = "\n[[object]]\nname = \"die\"\ngltf = \"whole.glb\"\n";
+    let panels = "[[panel]]\nname = \"a\"\n[[panel]]\nname = \"b\"\nset = { object.die.gltf = \"broken.glb\" }\n";
+    folder.write("figure.toml", format!("{SMALL}{model}{panels}"));
+    let before = folder.names();
+    refused(&folder, &["render", "figure.toml"], &["broken.glb"]);
+    assert_eq!(folder.names(), before);
+    // A page of both neither.
+    refused(&folder, &["sheet", "figure.toml"], &["broken.glb"]);
+    assert_eq!(folder.names(), before);
 }
 
 #[test]

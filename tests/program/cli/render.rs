@@ -5,7 +5,7 @@ use std::process::Stdio;
 use nullray::io::image::{Samples, exr, png};
 use sha2::{Digest, Sha256};
 
-use super::Folder;
+use super::{Folder, Run};
 
 #[test]
 fn without_o_the_picture_has_the_scenes_name_in_the_current_directory() {
@@ -51,6 +51,35 @@ fn one_rendering_is_written_in_all_formats_at_once() {
     assert_eq!(&folder.read("a.npz")[..2], b"PK");
     let picture = png::inspect(&folder.path("a.png")).unwrap();
     assert_eq!([picture.width, picture.height], [32, 24]);
+}
+
+#[test]
+fn a_scene_from_standard_input_gives_the_picture_of_its_file() {
+    let folder = Folder::new();
+    let from = |name: &str, arguments: &[&str]| {
+        let mut command = folder.command(arguments);
+        command.stdin(std::fs::File::open(folder.path(name)).unwrap());
+        Run::of(command.output().unwrap())
+    };
+    folder.ok(&["render", "scene.toml", "-o", "file.exr"]);
+    for (name, output) in [("-", "a.exr"), ("/dev/stdin", "b.exr")] {
+        let run = from("scene.toml", &["render", name, "-o", output]);
+        assert_eq!((run.code, &run.stderr[..]), (0, ""), "{name}");
+        let read = |name: &str| exr::read(&folder.path(name), &Default::default()).unwrap();
+        assert!(read("file.exr").channels == read(output).channels, "{name}");
+    }
+    assert_eq!(from("scene.toml", &["plan", "-"]).code, 0);
+    assert_eq!(from("scene.toml", &["info", "-"]).code, 0);
+    // Outputs without a name are called after it, and messages name it.
+    from("scene.toml", &["render", "-", "-q"]);
+    assert!(folder.path("stdin.png").is_file());
+    folder.write("wrong.toml", "[camera]\neye = 3\n");
+    let run = from("wrong.toml", &["render", "-"]);
+    assert_eq!(run.code, 2);
+    assert!(run.message().contains("<stdin>"), "{}", run.stderr);
+    folder.write("long.toml", "#".repeat(5_000_000));
+    let run = from("long.toml", &["render", "-"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
 }
 
 #[test]

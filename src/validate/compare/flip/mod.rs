@@ -12,6 +12,8 @@
 //!            clipped, where x maps to 0.85 and n = max(2, ⌈stop − start⌉)
 //! ```
 //!
+//! Here n is at most 64: where the reference has more stops than that, the exposures are farther apart than one of them.
+//!
 //! All filters are separable (the blue-yellow one as a sum of two); pixels beyond the picture repeat its
 //! edge. Where more than half of the reference is black its median luminance gives no exposure: the median of its lit
 //! pixels stands in. The mean over a region is one of errors that the whole pictures give.
@@ -38,13 +40,23 @@ pub struct Flip {
     pub max: f64,
     /// The exposures in stops; none for pictures that a display shows as they are.
     pub exposures: Option<[f64; 2]>,
-    /// How many exposures.
+    /// How many exposures: one for each stop, and at most 64.
     pub steps: u32,
     /// Pixels per degree of visual angle.
     pub pixels_per_degree: f64,
     /// The error of each pixel, 0 outside of the region; where it was asked for.
     #[serde(skip)]
     pub map: Option<Vec<f32>>,
+}
+
+impl Flip {
+    /// How many stops lie between exposures, where that is more than the one of the definition.
+    pub fn stops_apart(&self) -> Option<f64> {
+        let [start, stop] = self.exposures?;
+        let apart = (stop - start) / f64::from(self.steps.max(2) - 1);
+        (self.steps >= MOST_EXPOSURES as u32 && stop - start > f64::from(MOST_EXPOSURES))
+            .then_some(apart)
+    }
 }
 
 /// Evaluates ꟻLIP, or HDR-ꟻLIP for pictures of high range.
@@ -106,10 +118,14 @@ struct Range {
     stop: f32,
 }
 
+/// The most exposures. The tail of a pulse may be 250 stops below its peak.
+const MOST_EXPOSURES: f32 = 64.0;
+
 impl Range {
     /// The factors by which light is multiplied.
     fn gains(self) -> Vec<f32> {
-        let steps = (self.stop - self.start).ceil().max(2.0) as u32;
+        let stops = (self.stop - self.start).ceil();
+        let steps = stops.clamp(2.0, MOST_EXPOSURES) as u32;
         let step = (self.stop - self.start) / (steps - 1) as f32;
         let exposure = |i: u32| libm::exp2f(self.start + i as f32 * step);
         // Equal exposures give equal errors.

@@ -20,8 +20,12 @@ pub fn table(comparison: &Comparison) -> String {
     if let Some(flip) = &comparison.flip {
         let kind = match flip.exposures {
             Some([a, b]) => format!(
-                "HDR, {} exposures from {a:+.2} to {b:+.2} stops",
-                flip.steps
+                "HDR, {} exposures from {a:+.2} to {b:+.2} stops{}",
+                flip.steps,
+                match flip.stops_apart() {
+                    Some(apart) => format!(", {apart:.1} apart"),
+                    None => String::new(),
+                }
             ),
             None => "as displayed".into(),
         };

@@ -1,0 +1,81 @@
+//! What several pictures of one request load, read before the first of them is rendered.
+
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+use super::{geometry, sky};
+use crate::error::Result;
+use crate::io::cube;
+use crate::io::gltf::Want;
+use crate::io::image::Texture;
+use crate::render::plan::{Plan, PlannedObject};
+use crate::render::progress::Progress;
+use crate::scene::model::{CubeData, Geometry, Object, Scene, SourceKind};
+
+/// The largest cube that is read to see whether it is whole, bytes; of larger ones the header was looked at.
+const LARGEST: u64 = 1 << 28;
+
+/// Reads the files that the pictures of `jobs` load, and lets go of them again: what is broken in a later one is not found hours after
+/// the first was begun. What the first loads it finds itself, before it is rendered; each other file is read once.
+///
+/// # Errors
+/// Broken files, and [`Error::Cancelled`](crate::Error::Cancelled) when `progress` says so.
+pub fn check_files<'a>(
+    jobs: impl IntoIterator<Item = (&'a Scene, &'a Plan)>,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let mut seen = HashSet::new();
+    for (index, (scene, plan)) in jobs.into_iter().enumerate() {
+        // What is said of a file tells how it is read; none is read twice the same way.
+        let mut is_new = |what: String| seen.insert(what) && index > 0;
+        for (object, planned) in scene.objects.iter().zip(&plan.objects) {
+            progress.check()?;
+            let want = geometry::want(scene, object, planned);
+            if let Some(key) = key(object, want)
+                && is_new(key)
+            {
+                mesh(object, planned, want)?;
+            }
+        }
+        for (source, planned) in scene.sources.iter().zip(&plan.cubes) {
+            progress.check()?;
+            let (SourceKind::Cube(cube), Some(planned)) = (&source.kind, planned) else {
+                continue;
+            };
+            let CubeData::File(file) = &cube.data else {
+                continue;
+            };
+            if is_new(format!("{file:?} {:?}", cube.channels)) && planned.bytes <= LARGEST {
+                cube::load(&file.path, file.wanted(cube.channels.as_ref()))?;
+            }
+        }
+        let files = scene.sky.iter().flat_map(|sky| sky.files());
+        let files: Vec<&PathBuf> = files.collect();
+        if !files.is_empty() && is_new(format!("{files:?}")) {
+            sky::load(scene, plan)?;
+        }
+    }
+    Ok(())
+}
+
+/// What tells the mesh of an object from others, if it has files.
+fn key(object: &Object, want: Want) -> Option<String> {
+    let coordinates = &object.texture_coordinates;
+    match &object.geometry {
+        Geometry::Gltf { path, node } => {
+            Some(format!("{path:?} {node:?} {coordinates:?} {want:?}"))
+        }
+        Geometry::Shape { .. } | Geometry::Mesh(_) => {
+            coordinates.as_ref().map(|file| format!("{file:?}"))
+        }
+    }
+}
+
+fn mesh(object: &Object, planned: &PlannedObject, want: Want) -> Result<()> {
+    let (_, images) = geometry::object_mesh(object, want, &mut Vec::new())?;
+    let unnamed = PathBuf::new();
+    let file = planned.file.as_ref().unwrap_or(&unnamed);
+    images
+        .into_iter()
+        .try_for_each(|image| Texture::decode(&image.bytes, &image.place, file).map(drop))
+}
